@@ -1,0 +1,77 @@
+#include "base/cli.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "base/size.h"
+
+namespace latent::cli {
+
+namespace {
+std::string& program_name() {
+    static std::string name = "latent";
+    return name;
+}
+}  // namespace
+
+const std::string& program() { return program_name(); }
+
+void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force) {
+    app.add_option("--threads", options.threads, "worker threads; 0 means one for each processor")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str();
+    if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within (K, M, G are binary)")->default_str("1G");
+    app.add_flag("--json", options.json, "print the report as JSON on stdout");
+    if (with_force) app.add_flag("--force", options.force, "replace an output that exists");
+    app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
+}
+
+std::optional<int> parse(CLI::App& app, int argc, char** argv) {
+    program_name() = app.get_name();
+    app.get_formatter()->column_width(34);
+    try {
+        app.parse(argc, argv);
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        fmt::print(stderr, "{}: {} (--help explains)\n", program(), error.what());
+        return kUsage;
+    }
+}
+
+CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {
+    return app
+        .add_option_function<std::string>(
+            name,
+            [&value, name](const std::string& text) {
+                const Result<std::uint64_t> size = parse_size(text);
+                if (!size) throw CLI::ValidationError(name, size.error().message);
+                value = *size;
+            },
+            help)
+        ->type_name("SIZE");
+}
+
+CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help) {
+    return app
+        .add_option_function<std::string>(
+            name,
+            [&seconds, name](const std::string& text) {
+                const Result<double> duration = parse_duration(text);
+                if (!duration) throw CLI::ValidationError(name, duration.error().message);
+                seconds = *duration;
+            },
+            help)
+        ->type_name("TIME");
+}
+
+int fail(const Error& error) {
+    fmt::print(stderr, "{}: {}\n", program(), error.message);
+    if (error.code == ErrorCode::kUsage) return kUsage;
+    return error.code == ErrorCode::kStopped ? kStopped : kFailed;
+}
+
+void warn(const std::string& message) { fmt::print(stderr, "{}: warning: {}\n", program(), message); }
+
+}  // namespace latent::cli

@@ -1,0 +1,50 @@
+// base/cli.h: the one grammar of all command lines (README.md, "Tools"). Only main.cpp files include this.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/progress.h"
+#include "base/result.h"
+
+namespace latent::cli {
+
+enum ExitStatus : int {
+    kDone = 0,
+    kFailed = 1,
+    kUsage = 2,
+    kDoneWithLosses = 3,  // finished, but something damaged or missing was left out and reported
+    kDamaged = 4,         // verify found damage
+    kStopped = 75,        // stopped; everything so far is committed: run again to go on
+};
+
+// What every tool takes.
+struct CommonOptions {
+    int threads = 0;                            // 0: as many as the machine has
+    std::uint64_t memory = std::uint64_t{1} << 30;  // bytes
+    bool json = false;
+    bool force = false;
+};
+
+// Adds --threads, --memory, --json and --version (`with_memory` and `with_force` add those two where they apply).
+void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force);
+
+// Parses; an exit status if the program should end now: --help and --version 0, misuse 2 (one line on stderr).
+std::optional<int> parse(CLI::App& app, int argc, char** argv);
+
+// An option that takes a size such as 512M, or a time such as 10m.
+CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help);
+CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help);
+
+// Prints "PROGRAM: MESSAGE" on stderr; returns kUsage for ErrorCode::kUsage, kStopped for kStopped, else kFailed.
+int fail(const Error& error);
+
+// The program's name for messages ("latent-merge"); set by `parse`.
+const std::string& program();
+
+// Prints "PROGRAM: warning: MESSAGE" on stderr.
+void warn(const std::string& message);
+
+}  // namespace latent::cli

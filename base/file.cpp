@@ -1,0 +1,212 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace latent {
+
+namespace {
+
+constexpr std::size_t kMaxTransfer = std::size_t{1} << 30;  // copy_file_range and pwrite stop near 2 GiB; stay well below
+
+int open_retrying(const char* path, int flags, mode_t mode = 0) {
+    int fd;
+    do fd = ::open(path, flags | O_CLOEXEC, mode);
+    while (fd < 0 && errno == EINTR);
+    return fd;
+}
+
+bool kernel_copy_unavailable(int error) {
+    return error == EXDEV || error == EINVAL || error == ENOSYS || error == EOPNOTSUPP || error == EPERM || error == EBADF;
+}
+
+}  // namespace
+
+File::File(File&& other) noexcept : fd_(std::exchange(other.fd_, -1)), path_(std::move(other.path_)) {}
+
+File& File::operator=(File&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    std::swap(path_, other.path_);
+    return *this;
+}
+
+File::~File() {
+    if (fd_ >= 0) ::close(fd_);
+}
+
+Result<File> File::open_read(const std::filesystem::path& path) {
+    const int fd = open_retrying(path.c_str(), O_RDONLY);
+    if (fd < 0) return error_from_errno(errno, path.string(), "cannot open");
+    struct stat info;
+    if (::fstat(fd, &info) == 0 && S_ISDIR(info.st_mode)) {
+        ::close(fd);
+        return Error{ErrorCode::kForeign, path.string() + ": is a folder, not a file"};
+    }
+    return File(fd, path);
+}
+
+Result<File> File::create_exclusive(const std::filesystem::path& path) {
+    const int fd = open_retrying(path.c_str(), O_RDWR | O_CREAT | O_EXCL, 0666);
+    if (fd < 0) return error_from_errno(errno, path.string(), "cannot create");
+    return File(fd, path);
+}
+
+Result<File> File::create_unnamed(const std::filesystem::path& folder) {
+    int fd = open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0600);
+    const std::string place = folder.string() + "/(temporary file)";
+    if (fd >= 0) return File(fd, place);
+    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) return error_from_errno(errno, folder.string(), "cannot create a temporary file");
+    const std::filesystem::path name = folder / fmt::format(".latent-{}.tmp", make_nonce());
+    fd = open_retrying(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+    if (fd < 0) return error_from_errno(errno, folder.string(), "cannot create a temporary file");
+    ::unlink(name.c_str());
+    return File(fd, place);
+}
+
+Result<std::uint64_t> File::size() const {
+    struct stat info;
+    if (::fstat(fd_, &info) != 0) return error_from_errno(errno, path_.string(), "cannot read its size");
+    return static_cast<std::uint64_t>(info.st_size);
+}
+
+Result<std::size_t> File::read_some(std::uint64_t offset, std::span<std::byte> into) const {
+    std::size_t done = 0;
+    while (done < into.size()) {
+        const std::size_t ask = std::min(into.size() - done, kMaxTransfer);
+        const ssize_t got = ::pread(fd_, into.data() + done, ask, static_cast<off_t>(offset + done));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return error_from_errno(errno, path_.string(), fmt::format("cannot read at byte {}", offset + done));
+        if (got == 0) break;
+        done += static_cast<std::size_t>(got);
+    }
+    return done;
+}
+
+Status File::read_exact(std::uint64_t offset, std::span<std::byte> into) const {
+    const Result<std::size_t> got = read_some(offset, into);
+    if (!got) return got.error();
+    if (*got < into.size()) {
+        return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}, {} bytes before the end of what begins at byte {}",
+                                                        path_.string(), offset + *got, into.size() - *got, offset)};
+    }
+    return {};
+}
+
+Status File::write_all(std::uint64_t offset, ByteSpan bytes) {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+        const std::size_t ask = std::min(bytes.size() - done, kMaxTransfer);
+        const ssize_t put = ::pwrite(fd_, bytes.data() + done, ask, static_cast<off_t>(offset + done));
+        if (put < 0 && errno == EINTR) continue;
+        if (put < 0) return error_from_errno(errno, path_.string(), "cannot write");
+        if (put == 0) return Error{ErrorCode::kIo, path_.string() + ": cannot write: the system wrote nothing and gave no reason"};
+        done += static_cast<std::size_t>(put);
+    }
+    return {};
+}
+
+Status File::copy_from(const File& source, std::uint64_t source_offset, std::uint64_t offset, std::uint64_t length) {
+    std::uint64_t done = 0;
+    while (done < length) {
+        off_t from = static_cast<off_t>(source_offset + done);
+        off_t to = static_cast<off_t>(offset + done);
+        const ssize_t copied = ::copy_file_range(source.fd_, &from, fd_, &to, std::min<std::uint64_t>(length - done, kMaxTransfer), 0);
+        if (copied < 0 && errno == EINTR) continue;
+        if (copied < 0 && !kernel_copy_unavailable(errno)) return error_from_errno(errno, path_.string(), "cannot write");
+        if (copied <= 0) break;  // go on through memory from here
+        done += static_cast<std::uint64_t>(copied);
+    }
+    Bytes buffer(std::min<std::uint64_t>(length - done, std::uint64_t{4} << 20));
+    while (done < length) {
+        const std::span<std::byte> piece(buffer.data(), std::min<std::uint64_t>(buffer.size(), length - done));
+        if (Status s = source.read_exact(source_offset + done, piece); !s) return s;
+        if (Status s = write_all(offset + done, piece); !s) return s;
+        done += piece.size();
+    }
+    return {};
+}
+
+Status File::sync_data() {
+    if (::fdatasync(fd_) != 0 && errno != EINVAL && errno != EROFS) return error_from_errno(errno, path_.string(), "cannot sync");
+    return {};
+}
+
+Status File::close() {
+    const int fd = std::exchange(fd_, -1);
+    if (fd >= 0 && ::close(fd) != 0 && errno != EINTR) return error_from_errno(errno, path_.string(), "cannot close");
+    return {};
+}
+
+Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool replace) {
+    std::error_code ignored;
+    if (!replace && std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) {
+        return Error{ErrorCode::kExists, path.string() + ": exists already (--force replaces it)"};
+    }
+    if (std::filesystem::is_directory(path, ignored)) return Error{ErrorCode::kExists, path.string() + ": is a folder"};
+    OutputFile out;
+    out.path_ = path;
+    out.replace_ = replace;
+    const std::filesystem::path folder = folder_of(path);
+    int fd = replace ? -1 : open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0666);
+    if (fd < 0) {  // a replacement is renamed over the old file, so it needs a name of its own first
+        out.temporary_ = folder / fmt::format(".{}.{}.tmp", path.filename().string(), make_nonce());
+        fd = open_retrying(out.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL, 0666);
+        if (fd < 0) {
+            const int error = errno;
+            out.temporary_.clear();
+            return error_from_errno(error, path.string(), "cannot create");
+        }
+    }
+    out.file_ = File(fd, path);
+    return out;
+}
+
+OutputFile::~OutputFile() {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Status OutputFile::publish() {
+    if (Status s = file_.sync_data(); !s) return s;
+    int failed;
+    if (temporary_.empty()) {
+        const std::string self = fmt::format("/proc/self/fd/{}", file_.descriptor());
+        failed = ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW);
+    } else if (replace_) {
+        failed = ::rename(temporary_.c_str(), path_.c_str());
+    } else {
+        failed = ::link(temporary_.c_str(), path_.c_str());
+    }
+    if (failed != 0) return error_from_errno(errno, path_.string(), "cannot name the finished file");
+    if (replace_) temporary_.clear();
+    if (Status s = file_.close(); !s) return s;
+    return sync_folder(folder_of(path_));
+}
+
+Status sync_folder(const std::filesystem::path& folder) {
+    const int fd = open_retrying(folder.c_str(), O_RDONLY | O_DIRECTORY);
+    if (fd < 0) return error_from_errno(errno, folder.string(), "cannot open");
+    const int failed = ::fsync(fd);
+    const int error = errno;
+    ::close(fd);
+    if (failed != 0 && error != EINVAL && error != EROFS) return error_from_errno(error, folder.string(), "cannot sync");
+    return {};
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+std::string make_nonce() {
+    std::uint64_t bits = 0;
+    while (::getrandom(&bits, sizeof bits, 0) != sizeof bits) {
+    }
+    return fmt::format("{:016x}", bits);
+}
+
+}  // namespace latent

@@ -1,0 +1,86 @@
+// base/file.h: files as byte ranges, and outputs that appear under their name only when they are complete.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "base/bytes.h"
+#include "base/result.h"
+
+namespace latent {
+
+// An open file descriptor and the path that errors name. Reads and writes loop over short transfers and EINTR.
+class File {
+   public:
+    File() = default;
+    File(File&& other) noexcept;
+    File& operator=(File&& other) noexcept;
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+    ~File();
+
+    static Result<File> open_read(const std::filesystem::path& path);
+    // Errors: kExists if there is a file of that name.
+    static Result<File> create_exclusive(const std::filesystem::path& path);
+    // Read and write, without a name, in the folder `folder`: gone when closed, whatever ends the process.
+    static Result<File> create_unnamed(const std::filesystem::path& folder);
+
+    bool is_open() const { return fd_ >= 0; }
+    int descriptor() const { return fd_; }
+    const std::filesystem::path& path() const { return path_; }
+
+    Result<std::uint64_t> size() const;
+    // Reads exactly `into.size()` bytes at `offset`. Errors: kTruncated if the file ends first.
+    Status read_exact(std::uint64_t offset, std::span<std::byte> into) const;
+    // Reads up to `into.size()` bytes; returns how many there were before the end of the file.
+    Result<std::size_t> read_some(std::uint64_t offset, std::span<std::byte> into) const;
+    Status write_all(std::uint64_t offset, ByteSpan bytes);
+    // Copies `length` bytes from another file inside the kernel where it can (copy_file_range), else through memory.
+    Status copy_from(const File& source, std::uint64_t source_offset, std::uint64_t offset, std::uint64_t length);
+    Status sync_data();
+    Status close();
+
+   private:
+    File(int fd, std::filesystem::path path) : fd_(fd), path_(std::move(path)) {}
+    friend class OutputFile;
+
+    int fd_ = -1;
+    std::filesystem::path path_;
+};
+
+// A file that will be `path` once `publish` succeeds; until then nothing of that name is there, or what was there stays. Where
+// the file system allows it the file has no name at all meanwhile, so that even kill -9 leaves nothing.
+class OutputFile {
+   public:
+    // Errors: kExists if `path` exists and `replace` is false (checked again, atomically, by `publish`).
+    static Result<OutputFile> create(const std::filesystem::path& path, bool replace);
+    OutputFile(OutputFile&&) noexcept = default;
+    OutputFile& operator=(OutputFile&&) noexcept = delete;
+    ~OutputFile();
+
+    File& file() { return file_; }
+    const std::filesystem::path& path() const { return path_; }
+    // Syncs, closes and names the file.
+    Status publish();
+
+   private:
+    OutputFile() = default;
+
+    File file_;
+    std::filesystem::path path_;
+    std::filesystem::path temporary_;  // empty: the file has no name yet
+    bool replace_ = false;
+};
+
+// Makes names that were created, linked or removed in `folder` survive a power cut.
+Status sync_folder(const std::filesystem::path& folder);
+
+// The folder that holds `path`: "." for a bare name.
+std::filesystem::path folder_of(const std::filesystem::path& path);
+
+// 16 hexadecimal digits that no other process or call will come up with.
+std::string make_nonce();
+
+}  // namespace latent

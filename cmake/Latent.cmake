@@ -1,0 +1,56 @@
+# How every target of this project is compiled, and the three kinds of target there are.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+# latent_options: no contraction, so that the same bits come out on every processor (docs/format.md, "Determinism"); on x86 the
+# baseline is SSE4.2 with AES and PCLMUL, which is Highway's SSE4 target: faster instructions are chosen at run time.
+add_library(latent_options INTERFACE)
+target_include_directories(latent_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(latent_options INTERFACE -ffp-contract=off)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(latent_options INTERFACE -msse4.2 -maes -mpclmul)
+endif()
+target_compile_options(latent_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual)
+if(LATENT_WERROR)
+  target_compile_options(latent_options INTERFACE -Werror)
+endif()
+
+# latent_library(NAME SOURCES a.cpp ... LINK latent_base ...): the library of one folder.
+function(latent_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC latent_options ${ARG_LINK})
+endfunction()
+
+# latent_tool(VERB LINK latent_merge ...): the executable latent-VERB from main.cpp.
+function(latent_tool verb)
+  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  add_executable(latent-${verb} main.cpp)
+  target_link_libraries(latent-${verb} PRIVATE latent_options latent_cli ${ARG_LINK})
+endfunction()
+
+# latent_test(NAME SOURCES a.cpp ... LINK latent_x ...): a GoogleTest binary NAME, each of its tests known to CTest.
+# Tests find the source tree in LATENT_SOURCE_DIR and the tools in LATENT_BIN_DIR (compile definitions).
+function(latent_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE latent_options ${ARG_LINK} GTest::gtest_main GTest::gmock)
+  target_compile_definitions(${name} PRIVATE LATENT_SOURCE_DIR="${PROJECT_SOURCE_DIR}" LATENT_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS ${name})
+endfunction()

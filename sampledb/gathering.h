@@ -1,0 +1,76 @@
+// sampledb/gathering.h: the files that a tool was given, seen as one set of selected runs. docs/format.md, "Selection".
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/coverage.h"
+#include "sampledb/job.h"
+#include "sampledb/page.h"
+
+namespace latent::sampledb {
+
+struct GatherOptions {
+    std::vector<std::filesystem::path> inputs;  // files, folders (their *.latent and *.latent.part.*), or NAME.latent not yet published
+    bool skip_duplicates = false;               // files named one by one may cover a sample twice: the repeat is dropped
+    std::optional<JobId> job;                   // keep this job, leave others out
+    std::optional<SampleRange> samples;         // only these sample numbers
+    std::uint64_t index_memory = std::uint64_t{128} << 20;  // bytes for indexes held at once; the rest is read again when needed
+};
+
+// A run that takes part.
+struct SelectedRun {
+    std::uint32_t file;       // index into `files`
+    std::uint64_t offset;     // absolute, of the run header
+    std::uint64_t size;       // bytes on disk, padding included
+    SampleRange samples;      // first .. end of its coverage
+    Coverage coverage;        // what it holds completely (one interval unless compacted)
+    bool cut = false;         // --samples takes only part of it: decode sample numbers and filter
+    std::uint64_t camera_records, light_records, page_count;
+    Hash128 content_hash;     // XXH3-128 of the decoded columns
+};
+
+struct LeftOut {
+    std::string place;   // "b.latent: run 3" or a file name
+    std::string reason;  // one clause: "checksum mismatch, samples 65536..131071 lost"
+};
+
+struct GatherReport {
+    std::vector<LeftOut> left_out;   // not empty: exit 3
+    std::vector<std::string> notes;  // normal, but worth a line: unfinished tail, superseded runs
+    std::uint64_t superseded_runs = 0, repeated_runs = 0;
+};
+
+// Thread-safe for reading once open. At most 256 files are open at a time; files are opened again when needed.
+class Gathering {
+   public:
+    // Errors: everything that blueprint 4.4 "Selection" refuses (kMismatch, kForeign, kNotFound ...), naming the files.
+    static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
+    virtual ~Gathering() = default;
+
+    virtual const Job& job() const = 0;
+    virtual const std::vector<std::filesystem::path>& files() const = 0;
+    virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
+    virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
+    virtual const GatherReport& report() const = 0;
+
+    // N of blueprint 4.3: light paths per sample x samples selected.
+    std::uint64_t light_paths() const { return coverage().size() * job().light_paths_per_sample; }
+
+    // The pages of run `run` (index into runs()), in Z order (node's first Z code, then larger nodes first).
+    virtual Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const = 0;
+
+    // Decodes a page into `page`, checksums verified. Errors: kCorrupt, kTruncated, kIo, with file, run and page named.
+    // `cut` runs are already filtered to the sample range.
+    virtual Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const = 0;
+
+    // Bytes read from disk so far.
+    virtual std::uint64_t bytes_read() const = 0;
+};
+
+}  // namespace latent::sampledb

@@ -1,0 +1,94 @@
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace latent {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileTest : public ::testing::Test {
+   protected:
+    fs::path folder_ = fs::path(::testing::TempDir()) / ("latent-file-" + make_nonce());
+    void SetUp() override { fs::create_directories(folder_); }
+    void TearDown() override { fs::remove_all(folder_); }
+    static std::string text_of(const fs::path& path) {
+        std::ifstream in(path, std::ios::binary);
+        std::ostringstream out;
+        out << in.rdbuf();
+        return out.str();
+    }
+    static ByteSpan bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+    std::size_t names_in_folder() const { return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {})); }
+};
+
+TEST_F(FileTest, AnOutputHasNoNameUntilItIsPublished) {
+    {
+        Result<OutputFile> out = OutputFile::create(folder_ / "a", false);
+        ASSERT_TRUE(out);
+        ASSERT_TRUE(out->file().write_all(0, bytes_of("half")));
+        EXPECT_FALSE(fs::exists(folder_ / "a"));
+    }
+    EXPECT_EQ(names_in_folder(), 0u);
+    Result<OutputFile> out = OutputFile::create(folder_ / "a", false);
+    ASSERT_TRUE(out->file().write_all(0, bytes_of("whole")));
+    ASSERT_TRUE(out->publish());
+    EXPECT_EQ(text_of(folder_ / "a"), "whole");
+    EXPECT_EQ(names_in_folder(), 1u);
+}
+
+TEST_F(FileTest, AnExistingOutputIsRefusedBeforeAndAtPublishing) {
+    Result<OutputFile> first = OutputFile::create(folder_ / "a", false);
+    Result<OutputFile> second = OutputFile::create(folder_ / "a", false);
+    ASSERT_TRUE(first && second);
+    ASSERT_TRUE(first->file().write_all(0, bytes_of("first")));
+    ASSERT_TRUE(first->publish());
+    const Status late = second->publish();
+    ASSERT_FALSE(late);
+    EXPECT_EQ(late.error().code, ErrorCode::kExists);
+    EXPECT_EQ(OutputFile::create(folder_ / "a", false).error().code, ErrorCode::kExists);
+    EXPECT_EQ(text_of(folder_ / "a"), "first");
+}
+
+TEST_F(FileTest, AReplacedOutputKeepsItsOldContentUntilThen) {
+    std::ofstream(folder_ / "a") << "old";
+    {
+        Result<OutputFile> abandoned = OutputFile::create(folder_ / "a", true);
+        ASSERT_TRUE(abandoned);
+    }
+    EXPECT_EQ(text_of(folder_ / "a"), "old");
+    Result<OutputFile> out = OutputFile::create(folder_ / "a", true);
+    ASSERT_TRUE(out->file().write_all(0, bytes_of("new")));
+    ASSERT_TRUE(out->publish());
+    EXPECT_EQ(text_of(folder_ / "a"), "new");
+    EXPECT_EQ(names_in_folder(), 1u);
+}
+
+TEST_F(FileTest, CopyingARangeCopiesExactlyThatRange) {
+    std::string text(3 << 20, ' ');
+    for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>(i * 2654435761u >> 24);
+    std::ofstream(folder_ / "a", std::ios::binary) << text;
+    Result<File> source = File::open_read(folder_ / "a");
+    Result<File> target = File::create_exclusive(folder_ / "b");
+    ASSERT_TRUE(source && target);
+    ASSERT_TRUE(target->copy_from(*source, 12345, 0, 2 << 20));
+    EXPECT_EQ(text_of(folder_ / "b"), text.substr(12345, 2 << 20));
+    const Status beyond = target->copy_from(*source, 2 << 20, 0, 2 << 20);
+    ASSERT_FALSE(beyond);
+    EXPECT_EQ(beyond.error().code, ErrorCode::kTruncated);
+}
+
+TEST_F(FileTest, FoldersAndMissingFilesAreNamed) {
+    EXPECT_EQ(File::open_read(folder_).error().code, ErrorCode::kForeign);
+    const Result<File> missing = File::open_read(folder_ / "none");
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
+    EXPECT_NE(missing.error().message.find("none"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace latent
