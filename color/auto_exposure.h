@@ -1,0 +1,34 @@
+// color/auto_exposure.h: a sensitivity chosen from the picture's luminances. Equations: docs/color.md, "Auto exposure".
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+
+namespace latent::color {
+
+// Counts of luminances in bins of 1/64 octave over all positive floats. Sums of histograms do not depend on their order.
+class LuminanceHistogram {
+ public:
+    LuminanceHistogram();
+    void add(std::span<const float> y);  // only positive finite values count
+    LuminanceHistogram& operator+=(const LuminanceHistogram& other);
+
+    std::uint64_t count() const;
+    // Luminance below which the fraction p of the counted pixels lies, to the width of a bin. 0 if nothing was counted.
+    double percentile(double p) const;
+    // exp of the mean log luminance of the pixels between two percentiles.
+    double log_average(double p_low, double p_high) const;
+
+ private:
+    std::vector<std::uint64_t> bins_;
+};
+
+// The sigma that prints the log average of all but the darkest and brightest 1 % at y' = 0.18, rounded to 4 digits, so that the
+// number printed is the number used. Errors: kOutOfRange if no pixel has a positive luminance.
+Result<double> auto_sigma(const LuminanceHistogram& histogram);
+
+}  // namespace latent::color

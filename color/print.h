@@ -1,0 +1,73 @@
+// color/print.h: from developed XYZ to a display's linear RGB: tone, luminance, gamut. Equations: docs/color.md, "The print".
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "base/result.h"
+#include "color/rgb_space.h"
+#include "color/tristimulus.h"
+
+namespace latent::color {
+
+enum class Tone {
+    kFilm,  // y' = 1 - 2^(-sigma y)
+    kNone,  // y' = sigma y: only converts; no gamut mapping, values leave [0,1]
+};
+enum class Gamut {
+    kLuminance,  // clamp, then scale or fade to white until the luminance is y' again [R06 5.3.3]
+    kGrey,       // straight towards the grey (y',y',y') until inside: keeps hue better, the same luminance
+    kClip,       // clamp and leave it; neither luminance nor hue is kept
+};
+Result<Tone> tone_by_name(std::string_view name);    // "film", "none"
+Result<Gamut> gamut_by_name(std::string_view name);  // "luminance", "grey", "clip"
+
+// Pixels, by what happened to them.
+struct PrintReport {
+    std::uint64_t pixels = 0;
+    std::uint64_t nan = 0;           // y is NaN: black
+    std::uint64_t negative = 0;      // y < 0: black
+    std::uint64_t infinite = 0;      // y = +Inf: white
+    std::uint64_t colourless = 0;    // x or z is not finite: grey y'
+    std::uint64_t out_of_gamut = 0;  // a component left [0,1] by more than 1e-6 before it was mapped
+    std::uint64_t clipped = 0;       // those among them that Gamut::kClip cut off
+
+    PrintReport& operator+=(const PrintReport& other);
+    bool operator==(const PrintReport&) const = default;
+};
+
+struct PrintSettings {
+    double sigma = 1;  // sensitivity of the film: y' = 1/2 at y = 1/sigma
+    Tone tone = Tone::kFilm;
+    Gamut gamut = Gamut::kLuminance;
+    Matrix3 adaptation;  // from the picture's white to the space's (color/adaptation.h); y is the Y after it
+};
+
+// sigma pushed by `stops`: sigma 2^stops.
+double pushed_sigma(double sigma, double stops);
+
+class Print {
+ public:
+    // Errors: kOutOfRange if sigma is not positive and finite; for kLuminance and kGrey, if the space's luminance row is refused.
+    static Result<Print> create(const RgbSpace& space, const PrintSettings& settings);
+
+    // One pixel in double: the reference. With Tone::kFilm the result is in [0,1], and m . rgb = y' unless the gamut is clipped.
+    Rgb pixel(Xyz xyz, PrintReport& report) const;
+
+    // The same in float over whole rows (planes of equal length; out may be in), with the processor's widest instructions and the
+    // same bits whatever these are. With Tone::kFilm: in [0,1], |m . rgb - y'| < 1e-6.
+    void row(std::span<const float> x, std::span<const float> y, std::span<const float> z, std::span<float> r, std::span<float> g,
+             std::span<float> b, PrintReport& report) const;
+
+ private:
+    Print() = default;
+    double sigma_ = 1;
+    Tone tone_ = Tone::kFilm;
+    Gamut gamut_ = Gamut::kLuminance;
+    std::array<double, 3> y_row_{};  // y after adaptation = y_row . (x, y, z)
+    Matrix3 rgb_from_xyz_;           // adaptation included
+    std::array<double, 3> m_{};      // luminance row
+};
+
+}  // namespace latent::color
