@@ -1,0 +1,74 @@
+// tests/faults/process.h: runs a tool as a child process, with or without faults from tests/faults/fault_shim.cpp.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace latent::testing {
+
+struct Outcome {
+    int status = -1;       // exit status; 128 + signal if a signal ended it
+    std::string out, err;  // what it printed
+    double seconds = 0;    // wall clock
+    long peak_rss_kib = 0;
+};
+
+using Environment = std::vector<std::pair<std::string, std::string>>;
+
+// Runs `command` (program and arguments; no shell) with these variables added to the environment, and waits for its end.
+Outcome run(const std::vector<std::string>& command, const Environment& environment = {});
+
+// A child with its standard output in a pipe, for tests that watch it and end it at a moment of their choice.
+class Child {
+ public:
+    explicit Child(const std::vector<std::string>& command, const Environment& environment = {});
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+    ~Child();             // kills it if it still runs
+    void kill_now();      // SIGKILL
+    int wait();           // exit status, 128 + signal
+    std::string drain();  // everything it printed on standard output, until that was closed
+
+ private:
+    pid_t pid_ = -1;
+    int out_ = -1;
+};
+
+struct Fault {
+    std::string rule;  // "write:3:ENOSPC", as fault_shim.cpp explains
+    std::string path;  // only files whose path contains this
+};
+
+struct FaultOutcome : Outcome {
+    bool happened = false;  // the rule met its call
+};
+
+FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault& fault, const Environment& environment = {});
+
+// The built executable of that name ("latent-merge").
+std::string tool(const std::string& name);
+
+// A new empty folder, removed with everything in it at the end.
+class TemporaryFolder {
+ public:
+    TemporaryFolder();
+    explicit TemporaryFolder(const std::filesystem::path& parent);
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    ~TemporaryFolder();
+    const std::filesystem::path& path() const { return path_; }
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    // Sorted names of what is in it.
+    std::vector<std::string> names() const;
+
+ private:
+    std::filesystem::path path_;
+};
+
+std::string read_text(const std::filesystem::path& path);
+
+}  // namespace latent::testing
