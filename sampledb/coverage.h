@@ -18,7 +18,7 @@ struct SampleRange {
 };
 
 class Coverage {
-   public:
+ public:
     Coverage() = default;
     explicit Coverage(SampleRange range) { add(range); }
 
@@ -38,7 +38,7 @@ class Coverage {
     const std::vector<SampleRange>& ranges() const { return ranges_; }
     bool operator==(const Coverage&) const = default;
 
-   private:
+ private:
     std::vector<SampleRange> ranges_;  // sorted, disjoint, not adjacent
 };
 

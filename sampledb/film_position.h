@@ -1,4 +1,5 @@
-// sampledb/film_position.h: named position samplers, in integers only: what lets a file leave positions out. docs/format.md, "Samplers".
+// sampledb/film_position.h: named position samplers, in integers only: what lets a file leave positions out. docs/format.md,
+// "Samplers".
 #pragma once
 
 #include <cstdint>

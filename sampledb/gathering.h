@@ -10,29 +10,29 @@
 
 #include "base/result.h"
 #include "sampledb/coverage.h"
+#include "sampledb/file_reader.h"
 #include "sampledb/job.h"
 #include "sampledb/page.h"
 
 namespace latent::sampledb {
 
 struct GatherOptions {
-    std::vector<std::filesystem::path> inputs;  // files, folders (their *.latent and *.latent.part.*), or NAME.latent not yet published
-    bool skip_duplicates = false;               // files named one by one may cover a sample twice: the repeat is dropped
-    std::optional<JobId> job;                   // keep this job, leave others out
-    std::optional<SampleRange> samples;         // only these sample numbers
+    std::vector<std::filesystem::path>
+        inputs;                          // files, folders (their *.latent and *.latent.part.*), or NAME.latent not yet published
+    bool skip_duplicates = false;        // files named one by one may cover a sample twice: the repeat is dropped
+    std::optional<JobId> job;            // keep this job, leave others out
+    std::optional<SampleRange> samples;  // only these sample numbers
+    VerifyLevel verify = VerifyLevel::kHeaders;             // runs that fail are left out; kFull reads every byte once more
     std::uint64_t index_memory = std::uint64_t{128} << 20;  // bytes for indexes held at once; the rest is read again when needed
 };
 
 // A run that takes part.
 struct SelectedRun {
-    std::uint32_t file;       // index into `files`
-    std::uint64_t offset;     // absolute, of the run header
-    std::uint64_t size;       // bytes on disk, padding included
-    SampleRange samples;      // first .. end of its coverage
-    Coverage coverage;        // what it holds completely (one interval unless compacted)
-    bool cut = false;         // --samples takes only part of it: decode sample numbers and filter
-    std::uint64_t camera_records, light_records, page_count;
-    Hash128 content_hash;     // XXH3-128 of the decoded columns
+    std::uint32_t file;    // index into `files`
+    std::uint64_t offset;  // absolute, of the run's first byte
+    RunHeader header;      // its counts and hashes; header.size() bytes on disk
+    Coverage coverage;     // what it holds completely (one interval unless compacted), cut to `samples`
+    bool cut = false;      // --samples takes only part of it: its pages are filtered when they are read
 };
 
 struct LeftOut {
@@ -48,7 +48,7 @@ struct GatherReport {
 
 // Thread-safe for reading once open. At most 256 files are open at a time; files are opened again when needed.
 class Gathering {
-   public:
+ public:
     // Errors: everything that blueprint 4.4 "Selection" refuses (kMismatch, kForeign, kNotFound ...), naming the files.
     static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
     virtual ~Gathering() = default;

@@ -25,11 +25,11 @@ struct Job {
     JobId id;
     std::uint32_t aspect_width = 1, aspect_height = 1;  // film aspect, reduced to lowest terms
     RecordKind kind = RecordKind::kXyz;
-    std::uint16_t batch = 0;                 // k, wavelengths of one sample (spectral jobs); 0 in XYZ jobs
-    WavelengthDensity density;               // empty: XYZ job, or explicit wavelengths
-    double light_unit_cd_m2 = 1.0;           // luminance of Y = 1
-    std::uint32_t light_paths_per_sample = 0;  // 0: no light image
-    std::uint32_t run_samples = 1u << 20;    // S, a power of two, 2^10..2^22
+    std::uint16_t batch = 0;                             // k, wavelengths of one sample (spectral jobs); 0 in XYZ jobs
+    WavelengthDensity density;                           // empty: XYZ job, or explicit wavelengths
+    double light_unit_cd_m2 = 1.0;                       // luminance of Y = 1
+    std::uint32_t light_paths_per_sample = 0;            // 0: no light image
+    std::uint32_t run_samples = 1u << 20;                // S, a power of two, 2^10..2^22
     std::uint64_t run_bytes = std::uint64_t{256} << 20;  // R, the cap of a run's raw bytes
     PositionSamplerSpec positions;
     std::vector<ExtraColumnSpec> extra;

@@ -35,7 +35,7 @@ struct WriterCounts {
 };
 
 class PartWriter {
-   public:
+ public:
     // Looks at what is there under the name, opens a new attempt if anything is missing.
     // Errors: kMismatch (NAME.latent is of another job, or covers another range), kUsage (range.first; the message names the
     // nearest valid ones), kIo, kNoSpace.

@@ -13,7 +13,7 @@ namespace latent::sampledb {
 // the same wavelengths. lambda_i = Q^-1((xi + i) / k), i = 0..k-1, with xi a 32-bit fraction (blueprint of [RBA09]: one offset
 // shifts a whole stratified batch).
 class WavelengthDensity {
-   public:
+ public:
     struct Knot {
         std::uint32_t lambda;      // wavelength in units of 2^-20 nm (360 nm .. 830 nm)
         std::uint64_t cumulative;  // Q in units of 2^-48; 0 at the first knot, 2^48 at the last, strictly increasing
@@ -33,7 +33,7 @@ class WavelengthDensity {
     // p(lambda) [1/nm], the slope of Q: piecewise constant, right-continuous; 0 outside the knots.
     float pdf_lambda(float lambda_nm) const;
 
-   private:
+ private:
     std::vector<Knot> knots_;
     std::vector<std::uint16_t> guide_;  // knot below each of 4096 equal steps of Q
 };

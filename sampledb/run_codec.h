@@ -1,0 +1,57 @@
+// sampledb/run_codec.h: records <-> a run's bytes. Order and page cut are functions of the records alone. docs/format.md, "Run".
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/bytes.h"
+#include "base/result.h"
+#include "sampledb/file_format.h"
+#include "sampledb/page.h"
+#include "sampledb/record.h"
+
+namespace latent::sampledb {
+
+// One run, ready to be written at a multiple of kBlock. The same bytes whatever order the grains came in, as long as the records
+// of one sample are in their order of emission. All records belong to samples of `coverage`; samples may be without records.
+// Errors: kOutOfRange, naming the sample whose record does not fit the job (kind, pairs, index, share, coverage).
+Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records);
+
+struct DecodedRun {
+    RunHeader header;
+    Coverage coverage;
+    Records records;  // ascending by sample; records of one sample in an order that encode_run maps to the same run
+};
+// `bytes` begin with a run. Verifies every checksum. Errors: kTruncated, kForeign, kUnsupported, kCorrupt, kMismatch (another job).
+Result<DecodedRun> decode_run(const Job& job, ByteSpan bytes);
+
+// The most records that a page of this job holds.
+std::size_t max_page_records(const Job& job);
+
+// End of the page that begins at `begin`: the largest node of the binary tree over Z codes that begins there and holds at most
+// `most` records. `z`: ascending Z prefixes of one class; looks no further than z[begin + most].
+std::size_t page_end(std::span<const std::uint32_t> z, std::size_t begin, std::size_t most);
+
+// Encodes a run page by page, for writers that cannot hold its records at once (compaction). The file gets kRunHeaderSize bytes
+// of header (known last), the pages, and what `finish` returns.
+class RunEncoder {
+ public:
+    RunEncoder(const Job& job, const Coverage& coverage);
+
+    // Appends the bytes of the next page to `out`: camera pages first, then light pages, each class ascending by
+    // (Z prefix, sample, order of emission) and cut by `page_end`.
+    void add_page(const Page& page, Bytes& out);
+
+    struct Tail {
+        RunHeader header;
+        Bytes index;  // index and padding
+    };
+    Tail finish();
+
+ private:
+    const Job& job_;
+    RunHeader header_;
+    RunIndex index_;
+};
+
+}  // namespace latent::sampledb
