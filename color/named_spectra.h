@@ -30,6 +30,7 @@ Result<Chromaticity> daylight_chromaticity(double cct_kelvin);
 // Spectrum of that daylight phase, 300..830 nm, near 100 at 560 nm:
 //   S = S0 + M1 S1 + M2 S2,  M = 0.0241 + 0.2562 x - 0.7341 y,
 //   M1 = (-1.3515 - 1.7703 x + 5.9114 y) / M,  M2 = (0.0300 - 31.4424 x + 30.0717 y) / M     [CIE15]
+// with M1 and M2 rounded to three decimals, as the CIE's own tables of D50, D65, ... are. Errors: kOutOfRange as above.
 Result<Spectrum> daylight(double cct_kelvin);
 
 }  // namespace latent::color

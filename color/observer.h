@@ -52,7 +52,7 @@ class Observer {
     std::string name_;
     std::vector<double> lambda_nm_;
     std::vector<std::array<double, 3>> response_;
-    std::vector<std::uint32_t> first_knot_;  // guide: the knot at or below every integer nm from the first knot on
+    std::vector<std::uint32_t> knot_below_;  // guide: the knot at or below the first one + 0, 1, 2, ... nm
     bool monochrome_ = false;
     double scale_ = 1;
 };

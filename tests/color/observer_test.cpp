@@ -1,0 +1,125 @@
+#include "color/observer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "color/named_spectra.h"
+
+namespace latent::color {
+namespace {
+
+std::array<double, 3> sums(const Observer& observer) {
+    std::array<double, 3> sum{};
+    for (const auto& response : observer.responses()) {
+        for (int i = 0; i < 3; ++i) sum[i] += response[i];
+    }
+    return sum;
+}
+
+TEST(Observer, TablesAddUpToThePublishedSums) {
+    struct Known {
+        const char* name;
+        std::array<double, 3> sum;
+    };
+    for (const Known& known : {Known{"cie1931", {106.865469, 106.856917, 106.892251}},
+                               {"cie1964", {116.648519, 116.661877, 116.673980}},
+                               {"cie2015-2", {113.04232, 113.04231, 113.04231}},
+                               {"cie2015-10", {118.51809, 118.51809, 118.51810}}}) {
+        SCOPED_TRACE(known.name);
+        const auto sum = sums(*Observer::by_name(known.name));
+        for (int i = 0; i < 3; ++i) EXPECT_NEAR(sum[i], known.sum[i], 5.1e-6);
+    }
+    EXPECT_THAT(Observer::by_name("cie1932").error().message, testing::HasSubstr("cie1931, cie1964, cie2015-2, cie2015-10"));
+}
+
+TEST(Observer, IsLinearBetweenTableEntriesAndZeroOutside) {
+    const Observer& cie = Observer::cie1931();
+    EXPECT_TRUE(cie.knots_at_integer_nm());
+    EXPECT_EQ(cie(555.0F)[1], 1.0F);
+    const auto a = cie(600), b = cie(601), between = cie(600.25F);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(between[i], 0.75 * a[i] + 0.25 * b[i], 1e-7);
+    EXPECT_EQ(cie(360)[0], 0.0001299F);
+    EXPECT_GT(cie(830)[0], 0);
+    for (const float lambda : {359.99F, 830.01F, -1e30F, 1e30F, std::numeric_limits<float>::quiet_NaN()}) {
+        EXPECT_EQ(cie(lambda), (std::array<float, 3>{}));
+    }
+}
+
+TEST(Observer, EvaluatesUnevenTablesLikeTheirSpectrum) {
+    const Observer film = *Observer::from_csv("400.25 0.5\n400.5 0.75\n401.125,1\n555.5;0.25\n556 0\n700 0.125\n", "film");
+    const Spectrum curve = film.curve(1);
+    EXPECT_FALSE(film.knots_at_integer_nm());
+    for (float lambda = 399; lambda < 702; lambda += 0.0625F)
+        EXPECT_EQ(film(lambda)[1], static_cast<float>(curve(lambda))) << lambda;
+}
+
+// White points of D65 and A at 1 nm, as published by the CIE for both observers.
+TEST(Observer, WhitePointsAreThePublishedOnes) {
+    const Chromaticity two = d65_chromaticity(Observer::cie1931()), ten = d65_chromaticity(*Observer::by_name("cie1964"));
+    EXPECT_NEAR(two.x, 0.31272, 2e-5);
+    EXPECT_NEAR(two.y, 0.32903, 2e-5);
+    EXPECT_NEAR(ten.x, 0.31382, 2e-5);
+    EXPECT_NEAR(ten.y, 0.33100, 2e-5);
+    const Chromaticity e = chromaticity(xyz_from_spectrum(Spectrum::constant(1), Observer::cie1931()));
+    EXPECT_NEAR(e.x, 1.0 / 3, 5e-5);
+    EXPECT_NEAR(e.y, 1.0 / 3, 5e-5);
+}
+
+TEST(Observer, FilmIsNeutralAndAnswersToDaylightLikeTheEye) {
+    const Observer film =
+        *Observer::from_csv("# Tri-X or so\nwavelength_nm,log10_sensitivity\n300,2.5\n400,2.7\n650,2\n660,-3\n", "film.csv");
+    EXPECT_TRUE(film.is_monochrome());
+    EXPECT_FALSE(film.is_cie1931());
+    EXPECT_EQ(film.name(), "film.csv");
+    const auto response = film(500);
+    EXPECT_EQ(response[0], response[1]);
+    EXPECT_EQ(response[2], response[1]);
+    EXPECT_NEAR(film(400)[1] / film(650)[1], std::pow(10, 0.7), 1e-5);
+    EXPECT_NEAR(film(400)[1] / film.given_scale(), std::pow(10, 2.7), 1e-3);
+    const double eye = xyz_from_spectrum(illuminant_d65(), Observer::cie1931()).y;
+    EXPECT_NEAR(xyz_from_spectrum(illuminant_d65(), film).y / eye, 1, 1e-12);
+    const Chromaticity neutral = d65_chromaticity(film);
+    EXPECT_NEAR(neutral.x, 1.0 / 3, 1e-12);
+    EXPECT_NEAR(neutral.y, 1.0 / 3, 1e-12);
+}
+
+TEST(Observer, ReadsTheSameTableInAnyDress) {
+    const Observer plain = *Observer::from_csv("400,1,2,3\n500,2,3,4\n", "a");
+    for (const char* text : {"\xEF\xBB\xBF# c\r\nlambda, r, g, b # names\r\n\r\n400, 1, 2, 3\r\n500, 2, 3, 4 # last\r\n",
+                             "400\t1\t2\t3\n500\t2\t3\t+4", "  400 1e0 20e-1 3\n\n#\n 500;2;3;4"}) {
+        const Result<Observer> dressed = Observer::from_csv(text, "a");
+        ASSERT_TRUE(dressed) << text;
+        EXPECT_TRUE(std::ranges::equal(dressed->responses(), plain.responses())) << text;
+        EXPECT_FALSE(dressed->is_monochrome());
+    }
+}
+
+TEST(Observer, BadTablesAreRefusedWithTheirLine) {
+    const auto message = [](const char* text) {
+        const Result<Observer> observer = Observer::from_csv(text, "bad");
+        return observer ? std::string("accepted") : observer.error().message;
+    };
+    using testing::HasSubstr;
+    using testing::StartsWith;
+    EXPECT_THAT(message(""), HasSubstr("at least two lines"));
+    EXPECT_THAT(message("# nothing\nlambda,v\n"), HasSubstr("at least two lines"));
+    EXPECT_THAT(message("400,1\n"), HasSubstr("at least two lines"));
+    EXPECT_THAT(message("400,1,2\n500,1,2\n"), StartsWith("line 1: 3 columns"));
+    EXPECT_THAT(message("#\n400,1\n\n500,1,2,3\n"), StartsWith("line 4: 4 columns where the lines above have 2"));
+    EXPECT_THAT(message("400,1\n500,x\n"), StartsWith("line 2: \"x\" is not a finite number"));
+    EXPECT_THAT(message("400,1\n500,nan\n"), StartsWith("line 2: \"nan\""));
+    EXPECT_THAT(message("400,1\n500,inf\n"), StartsWith("line 2: \"inf\""));
+    EXPECT_THAT(message("400,1\n500,-0.5\n"), StartsWith("line 2: a response cannot be -0.5"));
+    EXPECT_THAT(message("nm,log10_s\n400,1\n500,999\n"), StartsWith("line 3: a response cannot be 999"));
+    EXPECT_THAT(message("400,1\n400,1\n"), StartsWith("line 2: wavelengths must increase"));
+    EXPECT_THAT(message("0.4,1\n0.5,1\n"), StartsWith("line 1: wavelengths are in nm"));
+    EXPECT_THAT(message("nm,v\nnm,v\n400,1\n"), StartsWith("line 2: \"nm\""));
+    EXPECT_THAT(message("400,1,0,1\n500,1,0,1\n"), HasSubstr("does not see daylight"));
+    EXPECT_THAT(message("900,1\n1000,1\n"), HasSubstr("does not see daylight"));
+}
+
+}  // namespace
+}  // namespace latent::color
