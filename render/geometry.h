@@ -52,6 +52,7 @@ struct Emitter {
     float radius;     // sphere
     bool inward;      // sphere: ng points to the centre
     float area;
+    float scale;  // radiance = scale x AreaLightDescription::spectrum; AreaLightDescription::scale and power are in it
     std::uint32_t inside_medium, outside_medium;
 };
 

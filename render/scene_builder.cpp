@@ -1,0 +1,327 @@
+#include "render/scene_builder.h"
+
+#include <fmt/format.h>
+
+#include "render/scene_entities.h"
+
+namespace latent::render {
+
+namespace {
+
+Affined translation(const Vec3d& t) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, t}; }
+
+// Rotation by `degrees` about `axis`, counterclockwise where the axis points at the viewer in right-handed coordinates.
+Affined rotation(double degrees, const Vec3d& axis) {
+    const Vec3d a = normalize(axis);
+    const double s = std::sin(degrees * std::numbers::pi / 180), c = std::cos(degrees * std::numbers::pi / 180);
+    const auto image = [&](const Vec3d& v) { return a * dot(a, v) * (1 - c) + v * c + cross(a, v) * s; };
+    return {image({1, 0, 0}), image({0, 1, 0}), image({0, 0, 1}), {0, 0, 0}};
+}
+
+// Camera space from world space: z looks along, x is to the right in the image, which is what left-handed coordinates make of it.
+std::optional<Affined> look_at(const Vec3d& eye, const Vec3d& at, const Vec3d& up) {
+    const Vec3d z = normalize(at - eye), right = normalize(cross(normalize(up), z));
+    if (!std::isfinite(dot(z, z)) || !std::isfinite(dot(right, right))) return std::nullopt;
+    return Affined(right, cross(z, right), z, eye).inverse();
+}
+
+Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages)
+    : scene_(scene), files_(files), messages_(messages), spectra_(files, messages) {
+    scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
+    interface_.push_back(false);
+}
+
+ParameterList SceneBuilder::list(const Directive& d, std::string_view target) {
+    spectra_.set_color_space(state_.color_space);
+    const auto inherited = state_.attributes.find(target);
+    return {d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, messages_};
+}
+
+void SceneBuilder::push(const std::string& by, const SourceLocation& where) { stack_.push_back({state_, by, where}); }
+
+void SceneBuilder::pop(const std::string& by, const SourceLocation& where) {
+    if (stack_.empty())
+        return messages_.error(where,
+                               fmt::format("this {} ends nothing", by == "Import" ? by : by.substr(0, by.size() - 5) + "End"));
+    if (stack_.back().by != by)
+        messages_.error(where, fmt::format("{} from line {} is still open here", stack_.back().by, stack_.back().where.line));
+    state_ = std::move(stack_.back().state);
+    stack_.pop_back();
+}
+
+SceneBuilder::Named& SceneBuilder::name(Names& names, const std::string& text, const SourceLocation& where, std::size_t next) {
+    return names.try_emplace(text, Named{static_cast<std::uint32_t>(next), std::nullopt, where}).first->second;
+}
+
+std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation& where) {
+    if (text.empty()) return kNone;
+    const Named& named = name(media_, text, where, scene_.media.size());
+    if (named.index == scene_.media.size()) scene_.media.push_back({.name = text, .location = where});
+    return named.index;
+}
+
+void SceneBuilder::apply(const Directive& d) {
+    const bool ignored = d.name == "Sampler" || d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option" ||
+                         d.name == "TransformTimes";
+    if (!ignored && d.name != "Film" && d.name != "Integrator") files_.count(d);  // those two count in the job, as they are used
+    if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
+    if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": not before WorldBegin");
+    if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
+    if (d.name == "MakeNamedMedium") return add_medium(d);
+    if (d.name == "AreaLightSource") return add_area_light(d);
+    if (d.name == "Shape") return add_shape(d);
+    if (d.name == "ObjectBegin") return begin_object(d);
+    if (d.name == "ObjectInstance") return add_instance(d);
+    if (d.name == "LightSource") {
+        LightDescription light = read_light(d.strings[0], list(d, "light"), spectra_, files_);
+        light.world_from_light = state_.ctm;
+        light.medium = state_.outside_medium;
+        scene_.lights.push_back(std::move(light));
+        return;
+    }
+    messages_.error(d.where, fmt::format("{} is not supported", d.name));  // Texture
+}
+
+bool SceneBuilder::apply_transform(const Directive& d) {
+    const std::vector<double>& n = d.numbers;
+    if (d.name == "Identity") {
+        state_.ctm = {};
+    } else if (d.name == "Translate") {
+        state_.ctm = state_.ctm * translation(vec(n));
+    } else if (d.name == "Scale") {
+        if (n[0] == 0 || n[1] == 0 || n[2] == 0) messages_.error(d.where, "Scale: a factor is 0");
+        state_.ctm = state_.ctm * Affined({n[0], 0, 0}, {0, n[1], 0}, {0, 0, n[2]}, {0, 0, 0});
+    } else if (d.name == "Rotate") {
+        const Vec3d axis{n[1], n[2], n[3]};
+        if (!(length(axis) > 0)) {
+            messages_.error(d.where, "Rotate: the axis has no direction");
+        } else {
+            state_.ctm = state_.ctm * rotation(n[0], axis);
+        }
+    } else if (d.name == "LookAt") {
+        const std::optional<Affined> view = look_at(vec(n), vec(std::span(n).subspan(3)), vec(std::span(n).subspan(6)));
+        if (view) {
+            state_.ctm = state_.ctm * *view;
+        } else {
+            messages_.error(d.where, "LookAt: the direction is 0, or parallel to up");
+        }
+    } else if (d.name == "Transform" || d.name == "ConcatTransform") {
+        // The file holds columns: the images of x, y, z and the origin, each with its w.
+        const Affined map(vec(n), vec(std::span(n).subspan(4)), vec(std::span(n).subspan(8)), vec(std::span(n).subspan(12)));
+        if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1)
+            messages_.error(d.where, d.name + ": projective transformations are not supported");
+        if (!map.inverse()) messages_.error(d.where, d.name + ": the matrix is singular");
+        state_.ctm = d.name == "Transform" ? map : state_.ctm * map;
+    } else if (d.name == "CoordinateSystem") {
+        coordinate_systems_[d.strings[0]] = state_.ctm;
+    } else if (d.name == "CoordSysTransform") {
+        const auto found = coordinate_systems_.find(d.strings[0]);
+        if (found == coordinate_systems_.end()) {
+            messages_.error(d.where, fmt::format("CoordSysTransform: \"{}\" was not defined", d.strings[0]));
+        } else {
+            state_.ctm = found->second;
+        }
+    } else if (d.name == "ActiveTransform") {
+        if (d.strings[0] != "All") messages_.error(d.where, "ActiveTransform: moving things are not supported");
+    } else if (d.name == "TransformTimes") {
+        messages_.warn(d.where, "TransformTimes is ignored: nothing moves");
+    } else {
+        return false;
+    }
+    return true;
+}
+
+bool SceneBuilder::apply_option(const Directive& d) {
+    const bool known = d.name == "Camera" || d.name == "Film" || d.name == "Integrator" || d.name == "Sampler" ||
+                       d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "WorldBegin" || d.name == "Option";
+    if (!known) return false;
+    if (in_world_ && d.name != "Option") {
+        messages_.error(d.where, d.name + ": not after WorldBegin");
+    } else if (d.name == "Camera") {
+        camera_ = d;
+        camera_state_ = state_;
+        if (const std::optional<Affined> inverse = state_.ctm.inverse()) coordinate_systems_["camera"] = *inverse;
+    } else if (d.name == "Film") {
+        scene_.film = read_film(list(d, "film"));
+    } else if (d.name == "Integrator") {
+        read_integrator(d.strings[0], list(d, "integrator"), scene_);
+    } else if (d.name == "Sampler") {
+        messages_.warn(d.where, "Sampler is ignored: --spp or --samples says how many samples to take");
+    } else if (d.name == "PixelFilter") {
+        messages_.warn(d.where, "PixelFilter is ignored: latent-develop --filter chooses it");
+    } else if (d.name == "Accelerator") {
+        messages_.warn(d.where, "Accelerator is ignored");
+    } else if (d.name == "Option") {
+        const bool changes =
+            d.strings[0] == "forcediffuse" || d.strings[0] == "disablepixeljitter" || d.strings[0] == "disablewavelengthjitter";
+        if (changes && d.strings[1] != "false")
+            messages_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
+        if (!changes) messages_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
+    } else {
+        place_camera();
+        in_world_ = true;
+        state_.ctm = {};
+        coordinate_systems_["world"] = {};
+    }
+    return true;
+}
+
+void SceneBuilder::place_camera() {
+    const Directive standard{.name = "Camera", .strings = {"perspective"}};
+    const Directive& d = camera_ ? *camera_ : standard;
+    const State& state = camera_ ? camera_state_ : state_;
+    const std::optional<Affined> inverse = state.ctm.inverse();
+    if (!inverse) return messages_.error(d.where, "Camera: the transformation is singular");
+    scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, messages_), scene_.film);
+    scene_.camera.world_from_camera = *inverse;
+    scene_.camera.medium = state.outside_medium;
+}
+
+bool SceneBuilder::apply_state(const Directive& d) {
+    if (d.name == "AttributeBegin" || d.name == "TransformBegin") {
+        push(d.name, d.where);
+    } else if (d.name == "AttributeEnd" || d.name == "TransformEnd") {
+        pop(d.name == "AttributeEnd" ? "AttributeBegin" : "TransformBegin", d.where);
+    } else if (d.name == "ObjectEnd") {
+        pop("ObjectBegin", d.where);
+        object_ = kNone;
+    } else if (d.name == "ReverseOrientation") {
+        state_.reverse_orientation = !state_.reverse_orientation;
+    } else if (d.name == "NamedMaterial") {
+        const Named& named = name(materials_, d.strings[0], d.where, scene_.materials.size());
+        if (named.index == scene_.materials.size()) {
+            scene_.materials.push_back({.name = d.strings[0], .location = d.where});
+            interface_.push_back(false);
+        }
+        state_.material = named.index;
+    } else if (d.name == "MediumInterface") {
+        state_.inside_medium = medium(d.strings.front(), d.where);
+        state_.outside_medium = medium(d.strings.back(), d.where);
+    } else if (d.name == "ColorSpace") {
+        if (!spectra_.set_color_space(d.strings[0])) {
+            messages_.error(d.where, fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020)", d.strings[0]));
+        } else {
+            state_.color_space = d.strings[0];
+        }
+    } else if (d.name == "Attribute") {
+        const std::string& target = d.strings[0];
+        if (target != "shape" && target != "light" && target != "material" && target != "medium" && target != "texture") {
+            messages_.error(d.where, fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
+        }
+        for (Parameter p : d.parameters) {
+            p.inherited = true;
+            state_.attributes[target].push_back(std::move(p));
+        }
+    } else {
+        return false;
+    }
+    return true;
+}
+
+void SceneBuilder::add_material(const Directive& d) {
+    const ParameterList parameters = list(d, "material");
+    const bool has_name = d.name == "MakeNamedMaterial";
+    std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
+    if (!type) return parameters.error("MakeNamedMaterial: \"string type\" is needed");
+    std::optional<MaterialDescription> material = read_material(*type, parameters, spectra_);
+    std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
+    if (has_name) {
+        Named& named = name(materials_, d.strings[0], d.where, index);
+        if (named.defined)
+            return parameters.error(
+                fmt::format("MakeNamedMaterial \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+        named.defined = d.where;
+        index = named.index;
+    }
+    if (index == scene_.materials.size()) {
+        scene_.materials.emplace_back();
+        interface_.push_back(false);
+    }
+    interface_[index] = !material;
+    scene_.materials[index] = std::move(material).value_or(MaterialDescription{.location = d.where});
+    scene_.materials[index].name = has_name ? d.strings[0] : "";
+    if (!has_name) state_.material = index;
+}
+
+void SceneBuilder::add_medium(const Directive& d) {
+    const ParameterList parameters = list(d, "medium");
+    const std::optional<std::string> type = parameters.string("type");
+    if (!type) return parameters.error("MakeNamedMedium: \"string type\" is needed");
+    const std::uint32_t index = medium(d.strings[0], d.where);
+    if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
+    Named& named = media_.at(d.strings[0]);
+    if (named.defined)
+        return parameters.error(
+            fmt::format("MakeNamedMedium \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+    named.defined = d.where;
+    scene_.media[index] = read_medium(*type, parameters, spectra_);
+    scene_.media[index].name = d.strings[0];
+}
+
+void SceneBuilder::add_area_light(const Directive& d) {
+    state_.area_light = static_cast<std::uint32_t>(scene_.area_lights.size());
+    scene_.area_lights.push_back(read_area_light(d.strings[0], list(d, "light"), spectra_));
+}
+
+void SceneBuilder::add_shape(const Directive& d) {
+    const ParameterList parameters = list(d, "shape");
+    if (!state_.ctm.inverse()) return parameters.error("Shape: the transformation is singular");
+    std::vector<ShapeDescription> shapes = read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_);
+    for (ShapeDescription& shape : shapes) {
+        shape.material = state_.material;
+        shape.area_light = state_.area_light;
+        shape.inside_medium = state_.inside_medium;
+        shape.outside_medium = state_.outside_medium;
+        if (object_ != kNone && shape.area_light != kNone) parameters.error("Shape: lights inside ObjectBegin are not supported");
+        (object_ == kNone ? scene_.shapes : scene_.objects[object_].shapes).push_back(std::move(shape));
+    }
+}
+
+void SceneBuilder::begin_object(const Directive& d) {
+    push("ObjectBegin", d.where);
+    if (object_ != kNone) return messages_.error(d.where, "ObjectBegin: inside another object");
+    Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
+    if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
+    if (named.defined)
+        messages_.error(d.where, fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+    named.defined = d.where;
+    object_ = named.index;
+}
+
+void SceneBuilder::add_instance(const Directive& d) {
+    if (object_ != kNone) return messages_.error(d.where, "ObjectInstance: not inside ObjectBegin");
+    if (!state_.ctm.inverse()) return messages_.error(d.where, "ObjectInstance: the transformation is singular");
+    const Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
+    if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
+    scene_.instances.push_back({named.index, state_.ctm, d.where});
+}
+
+void SceneBuilder::finish(const SourceLocation& end) {
+    if (!in_world_) messages_.error(end, "the scene ends before WorldBegin");
+    for (const Pushed& open : stack_) messages_.error(open.where, open.by + " is never ended");
+    const auto check = [&](const Names& names, std::string_view what) {
+        for (const auto& [text, named] : names) {
+            if (!named.defined) messages_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
+        }
+    };
+    check(materials_, "material");
+    check(media_, "medium");
+    check(objects_, "object");
+    const auto resolve = [&](ShapeDescription& shape) {
+        if (!interface_[shape.material]) return;
+        shape.material = kNone;
+        if (shape.area_light != kNone)
+            messages_.warn(shape.location, "Shape: \"interface\" emits nothing: the area light is ignored");
+        shape.area_light = kNone;
+    };
+    for (ShapeDescription& shape : scene_.shapes) resolve(shape);
+    for (ObjectDescription& object : scene_.objects) {
+        for (ShapeDescription& shape : object.shapes) resolve(shape);
+    }
+}
+
+}  // namespace latent::render
