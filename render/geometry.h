@@ -45,15 +45,15 @@ struct SurfaceHit {
 
 // A piece of a light that has area: one triangle, or one whole sphere (of a uniform scale).
 struct Emitter {
-    std::uint32_t area_light;
-    bool is_sphere;
-    Vec3f p, e1, e2;  // triangle: a vertex and the edges from it; sphere: its centre in p
-    Vec3f n;          // triangle: unit normal as SurfaceHit::ng
-    float radius;     // sphere
-    bool inward;      // sphere: ng points to the centre
-    float area;
-    float scale;  // radiance = scale x AreaLightDescription::spectrum; AreaLightDescription::scale and power are in it
-    std::uint32_t inside_medium, outside_medium;
+    std::uint32_t area_light = kNone;
+    bool is_sphere = false;
+    Vec3f p{}, e1{}, e2{};  // triangle: a vertex and the edges from it; sphere: its centre in p
+    Vec3f n{};              // triangle: unit normal as SurfaceHit::ng
+    float radius = 0;       // sphere
+    bool inward = false;    // sphere: ng points to the centre
+    float area = 0;
+    float scale = 0;  // radiance = scale x AreaLightDescription::spectrum; AreaLightDescription::scale and power are in it
+    std::uint32_t inside_medium = kNone, outside_medium = kNone;
 };
 
 // A ray from `from` in direction `d`: starts clear of the surface, on the side that d points to [PBRT4 6.8.6].
