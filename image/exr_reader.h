@@ -1,0 +1,64 @@
+// image/exr_reader.h: OpenEXR files of any size, read by rectangles from many threads at once.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "image/rect.h"
+
+namespace latent::image {
+
+// What the header says of the picture.
+struct ExrImage {
+    Rect data_window;      // pixels that the file stores; of the chosen mip level
+    Rect display_window;   // the whole picture, in the same coordinates
+    int block_width = 0;   // pixels are compressed in blocks of this size that start at the data window's corner:
+    int block_height = 0;  // tiles, or some whole rows
+    int levels = 1;        // mip levels in the file
+    bool xyz = false;      // the channels are X, Y, Z; else linear red, green, blue (or Y alone: grey)
+    // Red, green, blue and white as x, y; absent if the file is silent (or `xyz`).
+    std::optional<std::array<float, 8>> chromaticities;
+    std::optional<std::array<float, 2>> adopted_neutral;  // x, y of what counts as white in the scene
+    std::optional<float> white_luminance;                 // cd/m^2 of (1,1,1)
+};
+
+class ExrReader {
+ public:
+    // Level 0 is the full picture, level n has 1/2^n of its sides. Channels: R, G, B; or X, Y, Z; or Y; half or float.
+    // Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep, subsampled or other channels), kOutOfRange (no such
+    // level).
+    static Result<ExrReader> open(const std::filesystem::path& path, int level = 0);
+    ExrReader(ExrReader&&) noexcept;
+    ~ExrReader();
+
+    const ExrImage& image() const;
+    const std::filesystem::path& path() const;
+
+    // Buffers of one thread, kept from call to call.
+    class Scratch {
+     public:
+        Scratch();
+        Scratch(Scratch&&) noexcept;
+        ~Scratch();
+
+     private:
+        friend class ExrReader;
+        struct State;
+        std::unique_ptr<State> state_;
+    };
+
+    // Reads `area`, which lies in the data window, into three planes whose rows are `row_stride` floats apart. A block that
+    // `area` touches is decoded whole if it is compressed. Errors: kIo, kTruncated, kCorrupt, naming the file and the block.
+    Status read(const Rect& area, const std::array<float*, 3>& planes, std::size_t row_stride, Scratch& scratch) const;
+
+ private:
+    struct File;
+    explicit ExrReader(std::unique_ptr<File> file);
+    std::unique_ptr<File> file_;
+};
+
+}  // namespace latent::image
