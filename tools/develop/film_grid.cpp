@@ -1,0 +1,75 @@
+#include "tools/develop/film_grid.h"
+
+#include <algorithm>
+
+namespace latent::develop {
+
+namespace {
+
+int level_of_cells(std::uint32_t width, std::uint32_t height) {
+    int level = 0;
+    while ((std::uint64_t{FilmGrid::kCellPixels} << level) < std::max(width, height)) ++level;
+    return level;
+}
+
+std::uint64_t spread_bits(std::uint32_t value) {
+    std::uint64_t x = value;
+    x = (x | x << 16) & 0x0000FFFF0000FFFF;
+    x = (x | x << 8) & 0x00FF00FF00FF00FF;
+    x = (x | x << 4) & 0x0F0F0F0F0F0F0F0F;
+    x = (x | x << 2) & 0x3333333333333333;
+    x = (x | x << 1) & 0x5555555555555555;
+    return x;
+}
+
+}  // namespace
+
+PixelRect intersection(const PixelRect& a, const PixelRect& b) {
+    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
+std::uint64_t z_code(std::uint32_t x, std::uint32_t y) { return spread_bits(x) | spread_bits(y) << 1; }
+
+FilmGrid::Axis::Axis(std::uint32_t pixel_count, int level, int reach) : pixels(pixel_count), extent(0) {
+    const std::uint64_t cells = std::uint64_t{1} << level, side = std::uint64_t{1} << (32 - level);
+    begin.reserve(cells);
+    end.reserve(cells);
+    origin.reserve(cells);
+    for (std::uint64_t c = 0; c < cells; ++c) {  // a record at position p has j = floor(p pixels + 1/2): columns j - n .. j + n - 1
+        const auto first = static_cast<std::int64_t>((c * side * pixels + 0x80000000u) >> 32);
+        const auto last = static_cast<std::int64_t>((((c + 1) * side - 1) * pixels + 0x80000000u) >> 32);
+        begin.push_back(first - reach);
+        end.push_back(last + reach);
+        origin.push_back(static_cast<std::uint32_t>(first << 24));
+        extent = std::max(extent, end.back() - begin.back());
+    }
+}
+
+void FilmGrid::Axis::cells_reaching(std::int64_t from, std::int64_t to, std::int64_t& first, std::int64_t& last) const {
+    first = std::upper_bound(end.begin(), end.end(), from) - end.begin();
+    last = std::lower_bound(begin.begin(), begin.end(), to) - begin.begin();
+}
+
+FilmGrid::FilmGrid(std::uint32_t width, std::uint32_t height, int reach)
+    : level_(level_of_cells(width, height)), x_(width, level_, reach), y_(height, level_, reach) {}
+
+PixelRect FilmGrid::cells_reaching(const PixelRect& pixels) const {
+    PixelRect cells;
+    x_.cells_reaching(pixels.x0, pixels.x1, cells.x0, cells.x1);
+    y_.cells_reaching(pixels.y0, pixels.y1, cells.y0, cells.y1);
+    return cells;
+}
+
+PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node) const {
+    if (node.level >= level_) {
+        const int coarser = node.level - level_;
+        const auto x = static_cast<std::int64_t>(std::uint64_t{node.x} >> coarser);
+        const auto y = static_cast<std::int64_t>(std::uint64_t{node.y} >> coarser);
+        return {x, y, x + 1, y + 1};
+    }
+    const int finer = level_ - node.level;
+    return {std::int64_t{node.x} << finer, std::int64_t{node.y} << finer, (std::int64_t{node.x} + 1) << finer,
+            (std::int64_t{node.y} + 1) << finer};
+}
+
+}  // namespace latent::develop
