@@ -44,7 +44,7 @@ Result<Bytes> encode_file_header(const FileHeader& header);
 // Errors: kForeign (another magic), kTruncated, kUnsupported (a newer format), kCorrupt.
 Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size = nullptr);
 
-// What stands at the front of a run. All but the two sizes and index_hash is a function of (job, coverage).
+// What stands at the front of a run. All but pages_size and index_hash is a function of (job, coverage).
 struct RunHeader {
     JobId job;
     SampleRange samples;               // from the first to the end of its coverage
@@ -55,12 +55,12 @@ struct RunHeader {
     std::uint64_t pair_count = 0;    // spectral: pairs of all records
     std::uint64_t decoded_size = 0;  // bytes of all columns of all pages
     std::uint64_t pages_size = 0;    // stored bytes of all pages
-    std::uint64_t index_size = 0;    // bytes of the index behind them, without padding
     std::uint64_t index_hash = 0;    // XXH3-64 of index and padding
     Hash128 content_hash;            // XXH3-128 over nodes, counts and decoded columns of all pages
 
-    // Bytes that the run takes in the file: header, pages, index, padding.
-    std::uint64_t size() const;
+    std::uint64_t index_offset() const { return kRunHeaderSize + pages_size; }  // in the run
+    std::uint64_t index_size() const;                                           // bytes of the index, without padding
+    std::uint64_t size() const;  // bytes that the run takes in the file: header, pages, index, padding
     bool operator==(const RunHeader&) const = default;
 };
 // Exactly kRunHeaderSize bytes.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 namespace latent::sampledb {
 
@@ -25,5 +26,11 @@ struct PositionSamplerSpec {
 // Position of sample n: (floor(phi_2(n) 2^32) + shift_u, floor(phi_3(n) 2^32) + shift_v) mod 2^32, phi_b the radical inverse.
 // phi_2 uses the 32 low bits of n, phi_3 its 40 low ternary digits (all of them below 3^40).
 FilmPosition halton23(std::uint64_t n, const PositionSamplerSpec& spec);
+// The same for many; fast when neighbours lie within one run. All spans have the same size.
+void halton23(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec, std::span<std::uint32_t> u,
+              std::span<std::uint32_t> v);
+
+// Bit 0 becomes bit 31, and so on: phi_2 in 32-bit fixed point.
+std::uint32_t reverse_bits(std::uint32_t x);
 
 }  // namespace latent::sampledb

@@ -17,6 +17,7 @@ inline constexpr std::uint32_t kGrainSamples = 1024;  // samples of one grain
 
 // A further column that the job names: one value of fixed width per record.
 enum class ColumnType : std::uint8_t { kU8 = 1, kU16 = 2, kU32 = 3, kU64 = 4, kF32 = 5, kF64 = 6 };
+std::size_t width(ColumnType type);  // bytes of one value; 0 for a type that does not exist
 struct ExtraColumn {
     std::string name;  // "light_group", "depth", ...
     ColumnType type;

@@ -17,6 +17,7 @@ class WavelengthDensity {
     struct Knot {
         std::uint32_t lambda;      // wavelength in units of 2^-20 nm (360 nm .. 830 nm)
         std::uint64_t cumulative;  // Q in units of 2^-48; 0 at the first knot, 2^48 at the last, strictly increasing
+        bool operator==(const Knot&) const = default;
     };
 
     WavelengthDensity() = default;  // none: records carry explicit wavelengths
@@ -25,17 +26,19 @@ class WavelengthDensity {
 
     bool empty() const { return knots_.empty(); }
     std::span<const Knot> knots() const { return knots_; }
+    bool operator==(const WavelengthDensity& other) const { return knots_ == other.knots_; }
 
     // The wavelengths [nm] of the batch (xi, k), ascending. Integer and exactly rounded double operations only: no libm.
     void batch(std::uint32_t xi, std::span<float> lambda_nm) const;
     // Wavelength i of that batch alone; the same bits as batch()[i].
     float wavelength(std::uint32_t xi, std::uint32_t i, std::uint32_t k) const;
-    // p(lambda) [1/nm], the slope of Q: piecewise constant, right-continuous; 0 outside the knots.
+    // p(lambda) [1/nm], the slope of Q: piecewise constant, that of the segment to the right at a knot; 0 outside the knots.
     float pdf_lambda(float lambda_nm) const;
 
  private:
     std::vector<Knot> knots_;
-    std::vector<std::uint16_t> guide_;  // knot below each of 4096 equal steps of Q
+    std::vector<double> slopes_;        // d lambda / d Q of the segment behind each knot but the last, in the knots' units
+    std::vector<std::uint16_t> guide_;  // the segment that each of 4096 equal steps of Q begins in
 };
 
 }  // namespace latent::sampledb

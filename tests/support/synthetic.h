@@ -1,0 +1,47 @@
+// tests/support/synthetic.h: jobs, records and whole files made up from sample numbers, for the tests and benches of all rooms.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "sampledb/coverage.h"
+#include "sampledb/job.h"
+#include "sampledb/record.h"
+
+namespace latent::synthetic {
+
+// A valid job: Halton positions, one light path per sample, runs of 2^14 samples; spectral jobs have 28 wavelengths and a
+// density like the eye's. `id` tells jobs apart. Change what a test needs.
+sampledb::Job make_job(sampledb::RecordKind kind, std::uint64_t id = 1);
+
+// What the film sees. Records are a function of (job, scene, sample number) alone.
+struct Scene {
+    enum class Look { kUniform, kTextured };
+    Look look = Look::kTextured;     // uniform: every record has the value 1; textured: a pattern times exponential noise
+    double black = 0.1;              // share of camera records that are black
+    double light_per_sample = 0.05;  // mean number of light records of a sample, at random positions
+    bool split_shares = false;       // every fourth sample has two camera records of share 1/2
+    std::uint64_t seed = 1;
+};
+
+// All records of the samples of `range`, ascending by sample. Positions follow the job's sampler; without one they are random.
+// A record of value 1: XYZ = (1, 1, 1); spectral: the spectrum L = 1, P_i = 1 / (k p(lambda_i)). Extra columns hold noise.
+sampledb::Records make_records(const sampledb::Job& job, sampledb::SampleRange range, const Scene& scene = {});
+
+// A file in memory: one run for each coverage, in the order given; with a footer, or as an unfinished part.
+struct FileBytes {
+    Bytes bytes;
+    std::vector<std::size_t> run_ends;  // the byte behind each run; the first begins at `header_size`
+    std::size_t header_size = 0;        // both copies
+};
+FileBytes make_file(const sampledb::Job& job, std::span<const sampledb::Coverage> runs, bool footer = true, const Scene& scene = {},
+                    const std::string& provenance_json = "");
+
+// Writes bytes to a file of that name, replacing what is there.
+void write_file(const std::filesystem::path& path, ByteSpan bytes);
+
+}  // namespace latent::synthetic
