@@ -30,7 +30,7 @@ struct PrintReport {
     std::uint64_t negative = 0;      // y < 0: black
     std::uint64_t infinite = 0;      // y = +Inf: white
     std::uint64_t colourless = 0;    // x or z is not finite: grey y'
-    std::uint64_t out_of_gamut = 0;  // a component left [0,1] by more than 1e-6 before it was mapped
+    std::uint64_t out_of_gamut = 0;  // a component left [0,1] by more than 1e-5 before it was mapped
     std::uint64_t clipped = 0;       // those among them that Gamut::kClip cut off
 
     PrintReport& operator+=(const PrintReport& other);
@@ -41,7 +41,7 @@ struct PrintSettings {
     double sigma = 1;  // sensitivity of the film: y' = 1/2 at y = 1/sigma
     Tone tone = Tone::kFilm;
     Gamut gamut = Gamut::kLuminance;
-    Matrix3 adaptation;  // from the picture's white to the space's (color/adaptation.h); y is the Y after it
+    Matrix3 adaptation{};  // from the picture's white to the space's (color/adaptation.h); y is the Y after it
 };
 
 // sigma pushed by `stops`: sigma 2^stops.

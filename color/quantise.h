@@ -22,7 +22,7 @@ struct Quantiser {
                     std::uint32_t row, std::span<std::uint16_t> out) const;
 };
 
-// h of one code value, as above, in 2^-24.
+// h of one code value: (k + 1/2) / 1024, k = 0..1023; channel 0..2.
 float dither_value(std::uint32_t x, std::uint32_t row, std::uint32_t channel, std::uint32_t seed);
 
 }  // namespace latent::color

@@ -1,0 +1,145 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "color/quantise_row.cpp"  // compiled once per instruction set by foreach_target.h
+#include "color/quantise_row.h"
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+// Mul and Add only, no fused or approximate operation: all instruction sets give the same bits.
+HWY_BEFORE_NAMESPACE();
+namespace latent::color::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+constexpr D d;
+constexpr hn::Rebind<std::int32_t, D> di;
+constexpr hn::Rebind<std::uint32_t, D> du;
+
+V constant(float value) { return hn::Set(d, value); }
+
+// log2(v) for normal positive v: exponent plus 2/ln2 (s + s^3/3 + s^5/5 + s^7/7 + s^9/9), s = (m-1)/(m+1), sqrt(1/2) <= m <
+// sqrt(2). The next term is below 4e-10.
+V log2(V v) {
+    constexpr float kTwoOverLn2 = 2.88539008F;
+    const auto bits = hn::BitCast(di, v);
+    const auto exponent = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3F3504F3)));  // of v / sqrt(1/2), rounded down
+    const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(exponent)));
+    const V s = hn::Div(hn::Sub(m, constant(1)), hn::Add(m, constant(1))), s2 = hn::Mul(s, s);
+    V series = constant(kTwoOverLn2 / 9);
+    for (const float divisor : {7.0F, 5.0F, 3.0F, 1.0F}) series = hn::Add(hn::Mul(series, s2), constant(kTwoOverLn2 / divisor));
+    return hn::Add(hn::ConvertTo(d, exponent), hn::Mul(s, series));
+}
+
+// 2^u for -126 <= u <= 0: 2^n times Taylor's series of 2^f, |f| <= 1/2; the next term is below 6e-9.
+V exp2(V u) {
+    constexpr float kTaylor[] = {1,
+                                 0.69314718056F,
+                                 0.240226506959F,
+                                 0.0555041086648F,
+                                 0.00961812910763F,
+                                 0.00133335581464F,
+                                 0.000154035303934F,
+                                 0.0000152527338041F};
+    const V n = hn::Round(u), f = hn::Sub(u, n);
+    V p = constant(kTaylor[7]);
+    for (int i = 6; i >= 0; --i) p = hn::Add(hn::Mul(p, f), constant(kTaylor[i]));
+    return hn::Mul(p, hn::BitCast(d, hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)))));
+}
+
+// Transfer::encode on [0,1]; NaN and negative values encode to 0.
+V encode(const Transfer& t, V v) {
+    const V x = hn::IfThenElseZero(hn::Gt(v, constant(0)), hn::Min(v, constant(1)));
+    if (t.is_linear()) return x;
+    const V power =
+        exp2(hn::Max(hn::Mul(constant(static_cast<float>(t.exponent)), log2(hn::Max(x, constant(1.2e-38F)))), constant(-126)));
+    const V curved = hn::Sub(hn::Mul(constant(static_cast<float>(t.scale)), power), constant(static_cast<float>(t.scale - 1)));
+    const V straight = hn::Mul(constant(static_cast<float>(t.slope)), x);
+    const V encoded = hn::IfThenElse(hn::Lt(x, constant(static_cast<float>(t.linear_below))), straight, curved);
+    return hn::IfThenElse(hn::Eq(x, constant(1)), constant(1), hn::IfThenElseZero(hn::Gt(x, constant(0)), encoded));
+}
+
+template <class Code>
+void quantise_vector(const QuantiseRowConstants& c, V r, V g, V b, std::uint32_t x0, Code* out) {
+    constexpr float kMaxCode = sizeof(Code) == 1 ? 255.0F : 65535.0F;
+    auto hash = hn::Xor(hn::Mul(hn::Iota(du, x0), hn::Set(du, kPixelStep)), hn::Set(du, c.row_key));
+    if (c.dither) {  // mixed_bits of every lane
+        hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85EBCA6BU));
+        hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<13>(hash)), hn::Set(du, 0xC2B2AE35U));
+        hash = hn::Xor(hash, hn::ShiftRight<16>(hash));
+    }
+    const auto code = [&](V v, auto hash_bits) {
+        V h = constant(0.5F);
+        if (c.dither) {
+            const V field = hn::ConvertTo(d, hn::BitCast(di, hn::And(hash_bits, hn::Set(du, 1023U))));
+            h = hn::Mul(hn::Add(field, constant(0.5F)), constant(1.0F / 1024));
+        }
+        const V level = hn::Min(hn::Add(hn::Mul(encode(c.transfer, v), constant(kMaxCode)), h), constant(kMaxCode));
+        const auto whole = hn::ConvertTo(di, hn::Floor(level));
+        const hn::Rebind<std::uint16_t, D> d16;
+        if constexpr (sizeof(Code) == 1) {
+            return hn::DemoteTo(hn::Rebind<std::uint8_t, D>(), whole);
+        } else {
+            return hn::DemoteTo(d16, whole);
+        }
+    };
+    hn::StoreInterleaved3(code(r, hash), code(g, hn::ShiftRight<10>(hash)), code(b, hn::ShiftRight<20>(hash)),
+                          hn::Rebind<Code, D>(), out);
+}
+
+template <class Code>
+void quantise_all(const QuantiseRowConstants& c, const float* r, const float* g, const float* b, std::uint32_t x0,
+                  std::size_t count, Code* out) {
+    const std::size_t lanes = hn::Lanes(d);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+        quantise_vector(c, hn::LoadU(d, r + i), hn::LoadU(d, g + i), hn::LoadU(d, b + i), x0 + static_cast<std::uint32_t>(i),
+                        out + 3 * i);
+    }
+    if (i < count) {
+        std::array<std::array<float, HWY_MAX_BYTES / sizeof(float)>, 3> rest{};
+        std::array<Code, 3 * HWY_MAX_BYTES / sizeof(float)> rest_out;
+        std::copy(r + i, r + count, rest[0].begin());
+        std::copy(g + i, g + count, rest[1].begin());
+        std::copy(b + i, b + count, rest[2].begin());
+        quantise_vector(c, hn::LoadU(d, rest[0].data()), hn::LoadU(d, rest[1].data()), hn::LoadU(d, rest[2].data()),
+                        x0 + static_cast<std::uint32_t>(i), rest_out.data());
+        std::copy_n(rest_out.begin(), 3 * (count - i), out + 3 * i);
+    }
+}
+
+void quantise_row_8_of_target(const QuantiseRowConstants& c, const float* r, const float* g, const float* b, std::uint32_t x0,
+                              std::size_t count, std::uint8_t* out) {
+    quantise_all(c, r, g, b, x0, count, out);
+}
+void quantise_row_16_of_target(const QuantiseRowConstants& c, const float* r, const float* g, const float* b, std::uint32_t x0,
+                               std::size_t count, std::uint16_t* out) {
+    quantise_all(c, r, g, b, x0, count, out);
+}
+
+}  // namespace
+}  // namespace latent::color::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace latent::color {
+
+HWY_EXPORT(quantise_row_8_of_target);
+HWY_EXPORT(quantise_row_16_of_target);
+
+void quantise_row_8(const QuantiseRowConstants& constants, const float* r, const float* g, const float* b, std::uint32_t x0,
+                    std::size_t count, std::uint8_t* out) {
+    HWY_DYNAMIC_DISPATCH(quantise_row_8_of_target)(constants, r, g, b, x0, count, out);
+}
+void quantise_row_16(const QuantiseRowConstants& constants, const float* r, const float* g, const float* b, std::uint32_t x0,
+                     std::size_t count, std::uint16_t* out) {
+    HWY_DYNAMIC_DISPATCH(quantise_row_16_of_target)(constants, r, g, b, x0, count, out);
+}
+
+}  // namespace latent::color
+#endif

@@ -1,0 +1,79 @@
+#include "color/auto_exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace latent::color {
+namespace {
+
+std::vector<float> log_normal(std::size_t n, double mean_log2, double sd) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> stops(mean_log2, sd);
+    std::vector<float> y(n);
+    for (float& v : y) v = static_cast<float>(std::exp2(stops(random)));
+    return y;
+}
+
+// A bin is at most 1/64 octave wide on the logarithmic axis, 1.6 %.
+TEST(LuminanceHistogram, PercentilesAreThoseOfTheValues) {
+    LuminanceHistogram h;
+    std::vector<float> y;
+    for (int i = 1; i <= 1000; ++i) y.push_back(static_cast<float>(i));
+    h.add(y);
+    EXPECT_EQ(h.count(), 1000U);
+    for (const double p : {0.01, 0.25, 0.5, 0.99, 1.0}) EXPECT_NEAR(h.percentile(p) / (1000 * p), 1, 0.016) << p;
+    EXPECT_EQ(LuminanceHistogram().percentile(0.5), 0);
+}
+
+TEST(LuminanceHistogram, OnlyPositiveFiniteValuesCount) {
+    LuminanceHistogram h;
+    const float inf = std::numeric_limits<float>::infinity();
+    h.add(std::vector<float>{0, -0.0F, -1, inf, -inf, std::nanf(""), 1, std::numeric_limits<float>::max(),
+                             std::numeric_limits<float>::denorm_min()});
+    EXPECT_EQ(h.count(), 3U);
+    EXPECT_NEAR(h.percentile(1) / std::numeric_limits<float>::max(), 1, 0.016);
+}
+
+TEST(LuminanceHistogram, SumsDoNotDependOnTheirOrder) {
+    const std::vector<float> y = log_normal(10'000, 0, 3);
+    LuminanceHistogram whole, a, b;
+    whole.add(y);
+    a.add(std::span(y).subspan(0, 1234));
+    b.add(std::span(y).subspan(1234));
+    b += a;
+    EXPECT_EQ(b.log_average(0.01, 0.99), whole.log_average(0.01, 0.99));
+    EXPECT_EQ(b.percentile(0.3), whole.percentile(0.3));
+}
+
+TEST(AutoExposure, PrintsTheLogAverageAtMiddleGrey) {
+    LuminanceHistogram h;
+    h.add(log_normal(200'000, -3, 2));  // trimming is symmetric, so the average stays 2^-3
+    const double sigma = *auto_sigma(h);
+    EXPECT_NEAR(1 - std::exp2(-sigma / 8), 0.18, 0.003);
+    EXPECT_EQ(sigma, std::round(sigma * 1000) / 1000);  // four digits
+}
+
+TEST(AutoExposure, FollowsTheLightAndIgnoresAFewLamps) {
+    std::vector<float> y = log_normal(100'000, 0, 1);
+    LuminanceHistogram dim, bright, lamps;
+    dim.add(y);
+    for (float& v : y) v *= 1024;
+    bright.add(y);
+    EXPECT_NEAR(*auto_sigma(dim) / *auto_sigma(bright), 1024, 1);
+    lamps.add(std::vector<float>(500, 1e30F));
+    lamps += dim;
+    EXPECT_NEAR(*auto_sigma(lamps) / *auto_sigma(dim), 1, 0.02);
+}
+
+TEST(AutoExposure, NeedsLight) {
+    LuminanceHistogram h;
+    EXPECT_FALSE(auto_sigma(h));
+    h.add(std::vector<float>{0, -1, std::nanf("")});
+    EXPECT_EQ(auto_sigma(h).error().code, ErrorCode::kOutOfRange);
+}
+
+}  // namespace
+}  // namespace latent::color
