@@ -1,0 +1,88 @@
+#include "sampledb/part_attempt.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+
+namespace latent::sampledb {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<File> create_file(const fs::path& name) { return File::create_exclusive(name.string() + ".part." + make_nonce()); }
+
+}  // namespace
+
+Result<PartAttempt> PartAttempt::create(const fs::path& name, const FileHeader& header) {
+    const Result<Bytes> bytes = encode_file_header(header);
+    if (!bytes) return bytes.error();
+    Result<File> file = create_file(name);
+    if (!file) return file.error();
+    PartAttempt attempt;
+    attempt.name_ = name;
+    attempt.file_ = std::move(*file);
+    Status written = attempt.file_.write_all(0, *bytes);
+    if (written) written = attempt.file_.sync_data();
+    if (written) written = sync_folder(folder_of(name));
+    if (!written) {
+        ::unlink(attempt.path().c_str());
+        return written.error();
+    }
+    attempt.end_ = bytes->size();
+    return attempt;
+}
+
+Status PartAttempt::append(ByteSpan run) {
+    const Result<RunHeader> header = decode_run_header(run);
+    if (!header) return header.error();
+    if (Status s = file_.write_all(end_, run); !s) return s;
+    return commit(*header);
+}
+
+Status PartAttempt::append(const StoredRun& run) {
+    if (Status s = file_.copy_from(run.file->file(), run.run.offset, end_, run.run.header.size()); !s) return s;
+    return commit(run.run.header);
+}
+
+Status PartAttempt::commit(const RunHeader& header) {
+    if (Status s = file_.sync_data(); !s) return s;
+    runs_.push_back({end_, header});
+    end_ += header.size();
+    return {};
+}
+
+bool PartAttempt::vanished() const {
+    struct stat info;
+    return ::fstat(file_.descriptor(), &info) == 0 && info.st_nlink == 0;
+}
+
+Status PartAttempt::restore() {
+    Result<File> file = create_file(name_);
+    if (!file) return file.error();
+    if (Status s = file->copy_from(file_, 0, 0, end_); !s) return s;
+    if (Status s = file->sync_data(); !s) return s;
+    file_ = std::move(*file);
+    has_footer_ = false;
+    return sync_folder(folder_of(name_));
+}
+
+Status PartAttempt::publish() {
+    if (!has_footer_) {
+        const Bytes footer = encode_footer({runs_, ""}, end_);
+        if (Status s = file_.write_all(end_, footer); !s) return s;
+        if (Status s = file_.sync_data(); !s) return s;
+        has_footer_ = true;
+    }
+    int failed = ::link(path().c_str(), name_.c_str());
+    if (failed != 0 && (errno == EPERM || errno == EOPNOTSUPP)) {  // a file system without links
+        failed = ::renameat2(AT_FDCWD, path().c_str(), AT_FDCWD, name_.c_str(), RENAME_NOREPLACE);
+    }
+    if (failed != 0) return error_from_errno(errno, name_.string(), "cannot name the finished file");
+    return sync_folder(folder_of(name_));
+}
+
+}  // namespace latent::sampledb

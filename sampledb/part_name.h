@@ -1,0 +1,48 @@
+// sampledb/part_name.h: what lies under a name: NAME.latent, once published, and the attempts at it, NAME.latent.part.<nonce>.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/byte_source.h"
+#include "sampledb/coverage.h"
+#include "sampledb/file_reader.h"
+#include "sampledb/job.h"
+
+namespace latent::sampledb {
+
+// The attempts under `name` (NAME.latent), in the order of their names.
+std::vector<std::filesystem::path> attempts_of(const std::filesystem::path& name);
+
+// A run that some attempt holds. The file stays open, so that the run can be read even if its name goes away.
+struct StoredRun {
+    std::shared_ptr<const FileSource> file;
+    RunInfo run;
+    SampleRange samples() const { return run.header.samples; }
+};
+
+// What earlier attempts committed of a range.
+struct CommittedRuns {
+    std::vector<StoredRun> canonical;  // end at a multiple of S: need not be read again; ascending, disjoint
+    std::vector<StoredRun> loose;      // checkpoints, closing runs and runs cut at R: their grains are taken up again; ascending
+};
+
+// Looks at every attempt under `name`; those that cannot be read are passed over. Errors: kMismatch if one is of another job.
+Result<CommittedRuns> find_committed(const std::filesystem::path& name, const Job& job, SampleRange range);
+
+// All sample numbers that a file's runs hold.
+Result<Coverage> coverage_of(const ByteSource& source, const FileContents& contents);
+
+// Whether NAME.latent is there and holds `range`: false if there is none. Errors: kMismatch (another job, or not all of the range),
+// and those of reading it.
+Result<bool> is_published(const std::filesystem::path& name, const Job& job, SampleRange range);
+
+// Removes the attempts of this job whose runs NAME.latent, which holds `covered`, has made superfluous.
+void remove_superfluous_attempts(const std::filesystem::path& name, const Job& job, const Coverage& covered);
+
+// Removes NAME.latent and every attempt at it.
+Status remove_everything(const std::filesystem::path& name);
+
+}  // namespace latent::sampledb

@@ -1,0 +1,396 @@
+#include "sampledb/part_writer.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "sampledb/part_attempt.h"
+#include "sampledb/part_name.h"
+#include "sampledb/run_assembler.h"
+#include "sampledb/run_codec.h"
+
+namespace latent::sampledb {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint64_t kWindowBytes = std::uint64_t{64} << 20;  // grains that wait for an older one
+constexpr std::uint64_t kGrainOverhead = 1024;                   // what an empty grain costs
+
+// Grains that an earlier attempt committed in runs that are not canonical: read again when their turn comes.
+struct LooseGrains {
+    StoredRun stored;
+    Coverage grains;
+};
+
+Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {
+    Bytes bytes(stored.run.header.size());
+    if (Status s = stored.file->read(stored.run.offset, bytes); !s) return s.error();
+    Result<DecodedRun> run = decode_run(job, bytes);
+    if (!run) return run.error().at(stored.file->name());
+    return run;
+}
+
+// Rendering threads `submit`; whoever completes a run hands it to the committer, a thread that encodes, writes and syncs. One run
+// is assembled while another is encoded: never more than these two are held.
+class Writer final : public PartWriter {
+ public:
+    Writer(const PartOptions& options, const Job& job) : options_(options), job_(job), assembler_(job_, options_.range) {}
+    ~Writer() override;
+
+    Status begin(bool published);
+
+    const Coverage& missing() const override { return missing_; }
+    Status submit(Grain grain) override;
+    Status checkpoint() override;
+    Status finish() override;
+    WriterCounts counts() const override;
+
+ private:
+    using Lock = std::unique_lock<std::mutex>;
+
+    Status take_up_earlier_attempts();
+    void advance(Lock& lock);
+    Result<GrainPtr> next_grain(Lock& lock);
+    void hand_over(AssembledRun run, Lock& lock);
+    void commit_until_stopped();
+    Status commit(std::vector<GrainPtr> grains, const Coverage& coverage);
+    std::vector<GrainPtr> uncommitted() const;
+    void stop_committer();
+    Status add_runs_of_other_attempts();
+    Status publish();
+    Status status() const;
+    bool over() const { return error_ || published_; }
+
+    const PartOptions options_;
+    const Job job_;
+    Coverage missing_;
+    std::optional<PartAttempt> attempt_;  // the committer's, then finish's
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    RunAssembler assembler_;
+    std::map<std::uint64_t, GrainPtr> waiting_;     // submitted, not yet in their turn; by first sample
+    std::uint64_t waiting_bytes_ = 0;               // of these
+    std::map<std::uint64_t, GrainPtr> recovered_;   // the same, from earlier attempts
+    std::map<std::uint64_t, StoredRun> canonical_;  // in earlier attempts, by first sample; still to be skipped
+    std::vector<LooseGrains> loose_;
+    std::map<SampleRange, StoredRun> adoptable_;  // loose runs that turn out to be runs of the result if these boundaries come up
+    std::vector<StoredRun> adopted_;              // runs of the result that other attempts hold
+    Coverage unsubmitted_;
+    Coverage committed_;
+    bool advancing_ = false;             // a thread is moving grains into runs
+    std::optional<AssembledRun> ready_;  // a complete run, not yet taken by the committer
+    bool committing_ = false;
+    bool checkpoint_wanted_ = false;
+    std::optional<Clock::time_point> oldest_uncommitted_;  // when the first grain arrived that no run holds yet
+    bool published_ = false;                               // NAME.latent holds the range, whoever made it
+    bool stop_ = false;
+    std::optional<Error> error_;
+    WriterCounts counts_;
+    std::thread committer_;
+};
+
+Writer::~Writer() {
+    stop_committer();
+    if (attempt_ && attempt_->runs().empty()) ::unlink(attempt_->path().c_str());
+}
+
+Status Writer::begin(bool published) {
+    if (published) {
+        published_ = true;
+        committed_ = Coverage(options_.range);
+        return {};
+    }
+    if (Status s = take_up_earlier_attempts(); !s) return s;
+    Result<PartAttempt> attempt = PartAttempt::create(options_.path, {job_, options_.provenance_json});
+    if (!attempt) return attempt.error();
+    attempt_ = std::move(*attempt);
+    committer_ = std::thread([this] { commit_until_stopped(); });
+    Lock lock(mutex_);
+    advance(lock);
+    return status();
+}
+
+Status Writer::take_up_earlier_attempts() {
+    Result<CommittedRuns> found = find_committed(options_.path, job_, options_.range);
+    if (!found) return found.error();
+    for (StoredRun& stored : found->canonical) {
+        if (!verify_run(*stored.file, stored.run, job_, VerifyLevel::kQuick)) continue;
+        committed_.add(stored.samples());
+        canonical_.emplace(stored.samples().first, std::move(stored));
+    }
+    for (StoredRun& stored : found->loose) {
+        const Result<DecodedRun> run = read_run(stored, job_);
+        if (!run) continue;
+        LooseGrains loose{std::move(stored), {}};
+        for (const GrainPtr& grain : split(run->records, run->coverage, options_.range)) {
+            if (!committed_.contains(grain->range)) loose.grains.add(grain->range);
+        }
+        committed_.add(loose.grains);
+        if (run->coverage.ranges().size() == 1) adoptable_.emplace(loose.stored.samples(), loose.stored);
+        if (!loose.grains.empty()) loose_.push_back(std::move(loose));
+    }
+    missing_ = Coverage(options_.range);
+    missing_.remove(committed_);
+    unsubmitted_ = missing_;
+    return {};
+}
+
+Status Writer::submit(Grain grain) {
+    const std::uint64_t size = grain.records.raw_bytes() + kGrainOverhead;
+    Lock lock(mutex_);
+    changed_.wait(lock, [&] {
+        return over() || waiting_bytes_ + size <= kWindowBytes || (!advancing_ && grain.range.first == assembler_.next());
+    });
+    if (over()) return status();
+    if (grain.range.empty() || !unsubmitted_.contains(grain.range) ||
+        grain.range != grain_range(grain.range.first, options_.range)) {
+        return Error{ErrorCode::kOutOfRange, fmt::format("{}: samples {} are no grain that is missing", options_.path.string(),
+                                                         to_string(Coverage(grain.range)))};
+    }
+    unsubmitted_.remove(grain.range);
+    waiting_bytes_ += size;
+    waiting_.emplace(grain.range.first, std::make_shared<const Grain>(std::move(grain)));
+    if (!advancing_) advance(lock);
+    return status();
+}
+
+// Moves grains into runs, in order, as far as they are there. One thread at a time does this, for all.
+void Writer::advance(Lock& lock) {
+    advancing_ = true;
+    while (!over() && !assembler_.done()) {
+        std::vector<AssembledRun> closed;
+        if (const auto stored = canonical_.find(assembler_.next()); stored != canonical_.end()) {
+            closed = assembler_.skip(stored->second.samples());
+            adopted_.push_back(std::move(stored->second));
+            canonical_.erase(stored);
+        } else {
+            Result<GrainPtr> grain = next_grain(lock);
+            if (!grain) error_ = grain.error();
+            if (!grain || !*grain) break;
+            closed = assembler_.add(*grain);
+            if (!closed.empty()) oldest_uncommitted_.reset();
+            if (!oldest_uncommitted_ && !assembler_.open_grains().empty() && !committed_.contains((*grain)->range)) {
+                oldest_uncommitted_ = Clock::now();
+                changed_.notify_all();
+            }
+        }
+        for (AssembledRun& run : closed) hand_over(std::move(run), lock);
+    }
+    advancing_ = false;
+    changed_.notify_all();
+}
+
+// The grain whose turn it is, or null if it was not submitted yet.
+Result<GrainPtr> Writer::next_grain(Lock& lock) {
+    const std::uint64_t next = assembler_.next();
+    for (auto loose = loose_.begin(); loose != loose_.end();) {
+        if (!loose->grains.contains(grain_range(next, options_.range))) {
+            ++loose;
+            continue;
+        }
+        const LooseGrains taken = std::move(*loose);
+        loose_.erase(loose);
+        lock.unlock();
+        const Result<DecodedRun> run = read_run(taken.stored, job_);
+        lock.lock();
+        if (!run) return run.error();
+        for (GrainPtr& grain : split(run->records, run->coverage, options_.range)) {
+            if (taken.grains.contains(grain->range)) recovered_.emplace(grain->range.first, std::move(grain));
+        }
+        break;
+    }
+    if (auto at = recovered_.find(next); at != recovered_.end()) return std::move(recovered_.extract(at).mapped());
+    const auto at = waiting_.find(next);
+    if (at == waiting_.end()) return GrainPtr();
+    waiting_bytes_ -= at->second->records.raw_bytes() + kGrainOverhead;
+    changed_.notify_all();
+    return std::move(waiting_.extract(at).mapped());
+}
+
+// Gives a complete run to the committer, which must have finished the one before: so at most two are held.
+void Writer::hand_over(AssembledRun run, Lock& lock) {
+    if (const auto stored = adoptable_.find(run.samples); stored != adoptable_.end()) {
+        adopted_.push_back(stored->second);
+        return;
+    }
+    changed_.wait(lock, [&] { return over() || (!ready_ && !committing_); });
+    if (over()) return;
+    ready_ = std::move(run);
+    changed_.notify_all();
+}
+
+std::vector<GrainPtr> Writer::uncommitted() const {
+    std::vector<GrainPtr> grains;
+    for (const GrainPtr& grain : assembler_.open_grains()) {
+        if (!committed_.contains(grain->range)) grains.push_back(grain);
+    }
+    return grains;
+}
+
+void Writer::commit_until_stopped() {
+    const auto interval =
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(options_.checkpoint_seconds, 1e6)));
+    Lock lock(mutex_);
+    while (!stop_ && !over()) {
+        const bool checkpoint =
+            !ready_ && oldest_uncommitted_ && (checkpoint_wanted_ || Clock::now() >= *oldest_uncommitted_ + interval);
+        if (!ready_ && !checkpoint) {
+            if (oldest_uncommitted_) {
+                changed_.wait_until(lock, *oldest_uncommitted_ + interval);
+            } else {
+                changed_.wait(lock);
+            }
+            continue;
+        }
+        std::vector<GrainPtr> grains = checkpoint ? uncommitted() : std::move(ready_->grains);
+        if (checkpoint) oldest_uncommitted_.reset(), checkpoint_wanted_ = false;
+        ready_.reset();
+        Coverage coverage;
+        for (const GrainPtr& grain : grains) coverage.add(grain->range);
+
+        committing_ = true;
+        lock.unlock();
+        const Status done = commit(std::move(grains), coverage);
+        lock.lock();
+        committing_ = false;
+        if (done) {
+            committed_.add(coverage);
+            ++(checkpoint ? counts_.checkpoints_written : counts_.runs_written);
+            counts_.bytes_written = attempt_->size();
+        } else {
+            error_ = done.error();
+        }
+        changed_.notify_all();
+    }
+}
+
+// Encodes a run, and returns when it is on disk under a name that others can find.
+Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
+    const Result<Bytes> run = encode_run(job_, coverage, join(std::move(grains)));
+    if (!run) return run.error();
+    if (Status s = attempt_->append(*run); !s) {
+        return Error{s.error().code,
+                     s.error().message + "; what was committed before stays: make room, then run the same command again"};
+    }
+    if (!attempt_->vanished()) return {};
+    const Result<bool> published = is_published(options_.path, job_, options_.range);
+    if (published && *published) {
+        const Lock lock(mutex_);
+        published_ = true;
+        return {};
+    }
+    return attempt_->restore();
+}
+
+Status Writer::checkpoint() {
+    Lock lock(mutex_);
+    const SampleRange finished{options_.range.first, assembler_.next()};
+    while (!over() && !finished.empty() && !committed_.contains(finished)) {
+        checkpoint_wanted_ = true;
+        changed_.notify_all();
+        changed_.wait(lock);
+    }
+    checkpoint_wanted_ = false;
+    return status();
+}
+
+Status Writer::finish() {
+    {
+        Lock lock(mutex_);
+        if (!over() && !unsubmitted_.empty()) {
+            return Error{ErrorCode::kUsage,
+                         fmt::format("{}: samples {} were not submitted", options_.path.string(), to_string(unsubmitted_))};
+        }
+        changed_.wait(lock, [&] { return over() || (assembler_.done() && !advancing_ && !ready_ && !committing_); });
+        if (Status s = status(); !s) return s;
+    }
+    stop_committer();
+    if (!attempt_) return {};
+    if (!published_) {
+        if (Status s = add_runs_of_other_attempts(); !s) return s;
+        if (Status s = publish(); !s) return s;
+    }
+    remove_superfluous_attempts(options_.path, job_, Coverage(options_.range));
+    return {};
+}
+
+// Copies what other attempts hold of the result, and reads it again: file systems have been seen to copy zeros.
+Status Writer::add_runs_of_other_attempts() {
+    for (const StoredRun& run : adopted_) {
+        if (Status s = attempt_->append(run); !s) return s;
+    }
+    if (adopted_.empty()) return {};
+    const Result<FileSource> written = FileSource::open(attempt_->path());
+    if (!written) return written.error();
+    for (const RunInfo& run : attempt_->runs()) {
+        if (Status s = verify_run(*written, run, job_, VerifyLevel::kQuick); !s) return s;
+    }
+    return {};
+}
+
+Status Writer::publish() {
+    for (;;) {
+        const Status named = attempt_->publish();
+        if (named) return {};
+        if (named.error().code != ErrorCode::kExists && named.error().code != ErrorCode::kNotFound) return named;
+        const Result<bool> published = is_published(options_.path, job_, options_.range);  // by another writer of the same range
+        if (!published) return published.error();
+        if (*published) return {};
+        if (!attempt_->vanished()) return named;
+        if (Status s = attempt_->restore(); !s) return s;
+    }
+}
+
+void Writer::stop_committer() {
+    {
+        const Lock lock(mutex_);
+        stop_ = true;
+        changed_.notify_all();
+    }
+    if (committer_.joinable()) committer_.join();
+}
+
+Status Writer::status() const {
+    if (error_) return *error_;
+    return {};
+}
+
+WriterCounts Writer::counts() const {
+    const Lock lock(mutex_);
+    WriterCounts counts = counts_;
+    counts.samples_committed = published_ ? options_.range.size() : committed_.size();
+    return counts;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options, const Job& job) {
+    if (Status s = job.validate(); !s) return s.error();
+    const std::uint64_t below = options.range.first - options.range.first % job.run_samples;
+    if (!options.range.empty() && below != options.range.first) {
+        return Error{
+            ErrorCode::kUsage,
+            fmt::format("samples {}:{}: a part begins at a multiple of {}, the samples of a run; the nearest are {} and {}",
+                        options.range.first, options.range.end, job.run_samples, below, below + job.run_samples)};
+    }
+    if (options.force) {
+        if (Status s = remove_everything(options.path); !s) return s.error();
+    }
+    const Result<bool> published = is_published(options.path, job, options.range);
+    if (!published) return published.error();
+    auto writer = std::make_unique<Writer>(options, job);
+    if (Status s = writer->begin(*published); !s) return s.error();
+    return writer;
+}
+
+}  // namespace latent::sampledb

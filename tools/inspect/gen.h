@@ -1,0 +1,37 @@
+// tools/inspect/gen.h: synthetic files of any size.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+#include "base/progress.h"
+#include "base/result.h"
+#include "sampledb/coverage.h"
+#include "sampledb/part_writer.h"
+#include "tools/inspect/synthetic.h"
+
+namespace latent::inspect {
+
+struct GenOptions {
+    std::filesystem::path output;
+    SyntheticScene scene;
+    sampledb::SampleRange samples{0, 0};
+    double checkpoint_seconds = 60;
+    bool force = false;
+    int threads = 0;
+};
+
+struct GenReport {
+    sampledb::Job job;
+    sampledb::WriterCounts counts;
+    double seconds = 0;
+};
+
+// Writes the part; goes on where an earlier call was interrupted, like every writer.
+Result<GenReport> generate(const GenOptions& options, const Progress& progress = {});
+
+// "1.07G" -> 1070000000: a number of records; K, M, G are powers of 1000. Errors: kUsage.
+Result<std::uint64_t> parse_count(std::string_view text);
+
+}  // namespace latent::inspect

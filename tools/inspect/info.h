@@ -1,0 +1,45 @@
+// tools/inspect/info.h: what is in a file, without decoding it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/coverage.h"
+#include "sampledb/file_reader.h"
+
+namespace latent::inspect {
+
+// Stored bytes of one column, over the pages that were looked at.
+struct ColumnCost {
+    std::string name;
+    std::uint64_t stored = 0, decoded = 0;
+};
+
+struct FileInfo {
+    std::filesystem::path path;
+    std::uint64_t size = 0;
+    sampledb::FileContents contents;
+    sampledb::Coverage coverage;
+    std::uint64_t runs = 0, superseded_runs = 0, checkpoint_runs = 0;  // checkpoints among those that count
+    std::uint64_t pages = 0, camera_records = 0, light_records = 0;    // of the runs that count
+    std::uint64_t stored_bytes = 0;                                    // of these
+    std::uint64_t pages_looked_at = 0, records_looked_at = 0;
+    std::vector<ColumnCost> columns;
+
+    // N: light paths behind the light image.
+    std::uint64_t light_paths() const { return coverage.size() * contents.header.job.light_paths_per_sample; }
+    // Why this file would develop slowly, or be read only in part; empty if all is well.
+    std::vector<std::string> remarks() const;
+};
+
+// Errors: those of opening and reading the file's frames.
+Result<FileInfo> read_info(const std::filesystem::path& path);
+
+std::string to_text(const FileInfo& info);
+nlohmann::json to_json(const FileInfo& info);
+
+}  // namespace latent::inspect

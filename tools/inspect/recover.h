@@ -1,0 +1,35 @@
+// tools/inspect/recover.h: what can still be read of a damaged file, as a new file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "base/result.h"
+#include "sampledb/coverage.h"
+#include "sampledb/file_reader.h"
+
+namespace latent::inspect {
+
+struct RecoverReport {
+    std::filesystem::path input, output;
+    std::uint64_t runs = 0, bytes = 0;  // written
+    sampledb::Coverage kept;
+    sampledb::Coverage lost;  // as far as headers and footer still tell
+    std::vector<sampledb::Damage> damage;
+    std::uint64_t unfinished_tail = 0;  // bytes of a write that was cut short: no loss of anything committed
+    bool lost_anything() const { return !damage.empty(); }
+};
+
+// Reads every byte of `input`, copies each run that is sound to `output` as it is, and verifies the result.
+// Errors: those of reading the header, kExists, kIo, kNoSpace; then there is no output.
+Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
+                              const Progress& progress = {});
+
+std::string to_text(const RecoverReport& report);
+nlohmann::json to_json(const RecoverReport& report);
+
+}  // namespace latent::inspect

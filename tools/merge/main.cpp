@@ -1,0 +1,100 @@
+// latent-merge: the parts of one job become one file.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/cli.h"
+#include "base/size.h"
+#include "sampledb/parse.h"
+#include "tools/merge/merge.h"
+
+namespace {
+
+using namespace latent;
+using nlohmann::json;
+
+constexpr const char* kExamples = R"(
+Runs are copied as they are, so merging is as fast as copying; what was written is read again before the output gets its name.
+The parts may come in any order: the output is the same to the last byte. No sample can be counted twice: a part that is named
+twice, or parts that overlap, are refused. Parts found in a folder are simply kept once.
+
+Examples:
+  latent-merge night-0.latent night-1.latent -o night.latent       two parts
+  latent-merge parts/ -o night.latent                              all parts in a folder, unfinished ones too
+  latent-merge parts/ -o night.latent --require 0:16777216         fail if any of these samples is missing
+  latent-merge night.latent -o night-large.latent --compact        many small runs become few large ones: develops faster
+
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed.)";
+
+json to_json(const merge::MergeReport& report) {
+    json samples = json::array(), left_out = json::array();
+    for (const sampledb::SampleRange& range : report.coverage.ranges()) samples.push_back({range.first, range.end});
+    for (const sampledb::LeftOut& item : report.gathering.left_out)
+        left_out.push_back({{"place", item.place}, {"reason", item.reason}});
+    return {{"job", to_hex(report.job.id)},
+            {"files", report.files},
+            {"runs_in", report.runs_in},
+            {"runs_out", report.runs_out},
+            {"superseded_runs", report.gathering.superseded_runs},
+            {"repeated_runs", report.gathering.repeated_runs},
+            {"samples", samples},
+            {"camera_records", report.camera_records},
+            {"light_records", report.light_records},
+            {"bytes", report.bytes},
+            {"left_out", left_out},
+            {"notes", report.gathering.notes}};
+}
+
+void print(const merge::MergeReport& report, const merge::MergeOptions& options) {
+    fmt::print("{}: {} run{} from {} file{}, samples {}, {} camera and {} light records, {}\n", options.output.string(),
+               report.runs_out, report.runs_out == 1 ? "" : "s", report.files, report.files == 1 ? "" : "s",
+               to_string(report.coverage), report.camera_records, report.light_records, format_size(report.bytes));
+    if (options.compact) fmt::print("compacted {} runs into {}\n", report.runs_in, report.runs_out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    merge::MergeOptions options;
+    cli::CommonOptions common;
+    std::string require, job, verify = "quick";
+    CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
+    app.footer(kExamples);
+    app.add_option("PART", options.inputs, "parts of one job, or folders that hold them, in any order")->required();
+    app.add_option("-o,--output", options.output, "the joined file")->required()->type_name("OUT.latent");
+    app.add_option("--require", require, "fail unless samples A .. B-1 are all there")->type_name("A:B");
+    app.add_option("--verify", verify,
+                   "what is checked before and after copying: every index and one page of each run, or every byte")
+        ->check(CLI::IsMember({"quick", "full"}))
+        ->capture_default_str();
+    app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
+    app.add_flag("--skip-duplicates", options.skip_duplicates, "count parts that were named twice once, instead of refusing them");
+    app.add_option("--job", job, "where folders hold several jobs: the one to merge (32 hexadecimal digits)")->type_name("ID");
+    cli::add_common(app, common, true, true);
+    if (const auto done = cli::parse(app, argc, argv)) return *done;
+
+    options.replace = common.force;
+    options.memory = common.memory;
+    options.verify = verify == "full" ? sampledb::VerifyLevel::kFull : sampledb::VerifyLevel::kQuick;
+    if (!require.empty()) {
+        const Result<sampledb::SampleRange> range = sampledb::parse_sample_range(require);
+        if (!range) return cli::fail(range.error().at("--require"));
+        options.require = *range;
+    }
+    if (!job.empty()) {
+        const Result<sampledb::JobId> id = sampledb::parse_job_id(job);
+        if (!id) return cli::fail(id.error().at("--job"));
+        options.job = *id;
+    }
+
+    const Result<merge::MergeReport> report = merge::merge(options, cli::progress_to_stderr("merging"));
+    if (!report) return cli::fail(report.error());
+    for (const std::string& note : report->gathering.notes) fmt::print(stderr, "{}: note: {}\n", cli::program(), note);
+    for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
+    if (common.json) {
+        fmt::print("{}\n", to_json(*report).dump(2));
+    } else {
+        print(*report, options);
+    }
+    return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
+}

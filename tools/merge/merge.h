@@ -1,0 +1,43 @@
+// tools/merge/merge.h: the parts of one job become one file. Runs are copied as they are; no value is ever decoded.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "base/progress.h"
+#include "base/result.h"
+#include "sampledb/coverage.h"
+#include "sampledb/gathering.h"
+
+namespace latent::merge {
+
+struct MergeOptions {
+    std::vector<std::filesystem::path> inputs;  // files and folders
+    std::filesystem::path output;
+    bool replace = false;                                          // --force
+    bool skip_duplicates = false;                                  // a part that was named twice counts once
+    std::optional<sampledb::JobId> job;                            // keep only this job
+    std::optional<sampledb::SampleRange> require;                  // fail unless all of these samples are there
+    sampledb::VerifyLevel verify = sampledb::VerifyLevel::kQuick;  // of the runs read, and again of those written
+    bool compact = false;                                          // rewrite complete intervals as few large runs
+    std::uint64_t memory = std::uint64_t{1} << 30;
+};
+
+struct MergeReport {
+    sampledb::Job job;
+    sampledb::Coverage coverage;
+    std::uint64_t files = 0;  // that runs were taken from
+    std::uint64_t runs_in = 0, runs_out = 0;
+    std::uint64_t camera_records = 0, light_records = 0;
+    std::uint64_t bytes = 0;  // of the output
+    sampledb::GatherReport gathering;
+};
+
+// Writes the output: header, runs ascending by first sample, footer. The same bytes whatever the order of the inputs.
+// Errors: those of Gathering::open, kMismatch (`require` not met), kExists, kCorrupt (the copy differs from what was read), kIo,
+// kNoSpace; then there is no output.
+Result<MergeReport> merge(const MergeOptions& options, const Progress& progress = {});
+
+}  // namespace latent::merge
