@@ -1,0 +1,72 @@
+// render/medium.h: homogeneous media that absorb and scatter each wavelength differently. docs/rendering.md, "Media".
+#pragma once
+
+#include <cstdint>
+
+#include "render/elementary.h"
+#include "render/sampling.h"
+#include "render/spectra.h"
+
+namespace latent::render {
+
+struct Medium {
+    std::uint32_t sigma_t = 0, sigma_s = 0;  // spectra [1/m]
+    float g = 0;                             // Henyey-Greenstein
+};
+
+// Farther than any scene; products with it stay finite.
+inline constexpr float kFar = 1e30f;
+
+// Distances are drawn in one wavelength, chosen uniformly, and weighed by the mean density over all k: the balance heuristic
+// between the k ways to draw one. That mean is the density of the step, whichever subpath took it:
+//   a vertex in the medium   p(t) = 1/k sum sigma_t e^(-sigma_t t)    [1/m]
+//   passing a length d       P(d) = 1/k sum e^(-sigma_t d)
+struct MediumStep {
+    bool scattered;
+    float t;        // where, if scattered
+    float density;  // p(t) or P(d)
+};
+
+inline float mean_over(const Batch& value, std::uint32_t k) {
+    float sum = 0;
+    for (std::uint32_t i = 0; i < k; ++i) sum += value[i];
+    return sum / static_cast<float>(k);
+}
+
+// value *= e^(-sigma_t d); returns P(d).
+inline float multiply_transmittance(const Medium& medium, float d, SampledSpectra& spectra, Batch& value) {
+    const Batch& sigma_t = spectra[medium.sigma_t];
+    const float length = d < kFar ? d : kFar;
+    const Batch t = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * length); });
+    value *= t;
+    return mean_over(t, spectra.wavelengths.k);
+}
+
+// p(t) for a vertex at distance t.
+inline float scattering_density(const Medium& medium, float t, SampledSpectra& spectra) {
+    const Batch& sigma_t = spectra[medium.sigma_t];
+    return mean_over(batch_of([&](std::uint32_t i) { return sigma_t.v[i] * exp_of_negative(-sigma_t.v[i] * t); }),
+                     spectra.wavelengths.k);
+}
+
+// Draws a step of at most d; value *= its weight: sigma_s e^(-sigma_t t) / p(t), or e^(-sigma_t d) / P(d).
+inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength, float u, SampledSpectra& spectra, Batch& value) {
+    const Batch& sigma_t = spectra[medium.sigma_t];
+    const std::uint32_t k = spectra.wavelengths.k;
+    const float sigma = sigma_t[std::min(static_cast<std::uint32_t>(u_wavelength * static_cast<float>(k)), k - 1)];
+    const float t = sigma > 0 ? -log_of(1 - u) / sigma : kInfinity;
+    if (!(t < d)) {
+        const float density = multiply_transmittance(medium, d, spectra, value);
+        value *= density > 0 ? 1 / density : 0;
+        return {false, d, density};
+    }
+    const Batch& sigma_s = spectra[medium.sigma_s];
+    const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
+    const float density = mean_over(transmittance * sigma_t, k);
+    value *= transmittance;
+    value *= sigma_s;
+    value *= 1 / density;
+    return {true, t, density};
+}
+
+}  // namespace latent::render

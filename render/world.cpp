@@ -1,0 +1,107 @@
+#include "render/world.h"
+
+#include <algorithm>
+
+namespace latent::render {
+namespace {
+
+color::Spectrum sum_at_integer_nm(const color::Spectrum& a, const color::Spectrum& b, double factor) {
+    std::vector<double> nm, value;
+    for (double x = color::kLambdaMin; x <= color::kLambdaMax; ++x) {
+        nm.push_back(x);
+        value.push_back(factor * (a(x) + b(x)));
+    }
+    return *color::Spectrum::from_samples(std::move(nm), std::move(value), color::Outside::kZero);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry) {
+    const Result<Camera> camera = Camera::make(scene.camera);
+    if (!camera) return camera.error();
+    std::unique_ptr<World> world(new World(geometry, *camera));
+
+    for (const MaterialDescription& d : scene.materials) {
+        Material m{d.kind};
+        m.alpha_x = d.alpha_x;
+        m.alpha_y = d.alpha_y;
+        m.dispersive = d.dispersive && d.kind == MaterialKind::kDielectric;
+        m.first = world->library_.add(d.kind == MaterialKind::kDiffuse ? d.reflectance : d.eta, Lookup::kLinear);
+        if (d.kind == MaterialKind::kConductor) m.second = world->library_.add(d.k, Lookup::kLinear);
+        world->has_dispersion_ |= m.dispersive;
+        world->materials_.push_back(m);
+    }
+    for (const MediumDescription& d : scene.media) {
+        Medium m;
+        m.sigma_t = world->library_.add(sum_at_integer_nm(d.sigma_a, d.sigma_s, d.scale), Lookup::kNearestNm);
+        m.sigma_s = world->library_.add(sum_at_integer_nm(d.sigma_s, color::Spectrum(), d.scale), Lookup::kNearestNm);
+        m.g = static_cast<float>(d.g);
+        world->media_.push_back(m);
+    }
+    const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
+        return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
+    };
+    world->has_interfaces_ =
+        has_interface(scene.shapes) || std::any_of(scene.objects.begin(), scene.objects.end(),
+                                                   [&](const ObjectDescription& o) { return has_interface(o.shapes); });
+
+    // The sky's disk covers the camera too, so that its light can fall on a lens.
+    const float radius =
+        std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
+    world->lights_ =
+        std::make_unique<Lights>(Lights::build(scene, geometry, geometry.center(), std::max(radius, 1e-6f), world->library_));
+    if (world->lights_->size() == 0) return Error{ErrorCode::kOutOfRange, "the scene has no light: every picture of it is black"};
+    return world;
+}
+
+Scattering World::scattering(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
+    const Material& m = materials_[hit.material];
+    const Frame frame = m.alpha_x == m.alpha_y ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu);
+    const Batch& first = spectra[m.first];
+    switch (m.kind) {
+        case MaterialKind::kConductor:
+            return Scattering::conductor(frame, hit.ng, first, spectra[m.second], m.alpha_x, m.alpha_y);
+        case MaterialKind::kDielectric:
+            return Scattering::dielectric(frame, hit.ng, first, m.dispersive, kept, m.alpha_x, m.alpha_y);
+        case MaterialKind::kThinDielectric:
+            return Scattering::thin_dielectric(frame, hit.ng, first);
+        case MaterialKind::kDiffuse:
+            break;
+    }
+    return Scattering::diffuse(frame, hit.ng, first);
+}
+
+bool World::connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
+                    float& passing) const {
+    const Ray ray = spawn_ray(from, to);
+    if (medium == kNone && !has_interfaces_) return !geometry_->occluded(ray);
+    return walk(ray, length(to.p - from.p), medium, spectra, value, passing);
+}
+
+bool World::connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
+                        float& passing) const {
+    const Ray ray = spawn_ray(from, w);
+    if (medium == kNone && !has_interfaces_) return !geometry_->occluded(ray);
+    return walk(ray, kFar, medium, spectra, value, passing);
+}
+
+bool World::walk(Ray ray, float length_left, std::uint32_t medium, SampledSpectra& spectra, Batch& value, float& passing) const {
+    if (!has_interfaces_) {
+        passing *= multiply_transmittance(media_[medium], length_left, spectra, value);
+        return !geometry_->occluded(ray);
+    }
+    const float speed = length(ray.d);
+    for (;;) {
+        const std::optional<SurfaceHit> hit = geometry_->intersect(ray);
+        const float stretch = hit ? hit->t * speed : length_left;
+        if (hit && !is_interface(hit->material)) return false;
+        if (medium != kNone) passing *= multiply_transmittance(media_[medium], stretch, spectra, value);
+        if (!hit) return true;
+        medium = medium_beyond(*hit, ray.d, medium);
+        const Ray next = spawn_ray(hit->anchor(), ray.d);
+        ray = {next.o, ray.d, ray.t_max - hit->t};
+        length_left -= stretch;
+    }
+}
+
+}  // namespace latent::render

@@ -1,0 +1,67 @@
+// render/world.h: a scene as transport sees it: what is where, and what it does to light at the wavelengths of a sample.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/result.h"
+#include "render/camera.h"
+#include "render/geometry.h"
+#include "render/lights.h"
+#include "render/medium.h"
+#include "render/scattering.h"
+#include "render/scene_description.h"
+#include "render/spectra.h"
+
+namespace latent::render {
+
+class World {
+ public:
+    // The geometry must outlive the world. Errors: kUnsupported, kOutOfRange.
+    static Result<std::unique_ptr<World>> build(const SceneDescription& scene, const Geometry& geometry);
+
+    const Geometry& geometry() const { return *geometry_; }
+    const Camera& camera() const { return camera_; }
+    const Lights& lights() const { return *lights_; }
+    const SpectrumLibrary& library() const { return library_; }
+    const Medium& medium(std::uint32_t i) const { return media_[i]; }
+    bool has_media() const { return !media_.empty(); }
+    bool has_dispersion() const { return has_dispersion_; }
+
+    static bool is_interface(std::uint32_t material) { return material == kNone; }
+    // What the surface at `hit` does; valid for as long as `spectra` stays at this sample.
+    Scattering scattering(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const;
+    // The medium on the side of `hit` that w points to, for a ray that came through `current`.
+    static std::uint32_t medium_beyond(const SurfaceHit& hit, const Vec3f& w, std::uint32_t current) {
+        if (hit.inside_medium == hit.outside_medium) return current;
+        return dot(w, hit.ng) > 0 ? hit.outside_medium : hit.inside_medium;
+    }
+
+    // Light along a straight line: value *= transmittance, through interfaces and media; `passing` *= P of each stretch (medium.h).
+    // False: something stands in the way. To a point, or along unit w as far as it goes.
+    bool connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
+                 float& passing) const;
+    bool connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
+                     float& passing) const;
+
+ private:
+    struct Material {
+        MaterialKind kind;
+        std::uint32_t first = 0, second = 0;  // spectra
+        bool dispersive = false;
+        float alpha_x = 0, alpha_y = 0;
+    };
+    World(const Geometry& geometry, Camera camera) : geometry_(&geometry), camera_(camera) {}
+    bool walk(Ray ray, float length, std::uint32_t medium, SampledSpectra& spectra, Batch& value, float& passing) const;
+
+    const Geometry* geometry_;
+    Camera camera_;
+    SpectrumLibrary library_;
+    std::vector<Material> materials_;
+    std::vector<Medium> media_;
+    std::unique_ptr<Lights> lights_;
+    bool has_dispersion_ = false, has_interfaces_ = false;
+};
+
+}  // namespace latent::render
