@@ -32,7 +32,14 @@ class RgbToSpectrum {
     const Spectrum& illuminant() const { return illuminant_; }
 
  private:
-    SigmoidSpectrum solve(Rgb rgb) const;  // components in [0,1], the largest in [1/2,1]
+    // RGB of S(c0 t^2 + c1 t + c2) and its derivatives after c0, c1, c2.
+    struct Linearised {
+        std::array<double, 3> rgb;
+        Matrix3 jacobian;
+    };
+    Linearised linearised_at(const std::array<double, 3>& c) const;
+    std::array<double, 3> coefficients_of(const std::array<double, 3>& rgb) const;
+    SigmoidSpectrum spectrum_of(Rgb rgb, double scale) const;  // rgb / scale in [0,1]
 
     Spectrum illuminant_;
     // Weight of each integer nm in r, g and b: rgb_from_xyz (xbar, ybar, zbar) illuminant, normalised.

@@ -27,6 +27,14 @@ Matrix3 Matrix3::operator*(double factor) const {
     return out;
 }
 
+Matrix3 Matrix3::transposed() const {
+    Matrix3 out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) out.m[i][j] = m[j][i];
+    }
+    return out;
+}
+
 double Matrix3::determinant() const {
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);

@@ -34,6 +34,7 @@ struct Matrix3 {
     std::array<double, 3> operator*(const std::array<double, 3>& v) const;
     Matrix3 operator*(const Matrix3& right) const;
     Matrix3 operator*(double factor) const;
+    Matrix3 transposed() const;
     double determinant() const;
     // True if the determinant is finite and not lost in rounding: |det| > 1e-12 x the product of the rows' lengths.
     bool invertible() const;
