@@ -16,7 +16,8 @@ namespace latent::sampledb {
 enum class VerifyLevel : std::uint8_t {
     kHeaders,  // header only; from a footer: the footer's copy of it
     kQuick,    // header, index and one page
-    kFull,     // every stored byte, every column decoded and compared with its content hash
+    kStored,   // every stored byte
+    kFull,     // every stored byte; every column decoded and compared with its content hash; every record where it belongs
 };
 
 struct Damage {

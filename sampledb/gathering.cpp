@@ -1,0 +1,365 @@
+#include "sampledb/gathering.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <list>
+#include <map>
+#include <mutex>
+
+#include "sampledb/input_files.h"
+#include "sampledb/selection.h"
+
+namespace latent::sampledb {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostOpenFiles = 224;  // 256 with those that readers still hold and the tool's own
+
+// Recently used values by key, as many as fit.
+template <class Value>
+class Cache {
+ public:
+    explicit Cache(std::uint64_t capacity) : capacity_(capacity) {}
+
+    std::shared_ptr<const Value> find(std::size_t key) {
+        const auto it = entries_.find(key);
+        if (it == entries_.end()) return nullptr;
+        recent_.splice(recent_.begin(), recent_, it->second.place);
+        return it->second.value;
+    }
+    void insert(std::size_t key, std::shared_ptr<const Value> value, std::uint64_t cost) {
+        if (entries_.count(key) != 0) return;
+        recent_.push_front(key);
+        entries_[key] = {std::move(value), cost, recent_.begin()};
+        held_ += cost;
+        while (held_ > capacity_ && recent_.size() > 1) {
+            const auto oldest = entries_.find(recent_.back());
+            held_ -= oldest->second.cost;
+            entries_.erase(oldest);
+            recent_.pop_back();
+        }
+    }
+
+ private:
+    struct Entry {
+        std::shared_ptr<const Value> value;
+        std::uint64_t cost;
+        std::list<std::size_t>::iterator place;
+    };
+    std::uint64_t capacity_;
+    std::uint64_t held_ = 0;
+    std::map<std::size_t, Entry> entries_;
+    std::list<std::size_t> recent_;
+};
+
+// Keeps the rows of a page whose sample lies in the coverage.
+void keep_samples(const Coverage& coverage, Page& page) {
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < page.count; ++i) {
+        if (coverage.contains(SampleRange{page.sample[i], page.sample[i] + 1})) rows.push_back(i);
+    }
+    const auto keep = [&](auto& column) {
+        if (column.empty()) return;
+        for (std::size_t i = 0; i < rows.size(); ++i) column[i] = column[rows[i]];
+    };
+    if (!page.pairs.empty()) {
+        std::uint32_t at = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const std::uint32_t from = page.first_pair[rows[i]];
+            page.first_pair[i] = at;
+            for (std::uint16_t pair = 0; pair < page.pairs[rows[i]]; ++pair, ++at) {
+                page.power[at] = page.power[from + pair];
+                if (!page.lambda_nm.empty()) page.lambda_nm[at] = page.lambda_nm[from + pair];
+            }
+        }
+        std::fill(page.first_pair.begin() + static_cast<std::ptrdiff_t>(rows.size()), page.first_pair.end(), at);
+    }
+    keep(page.sample), keep(page.u), keep(page.v), keep(page.share), keep(page.x), keep(page.y), keep(page.z);
+    keep(page.pairs), keep(page.xi), keep(page.index);
+    for (ExtraColumn& column : page.extra) {
+        const std::size_t bytes = width(column.type);
+        for (std::size_t i = 0; i < rows.size() && !column.values.empty(); ++i) {
+            std::copy_n(column.values.begin() + static_cast<std::ptrdiff_t>(rows[i] * bytes), bytes,
+                        column.values.begin() + static_cast<std::ptrdiff_t>(i * bytes));
+        }
+    }
+    page.count = rows.size();
+}
+
+class OpenGathering final : public Gathering {
+ public:
+    explicit OpenGathering(const GatherOptions& options)
+        : options_(options), indexes_(options.index_memory), sources_(kMostOpenFiles) {}
+
+    Status gather();
+
+    const Job& job() const override { return job_; }
+    const std::vector<fs::path>& files() const override { return files_; }
+    const std::vector<SelectedRun>& runs() const override { return runs_; }
+    const Coverage& coverage() const override { return coverage_; }
+    const GatherReport& report() const override { return report_; }
+    Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const override;
+    Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const override;
+    std::uint64_t bytes_read() const override { return bytes_read_; }
+
+ private:
+    struct Named {  // a file that the user named, and what it holds
+        std::string path;
+        Coverage coverage;
+    };
+
+    Status read_inputs(const std::vector<InputFile>& inputs);
+    Status take_file(const InputFile& input, const ByteSource& source, FileContents file);
+    Status refuse_or_leave_out(const InputFile& input, const Error& error);
+    void report_state(const InputFile& input, const FileContents& file);
+    Status check_jobs() const;
+    Status check_repeats() const;
+    void select();
+    Result<std::shared_ptr<const FileSource>> source(std::size_t file) const;
+    std::string place(const Candidate& c) const;
+    std::string place(const SelectedRun& run) const;
+
+    GatherOptions options_;
+    Job job_;
+    std::vector<fs::path> files_;
+    std::vector<Candidate> candidates_;  // until the selection is made
+    std::map<JobId, std::string> jobs_;  // job -> a file of it
+    std::vector<Named> named_;
+    std::vector<SelectedRun> runs_;
+    Coverage coverage_;
+    GatherReport report_;
+
+    mutable std::mutex mutex_;
+    mutable Cache<std::vector<PageInfo>> indexes_;
+    mutable Cache<FileSource> sources_;
+    mutable std::atomic<std::uint64_t> bytes_read_ = 0;
+};
+
+Status OpenGathering::gather() {
+    const Result<std::vector<InputFile>> inputs = list_input_files(options_.inputs);
+    if (!inputs) return inputs.error();
+    if (Status s = read_inputs(*inputs); !s) return s;
+    if (Status s = check_jobs(); !s) return s;
+    if (Status s = check_repeats(); !s) return s;
+    select();
+    return {};
+}
+
+Status OpenGathering::read_inputs(const std::vector<InputFile>& inputs) {
+    for (const InputFile& input : inputs) {
+        Result<FileSource> source = FileSource::open(input.path);
+        if (!source) {
+            if (Status s = refuse_or_leave_out(input, source.error()); !s) return s;
+            continue;
+        }
+        Result<FileContents> file = read_file(*source, options_.verify);
+        if (!file) {
+            if (Status s = refuse_or_leave_out(input, file.error().at(input.path.string())); !s) return s;
+            continue;
+        }
+        if (Status s = take_file(input, *source, std::move(*file)); !s) return s;
+    }
+    if (!files_.empty()) return {};
+    if (!report_.left_out.empty()) {
+        return Error{ErrorCode::kForeign,
+                     fmt::format("{}: {}; nothing is left to read", report_.left_out[0].place, report_.left_out[0].reason)};
+    }
+    return Error{ErrorCode::kNotFound, "no Latent file to read"};
+}
+
+// A file that cannot be read at all. Damage costs a file; a file that should not be there at all costs the command, if the user
+// named it.
+Status OpenGathering::refuse_or_leave_out(const InputFile& input, const Error& error) {
+    const bool damaged = error.code == ErrorCode::kTruncated || error.code == ErrorCode::kCorrupt;
+    std::error_code ignored;
+    const bool just_begun = is_attempt(input.path) && (damaged || fs::file_size(input.path, ignored) == 0);
+    const std::string name = input.path.string();
+    if (just_begun) {
+        report_.notes.push_back(name + ": holds no run yet");
+    } else if (input.named && !damaged) {
+        return error;
+    } else {
+        std::string reason = error.message;
+        if (reason.starts_with(name + ": ")) reason.erase(0, name.size() + 2);
+        report_.left_out.push_back({name, reason});
+    }
+    return {};
+}
+
+Status OpenGathering::take_file(const InputFile& input, const ByteSource& source, FileContents file) {
+    const std::string name = input.path.string();
+    const JobId id = file.header.job.id;
+    if (options_.job && id != *options_.job) {
+        report_.notes.push_back(fmt::format("{}: is of job {}, not taken", name, to_hex(id)));
+        return {};
+    }
+    jobs_.emplace(id, name);
+    if (jobs_.size() > 1) return {};  // refused once all jobs are known
+    if (files_.empty()) {
+        job_ = std::move(file.header.job);
+    } else if (const Status same = same_job(job_, file.header.job); !same) {
+        const Error error{ErrorCode::kMismatch,
+                          fmt::format("{}: not of the job of {}: {}", name, files_[0].string(), same.error().message)};
+        if (input.named) return error;
+        report_.left_out.push_back({name, error.message.substr(name.size() + 2)});
+        return {};
+    }
+    report_state(input, file);
+    const std::uint32_t number = static_cast<std::uint32_t>(files_.size());
+    files_.push_back(input.path);
+    Coverage held;
+    for (const RunInfo& run : file.runs) {
+        Coverage coverage(run.header.samples);
+        if (run.header.interval_count > 1) {
+            const Result<RunIndex> index = read_run_index(source, run, job_);
+            if (!index) {
+                report_.left_out.push_back({fmt::format("{}: run at byte {}", name, run.offset), index.error().message});
+                continue;
+            }
+            coverage = index->coverage;
+        }
+        held.add(coverage);
+        candidates_.push_back({number, run, std::move(coverage)});
+    }
+    if (input.named && !is_attempt(input.path)) named_.push_back({name, std::move(held)});
+    return {};
+}
+
+void OpenGathering::report_state(const InputFile& input, const FileContents& file) {
+    const std::string name = input.path.string();
+    for (const Damage& damage : file.damage) report_.left_out.push_back({name, damage.reason});
+    if (file.header_damaged) report_.notes.push_back(name + ": one copy of its header is damaged");
+    if (file.finished) return;
+    if (is_attempt(input.path)) {
+        if (file.unfinished_tail > 0) {
+            report_.notes.push_back(
+                fmt::format("{}: unfinished; {} bytes behind its last run are not read", name, file.unfinished_tail));
+        }
+    } else {
+        report_.left_out.push_back(
+            {name,
+             fmt::format("truncated or damaged at its end: no footer, {} runs were found, others may be lost", file.runs.size())});
+    }
+}
+
+Status OpenGathering::check_jobs() const {
+    if (jobs_.size() < 2) return {};
+    const auto [a, a_file] = *jobs_.begin();
+    const auto [b, b_file] = *std::next(jobs_.begin());
+    return Error{ErrorCode::kMismatch, fmt::format("{} and {} are of different jobs ({} and {}): choose one with --job", a_file,
+                                                   b_file, to_hex(a), to_hex(b))};
+}
+
+// Finished files that the user named must not hold a sample twice.
+Status OpenGathering::check_repeats() const {
+    if (options_.skip_duplicates) return {};
+    struct Piece {
+        SampleRange range;
+        std::size_t file;
+        auto operator<=>(const Piece&) const = default;
+    };
+    std::vector<Piece> pieces;
+    for (std::size_t i = 0; i < named_.size(); ++i) {
+        for (const SampleRange& range : named_[i].coverage.ranges()) pieces.push_back({range, i});
+    }
+    std::ranges::sort(pieces);
+    for (std::size_t i = 1; i < pieces.size(); ++i) {
+        const SampleRange& a = pieces[i - 1].range;
+        const SampleRange& b = pieces[i].range;
+        if (b.first >= a.end) continue;
+        return Error{ErrorCode::kMismatch,
+                     fmt::format("{} and {} both hold samples {}..{} (--skip-duplicates keeps one of them)",
+                                 named_[pieces[i - 1].file].path, named_[pieces[i].file].path, b.first, std::min(a.end, b.end))};
+    }
+    return {};
+}
+
+void OpenGathering::select() {
+    const Selection selection = select_runs(candidates_);
+    report_.superseded_runs = selection.superseded.size();
+    report_.repeated_runs = selection.repeated.size();
+    for (const std::size_t i : selection.differing) {
+        report_.left_out.push_back(
+            {place(candidates_[i]), "differs from the same samples in another file; the one with the smaller hash is kept"});
+    }
+    for (const std::size_t i : selection.overlapping) {
+        Coverage lost = candidates_[i].coverage;
+        lost.remove(selection.coverage);
+        report_.left_out.push_back({place(candidates_[i]), "overlaps runs that hold more; samples " + to_string(lost) + " lost"});
+    }
+    for (const std::size_t i : selection.chosen) {
+        Candidate& c = candidates_[i];
+        SelectedRun run{c.file, c.run.offset, c.run.header, std::move(c.coverage)};
+        if (options_.samples) {
+            Coverage within = run.coverage.intersection(Coverage(*options_.samples));
+            if (within.empty()) continue;
+            run.cut = within != run.coverage;
+            run.coverage = std::move(within);
+        }
+        coverage_.add(run.coverage);
+        runs_.push_back(std::move(run));
+    }
+    candidates_ = {};
+}
+
+std::string OpenGathering::place(const Candidate& c) const {
+    return fmt::format("{}: samples {}", files_[c.file].string(), to_string(c.coverage));
+}
+
+std::string OpenGathering::place(const SelectedRun& run) const {
+    return fmt::format("{}: samples {}..{}", files_[run.file].string(), run.header.samples.first, run.header.samples.end);
+}
+
+Result<std::shared_ptr<const FileSource>> OpenGathering::source(std::size_t file) const {
+    const std::lock_guard lock(mutex_);
+    if (std::shared_ptr<const FileSource> open = sources_.find(file)) return open;
+    Result<FileSource> opened = FileSource::open(files_[file]);
+    if (!opened) return opened.error();
+    auto shared = std::make_shared<const FileSource>(std::move(*opened));
+    sources_.insert(file, shared, 1);
+    return std::shared_ptr<const FileSource>(shared);
+}
+
+Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::size_t run) const {
+    {
+        const std::lock_guard lock(mutex_);
+        if (std::shared_ptr<const std::vector<PageInfo>> held = indexes_.find(run)) return held;
+    }
+    const SelectedRun& selected = runs_[run];
+    const Result<std::shared_ptr<const FileSource>> from = source(selected.file);
+    if (!from) return from.error();
+    Result<RunIndex> index = read_run_index(**from, {selected.offset, selected.header}, job_);
+    if (!index) return index.error().at(place(selected));
+    bytes_read_ += kRunHeaderSize + selected.header.index_size();
+    const std::uint64_t cost = index->pages.size() * sizeof(PageInfo);
+    auto pages = std::make_shared<const std::vector<PageInfo>>(std::move(index->pages));
+    const std::lock_guard lock(mutex_);
+    indexes_.insert(run, pages, cost);
+    return std::shared_ptr<const std::vector<PageInfo>>(pages);
+}
+
+Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const {
+    const SelectedRun& selected = runs_[run];
+    const Result<std::shared_ptr<const FileSource>> from = source(selected.file);
+    if (!from) return from.error();
+    ColumnSet needed = columns;
+    needed.samples |= selected.cut;
+    if (Status s = sampledb::read_page(**from, info, job_, needed, page); !s) return s.error().at(place(selected));
+    bytes_read_ += info.stored_size;
+    if (selected.cut) keep_samples(selected.coverage, page);
+    return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Gathering>> Gathering::open(const GatherOptions& options) {
+    auto gathering = std::make_unique<OpenGathering>(options);
+    if (Status s = gathering->gather(); !s) return s.error();
+    return std::unique_ptr<Gathering>(std::move(gathering));
+}
+
+}  // namespace latent::sampledb

@@ -1,0 +1,78 @@
+#include "sampledb/input_files.h"
+
+#include <glob.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "base/file.h"
+
+namespace latent::sampledb {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kSuffix = ".latent";
+constexpr std::string_view kAttempt = ".latent.part.";
+
+// Files of a folder whose name passes, sorted.
+Result<std::vector<fs::path>> files_in(const fs::path& folder, const std::function<bool(const std::string&)>& passes) {
+    std::vector<fs::path> found;
+    std::error_code error;
+    fs::directory_iterator it(folder, error);
+    for (; !error && it != fs::directory_iterator(); it.increment(error)) {
+        if (passes(it->path().filename().string()) && !it->is_directory(error)) found.push_back(it->path());
+    }
+    if (error) return error_from_errno(error.value(), folder.string(), "cannot list");
+    std::ranges::sort(found);
+    return found;
+}
+
+std::vector<fs::path> files_matching(const fs::path& pattern) {
+    std::vector<fs::path> found;
+    glob_t matches{};
+    if (::glob(pattern.c_str(), 0, nullptr, &matches) == 0) found.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+    ::globfree(&matches);
+    return found;
+}
+
+}  // namespace
+
+bool is_attempt(const fs::path& path) { return path.filename().string().find(kAttempt) != std::string::npos; }
+
+Result<std::vector<fs::path>> attempts_at(const fs::path& path) {
+    std::error_code error;
+    const fs::path folder = folder_of(path);
+    if (!fs::is_directory(folder, error)) return std::vector<fs::path>{};
+    const std::string stem = path.filename().string() + ".part.";
+    return files_in(folder, [&](const std::string& name) { return name.starts_with(stem); });
+}
+
+Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inputs) {
+    std::vector<InputFile> files;
+    const auto add_found = [&](const std::vector<fs::path>& found) {
+        for (const fs::path& path : found) files.push_back({path, false});
+    };
+    for (const fs::path& input : inputs) {
+        std::error_code error;
+        if (fs::is_directory(input, error)) {
+            const auto found = files_in(
+                input, [](const std::string& name) { return name.ends_with(kSuffix) || name.find(kAttempt) != std::string::npos; });
+            if (!found) return found.error();
+            if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": holds no *.latent file"};
+            add_found(*found);
+        } else if (fs::exists(input, error)) {
+            files.push_back({input, true});
+        } else {
+            const auto attempts = attempts_at(input);
+            if (!attempts) return attempts.error();
+            const std::vector<fs::path> found = attempts->empty() ? files_matching(input) : *attempts;
+            if (found.empty()) return Error{ErrorCode::kNotFound, input.string() + ": no such file"};
+            add_found(found);
+        }
+    }
+    return files;
+}
+
+}  // namespace latent::sampledb

@@ -1,0 +1,25 @@
+// sampledb/input_files.h: from what a user names (files, folders, globs, parts not yet published) to a list of files.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "base/result.h"
+
+namespace latent::sampledb {
+
+struct InputFile {
+    std::filesystem::path path;
+    bool named = true;  // one by one, by the user; false: found in a folder, by a glob, or as an attempt
+};
+
+// Files in the order given; those of a folder or glob sorted by name. Errors: kNotFound, kIo.
+Result<std::vector<InputFile>> list_input_files(const std::vector<std::filesystem::path>& inputs);
+
+// Whether the name is that of an attempt, NAME.latent.part.<nonce>: a file that may lack its footer.
+bool is_attempt(const std::filesystem::path& path);
+
+// The attempts at NAME.latent that stand beside it, sorted by name.
+Result<std::vector<std::filesystem::path>> attempts_at(const std::filesystem::path& path);
+
+}  // namespace latent::sampledb
