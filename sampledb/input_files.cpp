@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "base/file.h"
+#include "sampledb/part_name.h"
 
 namespace latent::sampledb {
 
@@ -41,14 +41,6 @@ std::vector<fs::path> files_matching(const fs::path& pattern) {
 
 bool is_attempt(const fs::path& path) { return path.filename().string().find(kAttempt) != std::string::npos; }
 
-Result<std::vector<fs::path>> attempts_at(const fs::path& path) {
-    std::error_code error;
-    const fs::path folder = folder_of(path);
-    if (!fs::is_directory(folder, error)) return std::vector<fs::path>{};
-    const std::string stem = path.filename().string() + ".part.";
-    return files_in(folder, [&](const std::string& name) { return name.starts_with(stem); });
-}
-
 Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inputs) {
     std::vector<InputFile> files;
     const auto add_found = [&](const std::vector<fs::path>& found) {
@@ -65,9 +57,8 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
         } else if (fs::exists(input, error)) {
             files.push_back({input, true});
         } else {
-            const auto attempts = attempts_at(input);
-            if (!attempts) return attempts.error();
-            const std::vector<fs::path> found = attempts->empty() ? files_matching(input) : *attempts;
+            std::vector<fs::path> found = attempts_of(input);
+            if (found.empty()) found = files_matching(input);
             if (found.empty()) return Error{ErrorCode::kNotFound, input.string() + ": no such file"};
             add_found(found);
         }

@@ -19,7 +19,4 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<std::filesyste
 // Whether the name is that of an attempt, NAME.latent.part.<nonce>: a file that may lack its footer.
 bool is_attempt(const std::filesystem::path& path);
 
-// The attempts at NAME.latent that stand beside it, sorted by name.
-Result<std::vector<std::filesystem::path>> attempts_at(const std::filesystem::path& path);
-
 }  // namespace latent::sampledb
