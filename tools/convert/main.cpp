@@ -1,0 +1,92 @@
+// latent-convert: from developed pixels to a print.
+#include <fmt/format.h>
+
+#include "base/cli.h"
+#include "tools/convert/convert.h"
+#include "tools/convert/report.h"
+
+namespace {
+
+constexpr const char* kExamples = R"(
+Formats, by the output's extension: .png .tif .jpg (display pixels with a colour profile), .exr (the print in linear light),
+.dzi (a Deep Zoom pyramid of tiles, with NAME.html beside it that shows it: open it by double click).
+
+Examples:
+  latent-convert picture.exr -o picture.png
+  latent-convert picture.exr -o picture.png --auto                             choose the sensitivity; prints the one it chose
+  latent-convert picture.exr -o picture.tif --bits 16 --profile display-p3 --stops -0.5
+  latent-convert picture.exr -o wall.tif --tiles --pyramid                     BigTIFF where needed
+  latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M           two outputs in one pass, any size
+  latent-convert picture.exr -o corner.png --crop 0,0,512,512
+)";
+
+void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
+    using latent::convert::Depth;
+    app.add_option("IMAGE", options.input, "EXR from latent-develop, or of linear RGB")->required();
+    app.add_option("-o,--output", options.outputs, "what to write; may repeat")->required()->allow_extra_args(false);
+    auto* sensitivity = app.add_option("-s,--sensitivity", options.sensitivity, "sensitivity of the film: Y = 1/S prints at half")
+                            ->check(CLI::PositiveNumber);
+    app.add_option("--stops", options.stops, "push the sensitivity by so many stops")
+        ->check(CLI::Range(-100.0, 100.0))
+        ->type_name("EV");
+    app.add_flag("--auto", options.auto_exposure, "choose the sensitivity: the mean prints at 18 % grey")->excludes(sensitivity);
+    app.add_option("--tone", options.tone, "film: 1 - 2^(-S Y); none: only converts")
+        ->check(CLI::IsMember({"film", "none"}))
+        ->capture_default_str();
+    app.add_option("--gamut", options.gamut, "luminance: exact brightness; grey: that and truer hue; clip: neither")
+        ->check(CLI::IsMember({"luminance", "grey", "clip"}))
+        ->capture_default_str();
+    app.add_option("--profile", options.profile, "srgb, display-p3, rec2020, adobe-rgb, rx,ry,gx,gy,bx,by,wx,wy or FILE.icc")
+        ->capture_default_str();
+    app.add_option("--luminance-row", options.luminance_row, "luminances of the primaries, three numbers, instead of the profile's")
+        ->delimiter(',');
+    const std::map<std::string, Depth> depths{{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}};
+    app.add_option("--bits", options.depth, "8, 16 or float; default 8, EXR float (16: half)")
+        ->transform(CLI::CheckedTransformer(depths));
+    app.add_flag("--dither,!--no-dither", options.dither, "hide the steps of 8 bits in noise (default on)");
+    app.add_option_function<std::array<int, 4>>(
+           "--crop",
+           [&options](const std::array<int, 4>& c) {
+               options.crop = {c[0], c[1], c[2], c[3]};
+           },
+           "only these pixels: x0,y0,x1,y1 (x1, y1 excluded)")
+        ->delimiter(',')
+        ->type_name("X0,Y0,X1,Y1");
+    app.add_option("--level", options.level, "mip level of the input: 1 is half its size, ...")->check(CLI::Range(0, 31));
+    app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles, 1..100")
+        ->check(CLI::Range(1, 100))
+        ->capture_default_str();
+    app.add_option("--compression", options.png_level, "of PNG and TIFF, 1 (fast) .. 9 (small)")
+        ->check(CLI::Range(1, 9))
+        ->capture_default_str();
+    app.add_flag("--tiles", options.tiles, "TIFF in tiles of 256 x 256");
+    app.add_flag("--pyramid", options.pyramid, "TIFF with smaller and smaller copies, in tiles");
+    app.add_flag("--png-tiles", options.png_tiles, "Deep Zoom in PNG instead of JPEG");
+    app.add_option("--overlap", options.overlap, "pixels that Deep Zoom's tiles share")
+        ->check(CLI::Range(0, 1))
+        ->capture_default_str();
+    app.footer(kExamples);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    namespace cli = latent::cli;
+    latent::convert::ConvertOptions options;
+    cli::CommonOptions common;
+    CLI::App app{"Print a developed picture: tone, gamut and encoding for a display, at any size, in fixed memory.",
+                 "latent-convert"};
+    add_options(app, options);
+    cli::add_common(app, common, true, true);
+    if (const auto done = cli::parse(app, argc, argv)) return *done;
+    options.threads = common.threads;
+    options.memory = common.memory;
+    options.replace = common.force;
+    const latent::Result<latent::convert::ConvertReport> report =
+        latent::convert::convert(options, cli::progress_to_stderr("printing"));
+    if (!report) return cli::fail(report.error());
+    fmt::print("{}", common.json ? latent::convert::report_json(*report) : latent::convert::report_text(*report));
+    if (report->damaged() == 0) return cli::kDone;
+    cli::warn(fmt::format("{} pixels were not numbers", report->damaged()));
+    return cli::kDoneWithLosses;
+}

@@ -1,0 +1,47 @@
+#include "tools/convert/report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace latent::convert {
+
+std::string report_text(const ConvertReport& r) {
+    const auto share = [&](std::uint64_t count) {
+        return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
+    };
+    std::string text = fmt::format(
+        "size           {} x {}\nsensitivity    {}\nprint          tone {}, gamut {}, {}\nout of gamut   {} pixels ({:.3f} %)\n",
+        r.width, r.height, r.sigma, r.tone, r.gamut, r.profile, r.print.out_of_gamut, share(r.print.out_of_gamut));
+    const auto line = [&](const char* name, std::uint64_t count, const char* became) {
+        if (count > 0) text += fmt::format("{:<15}{} pixels ({:.3f} %), {}\n", name, count, share(count), became);
+    };
+    line("clipped", r.print.clipped, "luminance and hue not kept");
+    line("negative", r.print.negative, "printed black");
+    line("not a number", r.print.nan, "printed black");
+    line("infinite", r.print.infinite, "printed white");
+    line("colourless", r.print.colourless, "x or z not finite, printed grey");
+    for (const std::string& output : r.outputs) text += fmt::format("written        {}\n", output);
+    return text;
+}
+
+std::string report_json(const ConvertReport& r) {
+    const nlohmann::ordered_json json{{"width", r.width},
+                                      {"height", r.height},
+                                      {"sensitivity", r.sigma},
+                                      {"tone", r.tone},
+                                      {"gamut", r.gamut},
+                                      {"profile", r.profile},
+                                      {"pixels", r.print.pixels},
+                                      {"out_of_gamut", r.print.out_of_gamut},
+                                      {"clipped", r.print.clipped},
+                                      {"negative", r.print.negative},
+                                      {"not_a_number", r.print.nan},
+                                      {"infinite", r.print.infinite},
+                                      {"colourless", r.print.colourless},
+                                      {"seconds", r.seconds},
+                                      {"outputs", r.outputs}};
+    return json.dump() + "\n";
+}
+
+}  // namespace latent::convert

@@ -1,0 +1,13 @@
+// tools/convert/report.h: what came of a print, for people and for scripts.
+#pragma once
+
+#include <string>
+
+#include "tools/convert/options.h"
+
+namespace latent::convert {
+
+std::string report_text(const ConvertReport& report);  // lines "name  value"
+std::string report_json(const ConvertReport& report);  // one object
+
+}  // namespace latent::convert

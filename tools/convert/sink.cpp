@@ -1,0 +1,222 @@
+#include "tools/convert/sink.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <cstring>
+#include <functional>
+
+#include "color/quantise.h"
+#include "image/deep_zoom_writer.h"
+#include "image/exr_writer.h"
+#include "image/jpeg_writer.h"
+#include "image/png_writer.h"
+#include "image/tiff_writer.h"
+#include "tools/convert/viewer_page.h"
+
+namespace latent::convert {
+
+using image::PixelFormat;
+using image::Rect;
+using image::SampleType;
+
+namespace {
+
+// From linear light to the samples of a file. `level` of a pyramid: each gets its own dither.
+struct Encoder {
+    SampleType sample = SampleType::kU8;
+    color::Transfer transfer;
+    bool dither = true;
+
+    // One row of pixels, the first of which is (x0, y) of its level.
+    void encode(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const {
+        const color::Quantiser quantiser{transfer, dither && sample == SampleType::kU8, static_cast<std::uint32_t>(level)};
+        const std::size_t samples = 3 * rgb[0].size();
+        const auto column = static_cast<std::uint32_t>(x0), row = static_cast<std::uint32_t>(y);
+        if (sample == SampleType::kU8) {
+            quantiser.to_8_bits(rgb[0], rgb[1], rgb[2], column, row, {reinterpret_cast<std::uint8_t*>(out), samples});
+        } else if (sample == SampleType::kU16) {
+            quantiser.to_16_bits(rgb[0], rgb[1], rgb[2], column, row, {reinterpret_cast<std::uint16_t*>(out), samples});
+        } else {
+            float* values = reinterpret_cast<float*>(out);
+            for (std::size_t i = 0; i < samples; ++i) {
+                const float light = rgb[i % 3][i / 3];
+                values[i] = transfer.is_linear() ? light : static_cast<float>(transfer.encode(static_cast<double>(light)));
+            }
+        }
+    }
+};
+
+// What pyramids and single images have in common. `write_rows(level, rows)` passes rows of a level to the writer.
+template <class Writer>
+class WriterSink final : public Sink {
+ public:
+    using WriteRows = std::function<Status(Writer&, std::size_t level, ByteSpan rows)>;
+
+    // `levels`: 1 without a pyramid.
+    WriterSink(std::unique_ptr<Writer> writer, const Picture& picture, const Encoder& encoder, std::size_t levels,
+               std::size_t rows_held, WriteRows write_rows)
+        : writer_(std::move(writer)),
+          area_(picture.area),
+          encoder_(encoder),
+          levels_(levels),
+          rows_held_(rows_held),
+          pyramid_((picture.area.height() + 1) / 2, levels),
+          write_rows_(std::move(write_rows)) {}
+
+    std::size_t bytes_per_row() const override {
+        return row_bytes(area_.width()) + (levels_ > 1 ? 3 * sizeof(float) * static_cast<std::size_t>(area_.width()) / 4 : 0);
+    }
+    std::size_t bytes_held() const override { return rows_held_ * row_bytes(area_.width()) * (levels_ > 1 ? 2 : 1); }
+
+    Band new_band(const Rect& area) const override {
+        Band band{area, Bytes(row_bytes(area.width()) * static_cast<std::size_t>(area.height())), {}};
+        if (levels_ > 1) band.halved = PlanarRows((area.width() + 1) / 2, (area.height() + 1) / 2);
+        return band;
+    }
+
+    void take(Band& band, const PrintedBlock& block) const override {
+        const Rect& area = block.area;
+        for (int y = area.y0; y < area.y1; ++y) {
+            std::byte* out = band.codes.data() + static_cast<std::size_t>(y - band.area.y0) * row_bytes(band.area.width()) +
+                             row_bytes(area.x0 - band.area.x0);
+            encoder_.encode(0, {block.row(0, y), block.row(1, y), block.row(2, y)}, area.x0, y, out);
+        }
+        if (levels_ == 1) return;
+        for (int y = area.y0; y < area.y1; y += 2) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                float* out = band.halved.plane((y - band.area.y0) / 2, c) + (area.x0 - band.area.x0) / 2;
+                halve(block.row(c, y).data(), y + 1 < area.y1 ? block.row(c, y + 1).data() : nullptr,
+                      static_cast<std::size_t>(area.width()), out);
+            }
+        }
+    }
+
+    Status write(Band& band) override {
+        if (Status s = write_rows_(*writer_, 0, band.codes); !s) return s;
+        band.codes = {};
+        if (levels_ == 1) return {};
+        return pyramid_.add(std::move(band.halved), [this](std::size_t level, int y, const PlanarRows& rows) {
+            Bytes codes(row_bytes(rows.width) * static_cast<std::size_t>(rows.height));
+            tbb::parallel_for(0, rows.height, [&](int i) {
+                const auto plane = [&](std::size_t c) { return std::span(rows.plane(i, c), static_cast<std::size_t>(rows.width)); };
+                encoder_.encode(level, {plane(0), plane(1), plane(2)}, 0, y + i,
+                                codes.data() + static_cast<std::size_t>(i) * row_bytes(rows.width));
+            });
+            return write_rows_(*writer_, level, codes);
+        });
+    }
+    Status finish() override { return writer_->finish(); }
+    Status publish() override { return writer_->publish(); }
+
+ private:
+    std::size_t row_bytes(int width) const { return static_cast<std::size_t>(width) * 3 * image::sample_bytes(encoder_.sample); }
+
+    std::unique_ptr<Writer> writer_;
+    Rect area_;
+    Encoder encoder_;
+    std::size_t levels_, rows_held_;
+    Pyramid pyramid_;
+    WriteRows write_rows_;
+};
+
+// What a file says about the print. Numbers as they were used, no names of files.
+std::vector<std::pair<std::string, std::string>> texts(const Picture& picture, const Display& display,
+                                                       const ConvertOptions& options) {
+    return {{"Software", "latent-convert " LATENT_VERSION},
+            {"Sensitivity", fmt::format("{}", picture.sigma)},
+            {"Tone", options.tone},
+            {"Gamut", options.gamut},
+            {"Profile", display.space.name}};
+}
+
+std::array<float, 8> chromaticities_of(const color::Primaries& p) {
+    const auto f = [](double v) { return static_cast<float>(v); };
+    return {f(p.red.x), f(p.red.y), f(p.green.x), f(p.green.y), f(p.blue.x), f(p.blue.y), f(p.white.x), f(p.white.y)};
+}
+
+Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>> writer, const Picture& picture,
+                                        const Encoder& encoder) {
+    if (!writer) return writer.error();
+    return std::make_unique<WriterSink<image::RowWriter>>(
+        std::move(*writer), picture, encoder, 1, 64,
+        [](image::RowWriter& w, std::size_t, ByteSpan rows) { return w.write_rows(rows); });
+}
+
+Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const Picture& picture, const Display& display,
+                                       const ConvertOptions& options) {
+    image::ExrTags tags;
+    tags.chromaticities = chromaticities_of(display.space.primaries);
+    for (auto& [key, value] : texts(picture, display, options)) {
+        tags.texts.emplace_back(
+            key == "Software" ? "software" : "latent:" + std::string(1, static_cast<char>(key[0] | 0x20)) + key.substr(1), value);
+    }
+    return rows_sink(
+        image::create_exr(std::move(out), picture.area, picture.display_window, options.depth == Depth::k16, tags, options.threads),
+        picture, Encoder{SampleType::kF32, color::Transfer::linear(), false});
+}
+
+Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const Picture& picture, const image::ImageTags& tags,
+                                        const Encoder& encoder, const ConvertOptions& options) {
+    std::vector<PixelFormat> formats{{picture.area.width(), picture.area.height(), encoder.sample}};
+    while (options.pyramid && std::max(formats.back().width, formats.back().height) > image::kTiffTile) {
+        const PixelFormat& last = formats.back();
+        formats.push_back({(last.width + 1) / 2, (last.height + 1) / 2, encoder.sample});
+    }
+    const image::TiffOptions how{options.tiles || options.pyramid, options.png_level};
+    Result<std::unique_ptr<image::TiffWriter>> writer = image::TiffWriter::create(std::move(out), formats, tags, how);
+    if (!writer) return writer.error();
+    return std::make_unique<WriterSink<image::TiffWriter>>(
+        std::move(*writer), picture, encoder, formats.size(), how.tiles ? image::kTiffTile : 64,
+        [](image::TiffWriter& w, std::size_t level, ByteSpan rows) { return w.write_rows(level, rows); });
+}
+
+Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, const Picture& picture, const Display& display,
+                                             const Encoder& encoder, const ConvertOptions& options) {
+    image::DeepZoomOptions how;
+    how.overlap = options.overlap;
+    how.png = options.png_tiles;
+    how.jpeg.quality = options.quality;
+    how.png_options.level = options.png_level;
+    how.replace = options.replace;
+    image::ImageTags tags;  // of each of thousands of tiles: nothing, where nothing means sRGB
+    if (!display.srgb) tags.icc = display.icc;
+    const int width = picture.area.width(), height = picture.area.height();
+    const std::string page = viewer_page(path.stem().string() + "_files/", width, height, how);
+    Result<std::unique_ptr<image::DeepZoomWriter>> writer = image::DeepZoomWriter::create(path, width, height, tags, page, how);
+    if (!writer) return writer.error();
+    return std::make_unique<WriterSink<image::DeepZoomWriter>>(
+        std::move(*writer), picture, encoder, image::deep_zoom_levels(width, height).size(),
+        static_cast<std::size_t>(how.tile + 2 * how.overlap),
+        [](image::DeepZoomWriter& w, std::size_t level, ByteSpan rows) { return w.write_rows(level, rows); });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const Picture& picture, const Display& display,
+                                        const ConvertOptions& options) {
+    std::string type = path.extension().string();
+    for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const bool png = type == ".png", tiff = type == ".tif" || type == ".tiff", jpeg = type == ".jpg" || type == ".jpeg";
+    if (!png && !tiff && !jpeg && type != ".exr" && type != ".dzi") {
+        return Error{ErrorCode::kUsage, fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", path.string())};
+    }
+    if (png && options.depth == Depth::kFloat) {
+        return Error{ErrorCode::kUsage, fmt::format("{}: PNG holds 8 or 16 bits; .tif and .exr hold floats", path.string())};
+    }
+    Encoder encoder{SampleType::kU8, display.space.transfer, options.dither};
+    if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
+    if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
+    if (type == ".dzi") return deep_zoom_sink(path, picture, display, encoder, options);
+
+    Result<OutputFile> out = OutputFile::create(path, options.replace);
+    if (!out) return out.error();
+    if (type == ".exr") return exr_sink(std::move(*out), picture, display, options);
+    const image::ImageTags tags{display.icc, display.srgb, display.cicp, texts(picture, display, options)};
+    if (tiff) return tiff_sink(std::move(*out), picture, tags, encoder, options);
+    const PixelFormat format{picture.area.width(), picture.area.height(), encoder.sample};
+    if (png) return rows_sink(image::create_png(std::move(*out), format, tags, {options.png_level}), picture, encoder);
+    return rows_sink(image::create_jpeg(std::move(*out), format, tags, {options.quality}), picture, encoder);
+}
+
+}  // namespace latent::convert

@@ -1,0 +1,20 @@
+// tools/convert/source.h: the developed picture that is printed: its pixels, what they mean, and the part that is wanted.
+#pragma once
+
+#include "color/tristimulus.h"
+#include "image/exr_reader.h"
+#include "tools/convert/options.h"
+
+namespace latent::convert {
+
+struct Source {
+    image::ExrReader reader;
+    image::Rect area;              // the part to print, in the coordinates of the display window
+    color::Matrix3 xyz_from_file;  // the identity for a file that holds XYZ
+    color::Chromaticity white;     // what counts as white: the file's adopted neutral, else its white, else D65
+};
+
+// Errors: those of ExrReader::open; kOutOfRange for a crop beyond the pixels that the file holds, naming these.
+Result<Source> open_source(const ConvertOptions& options);
+
+}  // namespace latent::convert
