@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -330,6 +331,52 @@ TEST(Print, GreyOperatorMovesAlongTheLineToGrey) {
     EXPECT_NEAR(rgb.b - y, t * (unmapped[2] - y), 1e-14);
     EXPECT_NEAR(std::min({rgb.r, rgb.g, rgb.b, 1 - rgb.r, 1 - rgb.g, 1 - rgb.b}), 0, 1e-15);  // it stops at the border
     EXPECT_EQ(report.out_of_gamut, 1U);
+}
+
+// Hue angle in OKLab [Ottosson20] of linear sRGB, and its chroma.
+struct OklabHue {
+    double degrees, chroma;
+};
+OklabHue oklab_hue(Rgb c) {
+    const double l = std::cbrt(0.4122214708 * c.r + 0.5363325363 * c.g + 0.0514459929 * c.b);
+    const double m = std::cbrt(0.2119034982 * c.r + 0.6806995451 * c.g + 0.1073969566 * c.b);
+    const double s = std::cbrt(0.0883024619 * c.r + 0.2817188376 * c.g + 0.6299787005 * c.b);
+    const double a = 1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s,
+                 b = 0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s;
+    return {std::atan2(b, a) * 180 / std::numbers::pi, std::hypot(a, b)};
+}
+
+// Exposure ramps of 16 stops on 144 chromaticities inside sRGB: the straight line to grey shifts hue less than clamping does, at a
+// little less chroma. The figures are those of docs/color.md.
+TEST(Print, GreyOperatorShiftsHueLessThanClamping) {
+    const auto hue_and_chroma = [](Gamut gamut) {
+        const Print print = make_print(RgbSpace::srgb(), 1, gamut);
+        PrintReport report;
+        std::vector<double> shift;
+        double chroma = 0;
+        for (int i = 0; i < 144; ++i) {
+            const double angle = i % 36 * 10 * std::numbers::pi / 180,
+                         radius = (i / 36 + 1) / 4.0;  // around white, out to the border
+            Rgb c{1 + std::cos(angle), 1 + std::cos(angle - 2.0944), 1 + std::cos(angle + 2.0944)};
+            const double low = std::min({c.r, c.g, c.b});
+            c = {1 + radius * (c.r - low - 1), 1 + radius * (c.g - low - 1), 1 + radius * (c.b - low - 1)};
+            const auto xyz = RgbSpace::srgb().xyz_from_rgb * std::array{c.r, c.g, c.b};
+            for (double stops = -8; stops <= 8; stops += 1.0 / 16) {
+                const double scale = std::exp2(stops) / xyz[1];
+                const Rgb printed = print.pixel({xyz[0] * scale, xyz[1] * scale, xyz[2] * scale}, report);
+                const OklabHue before = oklab_hue(c), after = oklab_hue(printed);
+                chroma += after.chroma;
+                if (after.chroma > 0.005) shift.push_back(std::abs(std::remainder(after.degrees - before.degrees, 360)));
+            }
+        }
+        std::ranges::sort(shift);
+        return std::pair{shift[shift.size() * 95 / 100], chroma / (144 * 257)};
+    };
+    const auto [clamp_shift, clamp_chroma] = hue_and_chroma(Gamut::kLuminance);
+    const auto [grey_shift, grey_chroma] = hue_and_chroma(Gamut::kGrey);
+    EXPECT_NEAR(clamp_shift, 18, 1);
+    EXPECT_NEAR(grey_shift, 2.7, 0.2);
+    EXPECT_NEAR(grey_chroma / clamp_chroma, 0.97, 0.01);
 }
 
 TEST(Print, ClipCountsWhatItCuts) {
