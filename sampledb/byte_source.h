@@ -38,6 +38,20 @@ class FileSource final : public ByteSource {
     std::uint64_t size_;
 };
 
+// Looks at a file that the caller keeps open: one that has no name yet, say.
+class FileView final : public ByteSource {
+ public:
+    FileView(const File& file, std::string name, std::uint64_t size) : file_(file), name_(std::move(name)), size_(size) {}
+    std::uint64_t size() const override { return size_; }
+    Status read(std::uint64_t offset, std::span<std::byte> into) const override { return file_.read_exact(offset, into); }
+    std::string name() const override { return name_; }
+
+ private:
+    const File& file_;
+    std::string name_;
+    std::uint64_t size_;
+};
+
 // Looks at bytes that the caller keeps.
 class MemorySource final : public ByteSource {
  public:

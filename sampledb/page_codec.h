@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "base/bytes.h"
 #include "base/result.h"
@@ -22,5 +24,13 @@ PageInfo encode_page(const Job& job, const Page& page, Bytes& out);
 // Errors: kCorrupt, kUnsupported (a transform or codec that this version does not know).
 Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const ColumnSet& columns, Page& page,
                    bool every_column = false);
+
+// What each column of a page takes, for reports.
+struct StoredColumn {
+    std::string name;
+    std::uint64_t stored, decoded;  // bytes
+};
+// Errors: kCorrupt.
+Result<std::vector<StoredColumn>> stored_columns(const Job& job, const PageInfo& info, ByteSpan stored);
 
 }  // namespace latent::sampledb

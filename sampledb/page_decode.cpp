@@ -289,4 +289,31 @@ Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const 
     return {};
 }
 
+Result<std::vector<StoredColumn>> stored_columns(const Job& job, const PageInfo& info, ByteSpan stored) {
+    if (Status s = read_table(job, info, stored); !s) return s.error();
+    const std::uint64_t values = info.pair_count, rows_of_page = info.record_count;
+    static constexpr struct {
+        Column column;
+        const char* name;
+        unsigned width;
+    } kNames[] = {{Column::kSample, "sample", 8}, {Column::kU, "u", 4},         {Column::kV, "v", 4},
+                  {Column::kShare, "share", 4},   {Column::kX, "x", 4},         {Column::kY, "y", 4},
+                  {Column::kZ, "z", 4},           {Column::kPairs, "pairs", 2}, {Column::kXi, "xi", 4},
+                  {Column::kIndex, "index", 2},   {Column::kPower, "power", 4}, {Column::kLambda, "lambda", 4}};
+    std::vector<StoredColumn> columns;
+    for (const ColumnEntry& entry : scratch.table) {
+        const std::uint64_t bytes = kColumnEntrySize + 4 * entry.planes.size() + entry.stored.size();
+        if (entry.column >= Column::kFirstExtra) {
+            const ExtraColumnSpec& extra =
+                job.extra[static_cast<std::size_t>(entry.column) - static_cast<std::size_t>(Column::kFirstExtra)];
+            columns.push_back({extra.name, bytes, rows_of_page * width(extra.type)});
+            continue;
+        }
+        const auto* const name = std::ranges::find(kNames, entry.column, [](const auto& known) { return known.column; });
+        const bool of_pairs = entry.column == Column::kPower || entry.column == Column::kLambda;
+        columns.push_back({name->name, bytes, (of_pairs ? values : rows_of_page) * name->width});
+    }
+    return columns;
+}
+
 }  // namespace latent::sampledb

@@ -41,7 +41,8 @@ enum class Transform : std::uint8_t {
     kDelta2 = 5,   // power and lambda: zigzag of second differences along each record
 };
 
-// One column of a page's table. 24 bytes on disk, then one word per plane.
+constexpr std::size_t kColumnEntrySize = 24;
+// One column of a page's table. kColumnEntrySize bytes on disk, then one word per plane.
 struct ColumnEntry {
     Column column{};
     Transform transform = Transform::kPlanes;

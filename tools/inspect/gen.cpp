@@ -1,14 +1,16 @@
 #include "tools/inspect/gen.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_pipeline.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
+#include <vector>
 
-#include "base/parallel.h"
 #include "base/size.h"
 
 namespace latent::inspect {
@@ -20,29 +22,98 @@ namespace {
 // The grains of what is missing, in ascending order, for any number of threads.
 class GrainQueue {
  public:
-    GrainQueue(const Coverage& missing, SampleRange range) : missing_(missing), range_(range) {}
+    explicit GrainQueue(const Coverage& missing) : missing_(missing) {}
     std::optional<SampleRange> next() {
         const std::lock_guard lock(mutex_);
-        while (interval_ < missing_.ranges().size()) {
-            const SampleRange& interval = missing_.ranges()[interval_];
-            const std::uint64_t first = std::max(next_, interval.first);
-            if (first >= interval.end) {
-                ++interval_;
-                continue;
-            }
-            next_ = std::min(interval.end, first - first % kGrainSamples + kGrainSamples);
-            return SampleRange{first, next_};
-        }
-        return std::nullopt;
+        while (interval_ < missing_.ranges().size() && next_ >= missing_.ranges()[interval_].end) ++interval_;
+        if (interval_ == missing_.ranges().size()) return std::nullopt;
+        const SampleRange& interval = missing_.ranges()[interval_];
+        const std::uint64_t first = std::max(next_, interval.first);
+        next_ = std::min(interval.end, first - first % kGrainSamples + kGrainSamples);
+        return SampleRange{first, next_};
     }
 
  private:
     std::mutex mutex_;
     const Coverage& missing_;
-    const SampleRange range_;
     std::size_t interval_ = 0;
     std::uint64_t next_ = 0;
 };
 
 }  // namespace
+
+Result<GenReport> generate(const GenOptions& options, const Progress& progress) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+    GenReport report;
+    report.output = options.output;
+    report.job = synthetic_job(options.scene);
+    PartOptions part;
+    part.path = options.output;
+    part.range = options.samples;
+    part.checkpoint_seconds = options.checkpoint_seconds;
+    part.provenance_json = R"({"program":"latent-inspect gen"})";
+    part.force = options.force;
+    const Result<std::unique_ptr<PartWriter>> writer = PartWriter::open(part, report.job);
+    if (!writer) return writer.error();
+
+    GrainQueue queue((*writer)->missing());
+    std::mutex mutex;
+    Status first_failure;
+    const auto work = [&](bool reports) {
+        while (const std::optional<SampleRange> range = queue.next()) {
+            const Status s = (*writer)->submit(synthetic_grain(options.scene, report.job, *range));
+            if (!s) {
+                const std::lock_guard lock(mutex);
+                if (first_failure) first_failure = s;
+                return;
+            }
+            if (!reports || !progress) continue;
+            const WriterCounts counts = (*writer)->counts();
+            progress(static_cast<double>(counts.samples_committed) / static_cast<double>(options.samples.size()),
+                     format_size(counts.bytes_written));
+        }
+    };
+    std::vector<std::thread> threads;
+    const unsigned count =
+        options.threads > 0 ? static_cast<unsigned>(options.threads) : std::max(1u, std::thread::hardware_concurrency());
+    for (unsigned i = 1; i < count; ++i) threads.emplace_back(work, false);
+    work(true);
+    for (std::thread& thread : threads) thread.join();
+    if (!first_failure) return first_failure.error();
+    if (Status s = (*writer)->finish(); !s) return s.error();
+    report.counts = (*writer)->counts();
+    report.seconds = seconds();
+    return report;
+}
+
+std::string to_text(const GenReport& report) {
+    return fmt::format("{}: {} samples, {} in {}\n", report.output.string(), report.counts.samples_committed,
+                       format_size(report.counts.bytes_written), format_duration(report.seconds));
+}
+
+nlohmann::json to_json(const GenReport& report) {
+    return {{"output", report.output.string()},
+            {"job", to_hex(report.job.id)},
+            {"samples", report.counts.samples_committed},
+            {"bytes", report.counts.bytes_written},
+            {"runs", report.counts.runs_written},
+            {"checkpoints", report.counts.checkpoints_written},
+            {"seconds", report.seconds}};
+}
+
+Result<std::uint64_t> parse_count(std::string_view text) {
+    const Error wrong{ErrorCode::kUsage, fmt::format("'{}' is no number of records; say 1000000, 64M or 1.07G", text)};
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || !(number >= 0)) return wrong;
+    const std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
+    double scale = 1;
+    if (unit == "k" || unit == "K") scale = 1e3;
+    if (unit == "M" || unit == "m") scale = 1e6;
+    if (unit == "G" || unit == "g") scale = 1e9;
+    if ((scale == 1 && !unit.empty()) || number * scale > 1e18) return wrong;
+    return static_cast<std::uint64_t>(number * scale + 0.5);
+}
+
 }  // namespace latent::inspect

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
 
 #include "base/progress.h"
@@ -23,6 +25,7 @@ struct GenOptions {
 };
 
 struct GenReport {
+    std::filesystem::path output;
     sampledb::Job job;
     sampledb::WriterCounts counts;
     double seconds = 0;
@@ -30,6 +33,9 @@ struct GenReport {
 
 // Writes the part; goes on where an earlier call was interrupted, like every writer.
 Result<GenReport> generate(const GenOptions& options, const Progress& progress = {});
+
+std::string to_text(const GenReport& report);
+nlohmann::json to_json(const GenReport& report);
 
 // "1.07G" -> 1070000000: a number of records; K, M, G are powers of 1000. Errors: kUsage.
 Result<std::uint64_t> parse_count(std::string_view text);

@@ -24,9 +24,10 @@ struct FileInfo {
     std::uint64_t size = 0;
     sampledb::FileContents contents;
     sampledb::Coverage coverage;
-    std::uint64_t runs = 0, superseded_runs = 0, checkpoint_runs = 0;  // checkpoints among those that count
-    std::uint64_t pages = 0, camera_records = 0, light_records = 0;    // of the runs that count
-    std::uint64_t stored_bytes = 0;                                    // of these
+    std::uint64_t runs = 0, superseded_runs = 0;  // runs that count, and those that others supersede
+    std::uint64_t open_runs = 0;                  // of those that count: checkpoints, closing runs, runs that were cut at R
+    std::uint64_t pages = 0, camera_records = 0, light_records = 0;  // of the runs that count
+    std::uint64_t stored_bytes = 0;                                  // of these
     std::uint64_t pages_looked_at = 0, records_looked_at = 0;
     std::vector<ColumnCost> columns;
 

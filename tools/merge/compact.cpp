@@ -32,14 +32,10 @@ class Cursor {
         return load();
     }
     // Moves to the next record. False at the end.
-    Result<bool> next() {
-        first_pair_ += page_.pairs.empty() ? 0 : page_.pairs[row_];
-        return ++row_ < page_.count ? place() : load();
-    }
+    Result<bool> next() { return ++row_ < page_.count ? place() : load(); }
 
     const Page& page() const { return page_; }
     std::size_t row() const { return row_; }
-    std::size_t first_pair() const { return first_pair_; }
     std::uint32_t z() const { return z_; }
     bool before(const Cursor& other) const { return std::pair(z_, sample_) < std::pair(other.z_, other.sample_); }
 
@@ -53,7 +49,7 @@ class Cursor {
         if (next_page_ == pages_.size()) return false;
         const PageInfo& info = pages_[next_page_++];
         if (Status s = gathering_.read_page(run_, info, ColumnSet{}, page_); !s) return s.error();
-        row_ = first_pair_ = 0;
+        row_ = 0;
         return place();
     }
 
@@ -63,7 +59,7 @@ class Cursor {
     std::vector<PageInfo> pages_;
     std::size_t next_page_ = 0;
     Page page_;
-    std::size_t row_ = 0, first_pair_ = 0;
+    std::size_t row_ = 0;
     std::uint32_t z_ = 0;
     std::uint64_t sample_ = 0;
 };
@@ -107,8 +103,8 @@ class PageCutter {
         });
         if (page.record_class == RecordClass::kCamera) rows_.share.push_back(page.unit_share ? 1.0f : page.share[row]);
         if (!page.pairs.empty()) {
-            append(rows_.power, page.power, from.first_pair(), page.pairs[row]);
-            if (!page.lambda_nm.empty()) append(rows_.lambda_nm, page.lambda_nm, from.first_pair(), page.pairs[row]);
+            append(rows_.power, page.power, page.first_pair[row], page.pairs[row]);
+            if (!page.lambda_nm.empty()) append(rows_.lambda_nm, page.lambda_nm, page.first_pair[row], page.pairs[row]);
         }
         z_.push_back(from.z());
         // A page's end shows once the record that is one too many is there. Pages are cut in bulk, to move what is left seldom.

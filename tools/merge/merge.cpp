@@ -18,20 +18,6 @@ namespace {
 
 constexpr std::size_t kOpenInputs = 16;  // inputs that are kept open while runs are copied
 
-// The output as it stands, read back before it has a name.
-class OutputSource final : public ByteSource {
- public:
-    OutputSource(const OutputFile& out, const File& file, std::uint64_t size) : out_(out), file_(file), size_(size) {}
-    std::uint64_t size() const override { return size_; }
-    Status read(std::uint64_t offset, std::span<std::byte> into) const override { return file_.read_exact(offset, into); }
-    std::string name() const override { return out_.path().string(); }
-
- private:
-    const OutputFile& out_;
-    const File& file_;
-    std::uint64_t size_;
-};
-
 // The inputs, a few of them open at a time.
 class Inputs {
  public:
@@ -105,9 +91,9 @@ class Output {
 
     // Reads the runs again; what is different now was spoiled on the way.
     Status verify(VerifyLevel level) {
-        const OutputSource source(out_, out_.file(), end_);
+        const FileView source(out_.file(), out_.path().string(), end_);
         for (const RunInfo& run : runs_) {
-            if (Status s = verify_run(source, run, gathering_.job(), level); !s) return s;
+            if (Status s = verify_run(source, run, gathering_.job(), level); !s) return s.error().at(source.name());
         }
         return {};
     }

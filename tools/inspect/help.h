@@ -1,0 +1,53 @@
+// tools/inspect/help.h: what the commands of latent-inspect say about themselves.
+#pragma once
+
+namespace latent::inspect::help {
+
+inline constexpr const char* kTool = R"(
+latent-inspect COMMAND --help explains each command, with examples.
+
+Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but something was lost; 4 verify found damage.)";
+
+inline constexpr const char* kInfo = R"(
+Job, film, samples, runs, and what each column costs. Reads headers, indexes and a few pages: fast at any size.
+
+Examples:
+  latent-inspect info night.latent
+  latent-inspect info night-*.latent --json)";
+
+inline constexpr const char* kVerify = R"(
+Every stored byte is compared with its checksum; the first thing wrong is named first. An unfinished file is sound if all of its
+complete runs are. Exit status 4 if anything is damaged.
+
+Examples:
+  latent-inspect verify night.latent
+  latent-inspect verify --quick night-*.latent      headers, indexes and one page of each run
+  latent-inspect verify --deep night.latent         decode every record and check that it is where it belongs)";
+
+inline constexpr const char* kRecover = R"(
+Copies every run that is sound to a new file and verifies that; the input is never changed. What is lost is listed, with --json as a
+ledger of byte and sample ranges, so that exactly these can be rendered again. Exit status 3 if anything was lost.
+
+Examples:
+  latent-inspect recover broken.latent -o saved.latent
+  latent-inspect recover broken.latent -o saved.latent --json)";
+
+inline constexpr const char* kCat = R"(
+One record a line, in the order of the file. CSV columns: sample, class, u, v, share, then x, y, z, or the wavelengths [nm] and their
+values, separated by spaces; then further columns of the job.
+
+Examples:
+  latent-inspect cat night.latent --limit 20
+  latent-inspect cat night.latent --samples 0:1024 --format json
+  latent-inspect cat night.latent --region 0.45,0.45,0.55,0.55 > middle.csv)";
+
+inline constexpr const char* kGen = R"(
+Records made up from sample numbers, for tests and benches. Continues where it was interrupted, like a renderer.
+
+Examples:
+  latent-inspect gen -o small.latent --records 1M
+  latent-inspect gen -o big.latent --records 1.07G --light 0.05 --aspect 3:2
+  latent-inspect gen -o spectral.latent --records 10M --kind spectral --wavelengths 28
+  latent-inspect gen -o far.latent --first 8589934592 --records 4194304 --every 1024     sparse, beyond 2^32)";
+
+}  // namespace latent::inspect::help

@@ -1,0 +1,205 @@
+#include "tools/inspect/info.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/size.h"
+#include "sampledb/byte_source.h"
+#include "sampledb/page_codec.h"
+#include "sampledb/selection.h"
+
+namespace latent::inspect {
+
+using namespace sampledb;
+
+namespace {
+
+constexpr std::size_t kPagesLookedAt = 256;  // enough for the cost of each column within a percent or two
+constexpr std::uint64_t kManyRuns = 1000;
+
+// Adds the columns of a page to the sums.
+Status look_at(const ByteSource& source, const PageInfo& page, FileInfo& info) {
+    Bytes stored(page.stored_size);
+    if (Status s = source.read(page.offset, stored); !s) return s;
+    const Result<std::vector<StoredColumn>> columns = stored_columns(info.contents.header.job, page, stored);
+    if (!columns) return columns.error();
+    for (const StoredColumn& column : *columns) {
+        auto known = std::ranges::find(info.columns, column.name, &ColumnCost::name);
+        if (known == info.columns.end()) known = info.columns.insert(known, {column.name});
+        known->stored += column.stored;
+        known->decoded += column.decoded;
+    }
+    ++info.pages_looked_at;
+    info.records_looked_at += page.record_count;
+    return {};
+}
+
+// What the columns cost, from pages spread evenly over the chosen runs. Damaged runs are left out: `verify` is for these.
+void look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs, FileInfo& info) {
+    const std::size_t step = std::max<std::size_t>(1, runs.size() / kPagesLookedAt);
+    const std::size_t looked_at = (runs.size() + step - 1) / step;
+    for (std::size_t i = 0; i < runs.size(); i += step) {
+        const Result<RunIndex> index = read_run_index(source, runs[i], info.contents.header.job);
+        if (!index || index->pages.empty()) continue;
+        const std::size_t wanted = std::max<std::size_t>(1, kPagesLookedAt / looked_at);
+        const std::size_t page_step = std::max<std::size_t>(1, index->pages.size() / wanted);
+        for (std::size_t page = page_step / 2; page < index->pages.size(); page += page_step) {
+            if (!look_at(source, index->pages[page], info)) break;
+        }
+    }
+}
+
+std::string grouped(std::uint64_t number) {
+    std::string text = std::to_string(number);
+    for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, '\'');
+    return text;
+}
+
+}  // namespace
+
+Result<FileInfo> read_info(const std::filesystem::path& path) {
+    const Result<FileSource> source = FileSource::open(path);
+    if (!source) return source.error();
+    Result<FileContents> contents = read_file(*source);
+    if (!contents) return contents.error().at(path.string());
+    FileInfo info;
+    info.path = path;
+    info.size = source->size();
+    info.contents = std::move(*contents);
+    const Job& job = info.contents.header.job;
+    std::vector<Candidate> candidates;
+    for (const RunInfo& run : info.contents.runs) {
+        Coverage coverage(run.header.samples);
+        if (run.header.interval_count > 1) {
+            const Result<RunIndex> index = read_run_index(*source, run, job);
+            if (!index) return index.error().at(path.string());
+            coverage = index->coverage;
+        }
+        candidates.push_back({0, run, std::move(coverage)});
+    }
+    const Selection selection = select_runs(candidates);
+    info.coverage = selection.coverage;
+    info.runs = selection.chosen.size();
+    info.superseded_runs = candidates.size() - selection.chosen.size();
+    std::vector<RunInfo> chosen;
+    for (const std::size_t i : selection.chosen) {
+        const RunHeader& header = candidates[i].run.header;
+        chosen.push_back(candidates[i].run);
+        if (header.samples.end % job.run_samples != 0) ++info.open_runs;
+        info.pages += header.page_count;
+        info.camera_records += header.camera_records;
+        info.light_records += header.light_records;
+        info.stored_bytes += header.size();
+    }
+    look_at_pages(*source, chosen, info);
+    return info;
+}
+
+std::vector<std::string> FileInfo::remarks() const {
+    std::vector<std::string> remarks;
+    if (contents.header_damaged) remarks.push_back("the first copy of the header is damaged; the second is used");
+    for (const Damage& damage : contents.damage) remarks.push_back(damage.reason);
+    if (!contents.finished) remarks.push_back("not finished: rendering goes on, or was interrupted");
+    if (contents.unfinished_tail > 0) {
+        remarks.push_back(fmt::format("{} at the end are a write that was cut short", format_size(contents.unfinished_tail)));
+    }
+    if (runs > kManyRuns) {
+        remarks.push_back(fmt::format("{} runs: latent-merge --compact makes few large ones of them, which develop faster", runs));
+    }
+    return remarks;
+}
+
+std::string to_text(const FileInfo& info) {
+    const Job& job = info.contents.header.job;
+    const std::uint64_t records = info.camera_records + info.light_records;
+    std::string text = info.path.string() + "\n";
+    const auto line = [&](const char* name, const std::string& value) { text += fmt::format("  {:<12}{}\n", name, value); };
+    line("job", to_hex(job.id));
+    line("film", fmt::format("aspect {}:{}, Y = 1 is {} cd/m^2", job.aspect_width, job.aspect_height, job.light_unit_cd_m2));
+    if (job.kind == RecordKind::kXyz) {
+        line("records", "XYZ");
+    } else {
+        line("records", fmt::format("spectral, {} wavelengths, {}", job.batch,
+                                    job.density.empty() ? "stored with each record" : "from the job's density"));
+    }
+    line("positions",
+         job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
+    for (const ExtraColumnSpec& column : job.extra) line("column", column.name);
+    line("samples",
+         info.coverage.empty() ? "none" : fmt::format("{} ({} in all)", to_string(info.coverage), grouped(info.coverage.size())));
+    if (job.light_paths_per_sample > 0) {
+        line("N", fmt::format("{} light paths ({} a sample)", grouped(info.light_paths()), job.light_paths_per_sample));
+    }
+    line("camera", grouped(info.camera_records) + " records");
+    line("light", grouped(info.light_records) + " records");
+    line("runs", fmt::format("{} of up to {} samples; {} superseded, {} that end before a boundary; {} pages", info.runs,
+                             job.run_samples, info.superseded_runs, info.open_runs, grouped(info.pages)));
+    line("size", records == 0 ? format_size(info.size)
+                              : fmt::format("{}, {:.2f} bytes a record", format_size(info.size),
+                                            static_cast<double>(info.stored_bytes) / static_cast<double>(records)));
+    for (const ColumnCost& column : info.columns) {
+        const auto per_record = [&](std::uint64_t bytes) {
+            return static_cast<double>(bytes) / static_cast<double>(info.records_looked_at);
+        };
+        line("", fmt::format("{:<10}{:7.3f} bytes a record, of {:.0f}", column.name, per_record(column.stored),
+                             per_record(column.decoded)));
+    }
+    if (!info.contents.header.provenance_json.empty()) line("origin", info.contents.header.provenance_json);
+    if (!info.contents.footer_provenance.empty()) {
+        const auto merged = nlohmann::json::parse(info.contents.footer_provenance, nullptr, false);
+        const bool parts = !merged.is_discarded() && merged.contains("parts");
+        line("merged",
+             parts ? fmt::format("from {} parts (--json lists them)", merged["parts"].size()) : info.contents.footer_provenance);
+    }
+    for (const std::string& remark : info.remarks()) line("note", remark);
+    return text;
+}
+
+nlohmann::json to_json(const FileInfo& info) {
+    using nlohmann::json;
+    const Job& job = info.contents.header.job;
+    const auto parsed = [](const std::string& text) {
+        json value = json::parse(text, nullptr, false);
+        return value.is_discarded() ? json(text) : value;
+    };
+    json samples = json::array(), columns = json::object(), extra = json::array();
+    for (const SampleRange& range : info.coverage.ranges()) samples.push_back({range.first, range.end});
+    for (const ColumnCost& column : info.columns) {
+        columns[column.name] = {
+            {"stored_bytes_per_record", static_cast<double>(column.stored) / static_cast<double>(info.records_looked_at)},
+            {"decoded_bytes_per_record", static_cast<double>(column.decoded) / static_cast<double>(info.records_looked_at)}};
+    }
+    for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
+    return {{"file", info.path.string()},
+            {"size", info.size},
+            {"finished", info.contents.finished},
+            {"job", to_hex(job.id)},
+            {"aspect", {job.aspect_width, job.aspect_height}},
+            {"kind", job.kind == RecordKind::kXyz ? "xyz" : "spectral"},
+            {"wavelengths", job.batch},
+            {"explicit_wavelengths", job.kind == RecordKind::kSpectral && job.density.empty()},
+            {"light_unit_cd_m2", job.light_unit_cd_m2},
+            {"light_paths_per_sample", job.light_paths_per_sample},
+            {"run_samples", job.run_samples},
+            {"run_bytes", job.run_bytes},
+            {"extra_columns", extra},
+            {"samples", samples},
+            {"sample_count", info.coverage.size()},
+            {"light_paths", info.light_paths()},
+            {"camera_records", info.camera_records},
+            {"light_records", info.light_records},
+            {"runs", info.runs},
+            {"superseded_runs", info.superseded_runs},
+            {"open_runs", info.open_runs},
+            {"pages", info.pages},
+            {"stored_bytes", info.stored_bytes},
+            {"columns", columns},
+            {"unfinished_tail", info.contents.unfinished_tail},
+            {"origin", parsed(info.contents.header.provenance_json)},
+            {"merged_from", parsed(info.contents.footer_provenance)},
+            {"notes", info.remarks()}};
+}
+
+}  // namespace latent::inspect

@@ -1,0 +1,119 @@
+// latent-inspect: what is in a file, whether it is sound, what can be saved of it, its records as text, synthetic files.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/cli.h"
+#include "tools/inspect/arguments.h"
+#include "tools/inspect/cat.h"
+#include "tools/inspect/gen.h"
+#include "tools/inspect/help.h"
+#include "tools/inspect/info.h"
+#include "tools/inspect/recover.h"
+#include "tools/inspect/verify.h"
+
+namespace {
+
+using namespace latent;
+using namespace latent::inspect;
+using Paths = std::vector<std::filesystem::path>;
+
+cli::CommonOptions common;
+
+// Prints a report as text, or as JSON.
+template <class Report>
+void print(const Report& report) {
+    fmt::print("{}", common.json ? to_json(report).dump(2) + "\n" : to_text(report));
+}
+
+int run_info(const Paths& files) {
+    for (const std::filesystem::path& file : files) {
+        const Result<FileInfo> info = read_info(file);
+        if (!info) return cli::fail(info.error());
+        print(*info);
+    }
+    return cli::kDone;
+}
+
+int run_verify(const Paths& files, Depth depth) {
+    bool sound = true;
+    for (const std::filesystem::path& file : files) {
+        const Result<VerifyReport> report = verify(file, depth, cli::progress_to_stderr("verifying"));
+        if (!report) return cli::fail(report.error());
+        print(*report);
+        sound = sound && report->damage.empty();
+    }
+    return sound ? cli::kDone : cli::kDamaged;
+}
+
+int run_recover(const std::filesystem::path& input, const std::filesystem::path& output) {
+    const Result<RecoverReport> report = recover(input, output, common.force, cli::progress_to_stderr("recovering"));
+    if (!report) return cli::fail(report.error());
+    print(*report);
+    return report->lost_anything() ? cli::kDoneWithLosses : cli::kDone;
+}
+
+int run_cat(const CatOptions& options) {
+    const Result<sampledb::GatherReport> report = cat(options, stdout);
+    if (!report) return cli::fail(report.error());
+    for (const sampledb::LeftOut& item : report->left_out) cli::warn(item.place + ": left out: " + item.reason);
+    return report->left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
+}
+
+int run_gen(GenOptions options) {
+    options.force = common.force;
+    options.threads = common.threads;
+    const Result<GenReport> report = generate(options, cli::progress_to_stderr("generating"));
+    if (!report) return cli::fail(report.error());
+    print(*report);
+    return cli::kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{"Look into .latent files, check them, save what can be saved, make synthetic ones.", "latent-inspect"};
+    app.require_subcommand(1)->fallthrough()->footer(help::kTool);
+    cli::add_common(app, common, false, true);
+    Paths files;
+    std::filesystem::path output;
+    CatOptions cat_options;
+    GenOptions gen_options;
+    TextArguments text;
+    bool quick = false, deep = false;
+
+    CLI::App* info = app.add_subcommand("info", "what is in a file")->footer(help::kInfo);
+    info->add_option("FILE", files, "any .latent file, finished or not")->required();
+
+    CLI::App* verify = app.add_subcommand("verify", "is every byte as it was written?")->footer(help::kVerify);
+    verify->add_option("FILE", files, "any .latent file, finished or not")->required();
+    CLI::Option* quick_flag = verify->add_flag("--quick", quick, "headers, indexes and one page of each run only");
+    verify->add_flag("--deep", deep, "decode and check every record as well")->excludes(quick_flag);
+
+    CLI::App* recover = app.add_subcommand("recover", "save what can be read into a new file")->footer(help::kRecover);
+    recover->add_option("FILE", files, "the damaged file")->required()->expected(1);
+    recover->add_option("-o,--output", output, "the new file")->required();
+
+    CLI::App* cat = app.add_subcommand("cat", "records as text")->footer(help::kCat);
+    cat->add_option("FILE", cat_options.inputs, "files of one job, or folders")->required();
+    cat->add_option("--samples", text.samples, "only sample numbers A .. B-1")->type_name("A:B");
+    cat->add_option("--region", text.region, "only this part of the film, in [0,1]")
+        ->type_name("U0,V0,U1,V1")
+        ->delimiter(',')
+        ->expected(4);
+    cat->add_option("--limit", cat_options.limit, "at most this many records");
+    cat->add_option("--format", text.format, "csv, or one JSON object a line")
+        ->check(CLI::IsMember({"csv", "json"}))
+        ->capture_default_str();
+
+    CLI::App* gen = app.add_subcommand("gen", "a synthetic file")->footer(help::kGen);
+    add_gen_options(*gen, gen_options, text);
+
+    if (const auto done = cli::parse(app, argc, argv)) return *done;
+    if (Status s = text.apply(cat_options, gen_options); !s) return cli::fail(s.error());
+    if (*info) return run_info(files);
+    if (*verify) return run_verify(files, quick ? Depth::kQuick : deep ? Depth::kDeep : Depth::kPages);
+    if (*recover) return run_recover(files.front(), output);
+    if (*cat) return run_cat(cat_options);
+    return run_gen(gen_options);
+}

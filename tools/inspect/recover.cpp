@@ -1,0 +1,115 @@
+#include "tools/inspect/recover.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "base/size.h"
+#include "sampledb/byte_source.h"
+
+namespace latent::inspect {
+
+using namespace sampledb;
+
+namespace {
+
+// Samples that a run covers; what its header promises if its index cannot be read.
+Coverage coverage_of(const ByteSource& source, const RunInfo& run, const Job& job) {
+    if (run.header.interval_count > 1) {
+        if (const Result<RunIndex> index = read_run_index(source, run, job); index) return index->coverage;
+    }
+    return Coverage(run.header.samples);
+}
+
+}  // namespace
+
+Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
+                              const Progress& progress) {
+    const Result<FileSource> source = FileSource::open(input);
+    if (!source) return source.error();
+    Result<OutputFile> out = OutputFile::create(output, replace);
+    if (!out) return out.error();
+    // Walking finds every run that begins with a sound header; then each is read in full.
+    const Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
+    if (!file) return file.error().at(input.string());
+    const Job& job = file->header.job;
+    RecoverReport report;
+    report.input = input;
+    report.output = output;
+    report.damage = file->damage;
+    report.unfinished_tail = file->unfinished_tail;
+    Coverage promised;  // by the headers that were found, and by the footer, if that survived
+    if (const Result<FileContents> by_footer = read_file(*source, VerifyLevel::kHeaders, true); by_footer) {
+        for (const RunInfo& run : by_footer->runs) promised.add(coverage_of(*source, run, job));
+    }
+
+    const Result<Bytes> header = encode_file_header(file->header);
+    if (!header) return header.error();
+    if (Status s = out->file().write_all(0, *header); !s) return s.error();
+    std::uint64_t end = header->size();
+    std::vector<RunInfo> runs;
+    for (std::size_t i = 0; i < file->runs.size(); ++i) {
+        const RunInfo& run = file->runs[i];
+        if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source->size()), fmt::format("run {}", i));
+        promised.add(coverage_of(*source, run, job));
+        if (Status s = verify_run(*source, run, job, VerifyLevel::kFull); !s) {
+            report.damage.push_back({run.offset, run.header.size(),
+                                     fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset, s.error().message,
+                                                 run.header.samples.first, run.header.samples.end)});
+            continue;
+        }
+        if (Status s = out->file().copy_from(source->file(), run.offset, end, run.header.size()); !s) return s.error();
+        runs.push_back({end, run.header});
+        end += run.header.size();
+        report.kept.add(coverage_of(*source, run, job));
+    }
+    const Bytes footer = encode_footer({runs, file->footer_provenance}, end);
+    if (Status s = out->file().write_all(end, footer); !s) return s.error();
+    const FileView written(out->file(), output.string(), end + footer.size());
+    for (const RunInfo& run : runs) {
+        if (Status s = verify_run(written, run, job, VerifyLevel::kStored); !s) return s.error().at(output.string());
+    }
+    if (Status s = out->publish(); !s) return s.error();
+    report.runs = runs.size();
+    report.bytes = end + footer.size();
+    report.lost = promised;
+    report.lost.remove(report.kept);
+    return report;
+}
+
+std::string to_text(const RecoverReport& report) {
+    std::string text;
+    for (const Damage& damage : report.damage) text += fmt::format("{}: {}\n", report.input.string(), damage.reason);
+    if (report.unfinished_tail > 0) {
+        text += fmt::format("{}: {} at its end are a write that was cut short\n", report.input.string(),
+                            format_size(report.unfinished_tail));
+    }
+    text += fmt::format("{}: {} run{}, samples {}, {}\n", report.output.string(), report.runs, report.runs == 1 ? "" : "s",
+                        report.kept.empty() ? "none" : to_string(report.kept), format_size(report.bytes));
+    if (!report.lost.empty()) text += fmt::format("lost: samples {}\n", to_string(report.lost));
+    if (report.lost_anything() && report.lost.empty())
+        text += "lost: samples that nothing in the file tells the numbers of, or none\n";
+    return text;
+}
+
+nlohmann::json to_json(const RecoverReport& report) {
+    const auto ranges = [](const Coverage& coverage) {
+        nlohmann::json list = nlohmann::json::array();
+        for (const SampleRange& range : coverage.ranges()) list.push_back({range.first, range.end});
+        return list;
+    };
+    nlohmann::json damage = nlohmann::json::array();
+    for (const Damage& item : report.damage)
+        damage.push_back({{"offset", item.offset}, {"size", item.size}, {"reason", item.reason}});
+    return {{"input", report.input.string()},
+            {"output", report.output.string()},
+            {"runs", report.runs},
+            {"bytes", report.bytes},
+            {"kept_samples", ranges(report.kept)},
+            {"lost_samples", ranges(report.lost)},
+            {"damage", damage},
+            {"unfinished_tail", report.unfinished_tail}};
+}
+
+}  // namespace latent::inspect

@@ -1,0 +1,131 @@
+#include "tools/inspect/verify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/size.h"
+#include "sampledb/byte_source.h"
+
+namespace latent::inspect {
+
+using namespace sampledb;
+
+namespace {
+
+VerifyLevel level_of(Depth depth) {
+    switch (depth) {
+        case Depth::kQuick:
+            return VerifyLevel::kQuick;
+        case Depth::kPages:
+            return VerifyLevel::kStored;
+        case Depth::kDeep:
+            return VerifyLevel::kFull;
+    }
+    return VerifyLevel::kFull;
+}
+
+std::uint64_t count_not_finite(const std::vector<float>& values, std::size_t count) {
+    return static_cast<std::uint64_t>(std::count_if(values.begin(),
+                                                    values.begin() + static_cast<std::ptrdiff_t>(std::min(count, values.size())),
+                                                    [](float value) { return !std::isfinite(value); }));
+}
+
+// Values that are NaN or infinite in a run whose pages are known to decode.
+Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunIndex& index, const Job& job) {
+    Page page;
+    std::uint64_t found = 0;
+    for (const PageInfo& info : index.pages) {
+        if (Status s = read_page(source, info, job, ColumnSet{}, page); !s) return s.error();
+        for (const auto* column : {&page.x, &page.y, &page.z, &page.share}) found += count_not_finite(*column, page.count);
+        found += count_not_finite(page.power, info.pair_count);
+    }
+    return found;
+}
+
+}  // namespace
+
+Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, const Progress& progress) {
+    const Result<FileSource> source = FileSource::open(path);
+    if (!source) return source.error();
+    VerifyReport report;
+    report.path = path;
+    report.depth = depth;
+    report.size = source->size();
+    // The runs are the truth, so they are found by walking; then the footer must say the same.
+    Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
+    if (!file) {
+        const ErrorCode code = file.error().code;
+        if (code != ErrorCode::kCorrupt && code != ErrorCode::kTruncated) return file.error().at(path.string());
+        report.damage.push_back(file.error().message);
+        return report;
+    }
+    const Job& job = file->header.job;
+    report.finished = file->finished;
+    report.unfinished_tail = file->unfinished_tail;
+    if (file->header_damaged) report.damage.push_back("header: the first of its two copies is damaged");
+    for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
+    for (std::size_t i = 0; i < file->runs.size(); ++i) {
+        const RunInfo& run = file->runs[i];
+        if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(report.size), fmt::format("run {}", i));
+        ++report.runs;
+        const auto damaged = [&](const Error& error) {
+            report.damage.push_back(fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset, error.message,
+                                                run.header.samples.first, run.header.samples.end));
+        };
+        if (Status s = verify_run(*source, run, job, level_of(depth)); !s) {
+            damaged(s.error());
+            continue;
+        }
+        report.pages += run.header.page_count;
+        report.records += run.header.camera_records + run.header.light_records;
+        if (depth != Depth::kDeep) continue;
+        const Result<RunIndex> index = read_run_index(*source, run, job);
+        const Result<std::uint64_t> not_finite = index ? not_finite_in(*source, *index, job) : Result<std::uint64_t>(index.error());
+        if (not_finite) {
+            report.not_finite += *not_finite;
+        } else {
+            damaged(not_finite.error());
+        }
+    }
+    if (file->finished) {
+        const Result<FileContents> by_footer = read_file(*source, VerifyLevel::kHeaders, true);
+        if (!by_footer) return by_footer.error().at(path.string());
+        if (by_footer->runs != file->runs) report.damage.push_back("footer: lists other runs than the file holds");
+    }
+    return report;
+}
+
+std::string to_text(const VerifyReport& report) {
+    std::string text;
+    for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", report.path.string(), damage);
+    static const char* const kLooked[] = {"indexes and one page of each run", "every stored byte", "every record"};
+    text += fmt::format("{}: {}: {} run{}, {} pages, {} records, {} ({} checked)\n", report.path.string(),
+                        report.damage.empty() ? "sound" : "DAMAGED", report.runs, report.runs == 1 ? "" : "s", report.pages,
+                        report.records, format_size(report.size), kLooked[static_cast<int>(report.depth)]);
+    if (!report.finished) {
+        text += fmt::format("{}: not finished", report.path.string());
+        text += report.unfinished_tail > 0
+                    ? fmt::format("; {} at its end are a write that was cut short\n", format_size(report.unfinished_tail))
+                    : "\n";
+    }
+    if (report.not_finite > 0) text += fmt::format("{}: {} values are not finite\n", report.path.string(), report.not_finite);
+    return text;
+}
+
+nlohmann::json to_json(const VerifyReport& report) {
+    return {{"file", report.path.string()},
+            {"sound", report.damage.empty()},
+            {"size", report.size},
+            {"runs", report.runs},
+            {"pages", report.pages},
+            {"records", report.records},
+            {"finished", report.finished},
+            {"unfinished_tail", report.unfinished_tail},
+            {"not_finite", report.not_finite},
+            {"damage", report.damage}};
+}
+
+}  // namespace latent::inspect
