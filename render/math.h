@@ -95,8 +95,8 @@ struct Frame {
     static Frame from_z_x(const Vec3f& n, const Vec3f& along) {
         const Vec3f x = along - n * dot(along, n);
         const float squared = length_squared(x);
-        if (!(squared > 1e-12f * length_squared(along)) || !(squared < kInfinity)) return from_z(n);
-        const Vec3f unit = x / std::sqrt(squared);
+        if (!(squared > 1e-6f * length_squared(along)) || !(squared < kInfinity)) return from_z(n);
+        const Vec3f unit = normalize(x - n * dot(x, n));  // once more: the first difference may have cancelled
         return {unit, cross(n, unit), n};
     }
     Vec3f to_local(const Vec3f& v) const { return {dot(v, x), dot(v, y), dot(v, z)}; }

@@ -1,0 +1,105 @@
+// latent-render: a pbrt-v4 scene -> one part of raw samples. docs/rendering.md.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <iostream>
+
+#include "base/cli.h"
+#include "base/parallel.h"
+#include "base/size.h"
+#include "render/render.h"
+#include "render/render_arguments.h"
+#include "render/render_report.h"
+
+namespace {
+
+std::atomic<bool> stop_requested{false};
+void request_stop(int) { stop_requested = true; }
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    using namespace latent;
+    using namespace latent::render;
+
+    RenderSettings settings;
+    RenderOptions options;
+    cli::CommonOptions common;
+    std::string output, record = "spectral", integrator, connections = "one", samples, shard, resolution, depth;
+    bool dry_run = false;
+
+    CLI::App app{"Renders samples of a pbrt-v4 scene into one .latent part. The same command again goes on where it stopped.",
+                 "latent-render"};
+    app.add_option("SCENE", settings.scene, "the scene, a .pbrt file")->required();
+    app.add_option("-o,--output", output, "the part to write, NAME.latent")->required();
+    auto* spp =
+        app.add_option("--spp", settings.spp, "samples per pixel of --resolution, or of the scene's film")->capture_default_str();
+    app.add_option("--samples", samples, "sample numbers A:B instead (B not included); A begins a run")->excludes(spp);
+    app.add_option("--shard", shard, "I/N: only the I-th of N parts of the samples, I = 0..N-1");
+    app.add_option("--resolution", resolution, "WxH: pixels that --spp counts; samples themselves have no pixels");
+    app.add_option("--integrator", integrator, "path or bdpt; default: the scene's")->check(CLI::IsMember({"path", "bdpt"}));
+    app.add_option("--connections", connections, "bdpt: of each path length, one random connection or all")
+        ->check(CLI::IsMember({"one", "all"}))
+        ->capture_default_str();
+    app.add_option("--max-depth", depth, "scattering vertices of a path, or 'unlimited'; default: the scene's");
+    app.add_option("--record", record, "what a record stores: its wavelengths, or XYZ only")
+        ->check(CLI::IsMember({"spectral", "xyz"}))
+        ->capture_default_str();
+    app.add_option("--wavelengths", settings.wavelengths, "wavelengths of one sample")
+        ->check(CLI::Range(4, 32))
+        ->capture_default_str();
+    app.add_option("--seed", settings.seed, "another seed is another job: independent samples")->capture_default_str();
+    app.add_option("--run-samples", settings.run_samples, "samples of a run, a power of two; default: runs near 64 MiB")
+        ->check(CLI::Range(1024, 4194304));
+    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work at least this often (default 60s)");
+    cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, as if by a signal: exit 75");
+    app.add_option("--simd", settings.simd,
+                   "instructions to use: sse4.2, avx, avx2 or avx512; default: the best of the first three. "
+                   "Samples are equal bit for bit only at one level");
+    app.add_flag("--dry-run", dry_run, "render for two seconds, then tell the time and disk space that everything would take");
+    cli::add_common(app, common, false, true);
+    app.footer(
+        "Examples:\n"
+        "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"
+        "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2      (and half1.latent with --shard 1/2)\n"
+        "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 1024 --resolution 4096x4096 --dry-run");
+    if (const auto done = cli::parse(app, argc, argv)) return *done;
+
+    options.output = output;
+    options.force = common.force;
+    settings.record = record == "xyz" ? sampledb::RecordKind::kXyz : sampledb::RecordKind::kSpectral;
+    settings.connections = connections == "all" ? Connections::kAll : Connections::kOne;
+    if (!integrator.empty()) settings.integrator = integrator == "bdpt" ? IntegratorKind::kBdpt : IntegratorKind::kPath;
+    if (const Status parsed = parse_ranges({samples, shard, resolution, depth}, settings); !parsed)
+        return cli::fail(parsed.error());
+
+    const Threads threads(common.threads);
+    options.threads = threads.count();
+    Result<std::unique_ptr<RenderJob>> job = Error{};
+    threads.run([&] { job = prepare(settings); });
+    if (!job) return cli::fail(job.error());
+    for (const std::string& warning : (*job)->scene.warnings) cli::warn(warning);
+    options.provenance_json = provenance(**job, settings);
+
+    struct sigaction action = {};
+    action.sa_handler = request_stop;
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+
+    if (dry_run) {
+        const Result<RenderEstimate> estimated = estimate(**job, options, stop_requested);
+        if (!estimated) return cli::fail(estimated.error());
+        std::cout << to_text(*estimated, common.json);
+        return cli::kDone;
+    }
+    const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress_to_stderr("latent-render"));
+    if (!report) return cli::fail(report.error());
+    if (report->faults.total() > 0) cli::warn(to_text(report->faults));
+    std::cout << to_text(*report, **job, common.json);
+    if (report->complete) return cli::kDone;
+    return cli::fail(
+        {ErrorCode::kStopped, fmt::format("stopped: {} of {} samples are committed; run the same command again to go on",
+                                          report->committed, (*job)->range.size())});
+}

@@ -1,0 +1,17 @@
+// render/render_report.h: what latent-render tells at its end, as text or JSON, and what it notes in the file's header.
+#pragma once
+
+#include <string>
+
+#include "render/render.h"
+
+namespace latent::render {
+
+std::string to_text(const RenderReport& report, const RenderJob& job, bool json);
+std::string to_text(const RenderEstimate& estimate, bool json);
+std::string to_text(const RadianceFaults& faults);
+
+// Host, date, version, scene, SIMD level and settings, as JSON: kept in one file's header, never merged.
+std::string provenance(const RenderJob& job, const RenderSettings& settings);
+
+}  // namespace latent::render

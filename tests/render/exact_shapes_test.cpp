@@ -1,0 +1,108 @@
+// Spheres, disks and patches against what their equations say.
+#include "render/exact_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace latent::render {
+namespace {
+
+class Random {
+ public:
+    double operator()(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+    Vec3d vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
+
+ private:
+    std::mt19937_64 engine_{7};
+};
+
+constexpr double kFar = 1e30;
+
+TEST(Sphere, HitsLieOnItAndAreTheFirst) {
+    Random random;
+    int hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double radius = std::exp(random(-3, 3));
+        const Vec3d o = random.vector(4 * radius), d = random.vector(1.5 * radius) - o;
+        const auto hit = intersect_sphere(o, d, radius, 0, kFar);
+        // Nearest point of the ray to the centre decides whether there is a hit at all.
+        const double nearest = std::max(0.0, -dot(o, d) / dot(d, d));
+        const bool inside = length(o) < radius, expected = inside || length(o + d * nearest) < radius;
+        ASSERT_EQ(hit.has_value(), expected);
+        if (!hit) continue;
+        ++hits;
+        EXPECT_NEAR(length(o + d * hit->t), radius, 1e-9 * (radius + length(o)));
+        EXPECT_GT(hit->t, 0);
+        EXPECT_EQ(length(o + d * (hit->t / 2)) < radius, inside);  // nothing in between
+    }
+    EXPECT_GT(hits, 3000);
+}
+
+TEST(Sphere, FarAndGrazingRaysKeepTheirPrecision) {
+    for (const double distance : {1e2, 1e4, 1e6}) {
+        for (const double height : {0.0, 0.5, 0.999, 0.9999999}) {
+            const auto hit = intersect_sphere({height, 0, -distance}, {0, 0, 1}, 1, 0, kFar);
+            ASSERT_TRUE(hit);
+            EXPECT_NEAR(hit->t, distance - std::sqrt((1 - height) * (1 + height)), 1e-9 * distance);
+        }
+        EXPECT_FALSE(intersect_sphere({1.0000001, 0, -distance}, {0, 0, 1}, 1, 0, kFar));
+    }
+}
+
+TEST(Sphere, OriginOnTheSurfaceKnowsItsSide) {
+    Random random;
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3d n = normalize(random.vector(1)), tangent = normalize(cross(n, random.vector(1)));
+        const double cosine = std::exp(random(-8, 0));
+        const Vec3d out = n * cosine + tangent * std::sqrt(1 - cosine * cosine);
+        EXPECT_FALSE(intersect_sphere(n * (1 + 1e-14), out, 1, 0, kFar));
+        const auto in = intersect_sphere(n * (1 - 1e-14), -out, 1, 0, kFar);
+        ASSERT_TRUE(in);
+        EXPECT_NEAR(in->t, 2 * cosine, 1e-9 + 1e-13 / cosine);  // the chord
+    }
+}
+
+TEST(Disk, IsItsRing) {
+    for (double r = 0; r < 3; r += 0.0625) {
+        const bool expected = r >= 0.5 && r <= 2;
+        EXPECT_EQ(intersect_disk({r, 0, 5}, {0, 0, -1}, 1, 0.5, 2, 0, kFar).has_value(), expected) << r;
+        EXPECT_FALSE(intersect_disk({r, 0, 5}, {0, 0, 1}, 1, 0.5, 2, 0, kFar));
+    }
+    EXPECT_EQ(intersect_disk({1, 0, 5}, {0, 0, -2}, 1, 0, 2, 0, kFar)->t, 2);
+}
+
+TEST(Patch, RaysToItsPointsHitThereUnlessSomethingIsInFront) {
+    Random random;
+    int nearest = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const PatchCorners p{random.vector(1), random.vector(1), random.vector(1), random.vector(1)};
+        const double u = random(0.01, 0.99), v = random(0.01, 0.99);
+        const Vec3d target = patch_point(p, u, v), o = random.vector(3), d = target - o;
+        const auto hit = intersect_patch(o, d, p, 0, kFar);
+        ASSERT_TRUE(hit) << i;
+        EXPECT_LT(length(patch_point(p, hit->u, hit->v) - (o + d * hit->t)), 1e-7);
+        EXPECT_LT(hit->t, 1 + 1e-6);
+        nearest += std::abs(hit->t - 1) < 1e-6 ? 1 : 0;
+    }
+    EXPECT_GT(nearest, 12000);
+}
+
+TEST(Patch, FlatRectangleIsThatRectangle) {
+    const PatchCorners p{Vec3d(-0.7, -0.7, -0.6), Vec3d(-0.2, -0.7, -0.6), Vec3d(-0.7, -0.1, -0.6), Vec3d(-0.2, -0.1, -0.6)};
+    Random random;
+    for (int i = 0; i < 10000; ++i) {
+        const Vec3d o(random(-1, 1), random(-1, 1), 2), d(random(-0.2, 0.2), random(-0.2, 0.2), -1);
+        const Vec3d at = o + d * 2.6;
+        const bool inside = at.x > -0.7 && at.x < -0.2 && at.y > -0.7 && at.y < -0.1;
+        const auto hit = intersect_patch(o, d, p, 0, kFar);
+        ASSERT_EQ(hit.has_value(), inside);
+        if (!hit) continue;
+        EXPECT_NEAR(hit->t, 2.6, 1e-9);
+        EXPECT_NEAR(hit->u, (at.x + 0.7) / 0.5, 1e-8);
+        EXPECT_NEAR(hit->v, (at.y + 0.7) / 0.6, 1e-8);
+    }
+}
+
+}  // namespace
+}  // namespace latent::render

@@ -1,0 +1,336 @@
+// Geometry against brute force, and the promises that light transport builds on: orientation, clear ray origins, emitters.
+#include "render/geometry.h"
+
+#include <unistd.h>
+
+#include <random>
+
+#include "render/exact_shapes.h"
+#include "render/simd.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using testing::load_world;
+
+class Random {
+ public:
+    float operator()(float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine_); }
+    Vec3f vector(float size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
+    Vec3f direction() {
+        while (true) {
+            const Vec3f v = vector(1);
+            if (length(v) > 0.01f && length(v) < 1) return normalize(v);
+        }
+    }
+
+ private:
+    std::mt19937 engine_{11};
+};
+
+struct Built {
+    SceneDescription description;
+    std::unique_ptr<Geometry> geometry;
+};
+Built build(const std::string& text, const std::string& simd = choose_simd("").value()) {
+    const Result<LoadedScene> scene = load_world(text);
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    Built out{scene->description, nullptr};
+    Result<std::unique_ptr<Geometry>> geometry = Geometry::build(out.description, simd);
+    EXPECT_TRUE(geometry) << (geometry ? "" : geometry.error().message);
+    out.geometry = std::move(*geometry);
+    return out;
+}
+
+std::string number(float x) { return std::to_string(x) + " "; }
+
+// A soup of triangles as text.
+std::string soup(int count, float size, Random& random) {
+    std::string p, i;
+    for (int k = 0; k < count; ++k) {
+        const Vec3f center = random.vector(1);
+        for (int c = 0; c < 3; ++c) {
+            const Vec3f v = center + random.vector(size);
+            p += number(v.x) + number(v.y) + number(v.z);
+            i += std::to_string(3 * k + c) + " ";
+        }
+    }
+    return "Shape \"trianglemesh\" \"point3 P\" [ " + p + "] \"integer indices\" [ " + i + "]\n";
+}
+
+// Distance to a triangle in double, straight from the definition; infinity for a miss.
+double brute_force(const MeshDescription& mesh, const Affined& placed, const Ray& ray) {
+    double nearest = kInfinity;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+        Vec3d p[3];
+        for (std::size_t k = 0; k < 3; ++k) p[k] = placed.point(Vec3d(mesh.positions[mesh.indices[i + k]]));
+        const Vec3d e1 = p[1] - p[0], e2 = p[2] - p[0], d(ray.d), s = Vec3d(ray.o) - p[0];
+        const double det = dot(e1, cross(d, e2));
+        const double u = dot(s, cross(d, e2)) / det, v = dot(d, cross(s, e1)) / det, t = dot(e2, cross(s, e1)) / det;
+        if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) nearest = std::min(nearest, t);
+    }
+    return nearest;
+}
+
+TEST(Geometry, TrianglesAreHitWhereBruteForceHitsThem) {
+    Random random;
+    const Built scene = build(soup(300, 0.2f, random));
+    const MeshDescription& mesh = *scene.description.shapes[0].mesh;
+    int different = 0, hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f o = random.vector(2);
+        const Ray ray{o, normalize(random.vector(1) - o)};
+        const double expected = brute_force(mesh, {}, ray);
+        const auto hit = scene.geometry->intersect(ray);
+        EXPECT_EQ(scene.geometry->occluded(ray), hit.has_value());
+        if (hit.has_value() != (expected < kInfinity)) {
+            ++different;  // rays through edges may be decided otherwise in float
+            continue;
+        }
+        if (!hit) continue;
+        ++hits;
+        if (std::abs(hit->t - expected) > 1e-4) {
+            ++different;
+            continue;
+        }
+        EXPECT_LT(length(Vec3d(hit->p) - (Vec3d(ray.o) + Vec3d(ray.d) * expected)), 1e-4);
+        EXPECT_NEAR(length(hit->ng), 1, 1e-5);
+        Ray shorter = ray;
+        shorter.t_max = hit->t * 0.999f;
+        EXPECT_FALSE(scene.geometry->intersect(shorter));
+        EXPECT_FALSE(scene.geometry->occluded(shorter));
+    }
+    EXPECT_GT(hits, 5000);
+    EXPECT_LE(different, 4);
+}
+
+TEST(Geometry, InstancesAreTheirShapesMoved) {
+    Random random;
+    const std::string shape = soup(40, 0.4f, random);
+    const Built scene =
+        build("ObjectBegin \"o\"\nTranslate 0.1 0 0\n" + shape +
+              "ObjectEnd\nAttributeBegin\nTranslate 3 0 0\nRotate 30 1 2 3\nScale 1 2 0.5\nObjectInstance \"o\"\nAttributeEnd\n"
+              "AttributeBegin\nTranslate -3 1 0\nScale -1 1 1\nObjectInstance \"o\"\nAttributeEnd\n");
+    const MeshDescription& mesh = *scene.description.objects[0].shapes[0].mesh;
+    int hits = 0, different = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f o = random.vector(6), target = scene.description.instances[i % 2].world_from_object.t == Vec3d(3, 0, 0)
+                                                       ? Vec3f(3, 0, 0)
+                                                       : Vec3f(-3, 1, 0);
+        const Ray ray{o, normalize(target + random.vector(1) - o)};
+        double expected = kInfinity;
+        for (const InstanceDescription& instance : scene.description.instances)
+            expected = std::min(expected, brute_force(mesh, instance.world_from_object, ray));
+        const auto hit = scene.geometry->intersect(ray);
+        if (hit.has_value() != (expected < kInfinity) || (hit && std::abs(hit->t - expected) > 1e-4)) {
+            ++different;
+            continue;
+        }
+        if (!hit) continue;
+        ++hits;
+        EXPECT_LT(length(Vec3d(hit->p) - (Vec3d(ray.o) + Vec3d(ray.d) * expected)), 1e-4);
+    }
+    EXPECT_GT(hits, 3000);
+    EXPECT_LE(different, 4);
+}
+
+// A mesh and the same mesh as an instance, mirrored too: same points, same normals.
+TEST(Geometry, OrientationSurvivesInstancingAndMirroring) {
+    const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ]\n";
+    for (const std::string transform : {"Rotate 20 1 1 0\n", "Scale -1 1 1\n", "Scale 2 1 -3\nRotate 70 0 1 1\n"}) {
+        for (const std::string reverse : {"", "ReverseOrientation\n"}) {
+            const Built flat = build(reverse + transform + triangle);
+            const Built instanced =
+                build("ObjectBegin \"o\"\n" + reverse + triangle + "ObjectEnd\n" + transform + "ObjectInstance \"o\"\n");
+            const Affined& m = instanced.description.instances[0].world_from_object;
+            const Vec3f target(m.point({0.25, 0.25, 0})), normal(normalize(m.normal(Vec3d(0, 0, reverse.empty() ? 1 : -1))));
+            const Ray ray{target + normal * 2.0f, -normal};
+            for (const Built* scene : {&flat, &instanced}) {
+                const auto hit = scene->geometry->intersect(ray);
+                ASSERT_TRUE(hit);
+                EXPECT_LT(length(hit->ng - normal), 1e-5f);
+                EXPECT_LT(length(hit->ns - normal), 1e-5f);
+                EXPECT_LT(length(hit->p - target), 1e-5f);
+            }
+        }
+    }
+}
+
+TEST(Geometry, SphereNormalsPointOutUnlessReversed) {
+    Random random;
+    for (const bool reverse : {false, true}) {
+        const Built scene = build(std::string(reverse ? "ReverseOrientation\n" : "") +
+                                  "Translate 1 2 3\nScale 1 2 -0.5\nShape \"sphere\" \"float radius\" 1.5\n");
+        const Affined& m = scene.description.shapes[0].to_world;
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3d local = Vec3d(random.direction()) * 1.5;
+            const Vec3f p(m.point(local)), inside(m.point(local * 0.5));
+            const auto hit = scene.geometry->intersect({inside, p - inside});
+            ASSERT_TRUE(hit);
+            EXPECT_LT(length(hit->p - p), 1e-5f);
+            const Vec3f outward(normalize(m.normal(local)));
+            EXPECT_LT(length(hit->ng - (reverse ? -outward : outward)), 1e-4f);
+            EXPECT_NEAR(dot(normalize(hit->dpdu), hit->ng), 0, 1e-4f);
+        }
+    }
+}
+
+TEST(Geometry, PatchesAndPairsOfTrianglesAgree) {
+    // The same flat quad as pair of triangles (parallelogram) and, bent by less than can be seen, as a curved patch.
+    const Built flat = build("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  2 0.5 0  0.25 1 0  2.25 1.5 0 ]\n");
+    const Built bent = build("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  2 0.5 0  0.25 1 0  2.25 1.5 1e-5 ]\n");
+    ASSERT_EQ(flat.description.shapes[0].kind, ShapeKind::kTriangles);
+    ASSERT_EQ(bent.description.shapes[0].kind, ShapeKind::kBilinear);
+    Random random;
+    int hits = 0, different = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Ray ray{{random(0, 2.5f), random(0, 2), 3}, {random(-.1f, .1f), random(-.1f, .1f), -1}};
+        const auto a = flat.geometry->intersect(ray), b = bent.geometry->intersect(ray);
+        if (a.has_value() != b.has_value()) {
+            ++different;
+            continue;
+        }
+        if (!a) continue;
+        ++hits;
+        EXPECT_LT(length(a->p - b->p), 3e-5f);
+        EXPECT_GT(dot(a->ng, b->ng), 0.9999f);  // cross(dpdu, dpdv)
+        EXPECT_GT(abs_dot(normalize(a->dpdu), normalize(b->dpdu)), 0.9999f);
+    }
+    EXPECT_GT(hits, 1000);
+    EXPECT_LE(different, 3);
+}
+
+TEST(Geometry, ShadingNormalsInterpolateAndOrient) {
+    const Built scene = build(
+        "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ] \"normal N\" [ 0 0 -1  .6 0 -.8  0 0 -2 ] \"point2 uv\" [ 0 0 "
+        " 0 1  1 0 ]\n");
+    const auto hit = scene.geometry->intersect({{0.5f, 0.25f, 1}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    EXPECT_LT(length(hit->ng - Vec3f(0, 0, -1)), 1e-6f);  // the mesh's normals say where out is
+    const Vec3d expected = normalize(Vec3d(0, 0, -1) * 0.25 + Vec3d(.6, 0, -.8) * 0.5 + Vec3d(0, 0, -1) * 0.25);
+    EXPECT_LT(length(Vec3d(hit->ns) - expected), 1e-6);
+    EXPECT_NEAR(hit->uv.x, 0.25f, 1e-6f);
+    EXPECT_NEAR(hit->uv.y, 0.5f, 1e-6f);
+    EXPECT_LT(length(hit->dpdu - Vec3f(0, 1, 0)), 1e-6f);  // u grows along y here
+}
+
+// A ray that leaves a surface never meets it again on a flat or convex one, and one that stays inside never gets out: at every
+// scale, far from the origin, instanced or not, towards grazing angles.
+TEST(Geometry, RaysStartClearOfTheirSurface) {
+    const std::string box =
+        "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1   -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]\n"
+        "\"integer indices\" [ 0 2 1 0 3 2  4 5 6 4 6 7  0 1 5 0 5 4  3 6 2 3 7 6  0 4 7 0 7 3  1 2 6 1 6 5 ]\n";
+    const std::string ball = "Shape \"sphere\" \"float radius\" 1.3\n";
+    Random random;
+    for (const std::string& shape : {box, ball}) {
+        for (const std::string place : {"", "Translate 100 -30 1000\n", "Scale 1e-3 1e-3 1e-3\n", "Scale 300 1000 20\n",
+                                        "Translate 7 8 9\nRotate 31 1 2 3\nScale 0.1 3 1\n"}) {
+            for (const bool instanced : {false, true}) {
+                const Built scene = build(
+                    instanced ? "ObjectBegin \"o\"\n" + shape + "ObjectEnd\n" + place + "ObjectInstance \"o\"\n" : place + shape);
+                const Geometry& g = *scene.geometry;
+                int leaks = 0, traps = 0, hits = 0;
+                for (int i = 0; i < 4000; ++i) {
+                    const Vec3f start = g.center() + random.direction() * (g.radius() * 2);
+                    const auto hit = g.intersect({start, normalize(g.center() - start + random.direction() * (g.radius() * 0.3f))});
+                    if (!hit) continue;
+                    ++hits;
+                    const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
+                    const Frame frame = Frame::from_z(hit->ng);
+                    const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
+                    const Vec3f out = frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
+                    traps += g.occluded(spawn_ray(hit->anchor(), out)) ? 1 : 0;
+                    leaks += g.intersect(spawn_ray(hit->anchor(), -out)) ? 0 : 1;  // closed: every inward ray ends
+                }
+                EXPECT_GT(hits, 1000);
+                EXPECT_EQ(traps, 0) << place << shape << instanced;
+                EXPECT_LE(leaks, 1) << place << shape << instanced;  // an edge may let a ray in from just beside it
+            }
+        }
+    }
+}
+
+TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
+    const Built scene = build(
+        "Shape \"trianglemesh\" \"point3 P\" [ -50 0 -50  50 0 -50  50 0 50  -50 0 50 ] \"integer indices\" [ 0 2 1  0 3 2 ]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [ -1 5 -1  1 5 -1  1 5 1  -1 5 1 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n");
+    Random random;
+    for (int i = 0; i < 20000; ++i) {
+        const auto floor = scene.geometry->intersect({{random(-40, 40), 4, random(-40, 40)}, {0, -1, 0}});
+        const auto lamp = scene.geometry->intersect({{random(-.99f, .99f), 4, random(-.99f, .99f)}, {0, 1, 0}});
+        ASSERT_TRUE(floor && lamp);
+        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(floor->anchor(), lamp->anchor())));
+        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(lamp->anchor(), floor->anchor())));
+        const Anchor above{lamp->p + Vec3f(0, 1, 0), 0, {}};
+        EXPECT_TRUE(scene.geometry->occluded(spawn_ray(Anchor{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)));
+    }
+}
+
+TEST(Emitters, HoldAreaNormalAndRadiance) {
+    const Built scene = build(
+        "AreaLightSource \"diffuse\" \"float power\" 6 \"float scale\" 2\n"
+        "AttributeBegin\nTranslate 0 3 0\nScale 2 2 2\nShape \"sphere\" \"float radius\" 0.5\nAttributeEnd\n"
+        "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  3 0 0  3 4 0  0 0 9 ] \"integer indices\" [ 0 1 2  0 1 3 ]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ 5 0 0  7 0 0  5 1 0  7 1 0 ]\n"
+        "AreaLightSource \"diffuse\" \"float scale\" 5 \"bool twosided\" true\nShape \"trianglemesh\" \"point3 P\" [ 0 9 0  1 9 0  "
+        "0 9 1 ]\n");
+    const std::vector<Emitter>& e = scene.geometry->emitters();
+    ASSERT_EQ(e.size(), 6u);
+    EXPECT_TRUE(e[0].is_sphere);
+    EXPECT_EQ(e[0].p, Vec3f(0, 3, 0));
+    EXPECT_NEAR(e[0].radius, 1, 1e-6f);
+    EXPECT_NEAR(e[0].scale, 2 * 6 / (kPi * 4 * kPi), 1e-5f);
+    EXPECT_NEAR(e[1].area, 6, 1e-5f);
+    EXPECT_NEAR(e[1].scale, 2 * 6 / (kPi * 6), 1e-5f);  // the power of each triangle
+    EXPECT_NEAR(e[2].area, 13.5f, 1e-5f);
+    EXPECT_NEAR(e[3].scale + e[4].scale, 2 * (2 * 6 / (kPi * 2)), 1e-5f);  // the power of the patch, which is two triangles here
+    EXPECT_EQ(e[5].scale, 5);
+    Random random;
+    for (std::uint32_t i = 1; i < e.size(); ++i) {
+        const Vec3f center = e[i].p + (e[i].e1 + e[i].e2) * (1 / 3.0f);
+        const auto hit = scene.geometry->intersect({center + e[i].n * 0.5f, -e[i].n});
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->emitter, i);
+        EXPECT_EQ(hit->area_light, e[i].area_light);
+        EXPECT_LT(length(hit->ng - e[i].n), 1e-6f);
+    }
+    EXPECT_EQ(scene.geometry->intersect({{0, 3, 5}, {0, 0, -1}})->emitter, 0u);
+}
+
+TEST(Emitters, OfShapesThatCannotBeSampledAreRefused) {
+    for (const std::string shape : {"Scale 1 2 1\nShape \"sphere\"", "Shape \"disk\"",
+                                    "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 1 ]"}) {
+        const Result<LoadedScene> scene = load_world("AreaLightSource \"diffuse\"\n" + shape);
+        ASSERT_TRUE(scene);
+        const auto geometry = Geometry::build(scene->description, "sse4.2");
+        ASSERT_FALSE(geometry) << shape;
+        EXPECT_NE(geometry.error().message.find("room.pbrt:"), std::string::npos);
+    }
+}
+
+// What makes a render repeatable: the same scene, the same level, the same bits.
+TEST(Geometry, RebuildingGivesTheSameBits) {
+    Random random, rays;
+    const std::string text = soup(500, 0.3f, random) + "Shape \"sphere\" \"float radius\" 0.4\n";
+    const Built a = build(text, "sse4.2"), b = build(text, "sse4.2");
+    for (int i = 0; i < 5000; ++i) {
+        const Ray ray{rays.vector(2), rays.direction()};
+        const auto x = a.geometry->intersect(ray), y = b.geometry->intersect(ray);
+        ASSERT_EQ(x.has_value(), y.has_value());
+        if (!x) continue;
+        EXPECT_EQ(x->t, y->t);
+        EXPECT_EQ(x->p, y->p);
+        EXPECT_EQ(x->uv, y->uv);
+    }
+}
+
+TEST(Geometry, EmptySceneHasNoHits) {
+    const Built scene = build("");
+    EXPECT_FALSE(scene.geometry->intersect({{0, 0, 0}, {0, 0, 1}}));
+    EXPECT_FALSE(scene.geometry->occluded({{0, 0, 0}, {0, 0, 1}}));
+    EXPECT_EQ(scene.geometry->radius(), 0);
+}
+
+}  // namespace
+}  // namespace latent::render

@@ -1,0 +1,120 @@
+// The grammar of .pbrt files: every message names file, line and column, and no input does harm.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <random>
+
+#include "render/directive.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using testing::Folder;
+using ::testing::HasSubstr;
+using testing::load;
+using testing::load_world;
+using testing::refusal;
+
+TEST(SceneText, NumbersStringsAndFlagsOfEveryTypeAreRead) {
+    DirectiveReader reader(R"(Shape "sphere" "float radius" [ 1.5e-1 ] "integer n" -3 "bool b" true "string s" "a \"b\"\\"
+                              "spectrum t" [ 400 1 700 2 ] "spectrum u" "metal-Au-eta" "point3 p" [1 2 3 4 5 6] # comment " [ 
+                              "rgb c" [.1 +.2 3.])",
+                           0);
+    const auto directive = reader.next();
+    ASSERT_TRUE(directive && *directive);
+    const std::vector<Parameter>& p = (*directive)->parameters;
+    ASSERT_EQ(p.size(), 8u);
+    EXPECT_EQ(p[0].numbers, std::vector<double>{0.15});
+    EXPECT_EQ(p[1].numbers, std::vector<double>{-3});
+    EXPECT_EQ(p[2].flags, std::vector<bool>{true});
+    EXPECT_EQ(p[3].strings, std::vector<std::string>{"a \"b\"\\"});
+    EXPECT_EQ(p[4].numbers.size(), 4u);
+    EXPECT_EQ(p[5].strings, std::vector<std::string>{"metal-Au-eta"});
+    EXPECT_EQ(p[6].numbers.size(), 6u);
+    EXPECT_EQ(p[7].numbers, (std::vector<double>{.1, .2, 3}));
+    EXPECT_EQ(p[4].where.line, 2u);
+    EXPECT_EQ(p[4].where.column, 31u);
+    const auto end = reader.next();
+    EXPECT_TRUE(end && !*end);
+}
+
+TEST(SceneText, SyntaxErrorsNameFileLineAndColumn) {
+    struct Case {
+        const char *text, *place, *message;
+    };
+    for (const Case& c : {
+             Case{"WorldBegin\n  Blob 3", ":2:3: ", "\"Blob\" is not a directive"},
+             Case{"Translate 1 x 3", ":1:13: ", "\"x\" is not a finite number"},
+             Case{"Translate 1 inf 3", ":1:13: ", "not a finite number"},
+             Case{"Scale 1 2", ":1:10: ", "the file ends where a number should be"},
+             Case{"Film rgb", ":1:6: ", "is not a quoted name"},
+             Case{"Film \"rgb\n\"", ":1:6: ", "no closing quote"},
+             Case{"Film \"rgb\" \"float\" 3", ":1:12: ", "is not a parameter"},
+             Case{"Film \"rgb\" \"colour c\" 3", ":1:12: ", "is not a type"},
+             Case{"Film \"rgb\" \"integer n\" 3.5", ":1:24: ", "32-bit integer"},
+             Case{"Film \"rgb\" \"integer n\" [ 3", ":1:12: ", "ends before the closing ]"},
+             Case{"Film \"rgb\" \"bool b\" 1", ":1:21: ", "true or false"},
+             Case{"Film \"rgb\" \"string s\" [ [ ]", ":1:25: ", "[ inside ["},
+             Case{"Film \"\\q\"", ":1:6: ", "unknown escape"},
+             Case{"Transform 1 2", ":1:11: ", "is not ["},
+             Case{"ActiveTransform", ":1:1: ", "wants a word"},
+         }) {
+        const std::string message = refusal(c.text);
+        EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + c.place));
+        EXPECT_THAT(message, HasSubstr(c.message));
+    }
+}
+
+TEST(SceneText, MessagesOfIncludedFilesNameThem) {
+    const Folder folder;
+    folder.write("part.pbrt", "\n\n   Frob");
+    const Result<LoadedScene> scene = load_scene(folder.write("room.pbrt", "WorldBegin\nInclude \"part.pbrt\""));
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(scene.error().message, HasSubstr("part.pbrt:3:4: "));
+}
+
+TEST(SceneText, FilesThatIncludeThemselvesAndMissingFilesAreRefused) {
+    EXPECT_THAT(refusal("WorldBegin\nInclude \"room.pbrt\""), HasSubstr("files deep"));
+    EXPECT_THAT(refusal("WorldBegin\nInclude \"nowhere.pbrt\""), HasSubstr(":2:1: "));
+    EXPECT_THAT(refusal("WorldBegin\nInclude \".\""), HasSubstr("not a regular file"));
+    EXPECT_THAT(refusal("Import \"x\""), HasSubstr("not before WorldBegin"));
+    EXPECT_FALSE(load_scene("/nonexistent/room.pbrt"));
+}
+
+// Hostile input: anything is either read or refused with a place, never worse (run under asan too).
+TEST(SceneText, AnyBytesAreReadOrRefused) {
+    const std::string seed =
+        "Film \"rgb\" \"integer xresolution\" [ 8 ]\nLookAt 0 0 3 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" "
+        "39\nWorldBegin\n"
+        "AttributeBegin\nMaterial \"diffuse\" \"spectrum reflectance\" [ 360 .5 830 .5 ]\nTranslate 1 2 3\n"
+        "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 2 ]\nAttributeEnd\n"
+        "LightSource \"point\" \"blackbody I\" 3000 \"point3 from\" [ 0 1 0 ]\n";
+    ASSERT_TRUE(load(seed));
+    std::mt19937 random(1);
+    for (int i = 0; i < 2000; ++i) {
+        std::string text = seed;
+        for (int k = 0; k < 1 + i % 4; ++k) {
+            const std::size_t at = random() % text.size();
+            switch (random() % 4) {
+                case 0:
+                    text[at] = static_cast<char>(random());
+                    break;
+                case 1:
+                    text.erase(at, 1 + random() % 9);
+                    break;
+                case 2:
+                    text.insert(at, text.substr(random() % text.size(), random() % 40));
+                    break;
+                default:
+                    text.resize(at + 1);
+            }
+        }
+        const Result<LoadedScene> scene = load(text);
+        if (scene) continue;
+        EXPECT_THAT(scene.error().message, HasSubstr("room.pbrt:")) << text;
+    }
+}
+
+}  // namespace
+}  // namespace latent::render
