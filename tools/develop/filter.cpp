@@ -32,13 +32,12 @@ double jinc(double x2) {
     return sum;
 }
 
-// The two cubics of [MitchellNetravali88] on 0 <= d < 1 and 1 <= d < 2, constant term first.
+// The two cubics of [MitchellNetravali88], constant term first: in d on 0 <= d < 1, in 2 - d on 1 <= d < 2.
 struct MitchellPieces {
     std::array<double, 4> inner, outer;
 };
 MitchellPieces mitchell_pieces(double b, double c) {
-    return {{(6 - 2 * b) / 6, 0, (-18 + 12 * b + 6 * c) / 6, (12 - 9 * b - 6 * c) / 6},
-            {(8 * b + 24 * c) / 6, (-12 * b - 48 * c) / 6, (6 * b + 30 * c) / 6, (-b - 6 * c) / 6}};
+    return {{(6 - 2 * b) / 6, 0, (-18 + 12 * b + 6 * c) / 6, (12 - 9 * b - 6 * c) / 6}, {0, 0, -c, (b + 6 * c) / 6}};
 }
 template <class T, class Cubic>
 T evaluate(const Cubic& c, T d) {
@@ -141,7 +140,7 @@ Result<Filter> Filter::parse(std::string_view text) {
         if (kind == "mitchell") {
             tabulate(kernel, radius, [=](double r2) {
                 const double r = std::sqrt(r2);
-                return r < 1 ? evaluate(m.inner, r) : evaluate(m.outer, r);
+                return r < 1 ? evaluate(m.inner, r) : evaluate(m.outer, 2 - r);
             });
         } else {
             kernel.form = FilterKernel::Form::kSeparable;
@@ -186,7 +185,7 @@ double Filter::weight(double dx, double dy) const {
         case FilterKernel::Form::kSeparable: {
             const auto m = [&](double d) {
                 d = std::abs(d);
-                return d < 1 ? evaluate(kernel_.inner, d) : d < 2 ? evaluate(kernel_.outer, d) : 0.0;
+                return d < 1 ? evaluate(kernel_.inner, d) : d < 2 ? evaluate(kernel_.outer, 2 - d) : 0.0;
             };
             return m(dx) * m(dy);
         }

@@ -29,7 +29,7 @@ struct FilterKernel {
     float s = 0, inverse_radius2 = 0;            // kQuartic
     float table_scale = 0;                       // kTable: steps per pixel^2
     std::vector<float> table_value, table_step;  // kTable: w = value[i] + f step[i]
-    float inner[4] = {}, outer[4] = {};          // kSeparable: cubics on |d| < 1 and 1 <= |d| < 2, constant term first
+    float inner[4] = {}, outer[4] = {};          // kSeparable: cubics in d < 1 and in 2 - d <= 1, constant term first
     std::vector<float> column, row;              // k - n + 1 of all 4 n^2 pixels of the footprint, padded with far pixels to 16
 
     int side() const { return 2 * reach; }

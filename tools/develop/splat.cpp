@@ -39,7 +39,8 @@ HWY_INLINE Floats separable(FloatTag d, const FilterKernel& f, Floats dx, Floats
     const Floats one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
     const auto m = [&](Floats distance) HWY_ATTR {
         const Floats x = hn::Abs(distance);
-        return hn::IfThenElse(hn::Lt(x, one), cubic(d, f.inner, x), hn::IfThenElseZero(hn::Lt(x, two), cubic(d, f.outer, x)));
+        return hn::IfThenElse(hn::Lt(x, one), cubic(d, f.inner, x),
+                              hn::IfThenElseZero(hn::Lt(x, two), cubic(d, f.outer, hn::Sub(two, x))));
     };
     return hn::Mul(m(dx), m(dy));
 }

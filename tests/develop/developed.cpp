@@ -1,0 +1,114 @@
+#include "tests/develop/developed.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sampledb/page_codec.h"
+
+namespace latent::develop {
+
+Status MemoryGathering::read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
+                                  sampledb::Page& page) const {
+    return sampledb::decode_page(job_, info, ByteSpan(bytes_[run]).subspan(info.offset, info.stored_size), columns, page);
+}
+
+Status MemoryPicture::write(int x, int y, std::span<const float> pixels) {
+    const int per_row = static_cast<int>((rect_.width() + kTile - 1) / kTile);
+    EXPECT_FALSE(tiles_[y * per_row + x]) << "tile " << x << ' ' << y << " came twice";
+    tiles_[y * per_row + x] = 1;
+    order_.push_back(y * per_row + x);
+    const std::int64_t width = std::min<std::int64_t>(kTile, rect_.width() - x * kTile);
+    const std::int64_t height = std::min<std::int64_t>(kTile, rect_.height() - y * kTile);
+    EXPECT_EQ(pixels.size(), std::size_t(width * height * channels_));
+    for (std::int64_t row = 0; row < height; ++row) {
+        std::copy_n(&pixels[row * width * channels_], width * channels_,
+                    &pixels_[((y * kTile + row) * rect_.width() + x * kTile) * channels_]);
+    }
+    return {};
+}
+
+Settings settings_for(std::uint32_t width, std::uint32_t height, const char* filter) {
+    Settings settings;
+    settings.width = width;
+    settings.height = height;
+    settings.crop = {0, 0, width, height};
+    settings.filter = *Filter::parse(filter);
+    settings.memory = std::uint64_t{64} << 20;
+    settings.temporary_folder = std::filesystem::temp_directory_path();
+    return settings;
+}
+
+Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads, const color::Observer* observer) {
+    const auto channels = Channels::xyz(gathering.job(), observer);
+    EXPECT_TRUE(channels);
+    MemoryPicture picture(settings.crop, 3);
+    Result<DevelopCounts> counts = DevelopCounts{};
+    Threads(threads).run([&] { counts = develop(gathering, *channels, settings, picture); });
+    EXPECT_TRUE(counts) << counts.error().message;
+    picture.expect_complete();
+    return {std::move(picture), counts ? *counts : DevelopCounts{}};
+}
+
+std::vector<ReferencePixel> reference(const sampledb::Job& job, const sampledb::Records& records, std::uint64_t samples,
+                                      const Settings& settings) {
+    const Filter& filter = settings.filter;
+    const std::int64_t width = settings.width, height = settings.height;
+    const int reach = filter.reach();
+    struct Sums {
+        double s[3] = {}, s_plus[3] = {}, s_abs[3] = {}, c = 0, c_plus = 0, w_abs = 0, light[3] = {}, light_abs[3] = {};
+    };
+    std::vector<Sums> sums(width * height);
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        const bool light = records.record_class[i] == sampledb::RecordClass::kLight;
+        if (light ? !settings.light : !settings.camera) continue;
+        const double x = records.u[i] * 0x1p-32 * static_cast<double>(width),
+                     y = records.v[i] * 0x1p-32 * static_cast<double>(height);
+        const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
+        const double s[3] = {records.x[i], records.y[i], records.z[i]};
+        double lattice = 0;
+        for (int pass = light ? 0 : 1; pass < 2; ++pass) {
+            for (std::int64_t py = row - reach; py <= row + reach; ++py) {
+                for (std::int64_t px = column - reach; px <= column + reach; ++px) {
+                    const double w = filter.weight(static_cast<double>(px) + 0.5 - x, static_cast<double>(py) + 0.5 - y);
+                    if (pass == 0) lattice += w;
+                    if (pass == 0 || px < 0 || py < 0 || px >= width || py >= height) continue;
+                    Sums& at = sums[py * width + px];
+                    if (!light) {
+                        at.c += w * static_cast<double>(records.share[i]);
+                        at.c_plus += std::max(w, 0.0) * static_cast<double>(records.share[i]);
+                        at.w_abs += std::abs(w);
+                    }
+                    for (int c = 0; c < 3; ++c) {
+                        if (light) {
+                            at.light[c] += w / lattice * s[c];
+                            at.light_abs[c] += std::abs(w / lattice * s[c]);
+                        } else {
+                            at.s[c] += w * s[c];
+                            at.s_plus[c] += std::max(w, 0.0) * s[c];
+                            at.s_abs[c] += std::abs(w * s[c]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    const BorderShare border(filter, settings.width, settings.height);
+    const double pixels = static_cast<double>(width * height);
+    const double paths = static_cast<double>(samples) * job.light_paths_per_sample;
+    std::vector<ReferencePixel> out(width * height);
+    for (std::int64_t i = 0; i < width * height; ++i) {
+        const Sums& at = sums[i];
+        const auto px = static_cast<std::uint32_t>(i % width), py = static_cast<std::uint32_t>(i / width);
+        const bool lobes = at.c >= 0.05 * static_cast<double>(samples) / pixels * border.camera_share(px, py);
+        const double weight = lobes ? at.c : at.c_plus;
+        for (int c = 0; c < 3; ++c) {
+            const double camera = weight > 0 ? (lobes ? at.s[c] : at.s_plus[c]) / weight : 0;
+            const double scale = paths > 0 ? pixels / paths / border.light_share(px, py) : 0;
+            out[i].value[c] = camera + scale * at.light[c];
+            out[i].tolerance[c] = 1e-6 * ((at.w_abs > 0 ? at.s_abs[c] / at.w_abs : 0) + scale * at.light_abs[c]);
+        }
+    }
+    return out;
+}
+
+}  // namespace latent::develop

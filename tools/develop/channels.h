@@ -1,0 +1,69 @@
+// tools/develop/channels.h: what a record gives to each channel of the picture: X, Y, Z, or the bins of a spectrum.
+// Equations: docs/developing.md, "From spectra to channels".
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/result.h"
+#include "color/observer.h"
+#include "sampledb/job.h"
+#include "sampledb/page.h"
+
+namespace latent::develop {
+
+// sum over i of P_i f(lambda_i), f an observer's curves, for whole batches lambda_i = Q^-1((xi + i) / k). Q^-1 and f are piecewise
+// linear, so between the knots of all k of them the sum is linear in xi: one row of the table for each such interval. Exact,
+// without an inversion per record.
+class BatchResponse {
+ public:
+    BatchResponse() = default;
+    BatchResponse(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer);
+
+    // Bytes that a table would take; large batches are better served pair by pair.
+    static std::uint64_t bytes(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer);
+    bool empty() const { return rows_.empty(); }
+    // X, Y, Z of the k powers at `power`.
+    void xyz(std::uint32_t xi, const float* power, float* out) const;
+
+ private:
+    struct Row {
+        std::uint32_t first_xi;  // rows are sorted; a row ends where the next begins
+        double begin, scale;     // t = (xi - begin) scale runs from 0 to 1 over the row
+    };
+    static constexpr std::size_t kGroupFloats = 24;
+
+    int k_ = 0;
+    std::vector<Row> rows_;
+    std::vector<std::uint32_t> guide_;  // row of each 1024th of the range of xi
+    std::vector<float> table_;          // per row and four wavelengths: value at the begin and step of X, Y, Z, four each
+};
+
+class Channels {
+ public:
+    // X, Y, Z under `observer` (XYZ jobs: as stored, and `observer` must be null).
+    static Result<Channels> xyz(const sampledb::Job& job, const color::Observer* observer);
+    // `count` bins of equal width over 360..830 nm: mean spectral radiance [1/nm]. Errors: kUsage for XYZ jobs.
+    static Result<Channels> spectral_bins(const sampledb::Job& job, int count);
+
+    int count() const { return count_; }
+    int lanes() const { return (count_ + 4) / 4 * 4; }  // channels and the share, a multiple of 4
+    bool is_spectrum() const { return bins_ > 0; }
+    sampledb::ColumnSet columns() const;
+
+    // For rows begin .. end-1: `lanes()` floats each: channels, share (light records: 0), zeros. Values that are not finite become
+    // black, so do their shares where these are not finite; returns how many rows had such values.
+    std::uint64_t values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
+
+ private:
+    void spectral_row(const sampledb::Page& page, std::size_t row, float* out) const;
+    void add_pair(float lambda_nm, float power, float* out) const;
+
+    sampledb::RecordKind kind_ = sampledb::RecordKind::kXyz;
+    int count_ = 3, bins_ = 0, batch_ = 0;
+    sampledb::WavelengthDensity density_;
+    const color::Observer* observer_ = nullptr;
+    BatchResponse response_;
+};
+
+}  // namespace latent::develop

@@ -1,0 +1,47 @@
+// tools/develop/develop.h: from records to pixels in bounded memory, each page decoded once. docs/developing.md.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "base/progress.h"
+#include "base/result.h"
+#include "sampledb/gathering.h"
+#include "tools/develop/assembly.h"
+#include "tools/develop/channels.h"
+#include "tools/develop/film_grid.h"
+#include "tools/develop/filter.h"
+
+namespace latent::develop {
+
+struct Settings {
+    std::uint32_t width = 0, height = 0;  // of the full film
+    PixelRect crop;                       // the part of it that is wanted
+    Filter filter = Filter::standard();
+    bool camera = true, light = true;               // which images are added up
+    std::uint64_t memory = std::uint64_t{1} << 30;  // bytes to stay within, apart from the index of the files
+    std::filesystem::path temporary_folder = ".";   // for unnamed files
+};
+
+struct DevelopCounts {
+    std::uint64_t camera_records = 0, light_records = 0;  // of the selected runs
+    std::uint64_t light_paths = 0;                        // N
+    std::uint64_t regions = 0, panes = 0;
+    std::uint64_t pages = 0, pages_decoded = 0;  // pages that the crop needs; decoded, repeats included
+    std::uint64_t page_bytes = 0, page_bytes_decoded = 0;
+    std::uint64_t camera_not_finite = 0, light_not_finite = 0;
+    std::uint64_t fallback_pixels = 0, empty_pixels = 0;
+    std::uint64_t temporary_bytes = 0;
+    double decode_factor() const {
+        return page_bytes == 0 ? 1.0 : static_cast<double>(page_bytes_decoded) / static_cast<double>(page_bytes);
+    }
+};
+
+inline constexpr std::uint32_t kMaxSide = std::uint32_t{1} << 23;  // pixels
+
+// Runs on the threads of the arena that it is called in. Errors: of reading, of `sink`, kOutOfRange (memory too small for one
+// cell).
+Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
+                              TileSink& sink, const Progress& progress = {});
+
+}  // namespace latent::develop

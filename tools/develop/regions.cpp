@@ -1,0 +1,123 @@
+#include "tools/develop/regions.h"
+
+#include <algorithm>
+
+namespace latent::develop {
+
+namespace {
+
+using sampledb::FilmNode;
+
+constexpr int kCountedLevels = 8;  // bytes of records are counted for nodes down to this level; deeper ones share their ancestor's
+
+// Upper bounds of the bytes that the records in a node take.
+class RecordBytes {
+ public:
+    explicit RecordBytes(int deepest) : own_(deepest + 1) {
+        for (int level = 0; level <= deepest; ++level) own_[level].assign(std::size_t{1} << (2 * level), 0);
+    }
+    void add(const FilmNode& node, std::uint64_t bytes) {
+        const int level = std::min<int>(node.level, deepest());
+        own_[level][slot(level, node)] += bytes;
+    }
+    // own_[level] of a node: the pages of exactly that node; after `sum_up` inside_ has those below too.
+    void sum_up() {
+        inside_ = own_;
+        for (int level = deepest(); level > 0; --level) {
+            for (std::size_t z = 0; z < inside_[level].size(); ++z) inside_[level - 1][z / 4] += inside_[level][z];
+        }
+    }
+    std::uint64_t at_most(const FilmNode& node) const {
+        const int level = std::min<int>(node.level, deepest());
+        std::size_t z = slot(level, node);
+        std::uint64_t bytes = inside_[level][z];
+        for (int above = level - 1; above >= 0; --above) bytes += own_[above][z >>= 2];
+        return bytes;
+    }
+
+ private:
+    int deepest() const { return static_cast<int>(own_.size()) - 1; }
+    static std::size_t slot(int level, const FilmNode& node) {
+        return z_code(static_cast<std::uint32_t>(std::uint64_t{node.x} >> (node.level - level)),
+                      static_cast<std::uint32_t>(std::uint64_t{node.y} >> (node.level - level)));
+    }
+
+    std::vector<std::vector<std::uint64_t>> own_, inside_;
+};
+
+void split(const FilmGrid& grid, const PixelRect& needed, const RecordBytes& bytes, const RegionLimits& limits,
+           const FilmNode& node, std::vector<Region>& regions) {
+    const PixelRect cells = intersection(grid.cells_of(node), needed);
+    if (cells.empty()) return;
+    const auto windows = static_cast<std::uint64_t>(cells.width() * cells.height()) * limits.window_bytes;
+    const bool resident = bytes.at_most(node) <= limits.resident_bytes;
+    if (resident || windows <= limits.window_room || node.level == grid.level()) {
+        regions.push_back({node, cells, resident});
+        return;
+    }
+    for (int i = 0; i < 4; ++i) split(grid, needed, bytes, limits, child(node, i), regions);
+}
+
+}  // namespace
+
+FilmNode child(const FilmNode& node, int i) {
+    return {static_cast<std::uint8_t>(node.level + 1), 2 * node.x + (i & 1), 2 * node.y + (i >> 1)};
+}
+
+ZRange z_range(const FilmGrid& grid, const FilmNode& node) {
+    const PixelRect cells = grid.cells_of(node);
+    return {z_code(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0)),
+            z_code(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1)) + 1};
+}
+
+Result<std::vector<Region>> plan_regions(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed,
+                                         Classes classes, const Batch& batch, const RegionLimits& limits) {
+    RecordBytes bytes(std::min(grid.level(), kCountedLevels));
+    for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
+        const auto pages = gathering.pages(run);
+        if (!pages) return pages.error();
+        for (const sampledb::PageInfo& page : **pages) {
+            if (classes.has(page.record_class)) bytes.add(page.node, batch.bytes_at_most(page, needed));
+        }
+    }
+    bytes.sum_up();
+    std::vector<Region> regions;
+    split(grid, needed, bytes, limits, FilmNode{}, regions);
+    return regions;
+}
+
+Status append_pages(const sampledb::Gathering& gathering, const FilmGrid& grid, const Region& region, Classes classes,
+                    std::size_t run, std::vector<PageRef>& found) {
+    const auto pages = gathering.pages(run);
+    if (!pages) return pages.error();
+    const std::vector<sampledb::PageInfo>& all = **pages;
+    const ZRange range = z_range(grid, region.node);
+    const auto begin_of = [&](const sampledb::PageInfo& page) { return z_range(grid, page.node).begin; };
+    // Camera pages come first, then light pages; in each class they are sorted by where their node begins, larger nodes first.
+    // Those that contain the region begin where an ancestor of it begins; all others that reach into it begin inside it.
+    const auto class_end =
+        std::ranges::partition_point(all, [](const auto& page) { return page.record_class == sampledb::RecordClass::kCamera; });
+    for (const auto& [first, last] : {std::pair{all.begin(), class_end}, std::pair{class_end, all.end()}}) {
+        if (first == last || !classes.has(first->record_class)) continue;
+        const auto keep_while = [&](std::uint64_t begin, auto&& in_range, auto&& wanted) {
+            for (auto page = std::ranges::lower_bound(first, last, begin, {}, begin_of); page != last && in_range(*page); ++page) {
+                if (!wanted(*page) || intersection(grid.cells_of(page->node), region.cells).empty()) continue;
+                found.push_back({static_cast<std::uint32_t>(run), static_cast<std::uint32_t>(page - all.begin()), *page});
+            }
+        };
+        for (int level = 0; level < region.node.level; ++level) {
+            const int up = region.node.level - level;
+            const std::uint64_t begin =
+                z_range(grid, {static_cast<std::uint8_t>(level), region.node.x >> up, region.node.y >> up}).begin;
+            if (begin == range.begin) continue;  // found below
+            keep_while(
+                begin, [&](const auto& page) { return begin_of(page) == begin; },
+                [&](const auto& page) { return page.node.level == level; });
+        }
+        keep_while(
+            range.begin, [&](const auto& page) { return begin_of(page) < range.end; }, [](const auto&) { return true; });
+    }
+    return {};
+}
+
+}  // namespace latent::develop
