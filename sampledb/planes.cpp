@@ -137,15 +137,20 @@ std::size_t packed_size(std::size_t count, unsigned bits) { return (count * bits
 
 void pack_bits(std::span<const std::uint64_t> values, unsigned bits, Bytes& out) {
     const std::size_t begin = out.size();
-    out.resize(begin + packed_size(values.size(), bits) + 16);  // whole words are written, then cut
-    std::byte* const to = out.data() + begin;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const std::size_t at = i * bits;
-        const unsigned shift = at & 7;
-        std::byte* const word = to + at / 8;
-        store_le(word, load_le<std::uint64_t>(word) | values[i] << shift);
-        if (shift + bits > 64) store_le(word + 8, static_cast<std::uint8_t>(values[i] >> (64 - shift)));
+    out.resize(begin + packed_size(values.size(), bits) + 8);  // whole words are written, then cut
+    std::byte* to = out.data() + begin;
+    std::uint64_t word = 0;
+    unsigned filled = 0;
+    for (const std::uint64_t value : values) {
+        word |= value << filled;
+        filled += bits;
+        if (filled < 64) continue;
+        store_le(to, word);
+        to += 8;
+        filled -= 64;
+        word = filled == 0 ? 0 : value >> (bits - filled);
     }
+    store_le(to, word);
     out.resize(begin + packed_size(values.size(), bits));
 }
 

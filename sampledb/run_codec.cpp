@@ -3,38 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <numeric>
 
 #include "sampledb/page_codec.h"
-#include "sampledb/z_order.h"
+#include "sampledb/row_sorter.h"
 
 namespace latent::sampledb {
 
 namespace {
-
-// A row and its place on the curve, sorted as one number: Z prefix above, row below.
-using Key = std::uint64_t;
-std::uint32_t z_of(Key key) { return static_cast<std::uint32_t>(key >> 32); }
-std::uint32_t row_of(Key key) { return static_cast<std::uint32_t>(key); }
-
-// Stable sort by Z prefix: three passes of 11 bits, least significant first.
-void radix_sort(std::vector<Key>& keys) {
-    constexpr int kBits = 11, kPasses = 3;
-    constexpr std::uint64_t kMask = (1u << kBits) - 1;
-    std::array<std::array<std::uint32_t, kMask + 1>, kPasses> count{};
-    for (const Key key : keys) {
-        for (int pass = 0; pass < kPasses; ++pass) ++count[pass][key >> (32 + pass * kBits) & kMask];
-    }
-    std::vector<Key> sorted(keys.size());
-    for (int pass = 0; pass < kPasses; ++pass) {
-        std::exclusive_scan(count[pass].begin(), count[pass].end(), count[pass].begin(), 0u);
-        for (const Key key : keys) sorted[count[pass][key >> (32 + pass * kBits) & kMask]++] = key;
-        keys.swap(sorted);
-    }
-}
 
 // The first row, if any, that does not fit the job or the coverage.
 Status check_records(const Job& job, const Coverage& coverage, const Records& r) {
@@ -53,7 +31,8 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
     for (std::size_t i = 0; columns_fit && i < r.extra.size(); ++i)
         columns_fit = r.extra[i].values.size() == n * width(job.extra[i].type);
     if (!columns_fit) return Error{ErrorCode::kOutOfRange, "records without the columns that the job asks for"};
-    if (n > std::uint32_t(-1)) return Error{ErrorCode::kOutOfRange, "more than 2^32 records in a run"};
+    if (std::max<std::uint64_t>(n, pair_sum) > ~std::uint32_t{0})
+        return Error{ErrorCode::kOutOfRange, "more than 2^32 records or pairs in a run"};
 
     const bool one_interval = coverage.ranges().size() == 1;
     for (std::size_t i = 0; i < n; ++i) {
@@ -73,89 +52,6 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
         if (kept_alone ? r.index[i] >= job.batch : r.index[i] != kNoIndex) return refuse(i, "an index that does not fit its pairs");
     }
     return {};
-}
-
-// Row numbers in ascending order of sample, rows of one sample as they came; empty if they are in that order already.
-std::vector<std::uint32_t> order_by_sample(const Records& records) {
-    if (std::ranges::is_sorted(records.sample)) return {};
-    std::vector<std::uint32_t> rows(records.size());
-    std::iota(rows.begin(), rows.end(), 0u);
-    std::ranges::stable_sort(rows, {}, [&](std::uint32_t row) { return records.sample[row]; });
-    return rows;
-}
-
-// Where each row's pairs begin in the power column.
-std::vector<std::uint64_t> first_pairs(const Records& records) {
-    std::vector<std::uint64_t> first(records.pairs.size());
-    std::exclusive_scan(records.pairs.begin(), records.pairs.end(), first.begin(), std::uint64_t{0});
-    return first;
-}
-
-// Copies rows of a run, found through sorted keys, into the columns of a page.
-class RowGatherer {
- public:
-    RowGatherer(const Job& job, const Records& records) : job_(job), from_(records), first_pair_(first_pairs(records)) {}
-
-    void gather(std::span<const Key> keys, RecordClass record_class, Page& page) const {
-        page.record_class = record_class;
-        page.count = keys.size();
-        take(from_.sample, keys, page.sample);
-        take(from_.u, keys, page.u);
-        take(from_.v, keys, page.v);
-        take(from_.share, keys, page.share);
-        page.unit_share = std::ranges::all_of(page.share, [](float c) { return c == 1; });
-        take(from_.x, keys, page.x);
-        take(from_.y, keys, page.y);
-        take(from_.z, keys, page.z);
-        take(from_.pairs, keys, page.pairs);
-        take(from_.xi, keys, page.xi);
-        take(from_.index, keys, page.index);
-        take_pairs(from_.power, keys, page.power);
-        take_pairs(from_.lambda_nm, keys, page.lambda_nm);
-        page.extra.resize(job_.extra.size());
-        for (std::size_t i = 0; i < job_.extra.size(); ++i)
-            take_bytes(from_.extra[i].values, width(job_.extra[i].type), keys, page.extra[i].values);
-    }
-
- private:
-    template <class T>
-    static void take(const std::vector<T>& from, std::span<const Key> keys, std::vector<T>& to) {
-        to.resize(from.empty() ? 0 : keys.size());
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] = from[row_of(keys[i])];
-    }
-    void take_pairs(const std::vector<float>& from, std::span<const Key> keys, std::vector<float>& to) const {
-        to.clear();
-        if (from.empty()) return;
-        for (const Key key : keys) {
-            const std::uint32_t row = row_of(key);
-            const auto first = from.begin() + static_cast<std::ptrdiff_t>(first_pair_[row]);
-            to.insert(to.end(), first, first + from_.pairs[row]);
-        }
-    }
-    static void take_bytes(const std::vector<std::byte>& from, std::size_t value_width, std::span<const Key> keys,
-                           std::vector<std::byte>& to) {
-        to.clear();
-        for (const Key key : keys) {
-            const auto first = from.begin() + static_cast<std::ptrdiff_t>(row_of(key) * value_width);
-            to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(value_width));
-        }
-    }
-
-    const Job& job_;
-    const Records& from_;
-    std::vector<std::uint64_t> first_pair_;
-};
-
-// The rows of one class in canonical order.
-std::vector<Key> sorted_keys(const Records& records, RecordClass record_class, const std::vector<std::uint32_t>& by_sample) {
-    std::vector<Key> keys;
-    keys.reserve(records.size());
-    for (std::size_t i = 0; i < records.size(); ++i) {
-        const std::uint32_t row = by_sample.empty() ? static_cast<std::uint32_t>(i) : by_sample[i];
-        if (records.record_class[row] == record_class) keys.push_back(Key{z_prefix(records.u[row], records.v[row])} << 32 | row);
-    }
-    radix_sort(keys);
-    return keys;
 }
 
 }  // namespace
@@ -194,21 +90,20 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records
     if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run of too many intervals"};
     if (Status s = check_records(job, coverage, records); !s) return s.error();
 
-    const std::vector<std::uint32_t> by_sample = order_by_sample(records);
-    const RowGatherer rows(job, records);
+    thread_local RowSorter rows;
+    rows.sort(job, records);
     const std::size_t most = max_page_records(job);
     RunEncoder encoder(job, coverage);
-    Bytes run(kRunHeaderSize);
+    Bytes run;
+    run.reserve(records.raw_bytes() + kBlock);  // untouched pages cost nothing; growing would copy
+    run.resize(kRunHeaderSize);
     Page page;
     for (const RecordClass record_class : {RecordClass::kCamera, RecordClass::kLight}) {
-        const std::vector<Key> keys = sorted_keys(records, record_class, by_sample);
-        std::vector<std::uint32_t> z(keys.size());
-        std::ranges::transform(keys, z.begin(), z_of);
-        for (std::size_t begin = 0; begin < keys.size();) {
-            const std::size_t end = page_end(z, begin, most);
-            rows.gather(std::span(keys).subspan(begin, end - begin), record_class, page);
+        const std::span<const std::uint32_t> z = rows.z(record_class);
+        for (std::size_t begin = 0, end = 0; begin < z.size(); begin = end) {
+            end = page_end(z, begin, most);
+            rows.gather(record_class, begin, end, page);
             encoder.add_page(page, run);
-            begin = end;
         }
     }
     const RunEncoder::Tail tail = encoder.finish();
@@ -276,7 +171,8 @@ Result<DecodedRun> decode_run(const Job& job, ByteSpan bytes) {
     run.records.extra = canonical.extra;
     for (ExtraColumn& column : run.records.extra) column.values.clear();
     const std::vector<std::uint32_t> by_sample = order_by_sample(canonical);
-    const std::vector<std::uint64_t> first_pair = first_pairs(canonical);
+    std::vector<std::uint64_t> first_pair(canonical.pairs.size());
+    std::exclusive_scan(canonical.pairs.begin(), canonical.pairs.end(), first_pair.begin(), std::uint64_t{0});
     if (by_sample.empty()) {
         run.records = std::move(canonical);
     } else {

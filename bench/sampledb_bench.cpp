@@ -1,0 +1,79 @@
+// Records to bytes and back, one thread: records per second, bytes per record of each column. Every result is checked.
+#include <benchmark/benchmark.h>
+
+#include "sampledb/page_codec.h"
+#include "sampledb/run_codec.h"
+#include "tests/support/synthetic.h"
+
+namespace latent::sampledb {
+namespace {
+
+struct Input {
+    Job job;
+    SampleRange range;
+    Records records;
+    Bytes run;
+    RunHeader header;
+    RunIndex index;
+};
+
+// One run as the renderer would make it: default S, 5 % light records, positions derived or explicit.
+Input make_input(RecordKind kind, bool derived) {
+    Input input;
+    input.job = synthetic::make_job(kind);
+    if (!derived) input.job.positions.sampler = PositionSampler::kNone;
+    const std::uint64_t bytes = synthetic::make_records(input.job, {0, 1}).raw_bytes();
+    input.job.run_samples = default_run_samples(bytes);
+    input.range = {0, input.job.run_samples};
+    Job emitting = input.job;  // the same positions, whether the file may leave them out or not
+    emitting.positions = {PositionSampler::kHalton23, 0x12345678, 0x9ABCDEF0};
+    if (!derived) input.job.positions = {};
+    input.records = synthetic::make_records(emitting, input.range, {.black = 0.05, .light_per_sample = 0.05});
+    input.run = *encode_run(input.job, Coverage(input.range), input.records);
+    input.header = *decode_run_header(input.run);
+    input.index = *decode_run_index(ByteSpan(input.run).subspan(input.header.index_offset()), input.header, input.job);
+    return input;
+}
+
+const Input& input_of(const benchmark::State& state) {
+    static const Input inputs[] = {make_input(RecordKind::kXyz, true), make_input(RecordKind::kXyz, false),
+                                   make_input(RecordKind::kSpectral, true), make_input(RecordKind::kSpectral, false)};
+    return inputs[state.range(0)];
+}
+
+void count(benchmark::State& state, const Input& input) {
+    state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(input.records.size()));
+    state.counters["B/record"] = static_cast<double>(input.run.size()) / static_cast<double>(input.records.size());
+}
+
+void encode(benchmark::State& state) {
+    const Input& input = input_of(state);
+    for (auto _ : state) {
+        const Result<Bytes> run = encode_run(input.job, Coverage(input.range), input.records);
+        if (!run || *run != input.run) state.SkipWithError("another run");
+    }
+    count(state, input);
+}
+
+void decode(benchmark::State& state) {
+    const Input& input = input_of(state);
+    Page page;
+    for (auto _ : state) {
+        std::size_t records = 0;
+        for (const PageInfo& info : input.index.pages) {
+            if (!decode_page(input.job, info, ByteSpan(input.run).subspan(info.offset, info.stored_size), ColumnSet{}, page))
+                state.SkipWithError("unreadable");
+            records += page.count;
+        }
+        if (records != input.records.size()) state.SkipWithError("records are missing");
+    }
+    count(state, input);
+}
+
+BENCHMARK(encode)->ArgName("form")->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
+BENCHMARK(decode)->ArgName("form")->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace latent::sampledb
+
+BENCHMARK_MAIN();
