@@ -5,6 +5,7 @@
 
 #include "render/elementary.h"
 #include "render/sampling.h"
+#include "render/scene_description.h"
 #include "render/spectra.h"
 
 namespace latent::render {
@@ -25,6 +26,7 @@ struct MediumStep {
     bool scattered;
     float t;        // where, if scattered
     float density;  // p(t) or P(d)
+    float passing;  // P(t) or P(d)
 };
 
 inline float mean_over(const Batch& value, std::uint32_t k) {
@@ -42,12 +44,24 @@ inline float multiply_transmittance(const Medium& medium, float d, SampledSpectr
     return mean_over(t, spectra.wavelengths.k);
 }
 
-// p(t) for a vertex at distance t.
-inline float scattering_density(const Medium& medium, float t, SampledSpectra& spectra) {
+// p(t) / P(t): turns the odds of passing a stretch into the density of a vertex at its end.
+inline float scattering_over_passing(const Medium& medium, float t, SampledSpectra& spectra) {
     const Batch& sigma_t = spectra[medium.sigma_t];
-    return mean_over(batch_of([&](std::uint32_t i) { return sigma_t.v[i] * exp_of_negative(-sigma_t.v[i] * t); }),
-                     spectra.wavelengths.k);
+    float scattering = 0, passing = 0;
+    for (std::uint32_t i = 0; i < spectra.wavelengths.k; ++i) {
+        const float transmittance = exp_of_negative(-sigma_t.v[i] * t);
+        scattering += sigma_t.v[i] * transmittance;
+        passing += transmittance;
+    }
+    return scattering / passing;
 }
+
+// The line between two vertices, maybe through several media: the odds P of passing all of it, and its stretches at both ends.
+struct Line {
+    float passing = 1;
+    std::uint32_t first_medium = kNone, last_medium = kNone;
+    float first_length = 0, last_length = 0;
+};
 
 // Draws a step of at most d; value *= its weight: sigma_s e^(-sigma_t t) / p(t), or e^(-sigma_t d) / P(d).
 inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength, float u, SampledSpectra& spectra, Batch& value) {
@@ -58,7 +72,7 @@ inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength,
     if (!(t < d)) {
         const float density = multiply_transmittance(medium, d, spectra, value);
         value *= density > 0 ? 1 / density : 0;
-        return {false, d, density};
+        return {false, d, density, density};
     }
     const Batch& sigma_s = spectra[medium.sigma_s];
     const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
@@ -66,7 +80,7 @@ inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength,
     value *= transmittance;
     value *= sigma_s;
     value *= 1 / density;
-    return {true, t, density};
+    return {true, t, density, mean_over(transmittance, k)};
 }
 
 }  // namespace latent::render

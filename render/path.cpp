@@ -103,13 +103,13 @@ class Path {
         if (value.is_black()) return;
 
         const std::uint32_t medium = scattering.in_medium() ? medium_ : World::medium_beyond(surface_, point.wi, medium_);
-        float passing = 1;
-        const bool seen = lights_[i].is_infinite() ? world_.connect_sky(at_, point.wi, medium, sample_.spectra, value, passing)
-                                                   : world_.connect(at_, point.anchor, medium, sample_.spectra, value, passing);
+        Line line;
+        const bool seen = lights_[i].is_infinite() ? world_.connect_sky(at_, point.wi, medium, sample_.spectra, value, line)
+                                                   : world_.connect(at_, point.anchor, medium, sample_.spectra, value, line);
         if (!seen) return;
         const float light_pdf = lights_.probability(i) * point.pdf_omega;
         value *= point.falloff / light_pdf;
-        if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * passing);
+        if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.passing);
         camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
     }
 

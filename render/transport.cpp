@@ -1,5 +1,7 @@
 #include "render/transport.h"
 
+#include "render/bdpt.h"
+
 namespace latent::render {
 
 Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& settings)
@@ -53,6 +55,7 @@ Result<std::unique_ptr<Integrator>> make_integrator(const SceneDescription& scen
     if (settings.batch < 4 || settings.batch > kLanes) return Error{ErrorCode::kOutOfRange, "--wavelengths: wants 4 to 32"};
     Result<std::unique_ptr<World>> world = World::build(scene, geometry);
     if (!world) return world.error();
+    if (settings.kind == IntegratorKind::kBdpt) return make_bdpt_integrator(std::move(*world), settings);
     return make_path_integrator(std::move(*world), settings);
 }
 

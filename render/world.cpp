@@ -72,36 +72,41 @@ Scattering World::scattering(const SurfaceHit& hit, SampledSpectra& spectra, std
 }
 
 bool World::connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                    float& passing) const {
+                    Line& line) const {
     const Ray ray = spawn_ray(from, to);
     if (medium == kNone && !has_interfaces_) return !geometry_->occluded(ray);
-    return walk(ray, length(to.p - from.p), medium, spectra, value, passing);
+    return walk(ray, length(to.p - from.p), medium, spectra, value, line);
 }
 
 bool World::connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                        float& passing) const {
+                        Line& line) const {
     const Ray ray = spawn_ray(from, w);
     if (medium == kNone && !has_interfaces_) return !geometry_->occluded(ray);
-    return walk(ray, kFar, medium, spectra, value, passing);
+    return walk(ray, kFar, medium, spectra, value, line);
 }
 
-bool World::walk(Ray ray, float length_left, std::uint32_t medium, SampledSpectra& spectra, Batch& value, float& passing) const {
-    if (!has_interfaces_) {
-        passing *= multiply_transmittance(media_[medium], length_left, spectra, value);
-        return !geometry_->occluded(ray);
+bool World::walk(Ray ray, float length_left, std::uint32_t medium, SampledSpectra& spectra, Batch& value, Line& line) const {
+    const auto pass = [&](float stretch) {
+        if (medium != kNone) line.passing *= multiply_transmittance(media_[medium], stretch, spectra, value);
+        if (line.first_length == 0) line.first_length = stretch;
+        line.last_medium = medium;
+        line.last_length = stretch;
+    };
+    line.first_medium = medium;
+    if (has_interfaces_) {
+        const float speed = length(ray.d);
+        while (const std::optional<SurfaceHit> hit = geometry_->intersect(ray)) {
+            if (!is_interface(hit->material)) return false;
+            pass(hit->t * speed);
+            length_left -= hit->t * speed;
+            medium = medium_beyond(*hit, ray.d, medium);
+            ray = {spawn_ray(hit->anchor(), ray.d).o, ray.d, ray.t_max - hit->t};
+        }
+    } else if (geometry_->occluded(ray)) {
+        return false;
     }
-    const float speed = length(ray.d);
-    for (;;) {
-        const std::optional<SurfaceHit> hit = geometry_->intersect(ray);
-        const float stretch = hit ? hit->t * speed : length_left;
-        if (hit && !is_interface(hit->material)) return false;
-        if (medium != kNone) passing *= multiply_transmittance(media_[medium], stretch, spectra, value);
-        if (!hit) return true;
-        medium = medium_beyond(*hit, ray.d, medium);
-        const Ray next = spawn_ray(hit->anchor(), ray.d);
-        ray = {next.o, ray.d, ray.t_max - hit->t};
-        length_left -= stretch;
-    }
+    pass(length_left);
+    return true;
 }
 
 }  // namespace latent::render

@@ -38,12 +38,12 @@ class World {
         return dot(w, hit.ng) > 0 ? hit.outside_medium : hit.inside_medium;
     }
 
-    // Light along a straight line: value *= transmittance, through interfaces and media; `passing` *= P of each stretch (medium.h).
+    // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.
     // False: something stands in the way. To a point, or along unit w as far as it goes.
     bool connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                 float& passing) const;
+                 Line& line) const;
     bool connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                     float& passing) const;
+                     Line& line) const;
 
  private:
     struct Material {
@@ -53,7 +53,7 @@ class World {
         float alpha_x = 0, alpha_y = 0;
     };
     World(const Geometry& geometry, Camera camera) : geometry_(&geometry), camera_(camera) {}
-    bool walk(Ray ray, float length, std::uint32_t medium, SampledSpectra& spectra, Batch& value, float& passing) const;
+    bool walk(Ray ray, float length, std::uint32_t medium, SampledSpectra& spectra, Batch& value, Line& line) const;
 
     const Geometry* geometry_;
     Camera camera_;
