@@ -1,0 +1,80 @@
+// latent-develop: records become pixels: linear XYZ, or a spectrum per pixel.
+#include <fmt/format.h>
+
+#include "base/cli.h"
+#include "sampledb/parse.h"
+#include "tools/develop/picture.h"
+#include "tools/develop/report.h"
+
+namespace {
+
+using namespace latent;
+
+constexpr const char* kExamples = R"(
+The picture's size, filter and observer are chosen here, not when rendering: develop again for another. Pixels are linear XYZ; print
+them with latent-convert. Without --size the picture gets at least 16 samples per pixel. Memory stays within --memory at any size,
+and neither it nor --threads, --crop, --simd or the order of files changes a bit of any pixel.
+
+Filters: quartic:s,R (default -5,2; -6 is sharper)  mitchell:B,C  mitchell-separable:B,C  gaussian:sigma,R  lanczos  box
+Observers: cie1931 (default)  cie1964  cie2015-2  cie2015-10, or a CSV file: wavelength in nm, then three responses or one
+
+Examples:
+  latent-develop night.latent --size 2048 -o night.exr                           a picture 2048 pixels wide
+  latent-develop night.latent --size 32768 --memory 512M --mipmap -o wall.exr    a very large one, with smaller levels
+  latent-develop night.latent --size 32768 --crop 0,0,512,512 -o corner.exr      a corner of it, the same pixels
+  latent-develop night.latent --size 2048 --observer cie2015-10 -o other.exr     another observer (spectral records)
+  latent-develop parts/ --size 1024 --samples 0:1048576 -o preview.exr           some samples of parts not merged yet
+
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged, foreign or not finite was left out.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    develop::PictureOptions options;
+    cli::CommonOptions common;
+    std::string samples, job, compression = "none";
+    CLI::App app{"Develop records into an EXR of linear XYZ.", "latent-develop"};
+    app.footer(kExamples);
+    app.add_option("FILE", options.inputs, "files of one job, or folders that hold them, in any order")->required();
+    app.add_option("-o,--output", options.output, "the picture")->required()->type_name("IMAGE.exr");
+    app.add_option("--size", options.size, "pixels of the whole film; W alone derives the height")->type_name("W|WxH");
+    app.add_option("--crop", options.crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
+    app.add_option("--filter", options.filter, "pixel filter")->capture_default_str()->type_name("NAME[:params]");
+    app.add_option("--observer", options.observer, "who looks at the spectra")->type_name("NAME|FILE.csv");
+    app.add_option("--samples", samples, "only samples A .. B-1")->type_name("A:B");
+    app.add_option("--image", options.image, "the picture, or one of the images that add up to it")
+        ->check(CLI::IsMember({"both", "camera", "light"}))
+        ->capture_default_str();
+    app.add_flag("--mipmap", options.mipmap, "store smaller levels too, each the exact mean of the pixels it covers");
+    app.add_option("--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm")
+        ->check(CLI::Range(1, 470));
+    app.add_option("--compression", compression, "of the EXR")->check(CLI::IsMember({"none", "zip"}))->capture_default_str();
+    app.add_option("--simd", options.simd, "instructions to use: best, or a level such as sse4, avx2")->capture_default_str();
+    app.add_flag("--skip-duplicates", options.skip_duplicates, "count files that were named twice once, instead of refusing them");
+    app.add_option("--job", job, "where folders hold several jobs: the one to develop (32 hexadecimal digits)")->type_name("ID");
+    cli::add_common(app, common, true, true);
+    if (const auto done = cli::parse(app, argc, argv)) return *done;
+
+    options.zip = compression == "zip";
+    options.replace = common.force;
+    options.memory = common.memory;
+    options.threads = common.threads;
+    if (!samples.empty()) {
+        const Result<sampledb::SampleRange> range = sampledb::parse_sample_range(samples);
+        if (!range) return cli::fail(range.error().at("--samples"));
+        options.samples = *range;
+    }
+    if (!job.empty()) {
+        const Result<sampledb::JobId> id = sampledb::parse_job_id(job);
+        if (!id) return cli::fail(id.error().at("--job"));
+        options.job = *id;
+    }
+
+    const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress_to_stderr("developing"));
+    if (!report) return cli::fail(report.error());
+    for (const std::string& note : report->gathering.notes) fmt::print(stderr, "{}: note: {}\n", cli::program(), note);
+    for (const std::string& warning : report->warnings) cli::warn(warning);
+    for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
+    fmt::print("{}", common.json ? develop::to_json(*report) : develop::to_text(*report));
+    return report->has_losses() ? cli::kDoneWithLosses : cli::kDone;
+}

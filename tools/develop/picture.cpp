@@ -1,0 +1,246 @@
+#include "tools/develop/picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+
+#include "base/file.h"
+#include "base/parallel.h"
+#include "color/observer.h"
+#include "image/exr_tile_writer.h"
+#include "tools/develop/splat.h"
+
+namespace latent::develop {
+
+namespace {
+
+constexpr std::uint64_t kMaxObserverFile = 16 << 20;
+
+Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
+
+// Whole numbers between separators; nothing if the text is anything else.
+std::optional<std::vector<std::uint32_t>> parse_numbers(std::string_view text, char separator) {
+    std::vector<std::uint32_t> numbers;
+    for (const char *at = text.data(), *end = at + text.size();;) {
+        std::uint32_t number = 0;
+        const auto [stop, error] = std::from_chars(at, end, number);
+        if (error != std::errc()) return std::nullopt;
+        numbers.push_back(number);
+        if (stop == end) return numbers;
+        if (*stop != separator) return std::nullopt;
+        at = stop + 1;
+    }
+}
+
+Result<PixelRect> parse_crop(const std::string& text, const Size& size) {
+    if (text.empty()) return PixelRect{0, 0, size.width, size.height};
+    const auto n = parse_numbers(text, ',');
+    if (!n || n->size() != 4) return usage(fmt::format("--crop {}: give X0,Y0,X1,Y1 in pixels, the end exclusive", text));
+    const PixelRect crop{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
+    if (crop.empty() || crop.x1 > size.width || crop.y1 > size.height) {
+        return usage(fmt::format("--crop {}: is empty or not within the picture's {} x {} pixels", text, size.width, size.height));
+    }
+    return crop;
+}
+
+Result<color::Observer> find_observer(const std::string& name) {
+    if (name.empty()) return color::Observer::cie1931();
+    Result<color::Observer> known = color::Observer::by_name(name);
+    std::error_code ignored;
+    if (known || !std::filesystem::exists(name, ignored)) return known;
+    Result<File> file = File::open_read(name);
+    if (!file) return file.error();
+    const Result<std::uint64_t> size = file->size();
+    if (!size) return size.error();
+    if (*size > kMaxObserverFile) return Error{ErrorCode::kForeign, name + ": too large for a table of response curves"};
+    std::string text(*size, '\0');
+    if (Status s = file->read_exact(0, std::as_writable_bytes(std::span(text))); !s) return s.error();
+    Result<color::Observer> observer = color::Observer::from_csv(text, std::filesystem::path(name).filename().string());
+    if (!observer) return observer.error().at(name);
+    return observer;
+}
+
+// Channels of an EXR [Fichet21]: S0.<wavelength>nm, with a decimal comma.
+std::vector<std::string> spectral_channel_names(int bins) {
+    std::vector<std::string> names;
+    for (int i = 0; i < bins; ++i) {
+        std::string nm = fmt::format("{:.3f}", 360 + 470 * (i + 0.5) / bins);
+        std::ranges::replace(nm, '.', ',');
+        names.push_back("S0." + nm + "nm");
+    }
+    return names;
+}
+
+image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& report, const sampledb::Job& job,
+                            const color::Observer& observer) {
+    image::ExrTileSpec spec;
+    spec.display_width = static_cast<int>(report.width);
+    spec.display_height = static_cast<int>(report.height);
+    spec.x0 = static_cast<int>(report.crop.x0), spec.y0 = static_cast<int>(report.crop.y0);
+    spec.x1 = static_cast<int>(report.crop.x1), spec.y1 = static_cast<int>(report.crop.y1);
+    spec.zip = options.zip;
+    spec.mipmap = options.mipmap;
+    spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
+    if (options.spectral_bins > 0) {
+        spec.channels = spectral_channel_names(options.spectral_bins);
+        spec.strings.push_back({"spectralLayoutVersion", "1.0"});
+        spec.strings.push_back({"emissiveUnits", "W.m^-2.sr^-1.nm^-1"});
+        return spec;
+    }
+    spec.channels = {"R", "G", "B"};
+    spec.chromaticities = {{1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3}};
+    const color::Chromaticity neutral = color::d65_chromaticity(observer);
+    spec.adopted_neutral = {{static_cast<float>(neutral.x), static_cast<float>(neutral.y)}};
+    spec.strings.push_back({"latentObserver", report.observer});
+    if (observer.is_cie1931()) {
+        spec.white_luminance = static_cast<float>(job.light_unit_cd_m2);
+        spec.strings.push_back({"colorInteropID", "lin_ciexyzd65_scene"});
+    }
+    return spec;
+}
+
+class ExrSink final : public TileSink {
+ public:
+    explicit ExrSink(image::ExrTileWriter& writer) : writer_(writer) {}
+    Status write(int x, int y, std::span<const float> pixels) override { return writer_.write(x, y, pixels); }
+
+ private:
+    image::ExrTileWriter& writer_;
+};
+static_assert(TileSink::kTile == image::ExrTileWriter::kTile);
+
+void advise(const PictureReport& report, std::vector<std::string>& warnings) {
+    const DevelopCounts& counts = report.counts;
+    if (counts.decode_factor() > 1.1) {
+        warnings.push_back(
+            fmt::format("pages were decoded {:.2f} times, for they are larger than what --memory holds at once; more memory, "
+                        "or latent-merge --compact, makes it once",
+                        counts.decode_factor()));
+    }
+    constexpr double kSmallRead = 64 << 10;
+    const double reads = static_cast<double>(report.runs) * static_cast<double>(counts.regions);
+    if (report.runs > 256 && counts.regions > 1 && static_cast<double>(counts.page_bytes) / reads < kSmallRead) {
+        warnings.push_back(
+            fmt::format("{} small runs make many small reads; latent-merge --compact would make them few and large", report.runs));
+    }
+}
+
+Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Progress& progress) {
+    sampledb::GatherOptions gather;
+    gather.inputs = options.inputs;
+    gather.skip_duplicates = options.skip_duplicates;
+    gather.job = options.job;
+    gather.samples = options.samples;
+    gather.verify = verify;
+    gather.index_memory = options.memory / 8;
+    const auto gathered = sampledb::Gathering::open(gather);
+    if (!gathered) return gathered.error();
+    const sampledb::Gathering& gathering = **gathered;
+    const sampledb::Job& job = gathering.job();
+
+    PictureReport report;
+    report.output = options.output.string();
+    report.job = job.id;
+    report.coverage = gathering.coverage();
+    report.files = gathering.files().size();
+    report.runs = gathering.runs().size();
+    report.gathering = gathering.report();
+    const Result<Size> size =
+        options.size.empty() ? default_size(job, gathering.coverage().size()) : parse_size_on_film(options.size, job);
+    if (!size) return size.error();
+    report.width = size->width;
+    report.height = size->height;
+    const Result<PixelRect> crop = parse_crop(options.crop, *size);
+    if (!crop) return crop.error();
+    report.crop = *crop;
+    const Result<Filter> filter = Filter::parse(options.filter);
+    if (!filter) return filter.error();
+    report.filter = filter->name();
+    if (filter->warning()) report.warnings.push_back(*filter->warning());
+
+    const Result<color::Observer> observer = find_observer(options.observer);
+    if (!observer) return observer.error().at("--observer");
+    report.observer = observer->name();
+    const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
+    if (!spectral && !observer->is_cie1931()) {
+        return usage(fmt::format("--observer {}: the records hold XYZ; only spectral records can be seen by another observer",
+                                 options.observer));
+    }
+    const Result<Channels> channels = options.spectral_bins > 0 ? Channels::spectral_bins(job, options.spectral_bins)
+                                                                : Channels::xyz(job, spectral ? &*observer : nullptr);
+    if (!channels) return channels.error();
+
+    std::uint64_t index_bytes = 0;
+    for (const sampledb::SelectedRun& run : gathering.runs()) {
+        index_bytes += run.header.page_count * sizeof(sampledb::PageInfo);
+        report.bytes_stored += run.header.size();
+    }
+    const std::uint64_t waiting_for_mipmap = options.mipmap ? options.memory / 32 : 0;
+    Settings settings;
+    settings.width = size->width;
+    settings.height = size->height;
+    settings.crop = *crop;
+    settings.filter = *filter;
+    settings.camera = options.image != "light";
+    settings.light = options.image != "camera";
+    settings.memory = options.memory - std::min(gather.index_memory, index_bytes) - waiting_for_mipmap;
+    settings.temporary_folder = folder_of(options.output);
+
+    Result<OutputFile> out = OutputFile::create(options.output, options.replace);
+    if (!out) return out.error();
+    const auto writer = image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *observer), waiting_for_mipmap);
+    if (!writer) return writer.error();
+    ExrSink sink(**writer);
+    const auto begin = std::chrono::steady_clock::now();
+    Result<DevelopCounts> counts = DevelopCounts{};
+    Threads(options.threads).run([&] { counts = develop(gathering, *channels, settings, sink, progress); });
+    if (!counts) return counts.error();
+    if (Status s = (*writer)->finish(); !s) return s.error();
+    if (Status s = out->publish(); !s) return s.error();
+    report.counts = *counts;
+    report.bytes_read = gathering.bytes_read();
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    advise(report, report.warnings);
+    return report;
+}
+
+}  // namespace
+
+Size default_size(const sampledb::Job& job, std::uint64_t samples) {
+    const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
+    const double width = std::floor(std::sqrt(static_cast<double>(samples) / 16 * aspect));
+    const auto side = [](double pixels) {
+        return static_cast<std::uint32_t>(std::clamp(std::round(pixels), 1.0, double{kMaxSide}));
+    };
+    return {side(width), side(width / aspect)};
+}
+
+Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job) {
+    const auto numbers = parse_numbers(text, 'x');
+    if (!numbers || numbers->size() > 2 || std::ranges::any_of(*numbers, [](std::uint32_t n) { return n == 0 || n > kMaxSide; })) {
+        return usage(fmt::format("--size {}: give WIDTH or WIDTHxHEIGHT in pixels, at most {} each", text, kMaxSide));
+    }
+    const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
+    const std::uint32_t width = numbers->front();
+    const double exact = width / aspect;
+    const double height = numbers->size() == 2 ? numbers->back() : std::max(1.0, std::round(exact));
+    if (height > kMaxSide)
+        return usage(fmt::format("--size {}: the height would be {:.0f} pixels; {} is the most", text, height, kMaxSide));
+    if (std::abs(height - exact) > 0.5 && std::abs(width - height * aspect) > 0.5) {
+        return usage(fmt::format("--size {}: the film's shape is {}:{}; {}x{:.0f} would fit", text, job.aspect_width,
+                                 job.aspect_height, width, std::max(1.0, std::round(exact))));
+    }
+    return Size{width, static_cast<std::uint32_t>(height)};
+}
+
+Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
+    if (Status s = set_simd_level(options.simd); !s) return s.error();
+    Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, progress);
+    const bool damaged = !report && (report.error().code == ErrorCode::kCorrupt || report.error().code == ErrorCode::kTruncated);
+    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, progress) : report;
+}
+
+}  // namespace latent::develop

@@ -1,0 +1,65 @@
+// tools/develop/picture.h: files of records become one EXR: what latent-develop does between its command line and the engine.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "base/result.h"
+#include "sampledb/gathering.h"
+#include "tools/develop/develop.h"
+
+namespace latent::develop {
+
+struct PictureOptions {
+    std::vector<std::filesystem::path> inputs;
+    std::filesystem::path output;
+    std::string size;  // "4096x2731", "4096" (height from the film), "" (default_size)
+    std::string crop;  // "X0,Y0,X1,Y1", "" (all)
+    std::string filter = "quartic:-5,2";
+    std::string observer;        // a name, a CSV file, "" (cie1931)
+    std::string image = "both";  // or camera, light
+    int spectral_bins = 0;       // 0: XYZ
+    bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
+    std::optional<sampledb::SampleRange> samples;
+    std::optional<sampledb::JobId> job;
+    std::uint64_t memory = std::uint64_t{1} << 30;
+    int threads = 0;
+    std::string simd = "best";
+};
+
+struct PictureReport {
+    std::string output;
+    std::uint32_t width = 0, height = 0;
+    PixelRect crop;
+    std::string filter, observer;
+    sampledb::JobId job;
+    sampledb::Coverage coverage;
+    std::size_t files = 0, runs = 0;
+    std::uint64_t bytes_stored = 0;  // of the selected runs
+    std::uint64_t bytes_read = 0;
+    double seconds = 0;
+    DevelopCounts counts;
+    sampledb::GatherReport gathering;
+    std::vector<std::string> warnings;
+
+    // Something damaged, foreign or not finite was left out.
+    bool has_losses() const { return !gathering.left_out.empty() || counts.camera_not_finite + counts.light_not_finite > 0; }
+};
+
+// The size that gives at least 16 samples per pixel, in the film's shape.
+struct Size {
+    std::uint32_t width, height;
+};
+Size default_size(const sampledb::Job& job, std::uint64_t samples);
+// "WxH" or "W". Errors: kUsage, if the shape is off the film's by more than half a pixel, naming a size that fits.
+Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job);
+
+// Errors: of the arguments (kUsage), of gathering, reading and writing. A run that turns out to be damaged is left out, and the
+// picture developed anew without it.
+Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress);
+
+}  // namespace latent::develop

@@ -1,0 +1,75 @@
+#include "tools/develop/report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/size.h"
+
+namespace latent::develop {
+
+using nlohmann::json;
+
+std::string to_json(const PictureReport& r) {
+    json samples = json::array(), left_out = json::array();
+    for (const sampledb::SampleRange& range : r.coverage.ranges()) samples.push_back({range.first, range.end});
+    for (const sampledb::LeftOut& item : r.gathering.left_out) left_out.push_back({{"place", item.place}, {"reason", item.reason}});
+    const DevelopCounts& c = r.counts;
+    const json report = {{"output", r.output},
+                         {"width", r.width},
+                         {"height", r.height},
+                         {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
+                         {"filter", r.filter},
+                         {"observer", r.observer},
+                         {"job", to_hex(r.job)},
+                         {"files", r.files},
+                         {"runs", r.runs},
+                         {"samples", samples},
+                         {"light_paths", c.light_paths},
+                         {"camera_records", c.camera_records},
+                         {"light_records", c.light_records},
+                         {"bytes_stored", r.bytes_stored},
+                         {"bytes_read", r.bytes_read},
+                         {"pages", c.pages},
+                         {"decode_factor", c.decode_factor()},
+                         {"regions", c.regions},
+                         {"temporary_bytes", c.temporary_bytes},
+                         {"fallback_pixels", c.fallback_pixels},
+                         {"empty_pixels", c.empty_pixels},
+                         {"camera_not_finite", c.camera_not_finite},
+                         {"light_not_finite", c.light_not_finite},
+                         {"superseded_runs", r.gathering.superseded_runs},
+                         {"repeated_runs", r.gathering.repeated_runs},
+                         {"seconds", r.seconds},
+                         {"left_out", left_out},
+                         {"notes", r.gathering.notes},
+                         {"warnings", r.warnings}};
+    return report.dump(2) + "\n";
+}
+
+std::string to_text(const PictureReport& r) {
+    const DevelopCounts& c = r.counts;
+    std::string text = fmt::format("{}: {} x {} pixels of {} x {}, {}, {}; {} camera and {} light records, samples {}\n", r.output,
+                                   r.crop.width(), r.crop.height(), r.width, r.height, r.filter, r.observer, c.camera_records,
+                                   c.light_records, to_string(r.coverage));
+    text += fmt::format("read {} of {} in {}, {} region{}, decode factor {:.2f}\n", format_size(r.bytes_read),
+                        format_size(r.bytes_stored), format_duration(r.seconds), c.regions, c.regions == 1 ? "" : "s",
+                        c.decode_factor());
+    if (c.fallback_pixels > 0)
+        text += fmt::format("{} pixels have few samples: weighed without the filter's negative lobes\n", c.fallback_pixels);
+    if (c.empty_pixels > 0) text += fmt::format("{} pixels have no camera record: black\n", c.empty_pixels);
+    return text;
+}
+
+std::vector<std::string> losses(const PictureReport& r) {
+    std::vector<std::string> lines;
+    for (const sampledb::LeftOut& item : r.gathering.left_out) lines.push_back(item.place + ": left out: " + item.reason);
+    const DevelopCounts& c = r.counts;
+    if (c.camera_not_finite > 0)
+        lines.push_back(fmt::format("{} camera records are not finite: counted as black", c.camera_not_finite));
+    if (c.light_not_finite > 0)
+        lines.push_back(fmt::format("{} light records are not finite: counted as zero", c.light_not_finite));
+    return lines;
+}
+
+}  // namespace latent::develop

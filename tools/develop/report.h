@@ -1,0 +1,15 @@
+// tools/develop/report.h: what latent-develop says when it is done.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/develop/picture.h"
+
+namespace latent::develop {
+
+std::string to_text(const PictureReport& report);              // facts for people
+std::string to_json(const PictureReport& report);              // the same and more, for scripts
+std::vector<std::string> losses(const PictureReport& report);  // one line for each thing that was left out
+
+}  // namespace latent::develop
