@@ -65,15 +65,19 @@ std::vector<std::string> Observer::names() {
     return out;
 }
 
-std::array<float, 3> Observer::operator()(float lambda_nm) const {
-    const double lambda = lambda_nm;
-    if (!(lambda >= lambda_nm_.front() && lambda <= lambda_nm_.back())) return {};
-    std::size_t i = knot_below_[static_cast<std::size_t>(lambda - lambda_nm_.front())];
-    while (lambda_nm_[i + 1] <= lambda && i + 2 < lambda_nm_.size()) ++i;
-    const double t = (lambda - lambda_nm_[i]) / (lambda_nm_[i + 1] - lambda_nm_[i]);
-    std::array<float, 3> out;
-    for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(response_[i][c] + t * (response_[i + 1][c] - response_[i][c]));
+std::array<double, 3> Observer::at(double lambda_nm) const {
+    if (!(lambda_nm >= lambda_nm_.front() && lambda_nm <= lambda_nm_.back())) return {};
+    std::size_t i = knot_below_[static_cast<std::size_t>(lambda_nm - lambda_nm_.front())];
+    while (lambda_nm_[i + 1] <= lambda_nm && i + 2 < lambda_nm_.size()) ++i;
+    const double t = (lambda_nm - lambda_nm_[i]) / (lambda_nm_[i + 1] - lambda_nm_[i]);
+    std::array<double, 3> out;
+    for (int c = 0; c < 3; ++c) out[c] = response_[i][c] + t * (response_[i + 1][c] - response_[i][c]);
     return out;
+}
+
+std::array<float, 3> Observer::operator()(float lambda_nm) const {
+    const std::array<double, 3> f = at(lambda_nm);
+    return {static_cast<float>(f[0]), static_cast<float>(f[1]), static_cast<float>(f[2])};
 }
 
 bool Observer::knots_at_integer_nm() const {

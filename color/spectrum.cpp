@@ -109,19 +109,6 @@ double integral_of_product(const Spectrum& a, const Spectrum& b) {
     return sum;
 }
 
-float IntegerNmSpectrum::nearest(float lambda_nm) const {
-    const long i = std::lround(lambda_nm) - static_cast<long>(kLambdaMin);
-    return i >= 0 && i < kIntegerNmCount ? value[static_cast<std::size_t>(i)] : 0.0F;
-}
-
-float IntegerNmSpectrum::linear(float lambda_nm) const {
-    const float x = lambda_nm - static_cast<float>(kLambdaMin);
-    if (!(x >= 0 && x <= kIntegerNmCount - 1)) return 0;
-    const int i = std::min(static_cast<int>(x), kIntegerNmCount - 2);
-    const float t = x - static_cast<float>(i);
-    return value[i] + t * (value[i + 1] - value[i]);
-}
-
 IntegerNmSpectrum sampled_at_integer_nm(const Spectrum& s) {
     IntegerNmSpectrum out;
     for (int i = 0; i < kIntegerNmCount; ++i) out.value[i] = static_cast<float>(s(kLambdaMin + i));

@@ -48,14 +48,9 @@ class Spectrum {
 // Integral of a(lambda) b(lambda) over 360..830 nm, exact for piecewise linear a and b (Simpson's rule between all their knots).
 double integral_of_product(const Spectrum& a, const Spectrum& b);
 
-// A spectrum known at 360, 361, ..., 830 nm: what lights and observers are looked up in.
+// A spectrum known at 360, 361, ..., 830 nm only.
 struct IntegerNmSpectrum {
     std::array<float, kIntegerNmCount> value{};
-
-    // pbrt's rule for lights: the sample nearest to lambda, halves away from zero; 0 outside 359.5..830.5.
-    float nearest(float lambda_nm) const;
-    // Linear between the samples; 0 outside 360..830.
-    float linear(float lambda_nm) const;
 };
 IntegerNmSpectrum sampled_at_integer_nm(const Spectrum& s);
 

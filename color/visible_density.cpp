@@ -27,6 +27,4 @@ double visible_cdf(double lambda_nm) {
     return (tanh_at(lambda_nm) - tanh_at(kLambdaMin)) / kSpan;
 }
 
-double visible_wavelength(double u) { return kCentre + std::atanh(tanh_at(kLambdaMin) + u * kSpan) / kSteepness; }
-
 }  // namespace latent::color

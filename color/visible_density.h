@@ -8,7 +8,5 @@ namespace latent::color {
 double visible_pdf_lambda(double lambda_nm);
 // Its integral from 360 nm: 0 at 360, 1 at 830 (the normalising constant is computed, not rounded).
 double visible_cdf(double lambda_nm);
-// The wavelength where the cdf is u, 0 <= u <= 1.
-double visible_wavelength(double u);
 
 }  // namespace latent::color

@@ -58,19 +58,9 @@ TEST(Spectrum, IntegralOfProductIsExact) {
     EXPECT_NEAR(integral_of_product(box, saw), sum, 1e-5);
 }
 
-TEST(Spectrum, IntegerNmRulesAreThoseOfTheirNames) {
-    const IntegerNmSpectrum s = sampled_at_integer_nm(samples({360, 830}, {0, 470}));
-    EXPECT_EQ(s.nearest(360.4F), 0);
-    EXPECT_EQ(s.nearest(360.5F), 1);
-    EXPECT_EQ(s.nearest(830.4F), 470);
-    EXPECT_EQ(s.nearest(359.6F), 0);
-    EXPECT_EQ(s.nearest(359.4F), 0);
-    EXPECT_EQ(s.nearest(831.0F), 0);
-    EXPECT_EQ(s.linear(360.0F), 0);
-    EXPECT_EQ(s.linear(360.25F), 0.25F);
-    EXPECT_EQ(s.linear(830.0F), 470);
-    EXPECT_EQ(s.linear(830.1F), 0);
-    EXPECT_EQ(s.linear(std::numeric_limits<float>::quiet_NaN()), 0);
+TEST(Spectrum, IntegerNmSamplesAreItsValuesThere) {
+    const IntegerNmSpectrum s = sampled_at_integer_nm(samples({359.5, 590.25}, {0, 230.75}));
+    for (int i = 0; i < kIntegerNmCount; ++i) EXPECT_EQ(s.value[i], i <= 230 ? static_cast<float>(i) + 0.5F : 0) << i;
 }
 
 TEST(Spectrum, BlackbodyPeaksWhereWienSaysAndHasThePublishedColour) {
@@ -93,7 +83,7 @@ TEST(Spectrum, PhotometricSumOfKnownLights) {
     EXPECT_NEAR(photometric_sum(samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0})), 3.05199, 1e-5);
 }
 
-TEST(VisibleDensity, IsTheSlopeOfItsCdfAndInverts) {
+TEST(VisibleDensity, IsTheSlopeOfItsCdf) {
     EXPECT_NEAR(visible_pdf_lambda(538), 0.0039398042, 1e-10);
     EXPECT_EQ(visible_cdf(360), 0);
     EXPECT_EQ(visible_cdf(830), 1);
@@ -101,7 +91,6 @@ TEST(VisibleDensity, IsTheSlopeOfItsCdfAndInverts) {
     EXPECT_EQ(visible_pdf_lambda(std::numeric_limits<double>::quiet_NaN()), 0);
     for (double lambda = 361; lambda < 830; lambda += 7.3) {
         EXPECT_NEAR((visible_cdf(lambda + 1e-3) - visible_cdf(lambda - 1e-3)) / 2e-3, visible_pdf_lambda(lambda), 1e-10);
-        EXPECT_NEAR(visible_wavelength(visible_cdf(lambda)), lambda, 1e-9);
     }
 }
 
