@@ -34,6 +34,7 @@ class PartAttempt {
     std::uint64_t size() const { return end_; }
     const std::vector<RunInfo>& runs() const { return runs_; }
     const std::filesystem::path& path() const { return file_.path(); }
+    const File& file() const { return file_; }
 
  private:
     Status commit(const RunHeader& header);

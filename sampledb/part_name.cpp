@@ -118,7 +118,8 @@ void remove_superfluous_attempts(const fs::path& name, const Job& job, const Cov
             const Result<Coverage> held = coverage_of(*file->source, file->contents);
             superfluous = same_job(file->contents.header.job, job) && held && covered.contains(*held);
         } else {
-            superfluous = file.error().code == ErrorCode::kTruncated;  // ends inside its header: it holds nothing
+            std::error_code ignored;  // empty, or it ends inside its header: it holds nothing
+            superfluous = file.error().code == ErrorCode::kTruncated || fs::file_size(path, ignored) == 0;
         }
         if (superfluous) ::unlink(path.c_str());
     }

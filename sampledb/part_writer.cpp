@@ -315,7 +315,6 @@ Status Writer::finish() {
         if (Status s = status(); !s) return s;
     }
     stop_committer();
-    if (!attempt_) return {};
     if (!published_) {
         if (Status s = add_runs_of_other_attempts(); !s) return s;
         if (Status s = publish(); !s) return s;
@@ -330,10 +329,9 @@ Status Writer::add_runs_of_other_attempts() {
         if (Status s = attempt_->append(run); !s) return s;
     }
     if (adopted_.empty()) return {};
-    const Result<FileSource> written = FileSource::open(attempt_->path());
-    if (!written) return written.error();
+    const FileView written(attempt_->file(), attempt_->path().string(), attempt_->size());
     for (const RunInfo& run : attempt_->runs()) {
-        if (Status s = verify_run(*written, run, job_, VerifyLevel::kQuick); !s) return s;
+        if (Status s = verify_run(written, run, job_, VerifyLevel::kQuick); !s) return s.error().at(written.name());
     }
     return {};
 }

@@ -29,7 +29,7 @@ struct Grain {
 };
 
 struct WriterCounts {
-    std::uint64_t samples_committed = 0;  // of the range, by this and earlier attempts
+    std::uint64_t samples_committed = 0;  // of the range, by this and other attempts; all of it: there is nothing left to render
     std::uint64_t bytes_written = 0;
     std::uint64_t runs_written = 0, checkpoints_written = 0;
 };
@@ -52,7 +52,8 @@ class PartWriter {
     // Commits the finished grains that no run holds yet (up to the first gap) as a checkpoint run. Any thread.
     virtual Status checkpoint() = 0;
 
-    // Everything missing was submitted: writes what is left, adds runs of other attempts, the footer, and publishes NAME.latent.
+    // Everything missing was submitted: writes what is left, adds runs of other attempts, the footer, publishes NAME.latent, and
+    // removes the attempts that it makes superfluous.
     virtual Status finish() = 0;
 
     virtual WriterCounts counts() const = 0;

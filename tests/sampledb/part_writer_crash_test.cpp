@@ -1,0 +1,193 @@
+// A part survives what may happen to a process and its disk: SIGKILL at any moment, and every system call failing once.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "sampledb/gathering.h"
+#include "tests/faults/process.h"
+
+namespace latent::sampledb {
+namespace {
+
+namespace fs = std::filesystem;
+using latent::testing::Child;
+using latent::testing::FaultOutcome;
+using latent::testing::Outcome;
+using latent::testing::run;
+using latent::testing::run_with_fault;
+using latent::testing::TemporaryFolder;
+using latent::testing::tool;
+
+struct Setting {
+    std::uint64_t samples, run_samples;
+    double checkpoint_seconds;
+    int microseconds_per_grain;
+    bool spectral;
+};
+
+std::vector<std::string> writer(const fs::path& name, const Setting& setting, int job) {
+    std::vector<std::string> command = {tool("slow_writer"),
+                                        name.string(),
+                                        std::to_string(setting.samples),
+                                        std::to_string(setting.run_samples),
+                                        std::to_string(setting.checkpoint_seconds),
+                                        std::to_string(setting.microseconds_per_grain),
+                                        std::to_string(job)};
+    if (setting.spectral) command.push_back("spectral");
+    return command;
+}
+
+// What readers see under the name: NAME.latent or its attempts. Every run is read in full.
+struct Seen {
+    std::uint64_t samples = 0;
+    std::vector<std::pair<std::vector<SampleRange>, Hash128>> runs;
+};
+Seen seen(const fs::path& name) {
+    GatherOptions options;
+    options.inputs = {name};
+    options.verify = VerifyLevel::kFull;
+    const auto gathering = Gathering::open(options);
+    Seen result;
+    if (!gathering) return result;  // nothing readable yet
+    EXPECT_TRUE((*gathering)->report().left_out.empty()) << (*gathering)->report().left_out.front().reason;
+    result.samples = (*gathering)->coverage().size();
+    for (const SelectedRun& run : (*gathering)->runs()) result.runs.emplace_back(run.coverage.ranges(), run.header.content_hash);
+    return result;
+}
+
+// The last number that a writer reported.
+std::uint64_t committed(const std::string& out) {
+    std::istringstream lines(out);
+    std::string word;
+    std::uint64_t number = 0, last = 0;
+    while (lines >> word >> number) last = number;
+    return last;
+}
+
+// Kills `writers` processes at a time at random moments, again and again, `kills` times in all; each job then ends undisturbed.
+void kill_again_and_again(const Setting& setting, int writers, int kills, unsigned seed) {
+    std::mt19937 random(seed);
+    for (int killed = 0, job = 1; killed < kills; ++job) {
+        const TemporaryFolder folder;
+        const fs::path name = folder / "a.latent";
+        std::uint64_t promised = 0;
+        for (; killed < kills && !fs::exists(name); ++killed) {
+            std::vector<std::unique_ptr<Child>> children;
+            for (int i = 0; i < writers; ++i) children.push_back(std::make_unique<Child>(writer(name, setting, job)));
+            for (const auto& child : children) {
+                std::this_thread::sleep_for(std::chrono::microseconds(random() % 60000));
+                child->kill_now();
+                promised = std::max(promised, committed(child->drain()));
+                child->wait();
+            }
+            ASSERT_GE(seen(name).samples, promised);  // nothing that was reported as committed is lost
+        }
+        std::vector<std::unique_ptr<Child>> last;
+        for (int i = 0; i < writers; ++i) last.push_back(std::make_unique<Child>(writer(name, setting, job)));
+        for (const auto& child : last) {
+            child->drain();
+            ASSERT_EQ(child->wait(), 0);
+        }
+        EXPECT_EQ(folder.names(), std::vector<std::string>{"a.latent"});
+        const fs::path undisturbed = folder / "b.latent";
+        ASSERT_EQ(run(writer(undisturbed, {setting.samples, setting.run_samples, 1000, 0, setting.spectral}, job)).status, 0);
+        EXPECT_EQ(seen(name).runs, seen(undisturbed).runs);
+    }
+}
+
+TEST(PartWriterKilled, ManyShortRuns) { kill_again_and_again({131072, 4096, 0.02, 400, false}, 1, 25, 1); }
+TEST(PartWriterKilled, RunsThatTakeLongerThanTheCheckpointInterval) {
+    kill_again_and_again({131072, 65536, 0.005, 400, false}, 1, 25, 2);
+}
+TEST(PartWriterKilled, SpectralRecords) { kill_again_and_again({65536, 16384, 0.01, 400, true}, 1, 15, 3); }
+TEST(PartWriterKilled, TwoWritersAtOnce) { kill_again_and_again({131072, 16384, 0.01, 400, false}, 2, 20, 4); }
+
+class PartWriterFaults : public ::testing::Test {
+ protected:
+    const Setting setting_{16384, 4096, 0.002, 200, false};
+    TemporaryFolder folder_;
+    const fs::path name_ = folder_ / "a.latent";
+    const std::vector<std::pair<std::vector<SampleRange>, Hash128>> expected_ = [this] {
+        const TemporaryFolder other;
+        EXPECT_EQ(run(writer(other / "a.latent", setting_, 1)).status, 0);
+        return seen(other / "a.latent").runs;
+    }();
+
+    FaultOutcome write_with(const std::string& rule) {
+        return run_with_fault(writer(name_, setting_, 1), {rule, folder_.path().string()});
+    }
+    void finish_undisturbed() {
+        const Outcome again = run(writer(name_, setting_, 1));
+        EXPECT_EQ(again.status, 0) << again.err;
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.latent"});
+        EXPECT_EQ(seen(name_).runs, expected_);
+        for (const std::string& left : folder_.names()) fs::remove(folder_ / left);
+    }
+};
+
+TEST_F(PartWriterFaults, EveryCallThatFailsIsReportedAndTheSameCommandGoesOn) {
+    for (const char* call : {"create", "write", "sync", "link"}) {
+        for (const char* what : {"EIO", "ENOSPC"}) {
+            int nth = 1;
+            for (bool happened = true; happened && nth < 40; ++nth) {
+                const std::string rule = std::string(call) + ":" + std::to_string(nth) + ":" + what;
+                SCOPED_TRACE(rule);
+                const FaultOutcome outcome = write_with(rule);
+                happened = outcome.happened;
+                if (!happened) {
+                    EXPECT_EQ(outcome.status, 0) << outcome.err;
+                } else if (fs::exists(name_)) {  // the name was given; only its own survival of a power cut was in doubt
+                    EXPECT_EQ(seen(name_).runs, expected_);
+                } else {
+                    EXPECT_EQ(outcome.status, 1);
+                    EXPECT_NE(outcome.err.find(folder_.path().string()), std::string::npos) << outcome.err;
+                    EXPECT_GE(seen(name_).samples, committed(outcome.out));
+                }
+                finish_undisturbed();
+            }
+            EXPECT_GT(nth, 2) << call;  // each kind of call was met
+        }
+    }
+}
+
+TEST_F(PartWriterFaults, ShortWritesAndInterruptionsAreOvercome) {
+    for (const char* rule : {"write:1:short", "write:2+:short", "write:3:EINTR", "write:5:short"}) {
+        const FaultOutcome outcome = write_with(rule);
+        EXPECT_TRUE(outcome.happened) << rule;
+        EXPECT_EQ(outcome.status, 0) << rule << outcome.err;
+        finish_undisturbed();
+    }
+}
+
+TEST_F(PartWriterFaults, KilledBeforeOrAfterAnyCallItGoesOn) {
+    for (const char* call : {"create", "write", "sync", "link", "unlink"}) {
+        for (const char* what : {"kill", "kill-after"}) {
+            for (int nth = 1; nth < 6; ++nth) {
+                const std::string rule = std::string(call) + ":" + std::to_string(nth) + ":" + what;
+                SCOPED_TRACE(rule);
+                const FaultOutcome outcome = write_with(rule);
+                EXPECT_EQ(outcome.status, outcome.happened ? 128 + 9 : 0) << outcome.err;
+                EXPECT_GE(seen(name_).samples, committed(outcome.out));
+                finish_undisturbed();
+            }
+        }
+    }
+}
+
+TEST_F(PartWriterFaults, RunsOfOtherAttemptsAreAdoptedByAnyMeansOfCopying) {
+    for (const char* rule : {"copy:1:EXDEV", "copy:1:short", "copy:1:zero", "copy:1:EIO", "copy:1:ENOSPC", "read:4:EIO"}) {
+        SCOPED_TRACE(rule);
+        EXPECT_EQ(write_with("link:1:kill").status, 128 + 9);  // everything is committed, nothing published
+        const FaultOutcome outcome = write_with(rule);
+        EXPECT_TRUE(outcome.happened);
+        const bool must_fail = std::string(rule) == "copy:1:EIO" || std::string(rule) == "copy:1:ENOSPC";
+        EXPECT_EQ(outcome.status, must_fail ? 1 : 0) << outcome.err;
+        finish_undisturbed();
+    }
+}
+
+}  // namespace
+}  // namespace latent::sampledb

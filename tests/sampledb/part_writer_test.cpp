@@ -1,0 +1,411 @@
+#include "sampledb/part_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "sampledb/gathering.h"
+#include "sampledb/part_name.h"
+#include "sampledb/run_assembler.h"
+#include "tests/faults/process.h"
+#include "tests/support/synthetic.h"
+
+namespace latent::sampledb {
+namespace {
+
+namespace fs = std::filesystem;
+using latent::testing::TemporaryFolder;
+
+Job small_job(RecordKind kind = RecordKind::kXyz, std::uint64_t id = 1) {
+    Job job = synthetic::make_job(kind, id);
+    job.run_samples = 4096;
+    return job;
+}
+
+std::vector<SampleRange> grains_of(const Coverage& missing, SampleRange range) {
+    std::vector<SampleRange> grains;
+    for (const SampleRange& interval : missing.ranges()) {
+        for (std::uint64_t first = interval.first; first < interval.end; first = grains.back().end)
+            grains.push_back(grain_range(first, range));
+    }
+    return grains;
+}
+
+Grain make_grain(const Job& job, SampleRange range) { return {range, synthetic::make_records(job, range)}; }
+
+struct StoredHash {
+    std::vector<SampleRange> coverage;
+    Hash128 hash;
+    bool operator==(const StoredHash&) const = default;
+};
+
+// What a reader selects under a name, published or not.
+std::vector<StoredHash> selected(const fs::path& name) {
+    GatherOptions options;
+    options.inputs = {name};
+    options.verify = VerifyLevel::kFull;
+    const auto gathering = Gathering::open(options);
+    EXPECT_TRUE(gathering) << gathering.error().message;
+    if (!gathering) return {};
+    EXPECT_TRUE((*gathering)->report().left_out.empty());
+    std::vector<StoredHash> runs;
+    for (const SelectedRun& run : (*gathering)->runs()) runs.push_back({run.coverage.ranges(), run.header.content_hash});
+    return runs;
+}
+
+class PartWriterTest : public ::testing::Test {
+ protected:
+    TemporaryFolder folder_;
+    const fs::path name_ = folder_ / "night.latent";
+
+    std::unique_ptr<PartWriter> open(const Job& job, SampleRange range, double checkpoint_seconds = 1000, bool force = false) {
+        Result<std::unique_ptr<PartWriter>> writer = PartWriter::open({name_, range, checkpoint_seconds, "{}", force}, job);
+        EXPECT_TRUE(writer) << writer.error().message;
+        return writer ? std::move(*writer) : nullptr;
+    }
+    Error refusal(const Job& job, SampleRange range) {
+        const Result<std::unique_ptr<PartWriter>> writer = PartWriter::open({name_, range, 1000, "{}", false}, job);
+        EXPECT_FALSE(writer);
+        return writer ? Error{} : writer.error();
+    }
+    static void submit_all(PartWriter& writer, const Job& job, SampleRange range) {
+        for (const SampleRange& grain : grains_of(writer.missing(), range)) ASSERT_TRUE(writer.submit(make_grain(job, grain)));
+    }
+    // The selected runs of a render that nothing disturbed.
+    static std::vector<StoredHash> undisturbed(const Job& job, SampleRange range) {
+        const TemporaryFolder folder;
+        const auto writer = PartWriter::open({folder / "a.latent", range, 1000, "{}", false}, job);
+        EXPECT_TRUE(writer) << writer.error().message;
+        if (!writer) return {};
+        submit_all(**writer, job, range);
+        EXPECT_TRUE((*writer)->finish());
+        return selected(folder / "a.latent");
+    }
+};
+
+TEST_F(PartWriterTest, ARangeIsWrittenAsCanonicalRunsAndPublishedUnderItsName) {
+    const Job job = small_job();
+    const SampleRange range{4096, 14000};
+    const auto writer = open(job, range);
+    EXPECT_EQ(writer->missing(), Coverage(range));
+    submit_all(*writer, job, range);
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+    const std::vector<StoredHash> runs = selected(name_);
+    ASSERT_EQ(runs.size(), 3u);
+    EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{4096, 8192}}));
+    EXPECT_EQ(runs[2].coverage, (std::vector<SampleRange>{{12288, 14000}}));
+    EXPECT_EQ(writer->counts().samples_committed, range.size());
+    EXPECT_EQ(writer->counts().runs_written, 3u);
+}
+
+TEST_F(PartWriterTest, ThreadsAndTheirOrderDoNotChangeAByte) {
+    for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
+        const Job job = small_job(kind);
+        const SampleRange range{0, 40000};
+        const auto alone = open(job, range);
+        submit_all(*alone, job, range);
+        ASSERT_TRUE(alone->finish());
+        const std::string expected = latent::testing::read_text(name_);
+        fs::remove(name_);
+
+        const auto writer = open(job, range);
+        const std::vector<SampleRange> grains = grains_of(writer->missing(), range);
+        std::atomic<std::size_t> next = 0;
+        std::vector<std::thread> threads;
+        for (int t = 0; t < 4; ++t) {
+            threads.emplace_back([&] {
+                for (std::size_t i = next++; i < grains.size(); i = next++) ASSERT_TRUE(writer->submit(make_grain(job, grains[i])));
+            });
+        }
+        for (std::thread& thread : threads) thread.join();
+        ASSERT_TRUE(writer->finish());
+        EXPECT_EQ(latent::testing::read_text(name_), expected);
+        fs::remove(name_);
+    }
+}
+
+TEST_F(PartWriterTest, AnInterruptedRenderEndsAsTheOneThatRanThrough) {
+    std::mt19937 random(7);
+    for (int trial = 0; trial < 40; ++trial) {
+        SCOPED_TRACE(trial);
+        Job job = small_job(trial % 3 == 0 ? RecordKind::kSpectral : RecordKind::kXyz, static_cast<std::uint64_t>(trial));
+        if (trial % 2 == 0) job.run_bytes = kGrainSamples * 64 + random() % 100000;  // runs end at R
+        const SampleRange range{0, 8192 + random() % 12000};
+        const std::vector<StoredHash> expected = undisturbed(job, range);
+        for (int life = 0;; ++life) {
+            ASSERT_LT(life, 1000);
+            const auto writer = open(job, range);
+            std::vector<SampleRange> grains = grains_of(writer->missing(), range);
+            for (std::size_t i = 0; i + 4 < grains.size(); i += 4)
+                std::shuffle(grains.begin() + static_cast<long>(i), grains.begin() + static_cast<long>(i) + 4, random);
+            const std::size_t most = random() % 8;
+            const bool dies = grains.size() > most;
+            if (dies) grains.resize(most);
+            for (const SampleRange& grain : grains) {
+                ASSERT_TRUE(writer->submit(make_grain(job, grain)));
+                if (random() % 4 == 0) {
+                    ASSERT_TRUE(writer->checkpoint());
+                }
+            }
+            if (dies) continue;
+            ASSERT_TRUE(writer->finish());
+            break;
+        }
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+        EXPECT_EQ(selected(name_), expected);
+        fs::remove(name_);
+    }
+}
+
+TEST_F(PartWriterTest, ACheckpointHoldsTheFinishedGrainsUpToTheFirstGapThatNoRunHoldsYet) {
+    const Job job = small_job();
+    const SampleRange range{0, 8192};
+    auto writer = open(job, range);
+    for (const std::uint64_t first : {0u, 1024u, 3072u}) ASSERT_TRUE(writer->submit(make_grain(job, {first, first + 1024})));
+    ASSERT_TRUE(writer->checkpoint());
+    EXPECT_EQ(writer->counts().samples_committed, 2048u);
+    ASSERT_TRUE(writer->checkpoint());  // nothing new: no run
+    EXPECT_EQ(writer->counts().checkpoints_written, 1u);
+    ASSERT_TRUE(writer->submit(make_grain(job, {2048, 3072})));
+    ASSERT_TRUE(writer->submit(make_grain(job, {4096, 5120})));
+    ASSERT_TRUE(writer->checkpoint());
+    EXPECT_EQ(writer->counts().samples_committed, 5120u);
+    writer.reset();
+    const std::vector<StoredHash> runs = selected(name_);
+    ASSERT_EQ(runs.size(), 2u);  // the canonical run, which supersedes the first checkpoint, and the second checkpoint
+    EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{0, 4096}}));
+    EXPECT_EQ(runs[1].coverage, (std::vector<SampleRange>{{4096, 5120}}));
+    EXPECT_EQ(open(job, range)->missing(), Coverage(SampleRange{5120, 8192}));
+}
+
+TEST_F(PartWriterTest, ARunThatTakesLongerThanTheIntervalIsCheckpointedAgainAndAgain) {
+    const Job job = small_job();
+    const SampleRange range{0, 4096};
+    auto writer = open(job, range, 0.001);
+    for (std::uint64_t first = 0; first < 3072; first += 1024) {
+        ASSERT_TRUE(writer->submit(make_grain(job, {first, first + 1024})));
+        while (writer->counts().samples_committed < first + 1024) std::this_thread::yield();
+    }
+    EXPECT_EQ(writer->counts().checkpoints_written, 3u);
+    writer.reset();
+    EXPECT_EQ(open(job, range)->missing(), Coverage(SampleRange{3072, 4096}));
+}
+
+TEST_F(PartWriterTest, ASecondWriterTakesUpWhatTheFirstCommittedAndBothEndWell) {
+    const Job job = small_job();
+    const SampleRange range{0, 20000};
+    const auto first = open(job, range);
+    const std::vector<SampleRange> grains = grains_of(first->missing(), range);
+    for (std::size_t i = 0; i < 10; ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
+    ASSERT_TRUE(first->checkpoint());
+    const auto second = open(job, range);
+    EXPECT_EQ(second->missing(), Coverage(SampleRange{10240, 20000}));
+    submit_all(*second, job, range);
+    ASSERT_TRUE(second->finish());
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+    EXPECT_EQ(selected(name_), undisturbed(job, range));
+
+    for (std::size_t i = 10; i < grains.size(); ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
+    EXPECT_EQ(first->counts().samples_committed, range.size());  // it noticed at its next run: no need to render on
+    ASSERT_TRUE(first->finish());
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+}
+
+TEST_F(PartWriterTest, TwoWritersAtOnceLeaveOneFile) {
+    const Job job = small_job();
+    const SampleRange range{0, 50000};
+    const std::vector<StoredHash> expected = undisturbed(job, range);
+    for (int trial = 0; trial < 10; ++trial) {
+        std::vector<std::thread> writers;
+        for (int w = 0; w < 2; ++w) {
+            writers.emplace_back([&] {
+                const auto writer = open(job, range, 0.002);
+                submit_all(*writer, job, range);
+                const Status done = writer->finish();
+                EXPECT_TRUE(done) << done.error().message;
+            });
+        }
+        for (std::thread& writer : writers) writer.join();
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+        EXPECT_EQ(selected(name_), expected);
+        fs::remove(name_);
+    }
+}
+
+TEST_F(PartWriterTest, AnAttemptThatVanishesIsWrittenAgain) {
+    const Job job = small_job();
+    const SampleRange range{0, 12288};
+    const auto writer = open(job, range);
+    for (const SampleRange& grain : grains_of(writer->missing(), range)) {
+        ASSERT_TRUE(writer->submit(make_grain(job, grain)));
+        ASSERT_TRUE(writer->checkpoint());
+        if (grain.first == 5120) fs::remove(attempts_of(name_).at(0));
+        if (grain.first == 6144) {
+            EXPECT_EQ(attempts_of(name_).size(), 1u);
+        }
+    }
+    fs::remove(attempts_of(name_).at(0));
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+    EXPECT_EQ(selected(name_), undisturbed(job, range));
+}
+
+TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
+    const Job job = small_job();
+    const SampleRange range{0, 10000};
+    auto writer = open(job, range);
+    submit_all(*writer, job, range);
+    ASSERT_TRUE(writer->finish());
+    const std::string before = latent::testing::read_text(name_);
+    writer = open(job, range);
+    EXPECT_TRUE(writer->missing().empty());
+    EXPECT_EQ(writer->counts().samples_committed, range.size());
+    ASSERT_TRUE(writer->finish());
+    EXPECT_TRUE(open(job, {4096, 9000})->missing().empty());  // a shorter range is covered as well
+    EXPECT_EQ(latent::testing::read_text(name_), before);
+}
+
+TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForced) {
+    const Job job = small_job(), other = small_job(RecordKind::kXyz, 2);
+    auto writer = open(job, {0, 4096});
+    submit_all(*writer, job, {0, 4096});
+    const Error unfinished = refusal(other, {0, 4096});
+    EXPECT_EQ(unfinished.code, ErrorCode::kMismatch);
+    ASSERT_TRUE(writer->finish());
+
+    const Error foreign = refusal(other, {0, 4096});
+    EXPECT_EQ(foreign.code, ErrorCode::kMismatch);
+    EXPECT_NE(foreign.message.find("night.latent"), std::string::npos) << foreign.message;
+    EXPECT_NE(foreign.message.find(to_hex(other.id)), std::string::npos) << foreign.message;
+    EXPECT_NE(foreign.message.find("--force"), std::string::npos) << foreign.message;
+    const Error longer = refusal(job, {0, 8192});
+    EXPECT_EQ(longer.code, ErrorCode::kMismatch);
+    EXPECT_NE(longer.message.find("0..4096"), std::string::npos) << longer.message;
+    EXPECT_NE(longer.message.find("0..8192"), std::string::npos) << longer.message;
+
+    writer = open(other, {0, 8192}, 1000, true);
+    submit_all(*writer, other, {0, 8192});
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(selected(name_), undisturbed(other, {0, 8192}));
+}
+
+TEST_F(PartWriterTest, AnUnfinishedShorterRangeIsContinued) {
+    const Job job = small_job();
+    auto writer = open(job, {0, 5500});
+    submit_all(*writer, job, {0, 5500});
+    while (writer->counts().samples_committed < 5500) std::this_thread::yield();  // the closing run too
+    writer.reset();
+    writer = open(job, {0, 9000});
+    EXPECT_EQ(writer->missing(), Coverage(SampleRange{5120, 9000}));  // 5120..5500 is no whole grain
+    submit_all(*writer, job, {0, 9000});
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(selected(name_), undisturbed(job, {0, 9000}));
+}
+
+TEST_F(PartWriterTest, PublishingLeavesAttemptsAlongThatHoldMore) {
+    const Job job = small_job();
+    auto longer = open(job, {0, 8192});
+    submit_all(*longer, job, {0, 8192});
+    while (longer->counts().samples_committed < 8192) std::this_thread::yield();
+    longer.reset();
+    const auto shorter = open(job, {0, 4096});
+    EXPECT_TRUE(shorter->missing().empty());
+    ASSERT_TRUE(shorter->finish());
+    EXPECT_EQ(selected(name_), undisturbed(job, {0, 4096}));
+    EXPECT_EQ(attempts_of(name_).size(), 1u);
+}
+
+TEST_F(PartWriterTest, AttemptsThatHoldNothingReadableArePassedOver) {
+    const Job job = small_job();
+    std::ofstream(name_.string() + ".part.0000000000000000");
+    std::ofstream(name_.string() + ".part.0000000000000001") << "not ours";
+    auto writer = open(job, {0, 4096});
+    submit_all(*writer, job, {0, 4096});
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(selected(name_), undisturbed(job, {0, 4096}));
+    EXPECT_TRUE(fs::exists(name_.string() + ".part.0000000000000001"));  // not a file of this job: not ours to remove
+}
+
+TEST_F(PartWriterTest, AnEmptyShardIsAValidPart) {
+    const Job job = small_job();
+    for (int again = 0; again < 2; ++again) {
+        const auto writer = open(job, {8192, 8192});
+        EXPECT_TRUE(writer->missing().empty());
+        ASSERT_TRUE(writer->finish());
+        EXPECT_TRUE(selected(name_).empty());
+    }
+}
+
+TEST_F(PartWriterTest, ARangeThatBeginsInsideARunIsRefusedNamingTheNearest) {
+    const Error error = refusal(small_job(), {5000, 9000});
+    EXPECT_EQ(error.code, ErrorCode::kUsage);
+    EXPECT_NE(error.message.find("4096"), std::string::npos) << error.message;
+    EXPECT_NE(error.message.find("8192"), std::string::npos) << error.message;
+    EXPECT_TRUE(folder_.names().empty());
+}
+
+TEST_F(PartWriterTest, GrainsThatAreNotMissingOrNotGrainsAreRefused) {
+    const Job job = small_job();
+    const SampleRange range{0, 9000};
+    const auto writer = open(job, range);
+    ASSERT_TRUE(writer->submit(make_grain(job, {0, 1024})));
+    for (const SampleRange wrong :
+         {SampleRange{0, 1024}, {1024, 3072}, {1024, 2000}, {1025, 2049}, {8192, 9216}, {9216, 10240}, {2048, 2048}}) {
+        const Status refused = writer->submit({wrong, {}});
+        EXPECT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, ErrorCode::kOutOfRange);
+    }
+    EXPECT_EQ(writer->finish().error().code, ErrorCode::kUsage);  // samples are missing still
+    for (std::uint64_t first = 1024; first < 9000; first += 1024) {
+        ASSERT_TRUE(writer->submit(make_grain(job, grain_range(first, range))));
+    }
+    EXPECT_TRUE(writer->finish());
+}
+
+TEST_F(PartWriterTest, RecordsThatDoNotFitStopTheWriterForGoodAndKeepWhatWasCommitted) {
+    const Job job = small_job();
+    auto writer = open(job, {0, 8192});
+    for (std::uint64_t first = 0; first < 4096; first += 1024) ASSERT_TRUE(writer->submit(make_grain(job, {first, first + 1024})));
+    ASSERT_TRUE(writer->checkpoint());
+    Grain astray = make_grain(job, {4096, 5120});
+    astray.records.sample[3] = 77;
+    ASSERT_TRUE(writer->submit(std::move(astray)));
+    const Status refused = writer->checkpoint();
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kOutOfRange);
+    EXPECT_FALSE(writer->submit(make_grain(job, {5120, 6144})));
+    EXPECT_FALSE(writer->finish());
+    writer.reset();
+    EXPECT_EQ(open(job, {0, 8192})->missing(), Coverage(SampleRange{4096, 8192}));
+}
+
+TEST_F(PartWriterTest, GrainsFarAheadWaitForTheOldestSoThatMemoryStaysBounded) {
+    Job job = small_job();
+    job.run_samples = 65536;
+    const SampleRange range{0, 65536};
+    const auto big = [&](std::uint64_t first) {
+        Grain grain{{first, first + 1024}, {}};
+        const Records one = synthetic::make_records(job, {first, first + 1});
+        for (int i = 0; i < 100000; ++i) grain.records.append(one, 0, 0);  // 3.3 MB
+        return grain;
+    };
+    const auto writer = open(job, range);
+    std::atomic<int> submitted = 0;
+    std::thread ahead([&] {
+        for (std::uint64_t first = 1024; first < 40 * 1024; first += 1024, ++submitted) EXPECT_TRUE(writer->submit(big(first)));
+    });
+    for (int before = -1; submitted == 0 || submitted != before; std::this_thread::sleep_for(std::chrono::milliseconds(200)))
+        before = submitted;
+    EXPECT_LE(submitted * big(0).records.raw_bytes(), std::uint64_t{64} << 20);
+    ASSERT_TRUE(writer->submit(big(0)));
+    ahead.join();
+    EXPECT_EQ(submitted, 39);
+}
+
+}  // namespace
+}  // namespace latent::sampledb
