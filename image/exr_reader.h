@@ -29,7 +29,7 @@ struct ExrImage {
 class ExrReader {
  public:
     // Level 0 is the full picture, level n has 1/2^n of its sides. Channels: R, G, B; or X, Y, Z; or Y; half or float.
-    // Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep, subsampled or other channels), kOutOfRange (no such
+    // Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep, subsampled or other channels, DWA), kOutOfRange (no such
     // level).
     static Result<ExrReader> open(const std::filesystem::path& path, int level = 0);
     ExrReader(ExrReader&&) noexcept;

@@ -128,7 +128,7 @@ class Writer final : public TiffWriter {
         if (index == 0) return write_blocks(rows);
         if (!spool_.is_open()) {
             Result<File> spool = File::create_unnamed(folder_of(out_.path()));
-            if (!spool) return spool.error();
+            if (!spool) return spool.error().at(out_.path().string());
             spool_ = std::move(*spool);
         }
         if (Status s = spool_.write_all(spool_offset(index) + spooled_[index], rows); !s) return s;

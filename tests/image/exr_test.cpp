@@ -134,6 +134,49 @@ TEST_F(ExrTest, EveryRectangleOfEveryLayoutIsReadExactlyAndFromManyThreads) {
     }
 }
 
+TEST_F(ExrTest, LossyCompressionsAreReadAsOpenExrItselfReadsThem) {
+    for (const Imf::Compression compression : {Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::B44A_COMPRESSION}) {
+        for (const Imf::PixelType type : {Imf::FLOAT, Imf::HALF}) {
+            SCOPED_TRACE(testing::Message() << "compression " << compression << ", pixel type " << type);
+            const std::string path = (folder_ / (std::to_string(compression) + std::to_string(type))).string();
+            write_exr(path, {"", compression, 0, type});
+            std::vector<float> expected[3], found[3];
+            Imf::FrameBuffer frame;
+            const char* names[] = {"R", "G", "B"};
+            for (std::size_t c = 0; c < 3; ++c) {
+                expected[c].resize(kWindow.pixels());
+                found[c].resize(kWindow.pixels());
+                const std::ptrdiff_t origin = kWindow.x0 + kWindow.y0 * kWindow.width();
+                frame.insert(names[c], Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(expected[c].data() - origin), 4,
+                                                  4 * static_cast<std::size_t>(kWindow.width())));
+            }
+            Imf::InputFile file(path.c_str());
+            file.setFrameBuffer(frame);
+            file.readPixels(kWindow.y0, kWindow.y1 - 1);
+            const Result<ExrReader> reader = ExrReader::open(path);
+            ASSERT_TRUE(reader) << reader.error().message;
+            ExrReader::Scratch scratch;
+            const Status status = reader->read(kWindow, {found[0].data(), found[1].data(), found[2].data()},
+                                               static_cast<std::size_t>(kWindow.width()), scratch);
+            ASSERT_TRUE(status) << status.error().message;
+            for (std::size_t c = 0; c < 3; ++c) {
+                double worst = 0;
+                for (std::size_t i = 0; i < expected[c].size(); ++i)
+                    worst = std::max(worst, std::abs(static_cast<double>(expected[c][i]) - static_cast<double>(found[c][i])));
+                EXPECT_EQ(worst, 0) << names[c];
+            }
+        }
+    }
+}
+
+TEST_F(ExrTest, DwaIsRefusedWithAWayOut) {
+    write_exr(folder_ / "dwa", {"", Imf::DWAA_COMPRESSION});
+    const Result<ExrReader> reader = ExrReader::open(folder_ / "dwa");
+    ASSERT_FALSE(reader);
+    EXPECT_EQ(reader.error().code, ErrorCode::kUnsupported);
+    EXPECT_NE(reader.error().message.find("--compression zip"), std::string::npos) << reader.error().message;
+}
+
 TEST_F(ExrTest, MipLevelsAreRead) {
     Layout layout{"mip", Imf::ZIP_COMPRESSION, 64};
     layout.levels = Imf::MIPMAP_LEVELS;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/file.h"
+#include "color/adaptation.h"
 #include "tools/convert/display.h"
 
 namespace latent::convert {
@@ -21,8 +22,6 @@ using Profile = std::unique_ptr<void, CloseProfile>;
 struct FreeCurve {
     void operator()(cmsToneCurve* curve) const { cmsFreeToneCurve(curve); }
 };
-
-constexpr color::Chromaticity kD50{0.3457029, 0.3585386};  // of the profile connection space, 0.9642 1 0.8249
 
 // Decoding curve of a transfer: ICC's type 1 (y = x^g) or type 4 (y = (a x + b)^g from d on, c x below).
 std::unique_ptr<cmsToneCurve, FreeCurve> curve_of(const color::Transfer& t) {
@@ -64,6 +63,26 @@ Bytes saved(cmsHPROFILE profile) {
     Bytes bytes(size);
     cmsSaveProfileToMem(profile, bytes.data(), &size);
     return bytes;
+}
+
+color::Chromaticity white_of(const color::Matrix3& xyz_from_rgb) {
+    const std::array<double, 3> white = xyz_from_rgb * std::array<double, 3>{1, 1, 1};
+    return color::chromaticity({white[0], white[1], white[2]});
+}
+
+// A profile's primaries are adapted to D50. Undoes that, so that luminance is what the display shows: by the matrix that the
+// profile gives (version 4: chad), or else from its white point by Bradford's (version 2) [ICC, Annex E].
+color::Matrix3 unadapted(cmsHPROFILE profile, const color::Matrix3& xyz_from_rgb) {
+    if (const auto* chad = static_cast<const cmsFloat64Number*>(cmsReadTag(profile, cmsSigChromaticAdaptationTag))) {
+        color::Matrix3 adaptation;
+        for (std::size_t i = 0; i < 9; ++i) adaptation.m[i / 3][i % 3] = chad[i];
+        return adaptation.invertible() ? adaptation.inverse() * xyz_from_rgb : xyz_from_rgb;
+    }
+    const auto* white = static_cast<const cmsCIEXYZ*>(cmsReadTag(profile, cmsSigMediaWhitePointTag));
+    if (white == nullptr || cmsGetEncodedICCversion(profile) >= 0x4000000) return xyz_from_rgb;
+    const Result<color::Matrix3> back = color::adaptation_matrix(
+        white_of(xyz_from_rgb), color::chromaticity({white->X, white->Y, white->Z}), color::Adaptation::kBradford);
+    return back ? *back * xyz_from_rgb : xyz_from_rgb;
 }
 
 }  // namespace
@@ -131,13 +150,14 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
             return unsupported("has another tone curve for each primary");
         }
     }
+    xyz_from_rgb = unadapted(profile.get(), xyz_from_rgb);
     if (!xyz_from_rgb.invertible()) return unsupported("its primaries lie on a line");
     Result<color::RgbSpace> space =
         color::RgbSpace::from_matrix(path, xyz_from_rgb.inverse(), luminance_row ? &*luminance_row : nullptr, transfers[0]);
     if (!space) return space.error().at(path);
     display.space = *space;
     display.space.name = "ICC profile";  // no path may enter an output
-    display.white = kD50;
+    display.white = white_of(xyz_from_rgb);
     return display;
 }
 

@@ -1,0 +1,87 @@
+// Looks at the page beside a Deep Zoom pyramid with Chromium, from the disk, as by double click.
+// Usage: node look.mjs PAGE.html FOLDER X,Y,SCALE
+//   1. opens the page and waits until it shows the whole picture;
+//   2. turns the wheel over the middle to zoom in;
+//   3. goes to #X,Y,SCALE and saves what is seen there as FOLDER/seen.png (800 x 600).
+// Prints one JSON object: the deepest level asked for before and after turning the wheel, tiles asked for, and the address left by
+// the wheel. Chromium is driven over its DevTools pipe; nothing but Node.js is needed.
+import { spawn } from "node:child_process";
+import { writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const [page, folder, view] = process.argv.slice(2);
+const chromium = spawn("chromium", [
+  "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--force-color-profile=srgb",
+  "--hide-scrollbars", `--user-data-dir=${join(folder, "chromium")}`, "--remote-debugging-pipe", "about:blank",
+], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+const done = new Promise((end) => chromium.on("exit", end));
+
+// Commands and answers are JSON texts that end in a zero byte.
+let count = 0, session, pending = "";
+const answers = new Map(), tiles = [];
+function send(method, params = {}) {
+  const id = ++count;
+  chromium.stdio[3].write(JSON.stringify({ id, method, params, ...(session ? { sessionId: session } : {}) }) + "\0");
+  return new Promise((good, bad) => answers.set(id, { good, bad, method }));
+}
+chromium.stdio[4].on("data", (data) => {
+  const texts = (pending + data).split("\0");
+  pending = texts.pop();
+  for (const text of texts) {
+    const message = JSON.parse(text);
+    if (message.method === "Network.requestWillBeSent") tiles.push(message.params.request.url);
+    const waiting = answers.get(message.id);
+    if (!waiting) continue;
+    answers.delete(message.id);
+    if (message.error) waiting.bad(new Error(`${waiting.method}: ${message.error.message}`));
+    else waiting.good(message.result);
+  }
+});
+async function evaluate(expression) {
+  const { result, exceptionDetails } = await send("Runtime.evaluate", { expression, returnByValue: true });
+  if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+  return result.value;
+}
+// Until the picture stands still and all its tiles are there.
+async function settled() {
+  for (let still = 0; still < 3;) {
+    await new Promise((later) => setTimeout(later, 100));
+    const ready = await evaluate(`typeof viewer === "object" && viewer.world.getItemCount() === 1 && viewer.world.getItemAt(0).getFullyLoaded()
+      && Math.abs(viewer.viewport.getZoom(true) - viewer.viewport.getZoom(false)) < 1e-9`);
+    still = ready ? still + 1 : 0;
+  }
+}
+const levels = () => tiles.map((url) => /_files\/(\d+)\/\d+_\d+\./.exec(url)).filter(Boolean).map((match) => Number(match[1]));
+
+const limit = setTimeout(() => { console.error("look.mjs: no picture within 60 s"); chromium.kill("SIGKILL"); process.exit(1); }, 60000);
+try {
+  const { targetId } = await send("Target.createTarget", { url: "about:blank" });
+  session = (await send("Target.attachToTarget", { targetId, flatten: true })).sessionId;
+  await send("Network.enable");
+  await send("Emulation.setDeviceMetricsOverride", { width: 800, height: 600, deviceScaleFactor: 1, mobile: false });
+  await send("Page.navigate", { url: pathToFileURL(resolve(page)).href });
+  await settled();
+  const before = Math.max(...levels());
+  for (let i = 0; i < 8; ++i) {
+    await send("Input.dispatchMouseEvent", { type: "mouseWheel", x: 400, y: 300, deltaX: 0, deltaY: -120 });
+    await new Promise((later) => setTimeout(later, 60));
+  }
+  await settled();
+  const after = Math.max(...levels());
+  const address = await evaluate("location.hash");
+  await evaluate(`document.querySelector("nav").remove(); location.hash = ${JSON.stringify(view)}`);
+  await settled();
+  const { data } = await send("Page.captureScreenshot", { format: "png" });
+  writeFileSync(join(folder, "seen.png"), Buffer.from(data, "base64"));
+  console.log(JSON.stringify({ before, after, tiles: levels().length, address }));
+  session = undefined;
+  await send("Browser.close");
+} catch (error) {
+  console.error(`look.mjs: ${error.message}`);
+  chromium.kill("SIGKILL");
+  process.exitCode = 1;
+}
+await done;
+clearTimeout(limit);

@@ -1,0 +1,89 @@
+// Disks that fail while a print is written: exit 1, the file is named, nothing is left of it.
+#include <sys/mount.h>
+
+#include "test_picture.h"
+
+namespace latent::convert {
+namespace {
+
+class PrintFaults : public PrintTest {
+ protected:
+    void SetUp() override { write_picture(folder_ / "a.exr", {300, 280, {}, 64}); }
+
+    std::vector<std::string> command(const std::string& output) const {
+        return {testing::tool("latent-convert"), at("a.exr"), "-o", at(output), "--pyramid", "--threads", "2"};
+    }
+};
+
+// Each call of a kind fails in turn, until the last one has had its turn.
+TEST_F(PrintFaults, WhicheverWriteFailsTheFileIsNamedAndNothingIsLeft) {
+    for (const std::string output : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi"}) {
+        for (const std::string fault : {"write:#:ENOSPC", "create:#:EACCES", "link:#:EROFS"}) {
+            int met = 0;
+            for (int n = 1; n <= 200; n += fault[0] == 'w' ? 1 + n / 3 : 1 + n / 2) {
+                std::string rule = fault;
+                rule.replace(rule.find('#'), 1, std::to_string(n));
+                SCOPED_TRACE(output + " " + rule);
+                const testing::FaultOutcome outcome = testing::run_with_fault(command(output), {rule, folder_.path().string()});
+                if (!outcome.happened) break;
+                if (outcome.status == 0) {  // a file without a name could not be had, so it got one
+                    for (const char* name : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi", "o.html", "o_files"})
+                        std::filesystem::remove_all(folder_ / name);
+                    EXPECT_EQ(fault[0], 'c');
+                    continue;
+                }
+                ++met;
+                EXPECT_EQ(outcome.status, 1);
+                EXPECT_NE(outcome.err.find(at("o")), std::string::npos) << outcome.err;
+                EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+                ASSERT_EQ(folder_.names(), std::vector<std::string>{"a.exr"});
+            }
+            EXPECT_TRUE(met > 0 || fault[0] == 'c') << output << " " << fault;
+            for (const char* name : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi", "o.html", "o_files"})
+                std::filesystem::remove_all(folder_ / name);
+        }
+    }
+}
+
+TEST_F(PrintFaults, AReadErrorNamesTheInput) {
+    for (const char* rule : {"read:1:EIO", "read:3:EIO", "read:9:EIO", "read:5+:EIO"}) {
+        const testing::FaultOutcome outcome = testing::run_with_fault(command("o.png"), {rule, "a.exr"});
+        EXPECT_TRUE(outcome.happened);
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_NE(outcome.err.find("a.exr"), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find("Input/output error"), std::string::npos) << outcome.err;
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.exr"});
+    }
+}
+
+TEST_F(PrintFaults, ShortTransfersAndInterruptionsChangeNothing) {
+    for (const std::string output : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi"}) {
+        ASSERT_EQ(testing::run(command("good." + output)).status, 0);
+        for (const std::string rule : {"write:1+:short", "write:1:EINTR", "read:1+:short"}) {
+            const testing::FaultOutcome outcome = testing::run_with_fault(command(output), {rule, folder_.path().string()});
+            EXPECT_EQ(outcome.status, 0) << rule << outcome.err;
+            EXPECT_TRUE(outcome.happened);
+            EXPECT_TRUE(testing::read_text(folder_ / output) == testing::read_text(folder_ / ("good." + output))) << output << rule;
+            for (const char* name : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi", "o.html", "o_files"})
+                std::filesystem::remove_all(folder_ / name);
+        }
+    }
+}
+
+TEST_F(PrintFaults, AFullDiskIsReportedByEveryFormat) {
+    const std::filesystem::path disk = folder_ / "disk";
+    std::filesystem::create_directory(disk);
+    if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "may not mount a file system here";
+    for (const std::string output : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi"}) {
+        const testing::Outcome outcome =
+            testing::run({testing::tool("latent-convert"), at("a.exr"), "-o", disk / output, "--quality", "100"});
+        EXPECT_EQ(outcome.status, 1) << output;
+        EXPECT_NE(outcome.err.find((disk / "o").string()), std::string::npos) << outcome.err;
+        EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
+        EXPECT_TRUE(std::filesystem::is_empty(disk)) << output;
+    }
+    ::umount(disk.c_str());
+}
+
+}  // namespace
+}  // namespace latent::convert

@@ -1,0 +1,161 @@
+#include "decode.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <tiffio.h>
+
+#include <cstring>
+
+#include "test_image.h"
+
+// clang-format off: jpeglib.h needs what cstdio declares
+#include <jpeglib.h>
+
+#include <cstdio>
+// clang-format on
+
+namespace latent::image {
+
+// libpng reads; the list of chunks is taken from the bytes.
+Decoded decode_png(const std::filesystem::path& path) {
+    Decoded d;
+    const std::string bytes = file_text(path);
+    for (std::size_t at = 8; at + 12 <= bytes.size();) {
+        std::uint32_t size = 0;
+        for (std::size_t i = 0; i < 4; ++i) size = size << 8 | static_cast<unsigned char>(bytes[at + i]);
+        d.chunks.push_back(bytes.substr(at + 4, 4));
+        at += 12 + size;
+    }
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png_create_info_struct(png);
+    if (setjmp(png_jmpbuf(png)) != 0) {
+        ADD_FAILURE() << path << " is refused by libpng";
+        return d;
+    }
+    png_init_io(png, file);
+    png_read_info(png, info);
+    d.format = {static_cast<int>(png_get_image_width(png, info)), static_cast<int>(png_get_image_height(png, info)),
+                png_get_bit_depth(png, info) == 16 ? SampleType::kU16 : SampleType::kU8};
+    if (png_get_color_type(png, info) == PNG_COLOR_TYPE_RGB_ALPHA)
+        png_set_strip_alpha(png);  // a browser's screenshot
+    else
+        EXPECT_EQ(png_get_color_type(png, info), PNG_COLOR_TYPE_RGB);
+    if (d.format.sample == SampleType::kU16) png_set_swap(png);
+    d.pixels.resize(d.format.row_bytes() * static_cast<std::size_t>(d.format.height));
+    std::vector<png_bytep> rows;
+    for (std::size_t at = 0; at < d.pixels.size(); at += d.format.row_bytes())
+        rows.push_back(reinterpret_cast<png_bytep>(d.pixels.data() + at));
+    png_read_image(png, rows.data());
+    png_read_end(png, info);
+    int intent = -1;
+    d.srgb = png_get_sRGB(png, info, &intent) != 0;
+    png_charp name;
+    int compression;
+    png_bytep profile;
+    png_uint_32 size;
+    if (png_get_iCCP(png, info, &name, &compression, &profile, &size) != 0) {
+        d.icc.assign(reinterpret_cast<std::byte*>(profile), reinterpret_cast<std::byte*>(profile) + size);
+    }
+    png_textp texts;
+    int count = 0;
+    png_get_text(png, info, &texts, &count);
+    for (int i = 0; i < count; ++i) d.texts.emplace_back(texts[i].key, texts[i].text);
+    png_destroy_read_struct(&png, &info, nullptr);
+    std::fclose(file);
+    return d;
+}
+
+Decoded decode_jpeg(const std::filesystem::path& path) {
+    const std::string bytes = file_text(path);
+    Decoded d;
+    jpeg_decompress_struct jpeg;
+    jpeg_error_mgr errors;
+    jpeg.err = jpeg_std_error(&errors);  // ends the process on a damaged file
+    jpeg_create_decompress(&jpeg);
+    jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    jpeg_save_markers(&jpeg, JPEG_APP0 + 2, 0xffff);
+    jpeg_save_markers(&jpeg, JPEG_COM, 0xffff);
+    jpeg_read_header(&jpeg, TRUE);
+    JOCTET* icc = nullptr;
+    unsigned size = 0;
+    if (jpeg_read_icc_profile(&jpeg, &icc, &size))
+        d.icc.assign(reinterpret_cast<std::byte*>(icc), reinterpret_cast<std::byte*>(icc) + size);
+    std::free(icc);
+    for (jpeg_saved_marker_ptr m = jpeg.marker_list; m != nullptr; m = m->next) {
+        if (m->marker == JPEG_COM) d.texts.emplace_back("comment", std::string(reinterpret_cast<char*>(m->data), m->data_length));
+    }
+    d.luminance_sampling = jpeg.comp_info[0].h_samp_factor;
+    jpeg_start_decompress(&jpeg);
+    d.format = {static_cast<int>(jpeg.output_width), static_cast<int>(jpeg.output_height), SampleType::kU8};
+    d.pixels.resize(d.format.row_bytes() * static_cast<std::size_t>(d.format.height));
+    while (jpeg.output_scanline < jpeg.output_height) {
+        JSAMPROW row = reinterpret_cast<JSAMPROW>(d.pixels.data() + jpeg.output_scanline * d.format.row_bytes());
+        jpeg_read_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_decompress(&jpeg);
+    jpeg_destroy_decompress(&jpeg);
+    return d;
+}
+
+namespace {
+// libtiff undoes predictor and compression; tiles are put together here.
+Decoded decode_directory(TIFF* tiff) {
+    Decoded d;
+    std::uint32_t width = 0, height = 0, kind = 0, size = 0;
+    std::uint16_t bits = 0;
+    char* text = nullptr;
+    void* icc = nullptr;
+    TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &width);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height);
+    TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &bits);
+    TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind);
+    d.format = {static_cast<int>(width), static_cast<int>(height),
+                bits == 8    ? SampleType::kU8
+                : bits == 16 ? SampleType::kU16
+                             : SampleType::kF32};
+    d.tiled = TIFFIsTiled(tiff) != 0;
+    d.big = TIFFIsBigTIFF(tiff) != 0;
+    d.reduced = kind == FILETYPE_REDUCEDIMAGE;
+    d.dated = TIFFGetField(tiff, TIFFTAG_DATETIME, &text) == 1 || TIFFGetField(tiff, TIFFTAG_HOSTCOMPUTER, &text) == 1;
+    if (TIFFGetField(tiff, TIFFTAG_SOFTWARE, &text) == 1) d.texts.emplace_back("Software", text);
+    if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) == 1) d.texts.emplace_back("Description", text);
+    if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &icc) == 1) {
+        d.icc.assign(static_cast<std::byte*>(icc), static_cast<std::byte*>(icc) + size);
+    }
+    const std::size_t row_bytes = d.format.row_bytes(), pixel = 3 * sample_bytes(d.format.sample);
+    d.pixels.resize(row_bytes * height);
+    if (!d.tiled) {
+        for (std::uint32_t y = 0; y < height; ++y) EXPECT_EQ(TIFFReadScanline(tiff, d.pixels.data() + y * row_bytes, y), 1);
+        return d;
+    }
+    constexpr std::uint32_t kTile = 256;
+    Bytes tile(static_cast<std::size_t>(TIFFTileSize(tiff)));
+    for (std::uint32_t y = 0; y < height; y += kTile) {
+        for (std::uint32_t x = 0; x < width; x += kTile) {
+            EXPECT_GT(TIFFReadTile(tiff, tile.data(), x, y, 0, 0), 0);
+            for (std::uint32_t row = y; row < std::min(height, y + kTile); ++row) {
+                std::memcpy(d.pixels.data() + row * row_bytes + x * pixel, tile.data() + (row - y) * kTile * pixel,
+                            std::min<std::size_t>(kTile, width - x) * pixel);
+            }
+        }
+    }
+    return d;
+}
+
+}  // namespace
+
+std::vector<Decoded> decode_tiff(const std::filesystem::path& path) {
+    std::vector<Decoded> images;
+    TIFF* tiff = TIFFOpen(path.c_str(), "r");
+    if (tiff == nullptr) {
+        ADD_FAILURE() << path << " is refused by libtiff";
+        return images;
+    }
+    do images.push_back(decode_directory(tiff));
+    while (TIFFReadDirectory(tiff) != 0);
+    TIFFClose(tiff);
+    return images;
+}
+
+}  // namespace latent::image
