@@ -22,12 +22,13 @@ class Observer {
     static const Observer& cie1931();
     static std::vector<std::string> names();
 
-    // From a table: rows of wavelength [nm] and three responses (taken as X, Y, Z), or one (film: all three), separated by commas,
-    // semicolons, tabs or blanks. `#` starts a comment; one line of column names may come first, and a column whose name begins
-    // with "log10" holds logarithms. Wavelengths strictly increase, responses are finite and not negative, except in logarithms.
+    // From a table: rows of wavelength [nm] and three responses, or one (film: all three), separated by commas, semicolons, tabs or
+    // blanks. `#` starts a comment; one line of column names may come first. A column whose name begins with "log10" holds
+    // logarithms; three columns called r, g, b are a camera's and are combined into X, Y, Z by xyz_from_camera; any other three are
+    // X, Y, Z as they are. Wavelengths strictly increase, responses are finite and not negative (logarithms may be).
     // Such scales are arbitrary, so all curves are multiplied by one factor that makes D65 of Y = 1 (CIE 1931) answer with 1 in the
     // second (or only) curve: exposures then compare with those of the CIE observers. `given_scale` tells the factor.
-    // Errors: kCorrupt, "line 12: ...".
+    // Errors: kCorrupt, "line 12: ..."; kOutOfRange if the curves of a camera do not differ.
     static Result<Observer> from_csv(std::string_view text, std::string name);
 
     const std::string& name() const { return name_; }

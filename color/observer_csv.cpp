@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "color/camera.h"
 #include "color/named_spectra.h"
 #include "color/observer.h"
 
@@ -39,6 +40,7 @@ struct CsvTable {
     std::vector<std::array<double, 3>> response;
     std::size_t columns = 0;
     std::vector<bool> logarithmic;  // by column
+    bool camera = false;            // its columns are called r, g, b
 };
 
 Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable& table) {
@@ -87,6 +89,7 @@ Result<CsvTable> read_table(std::string_view text) {
             table.logarithmic.resize(fields.size());
             if (!number(fields[0])) {  // the line of column names
                 for (std::size_t i = 1; i < fields.size(); ++i) table.logarithmic[i] = fields[i].starts_with("log10");
+                table.camera = fields.size() == 4 && fields[1] == "r" && fields[2] == "g" && fields[3] == "b";
                 continue;
             }
         }
@@ -102,6 +105,11 @@ Result<Observer> Observer::from_csv(std::string_view text, std::string name) {
     Result<CsvTable> table = read_table(text);
     if (!table) return table.error();
     Observer observer(std::move(name), std::move(table->lambda_nm), std::move(table->response), table->columns == 2);
+    if (table->camera) {
+        const Result<Matrix3> xyz = xyz_from_camera({observer.curve(0), observer.curve(1), observer.curve(2)});
+        if (!xyz) return xyz.error();
+        for (auto& response : observer.response_) response = *xyz * response;
+    }
     const double answer = integral_of_product(observer.curve(1), illuminant_d65());
     observer.scale_ = integral_of_product(cie1931().curve(1), illuminant_d65()) / answer;
     if (!(answer > 0) || !std::isfinite(observer.scale_)) {

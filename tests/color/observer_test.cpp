@@ -88,7 +88,7 @@ TEST(Observer, FilmIsNeutralAndAnswersToDaylightLikeTheEye) {
 
 TEST(Observer, ReadsTheSameTableInAnyDress) {
     const Observer plain = *Observer::from_csv("400,1,2,3\n500,2,3,4\n", "a");
-    for (const char* text : {"\xEF\xBB\xBF# c\r\nlambda, r, g, b # names\r\n\r\n400, 1, 2, 3\r\n500, 2, 3, 4 # last\r\n",
+    for (const char* text : {"\xEF\xBB\xBF# c\r\nlambda, x, y, z # names\r\n\r\n400, 1, 2, 3\r\n500, 2, 3, 4 # last\r\n",
                              "400\t1\t2\t3\n500\t2\t3\t+4", "  400 1e0 20e-1 3\n\n#\n 500;2;3;4"}) {
         const Result<Observer> dressed = Observer::from_csv(text, "a");
         ASSERT_TRUE(dressed) << text;
