@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cstring>
 
 namespace latent::sampledb {
 
@@ -20,7 +20,7 @@ Status MemorySource::read(std::uint64_t offset, std::span<std::byte> into) const
     if (offset > bytes_.size() || into.size() > bytes_.size() - offset) {
         return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}", name_, bytes_.size())};
     }
-    std::ranges::copy(bytes_.subspan(offset, into.size()), into.begin());
+    if (!into.empty()) std::memcpy(into.data(), bytes_.data() + offset, into.size());
     return {};
 }
 
