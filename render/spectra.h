@@ -28,7 +28,7 @@ class WavelengthSampler {
     void draw(std::uint32_t xi, Wavelengths& out) const;
 
  private:
-    const sampledb::WavelengthDensity& density_;
+    sampledb::WavelengthDensity density_;
     std::uint32_t k_;
     std::vector<float> knot_nm_;        // of the density
     std::vector<float> weight_;         // 1 / (k slope) after each knot

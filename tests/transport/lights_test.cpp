@@ -1,0 +1,150 @@
+// Laws of lights: points and rays are drawn as their densities say, and both ways of asking give the same light.
+#include "render/lights.h"
+
+#include <cmath>
+
+#include "tests/transport/chi_square.h"
+#include "tests/transport/numbers.h"
+#include "tests/transport/world_builder.h"
+
+namespace latent::render::testing {
+namespace {
+
+struct Case {
+    std::string name, text;
+};
+const char* const kFloor = "Shape \"trianglemesh\" \"point3 P\" [-9 -3 -9  9 -3 -9  0 -3 9] \"integer indices\" [0 1 2]\n";
+const std::vector<Case> kAreas = {
+    {"triangle",
+     "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" Shape \"trianglemesh\" \"point3 P\" [-1 2 0  2 1.5 0.5  0 3 1.5] "
+     "\"integer indices\" [0 1 2]\n"},
+    {"two-sided triangle",
+     "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" \"bool twosided\" true Shape \"trianglemesh\" \"point3 P\" [-1 2 "
+     "0  2 1.5 0.5  0 3 1.5] "
+     "\"integer indices\" [0 1 2]\n"},
+    {"sphere",
+     "AttributeBegin Translate 1 2 0.5 AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" Shape \"sphere\" \"float "
+     "radius\" 0.8 AttributeEnd\n"},
+    {"sphere from within",
+     "AttributeBegin ReverseOrientation Translate 0.2 0.1 0 AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" Shape "
+     "\"sphere\" \"float radius\" 2.5 "
+     "AttributeEnd\n"},
+};
+
+Scene with_light(const std::string& light) {
+    return scene_from("WorldBegin\nAttributeBegin\n" + light + "AttributeEnd\n" + kFloor);
+}
+
+// Directions from a point to the light follow pdf_of_point, found by casting rays at the geometry itself.
+TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
+    for (const Case& c : kAreas) {
+        for (const Vec3f& from : {Vec3f{0, 0, 0}, Vec3f{0.3f, -1, 0.6f}}) {
+            SCOPED_TRACE(c.name);
+            const Scene scene = with_light(c.text);
+            const std::unique_ptr<World> world = scene.world();
+            const Lights& lights = world->lights();
+            Numbers u(2);
+            expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
+                                          LightPoint p;
+                                          const float x = u(), y = u();
+                                          if (!lights.sample_point(0, from, x, y, p)) return std::nullopt;
+                                          return p.wi;
+                                      },
+                                      .pdf_omega = [&](const Vec3f& w) -> double {
+                                          const auto hit = scene.geometry->intersect({from, w});
+                                          if (!hit || hit->emitter == kNone) return 0;
+                                          if (!lights[0].two_sided && dot(hit->ng, w) >= 0) return 0;
+                                          return static_cast<double>(lights.pdf_of_point(0, from, hit->p, hit->ng));
+                                      },
+                                      .count = 40'000,
+                                      .rows = 32,
+                                      .columns = 64,
+                                      .fine = 32});
+        }
+    }
+}
+
+TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
+    std::vector<Case> cases = {
+        {"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\"\n"},
+        {"spot",
+         "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 1 0] \"point3 to\" [1 -1 0.5] \"float "
+         "coneangle\" 40\n"},
+        {"constant sky", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n"},
+        kAreas[0],
+        kAreas[1],
+    };
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = with_light(c.text);
+        const std::unique_ptr<World> world = scene.world();
+        const Lights& lights = world->lights();
+        Numbers u(4);
+        const Vec3f ng = lights[0].n;
+        expect_directions_follow(
+            {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
+                 LightRay ray;
+                 const float a = u(), b = u(), d = u(), e = u();
+                 lights.sample_ray(0, a, b, d, e, ray);
+                 EXPECT_FLOAT_EQ(ray.pdf_direction, lights.pdf_of_emission(0, ray.anchor.ng, ray.d));
+                 return ray.d;
+             },
+             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(lights.pdf_of_emission(0, ng, w)); },
+             .count = 60'000});
+    }
+}
+
+// The sum over rays of emission x cosine / density is the light's power, known in closed form.
+TEST(Lights, RaysCarryThePowerOfTheLight) {
+    const std::vector<std::pair<Case, double>> cases = {
+        {kAreas[2], kPi * 4 * kPi * 0.64},
+        {{"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"float power\" 7\n"}, 7},
+        {{"spot",
+          "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"float power\" 7 \"float coneangle\" 50 \"float conedeltaangle\" "
+          "20\n"},
+         7},
+        {{"area power",
+          "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" \"float power\" 5 Shape \"sphere\" \"float radius\" 0.8\n"},
+         5},
+    };
+    for (const auto& [c, power] : cases) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = with_light(c.text);
+        const std::unique_ptr<World> world = scene.world();
+        const Lights& lights = world->lights();
+        Numbers u(6);
+        double sum = 0;
+        constexpr int kCount = 40'000;
+        for (int n = 0; n < kCount; ++n) {
+            LightRay ray;
+            const float a = u(), b = u(), d = u(), e = u();
+            lights.sample_ray(0, a, b, d, e, ray);
+            sum += static_cast<double>(lights[0].scale * ray.cosine * ray.profile / (ray.pdf_position * ray.pdf_direction));
+        }
+        EXPECT_NEAR(sum / kCount, power, 0.01 * power);
+    }
+}
+
+TEST(Lights, AreChosenByTheirPowerAndNeverNot) {
+    const std::string text =
+        "WorldBegin LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"float scale\" 3\n"
+        "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"float scale\" 1\n"
+        "LightSource \"point\" \"spectrum I\" [360 0 586.5 0 588.5 1 590.5 1 592.5 0 830 0] \"float scale\" 1\n";
+    const std::unique_ptr<World> local = scene_from(text + kFloor).world();
+    EXPECT_NEAR(local->lights().probability(0) / local->lights().probability(1), 3, 1e-4);
+    EXPECT_GT(local->lights().probability(2), 0.05f);  // pbrt's four wavelengths miss this lamp altogether
+    const std::unique_ptr<World> mixed =
+        scene_from(text + "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" \"float scale\" 1e-6\n" + kFloor).world();
+    EXPECT_NEAR(mixed->lights().probability(3), 0.5, 1e-6);
+}
+
+TEST(Lights, ASphereFromOutsideIsSeenUnderItsConeOnly) {
+    const std::unique_ptr<World> world = with_light(kAreas[2].text).world();
+    const Vec3f from{0, -1, 0}, to = Vec3f{1, 2, 0.5f} - from;
+    const double sin2 = 0.64 / static_cast<double>(length_squared(to));
+    const double solid_angle = 2 * std::numbers::pi * (1 - std::sqrt(1 - sin2));
+    EXPECT_NEAR(world->lights().pdf_of_point(0, from, {1, 1.2f, 0.5f}, {0, -1, 0}) * solid_angle, 1, 1e-4);
+}
+
+}  // namespace
+}  // namespace latent::render::testing

@@ -1,0 +1,113 @@
+// Laws of the numbers of a sample, and of the functions that turn them into points.
+#include "render/sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/sampling.h"
+#include "sampledb/film_position.h"
+#include "tests/transport/numbers.h"
+
+namespace latent::render::testing {
+namespace {
+
+const std::vector<std::uint32_t> kImportant = {0, 1, 2, 3, 9, 10, 11};
+
+// Largest distance of the empirical distribution from the uniform one.
+double discrepancy(std::vector<float> x) {
+    std::sort(x.begin(), x.end());
+    double worst = 0;
+    const double n = static_cast<double>(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        worst = std::max({worst, std::abs(static_cast<double>(x[i]) - static_cast<double>(i) / n),
+                          std::abs(static_cast<double>(x[i]) - static_cast<double>(i + 1) / n)});
+    }
+    return worst;
+}
+
+TEST(Sequence, EveryDimensionIsUniform) {
+    const Sequence sequence(42, kImportant);
+    for (const std::uint32_t dimension : {0u, 1u, 3u, 11u, 20u, 100u, Dimension::of_light_vertex(3, Dimension::kLobe)}) {
+        std::vector<float> x;
+        for (std::uint64_t n = 0; n < 20'000; ++n) x.push_back(sequence.at(n, dimension));
+        EXPECT_LT(discrepancy(x), 1.95 / std::sqrt(20'000.0)) << dimension;  // Kolmogorov at 1e-3; spread-out ones are far below
+    }
+}
+
+// The samples of one pixel are spread out in the important dimensions as no random numbers are, at any resolution.
+TEST(Sequence, SamplesOfOnePixelAreSpreadOut) {
+    const Sequence sequence(7, kImportant);
+    for (const std::uint32_t width : {64u, 100u, 256u}) {
+        double sum = 0;
+        int count = 0;
+        std::vector<std::vector<float>> x(std::size_t{width} * 4);  // of the pixels of one row, in 4 dimensions
+        for (std::uint64_t n = 0; n < width * width * 16; ++n) {
+            const sampledb::FilmPosition p = sampledb::halton23(n, {sampledb::PositionSampler::kHalton23, 0, 0});
+            if (std::uint64_t{p.v} * width >> 32 != 40) continue;
+            for (std::uint32_t d = 0; d < 4; ++d) x[(std::uint64_t{p.u} * width >> 32) * 4 + d].push_back(sequence.at(n, d));
+        }
+        for (const std::vector<float>& of_one : x) {
+            sum += discrepancy(of_one) * std::sqrt(static_cast<double>(of_one.size()));
+            ++count;
+        }
+        EXPECT_LT(sum / count, 0.8 * 0.87) << width;  // 0.87: the mean of random numbers
+    }
+}
+
+TEST(Sequence, IsAFunctionOfSeedSampleAndDimension) {
+    const Sequence a(1, kImportant), again(1, kImportant), b(2, kImportant);
+    int same = 0;
+    for (std::uint64_t n = 0; n < 1000; ++n) {
+        for (const std::uint32_t d : {0u, 5u, 10u}) {
+            EXPECT_EQ(a.bits(n, d), again.bits(n, d));
+            same += a.bits(n, d) == b.bits(n, d);
+        }
+    }
+    EXPECT_LT(same, 3);
+    EXPECT_NE(a.bits((std::uint64_t{1} << 53) + 5, 0), a.bits(5, 0));  // sample numbers beyond the tables are samples of their own
+}
+
+TEST(Elementary, FunctionsAgreeWithTheLibrary) {
+    for (int i = 0; i < 100'000; ++i) {
+        const float x = -static_cast<float>(i) * 8e-4f, u = static_cast<float>(i) * 1e-5f;
+        ASSERT_NEAR(exp_of_negative(x) / std::exp(static_cast<double>(x)), 1, 1e-6) << x;
+        ASSERT_NEAR(sincos_of_turns(u).sin, std::sin(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
+        ASSERT_NEAR(sincos_of_turns(u).cos, std::cos(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
+        if (i > 0) {
+            ASSERT_NEAR(log_of(u), std::log(static_cast<double>(u)), 3e-7 * (1 + std::abs(std::log(static_cast<double>(u)))));
+        }
+    }
+}
+
+TEST(Choice, FollowsItsWeights) {
+    const std::vector<double> weight = {3, 0, 1, 0.25, 12, 1};
+    const Choice choice(weight);
+    std::vector<int> counted(weight.size());
+    constexpr int kCount = 400'000;
+    for (int i = 0; i < kCount; ++i) ++counted[choice.sample((static_cast<float>(i) + 0.5f) / kCount)];
+    for (std::uint32_t i = 0; i < weight.size(); ++i) {
+        EXPECT_NEAR(choice.probability(i), weight[i] / 17.25, 1e-6);
+        EXPECT_NEAR(counted[i], weight[i] / 17.25 * kCount, 20);
+    }
+}
+
+TEST(Sampling, DiskAndTriangleAreUniform) {
+    Numbers u(3);
+    int inner = 0, corner = 0;
+    constexpr int kCount = 200'000;
+    for (int i = 0; i < kCount; ++i) {
+        const float a = u(), b = u();
+        const Vec2f d = sample_disk(a, b), t = sample_triangle(a, b);
+        ASSERT_LE(d.x * d.x + d.y * d.y, 1.00001f);
+        ASSERT_TRUE(t.x >= 0 && t.y >= 0 && t.x + t.y <= 1.00001f);
+        inner += d.x * d.x + d.y * d.y < 0.25f && d.x > 0;
+        corner += t.x + t.y < 0.5f;
+    }
+    EXPECT_NEAR(inner, kCount / 8.0, 5 * std::sqrt(kCount / 8.0));
+    EXPECT_NEAR(corner, kCount / 4.0, 5 * std::sqrt(kCount / 4.0));
+}
+
+}  // namespace
+}  // namespace latent::render::testing

@@ -1,0 +1,146 @@
+// Laws of wavelengths and spectra: sums over a batch are unbiased for any response; tables are the functions that they stand for.
+#include "render/spectra.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "color/named_spectra.h"
+#include "color/visible_density.h"
+#include "render/wavelengths.h"
+
+namespace latent::render::testing {
+namespace {
+
+color::Spectrum samples(std::vector<double> nm, std::vector<double> value, color::Outside outside = color::Outside::kZero) {
+    return *color::Spectrum::from_samples(std::move(nm), std::move(value), outside);
+}
+
+color::Spectrum sodium() { return samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0}); }
+
+// Average of sum_i f(lambda_i) / (k p(lambda_i)) over an even grid of offsets: what a file's pairs add up to.
+double estimate(const sampledb::WavelengthDensity& density, std::uint32_t k, const std::function<double(double)>& f) {
+    const WavelengthSampler sampler(density, k);
+    Wavelengths w;
+    double sum = 0;
+    constexpr int kOffsets = 4096;
+    for (int n = 0; n < kOffsets; ++n) {
+        sampler.draw(static_cast<std::uint32_t>((n + 0.5) / kOffsets * 0x1p32), w);
+        for (std::uint32_t i = 0; i < k; ++i) sum += f(static_cast<double>(w.lambda_nm[i])) * static_cast<double>(w.weight[i]);
+    }
+    return sum / kOffsets;
+}
+
+TEST(Wavelengths, AnyResponseIsMetOnAverage) {
+    const auto smooth = [](double nm) { return 1 + std::sin(nm / 37); };
+    const double exact = 470 - 37 * (std::cos(830.0 / 37) - std::cos(360.0 / 37));
+    for (const bool spike : {false, true}) {
+        std::vector<LightSpectrum> lights{{color::illuminant_d65(), 1}};
+        if (spike) lights.push_back({sodium(), 3});
+        const sampledb::WavelengthDensity density = wavelength_density(lights);
+        for (const std::uint32_t k : {4u, 28u, 32u}) {
+            EXPECT_NEAR(estimate(density, k, smooth), exact, 1e-4 * exact);
+            EXPECT_NEAR(estimate(density, k, [](double nm) { return nm >= 585 && nm < 595 ? 1.0 : 0.0; }), 10, 0.01);
+        }
+    }
+}
+
+TEST(Wavelengths, WithoutLinesTheyGoWhereTheEyeLooks) {
+    const color::Spectrum tungsten = *color::Spectrum::blackbody(2856);
+    const sampledb::WavelengthDensity density = wavelength_density({{color::illuminant_d65(), 1}, {tungsten, 1}});
+    for (const double nm : {400.5, 500.5, 538.5, 600.5, 700.5}) {
+        EXPECT_NEAR(density.pdf_lambda(static_cast<float>(nm)), 0.91 * color::visible_pdf_lambda(nm) + 0.09 / 470, 1e-6);
+    }
+}
+
+TEST(Wavelengths, OfALampWithLinesAQuarterGoesThere) {
+    const sampledb::WavelengthDensity density = wavelength_density({{color::illuminant_d65(), 5}, {sodium(), 1}});
+    const auto at = [&](double nm) { return static_cast<double>(density.pdf_lambda(static_cast<float>(nm))); };
+    const auto others = [](double nm) { return 0.63 * color::visible_pdf_lambda(nm) + 0.09 / 470; };
+    // Steps of the table by integer nm: 1/4, 3/4, 1, 1, 3/4, 1/4 nm from 586.5 on, 4 nm in all.
+    EXPECT_NEAR(at(589.2), others(589.2) + 0.28 / 4, 1e-5);
+    EXPECT_NEAR(at(587.1), others(587.1) + 0.28 / 16, 1e-5);
+    EXPECT_NEAR(at(500.2), others(500.2), 1e-5);
+}
+
+TEST(Wavelengths, ThePowerOfLightsWithLinesMixesThem) {
+    const color::Spectrum green = samples({360, 545, 546, 547, 830}, {0, 0, 1, 0, 0});
+    const sampledb::WavelengthDensity density = wavelength_density({{sodium(), 3}, {green, 1}});
+    const auto others = [](double nm) { return 0.63 * color::visible_pdf_lambda(nm) + 0.09 / 470; };
+    EXPECT_NEAR(density.pdf_lambda(546.1f), others(546.1) + 0.28 / 4, 1e-4);
+    EXPECT_NEAR(density.pdf_lambda(589.1f), others(589.1) + 0.28 * 3 / 4 / 4, 1e-4);
+}
+
+TEST(Wavelengths, LinesAreWidenedToTheFinestThatFloatsResolve) {
+    const color::Spectrum line = samples({360, 588.999, 589, 589.001, 830}, {0, 0, 1000, 0, 0});
+    const color::Spectrum wide = with_lines_widened(line);
+    EXPECT_NEAR(wide.lambda_nm()[3] - wide.lambda_nm()[1], 0.05, 1e-9);
+    EXPECT_NEAR(integral_of_product(wide, color::Spectrum::constant(1)), 1, 1e-9);
+    EXPECT_NEAR(wide.lambda_nm()[2], 589, 1e-9);
+    const color::Spectrum broad = sodium();
+    const color::Spectrum same = with_lines_widened(broad);
+    EXPECT_TRUE(std::equal(same.values().begin(), same.values().end(), broad.values().begin(), broad.values().end()));
+    // Such a line is light that wavelengths find, and whose power they keep.
+    const sampledb::WavelengthDensity density = wavelength_density({{line, 1}});
+    EXPECT_GT(density.pdf_lambda(589.0f), 1);
+    const SpectrumTable table(wide, Lookup::kNearestNm);
+    const WavelengthSampler sampler(wavelength_density({{wide, 1}}), 28);
+    double sum = 0;
+    Wavelengths w;
+    Batch value;
+    for (int n = 0; n < 65536; ++n) {
+        sampler.draw(static_cast<std::uint32_t>(n) << 16, w);
+        table.evaluate(w, value);
+        for (std::uint32_t i = 0; i < w.k; ++i) sum += static_cast<double>(value[i] * w.weight[i]) / 65536;
+    }
+    EXPECT_NEAR(sum, 1, 2e-3);
+}
+
+class Table : public ::testing::Test {
+ protected:
+    void expect_equal(const color::Spectrum& s, Lookup lookup, const std::function<double(double)>& exact, double tolerance) {
+        const sampledb::WavelengthDensity density = wavelength_density({});
+        const WavelengthSampler sampler(density, 28);
+        const SpectrumTable table(s, lookup);
+        Wavelengths w;
+        Batch value;
+        for (std::uint32_t n = 0; n < 5000; ++n) {
+            sampler.draw(n * 858993u, w);
+            table.evaluate(w, value);
+            for (std::uint32_t i = 0; i < kLanes; ++i) {
+                ASSERT_NEAR(value[i], exact(static_cast<double>(w.lambda_nm[i])), tolerance) << w.lambda_nm[i];
+            }
+        }
+    }
+};
+
+TEST_F(Table, OfIntegerKnotsIsThePiecewiseLinearFunction) {
+    const color::Spectrum s = samples({360, 560, 580, 600, 620, 650, 830}, {0.05, 0.05, 0.12, 0.4, 0.58, 0.64, 0.66});
+    expect_equal(
+        s, Lookup::kLinear, [&](double nm) { return s(nm); }, 1e-6);
+}
+TEST_F(Table, OfOtherKnotsIsThePiecewiseLinearFunctionToo) {
+    const color::Spectrum s = samples({400.3, 560.71, 580.2, 612.9, 700.5}, {0.05, 0.85, 0.12, 0.4, 0.58});
+    expect_equal(
+        s, Lookup::kLinear, [&](double nm) { return s(nm); }, 2e-6);
+    const color::Spectrum c =
+        samples({400.3, 560.71, 580.2, 612.9, 700.5}, {0.05, 0.85, 0.12, 0.4, 0.58}, color::Outside::kClamped);
+    expect_equal(
+        c, Lookup::kLinear, [&](double nm) { return c(nm); }, 2e-6);
+}
+TEST_F(Table, OfLightsHoldsTheNearestInteger) {
+    const color::Spectrum s = color::illuminant_d65();
+    expect_equal(
+        s, Lookup::kNearestNm, [&](double nm) { return s(std::floor(nm + 0.5)); }, 1e-4);
+}
+
+TEST(SpectrumLibrary, StoresEqualSpectraOnce) {
+    SpectrumLibrary library;
+    const std::uint32_t a = library.add(sodium(), Lookup::kLinear);
+    EXPECT_EQ(library.add(sodium(), Lookup::kLinear), a);
+    EXPECT_NE(library.add(sodium(), Lookup::kNearestNm), a);
+    EXPECT_EQ(library.size(), 2u);
+}
+
+}  // namespace
+}  // namespace latent::render::testing

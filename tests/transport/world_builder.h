@@ -1,0 +1,52 @@
+// tests/transport/world_builder.h: scenes written as text, loaded and ready to trace.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "render/integrator.h"
+#include "render/load_scene.h"
+#include "render/world.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render::testing {
+
+struct Scene {
+    SceneDescription description;
+    std::unique_ptr<Geometry> geometry;
+
+    std::unique_ptr<World> world() const {
+        Result<std::unique_ptr<World>> world = World::build(description, *geometry);
+        if (!world) throw std::runtime_error(world.error().message);
+        return std::move(*world);
+    }
+    // XYZ records, unless settings say otherwise.
+    std::unique_ptr<Integrator> integrator(IntegratorSettings settings) const {
+        settings.positions.sampler = sampledb::PositionSampler::kHalton23;
+        settings.positions.shift_u = static_cast<std::uint32_t>(settings.seed * 2654435761u);
+        settings.positions.shift_v = static_cast<std::uint32_t>(settings.seed * 2246822519u);
+        if (settings.max_depth == 0) settings.max_depth = description.max_depth;
+        Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, *geometry, settings);
+        if (!integrator) throw std::runtime_error(integrator.error().message);
+        return std::move(*integrator);
+    }
+};
+
+inline Scene scene_of(Result<LoadedScene> loaded) {
+    if (!loaded) throw std::runtime_error(loaded.error().message);
+    Scene scene{std::move(loaded->description), nullptr};
+    Result<std::unique_ptr<Geometry>> geometry = Geometry::build(scene.description, "sse4.2");
+    if (!geometry) throw std::runtime_error(geometry.error().message);
+    scene.geometry = std::move(*geometry);
+    return scene;
+}
+// `text` is a whole .pbrt file.
+inline Scene scene_from(const std::string& text) { return scene_of(load(text)); }
+// A file of the project's scenes/.
+inline Scene scene_named(const std::string& name) {
+    return scene_of(load_scene(std::string(LATENT_SOURCE_DIR) + "/scenes/" + name));
+}
+
+}  // namespace latent::render::testing
