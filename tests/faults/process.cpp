@@ -94,8 +94,10 @@ Child::~Child() {
     ::close(out_);
 }
 
-void Child::kill_now() {
-    if (pid_ > 0) ::kill(pid_, SIGKILL);
+void Child::kill_now() { send(SIGKILL); }
+
+void Child::send(int signal) {
+    if (pid_ > 0) ::kill(pid_, signal);
 }
 
 int Child::wait() {

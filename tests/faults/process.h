@@ -28,8 +28,9 @@ class Child {
     explicit Child(const std::vector<std::string>& command, const Environment& environment = {});
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
-    ~Child();             // kills it if it still runs
-    void kill_now();      // SIGKILL
+    ~Child();         // kills it if it still runs
+    void kill_now();  // SIGKILL
+    void send(int signal);
     int wait();           // exit status, 128 + signal
     std::string drain();  // everything it printed on standard output, until that was closed
 

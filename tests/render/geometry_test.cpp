@@ -1,8 +1,6 @@
 // Geometry against brute force, and the promises that light transport builds on: orientation, clear ray origins, emitters.
 #include "render/geometry.h"
 
-#include <unistd.h>
-
 #include <random>
 
 #include "render/exact_shapes.h"

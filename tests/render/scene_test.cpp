@@ -1,6 +1,5 @@
 // What directives mean: every one of the subset, and what is refused or ignored, by name.
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
@@ -34,6 +33,18 @@ TEST(Scene, ProjectScenesLoad) {
         ASSERT_TRUE(scene) << scene.error().message;
         EXPECT_EQ(scene->warnings.size(), 2u) << name;  // Sampler and PixelFilter
     }
+}
+
+TEST(Scene, ForestLoadsOnceItIsGrown) {
+    const Folder folder;
+    std::filesystem::copy_file(LATENT_SOURCE_DIR "/scenes/forest.pbrt", folder / "forest.pbrt");
+    ASSERT_EQ(latent::testing::run({LATENT_SOURCE_DIR "/scenes/make_forest", folder.path().string()}).status, 0);
+    const Result<LoadedScene> scene = load_scene(folder / "forest.pbrt");
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->description.instances.size(), 400u);
+    const std::vector<ShapeDescription>& tree = scene->description.objects[0].shapes;
+    ASSERT_EQ(tree.size(), 2u);
+    EXPECT_EQ(tree[0].mesh->indices.size() + tree[1].mesh->indices.size(), 300000u);
 }
 
 TEST(Scene, CornellIsWhatItsFileSays) {

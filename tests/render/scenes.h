@@ -8,32 +8,16 @@
 #include <string>
 
 #include "render/load_scene.h"
+#include "tests/faults/process.h"
 
 namespace latent::render::testing {
 
 // A folder of its own for the running test, gone with it.
-class Folder {
- public:
-    Folder() : path_(std::filesystem::path(::testing::TempDir()) / name()) {
-        std::filesystem::remove_all(path_);
-        std::filesystem::create_directories(path_);
-    }
-    ~Folder() { std::filesystem::remove_all(path_); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
+struct Folder : latent::testing::TemporaryFolder {
     std::filesystem::path write(const std::string& file, const std::string& text) const {
-        std::ofstream(path_ / file, std::ios::binary) << text;
-        return path_ / file;
+        std::ofstream(*this / file, std::ios::binary) << text;
+        return *this / file;
     }
-    const std::filesystem::path& path() const { return path_; }
-
- private:
-    static std::string name() {
-        const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        return std::string("latent-") + test->test_suite_name() + "-" + test->name() + "-" + std::to_string(::getpid());
-    }
-    std::filesystem::path path_;
 };
 
 // Loads `text` as room.pbrt.

@@ -1,6 +1,4 @@
 // Transformations follow pbrt-v4: left-handed, each directive multiplies from the right, Transform lists columns.
-#include <unistd.h>
-
 #include "tests/render/scenes.h"
 
 namespace latent::render {

@@ -1,0 +1,151 @@
+// What names a job, and which samples a process renders.
+#include "render/render_job.h"
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "render/render_arguments.h"
+#include "render/simd.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using sampledb::SampleRange;
+using testing::Folder;
+using ::testing::HasSubstr;
+
+TEST(Shards, TileTheSamplesAtRunBoundariesEvenly) {
+    for (const std::uint32_t run : {1024u, 65536u}) {
+        for (const std::uint64_t runs : {1u, 2u, 7u, 64u}) {
+            for (const std::uint64_t rest : {0u, 1u, 1023u}) {
+                for (const std::uint64_t count : {1u, 2u, 3u, 10u, 100u}) {
+                    const SampleRange all{3 * std::uint64_t{run}, (3 + runs) * run + rest};
+                    std::uint64_t at = all.first, least = ~std::uint64_t{0}, most = 0;
+                    for (std::uint64_t i = 0; i < count; ++i) {
+                        const SampleRange shard = shard_of(all, {i, count}, run);
+                        EXPECT_EQ(shard.first, at);
+                        EXPECT_TRUE(shard.first % run == 0 || shard.first == all.end);
+                        at = shard.end;
+                        const std::uint64_t size = (shard.size() + run - 1) / run;
+                        least = std::min(least, size);
+                        most = std::max(most, size);
+                    }
+                    EXPECT_EQ(at, all.end);
+                    EXPECT_LE(most - least, 1u);
+                }
+            }
+        }
+    }
+}
+
+TEST(Shards, HugeRangesDoNotOverflow) {
+    const SampleRange all{0, (std::uint64_t{1} << 62) - 5};
+    std::uint64_t at = 0;
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        const SampleRange shard = shard_of(all, {i, 1000}, 1024);
+        ASSERT_EQ(shard.first, at);
+        at = shard.end;
+    }
+    EXPECT_EQ(at, all.end);
+}
+
+TEST(Arguments, AreReadOrRefusedWithAnExample) {
+    RenderSettings settings;
+    ASSERT_TRUE(parse_ranges({"65536:131072", "2/5", "640x480", "unlimited"}, settings));
+    EXPECT_EQ(settings.samples, (SampleRange{65536, 131072}));
+    EXPECT_EQ(settings.shard.index, 2u);
+    EXPECT_EQ(settings.resolution->height, 480u);
+    EXPECT_EQ(settings.max_depth, kUnlimited);
+    for (const RangeArguments& wrong :
+         {RangeArguments{"5", "", "", ""}, RangeArguments{"9:5", "", "", ""}, RangeArguments{"-1:5", "", "", ""},
+          RangeArguments{"", "5/5", "", ""}, RangeArguments{"", "0/0", "", ""}, RangeArguments{"", "1", "", ""},
+          RangeArguments{"", "", "0x5", ""}, RangeArguments{"", "", "640", ""}, RangeArguments{"", "", "", "many"},
+          RangeArguments{"", "", "", "-1"}}) {
+        const Status status = parse_ranges(wrong, settings);
+        ASSERT_FALSE(status);
+        EXPECT_EQ(status.error().code, ErrorCode::kUsage);
+        EXPECT_THAT(status.error().message, HasSubstr("should look like"));
+    }
+}
+
+TEST(Simd, LevelsAreThisProcessorsOrRefused) {
+    EXPECT_TRUE(choose_simd(""));
+    EXPECT_EQ(choose_simd("sse4.2").value(), "sse4.2");
+    EXPECT_EQ(choose_simd("mmx").error().code, ErrorCode::kUsage);
+}
+
+class JobOf : public ::testing::Test {
+ protected:
+    RenderSettings settings(const std::string& film = "\"integer xresolution\" 64 \"integer yresolution\" 48") const {
+        RenderSettings out;
+        out.scene =
+            folder_.write("room.pbrt", "Film \"rgb\" " + film +
+                                           "\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n");
+        return out;
+    }
+    static std::unique_ptr<RenderJob> job(const RenderSettings& settings) {
+        Result<std::unique_ptr<RenderJob>> prepared = prepare(settings);
+        EXPECT_TRUE(prepared) << (prepared ? "" : prepared.error().message);
+        return std::move(*prepared);
+    }
+    Folder folder_;
+};
+
+TEST_F(JobOf, EverySettingThatChangesRecordsOrRunsIsAnotherJob) {
+    const RenderSettings plain = settings();
+    std::set<std::string> ids{to_hex(job(plain)->job.id)};
+    const auto differs = [&](auto&& change) {
+        RenderSettings changed = plain;
+        change(changed);
+        return ids.insert(to_hex(job(changed)->job.id)).second;
+    };
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.seed = 1; }));
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.max_depth = 6; }));
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.max_depth = kUnlimited; }));
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.wavelengths = 27; }));
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.record = sampledb::RecordKind::kXyz; }));
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.run_samples = 1024; }));
+    EXPECT_TRUE(differs([&](RenderSettings& s) { s = settings("\"integer xresolution\" 64 \"integer yresolution\" 49"); }));
+}
+
+TEST_F(JobOf, HowMuchAndWhereAreNoPartOfIt) {
+    const auto plain = job(settings());
+    RenderSettings other = settings("\"integer xresolution\" 128 \"integer yresolution\" 96");  // the same aspect
+    other.spp = 3;
+    other.resolution = Resolution{1000, 10};
+    other.shard = {1, 2};
+    const auto same = job(other);
+    EXPECT_EQ(same->job.id, plain->job.id);
+    EXPECT_EQ(plain->job.aspect_width, 4u);
+    EXPECT_EQ(plain->job.aspect_height, 3u);
+    EXPECT_EQ(plain->range, (SampleRange{0, 16 * 64 * 48}));
+    EXPECT_EQ(same->range, (SampleRange{0, 30000}));  // one run: shard 0 is empty
+}
+
+TEST_F(JobOf, SeedsShiftFilmPositionsButForZero) {
+    const auto plain = job(settings());
+    EXPECT_EQ(plain->job.positions.shift_u, 0u);
+    EXPECT_EQ(plain->job.positions.shift_v, 0u);
+    RenderSettings seeded = settings();
+    seeded.seed = 5;
+    const auto other = job(seeded);
+    EXPECT_NE(other->job.positions.shift_u, 0u);
+    EXPECT_NE(other->job.positions.shift_v, other->job.positions.shift_u);
+}
+
+TEST_F(JobOf, RangesBeginARunOrNameTheNearest) {
+    RenderSettings wrong = settings();
+    wrong.run_samples = 4096;
+    wrong.samples = SampleRange{5000, 9000};
+    const auto prepared = prepare(wrong);
+    ASSERT_FALSE(prepared);
+    EXPECT_EQ(prepared.error().code, ErrorCode::kUsage);
+    EXPECT_THAT(prepared.error().message, HasSubstr("4096 and 8192"));
+    wrong.samples = SampleRange{4096, 9000};
+    EXPECT_EQ(job(wrong)->range, (SampleRange{4096, 9000}));
+}
+
+}  // namespace
+}  // namespace latent::render

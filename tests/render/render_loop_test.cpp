@@ -1,0 +1,167 @@
+// The loop over grains with a renderer that is made up: what is asked of it, what it may do, and how it stops.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "render/render.h"
+#include "tests/faults/process.h"
+
+namespace latent::render {
+namespace {
+
+using latent::testing::TemporaryFolder;
+using sampledb::SampleRange;
+
+// One XYZ record per sample, after a pause; every 100th sample is at fault.
+class FakeIntegrator final : public Integrator {
+ public:
+    explicit FakeIntegrator(std::chrono::microseconds pause = {}) : pause_(pause) {}
+    void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const override {
+        if (pause_.count() > 0) std::this_thread::sleep_for(pause_);
+        if (n % 100 == 0) ++faults.nan;
+        const sampledb::FilmPosition p = sampledb::halton23(n, {sampledb::PositionSampler::kHalton23, 0, 0});
+        out.sample.push_back(n);
+        out.record_class.push_back(sampledb::RecordClass::kCamera);
+        out.u.push_back(p.u);
+        out.v.push_back(p.v);
+        out.share.push_back(1);
+        for (std::vector<float>* column : {&out.x, &out.y, &out.z}) column->push_back(static_cast<float>(n % 7));
+        const std::lock_guard lock(mutex_);
+        EXPECT_TRUE(traced_.insert(n).second) << n << " was traced twice";
+    }
+    const sampledb::WavelengthDensity& density() const override { return density_; }
+    std::uint32_t light_paths_per_sample() const override { return 0; }
+    const std::set<std::uint64_t>& traced() const { return traced_; }
+    void forget() { traced_.clear(); }
+
+ private:
+    std::chrono::microseconds pause_;
+    sampledb::WavelengthDensity density_;
+    mutable std::mutex mutex_;
+    mutable std::set<std::uint64_t> traced_;
+};
+
+struct Fake {
+    explicit Fake(SampleRange range, std::chrono::microseconds pause = {}) {
+        auto owned = std::make_unique<FakeIntegrator>(pause);
+        integrator = owned.get();
+        job.integrator = std::move(owned);
+        job.job.id = {1, 2};
+        job.job.run_samples = 4096;
+        job.job.positions = {sampledb::PositionSampler::kHalton23, 0, 0};
+        job.range = range;
+        options.output = folder / "x.latent";
+        options.threads = 2;
+    }
+    TemporaryFolder folder;
+    RenderJob job;
+    FakeIntegrator* integrator;
+    RenderOptions options;
+    std::atomic<bool> stop{false};
+};
+
+TEST(RenderLoop, TracesEverySampleOnceAndCountsFaults) {
+    Fake fake({4096, 15000});
+    const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->complete);
+    EXPECT_EQ(report->samples, 15000u - 4096u);
+    EXPECT_EQ(report->committed, 15000u - 4096u);
+    EXPECT_EQ(fake.integrator->traced().size(), 15000u - 4096u);
+    EXPECT_EQ(*fake.integrator->traced().begin(), 4096u);
+    EXPECT_EQ(*fake.integrator->traced().rbegin(), 14999u);
+    EXPECT_EQ(report->faults.nan, 109u);  // 4100, 4200 ... 14900
+    EXPECT_EQ(fake.folder.names(), std::vector<std::string>{"x.latent"});
+}
+
+TEST(RenderLoop, TheSameCommandAgainRendersNothing) {
+    Fake fake({0, 10000});
+    ASSERT_TRUE(render(fake.job, fake.options, fake.stop, {})->complete);
+    fake.integrator->forget();
+    const Result<RenderReport> again = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_TRUE(again->complete);
+    EXPECT_TRUE(fake.integrator->traced().empty());
+}
+
+TEST(RenderLoop, EmptyShardsWriteAFile) {
+    Fake fake({8192, 8192});
+    const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->complete);
+    EXPECT_EQ(fake.folder.names(), std::vector<std::string>{"x.latent"});
+}
+
+TEST(RenderLoop, StopsKeepWhatWasFinishedAndTheNextCallGoesOn) {
+    Fake fake({0, 40960}, std::chrono::microseconds(20));
+    std::uint64_t committed = 0;
+    int calls = 0;
+    for (bool complete = false; !complete; ++calls) {
+        fake.stop = false;
+        fake.integrator->forget();
+        std::jthread later([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(250));
+            fake.stop = true;
+        });
+        const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
+        ASSERT_TRUE(report) << report.error().message;
+        EXPECT_EQ(report->committed, committed + report->samples);  // nothing finished is lost, nothing is done twice
+        EXPECT_EQ(fake.integrator->traced().size(), report->samples);
+        committed = report->committed;
+        complete = report->complete;
+        ASSERT_LT(calls, 100);
+    }
+    EXPECT_EQ(committed, 40960u);
+    EXPECT_GT(calls, 1);
+}
+
+TEST(RenderLoop, TimeLimitIsAStop) {
+    Fake fake({0, 4096 * 100}, std::chrono::microseconds(20));
+    fake.options.max_seconds = 0.2;
+    const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(report);
+    EXPECT_FALSE(report->complete);
+    EXPECT_GT(report->committed, 0u);
+}
+
+// Samples so slow that a grain takes minutes: a stop gives the grain up.
+TEST(RenderLoop, SlowGrainsAreGivenUpWithinTenSeconds) {
+    Fake fake({0, 4096}, std::chrono::milliseconds(100));
+    fake.stop = true;
+    std::jthread later([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        fake.stop = true;
+    });
+    fake.stop = false;
+    const auto begin = std::chrono::steady_clock::now();
+    const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_FALSE(report->complete);
+    EXPECT_EQ(report->committed, 0u);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+}
+
+TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
+    Fake fake({0, std::uint64_t{1} << 30}, std::chrono::microseconds(50));
+    const Result<RenderEstimate> estimated = estimate(fake.job, fake.options, fake.stop);
+    ASSERT_TRUE(estimated) << estimated.error().message;
+    EXPECT_EQ(estimated->samples, std::uint64_t{1} << 30);
+    EXPECT_GT(estimated->seconds, 1000);
+    EXPECT_GT(estimated->bytes, 1e9);  // a byte per record at the least
+    EXPECT_TRUE(fake.folder.names().empty());
+}
+
+TEST(RenderLoop, ErrorsOfTheDiskEndTheLoop) {
+    Fake fake({0, 40960});
+    fake.options.output = fake.folder / "no/such/folder/x.latent";
+    const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_FALSE(report);
+    EXPECT_NE(report.error().message.find("folder"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace latent::render

@@ -1,0 +1,166 @@
+// latent-render as a process that is killed: what ends up in the file is what an uninterrupted render writes, bit for bit.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include "sampledb/gathering.h"
+#include "tests/faults/process.h"
+
+namespace latent::render {
+namespace {
+
+using latent::testing::Child;
+using latent::testing::Outcome;
+using latent::testing::TemporaryFolder;
+using latent::testing::tool;
+using ::testing::HasSubstr;
+
+using Command = std::vector<std::string>;
+
+// A run takes longer than the checkpoint interval; the last run is cut.
+Command command(const std::filesystem::path& output, const Command& more = {}, const std::string& samples = "0:150000") {
+    Command out{tool("latent-render"),
+                LATENT_SOURCE_DIR "/scenes/cornell.pbrt",
+                "-o",
+                output.string(),
+                "--samples",
+                samples,
+                "--run-samples",
+                "65536",
+                "--checkpoint",
+                "0.05"};
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
+}
+
+// First sample, end and content of every selected run.
+std::vector<std::string> runs_of(const std::vector<std::filesystem::path>& files) {
+    sampledb::GatherOptions options;
+    options.inputs = files;
+    const auto gathering = sampledb::Gathering::open(options);
+    EXPECT_TRUE(gathering) << (gathering ? "" : gathering.error().message);
+    std::vector<std::string> runs;
+    if (!gathering) return runs;
+    for (const sampledb::SelectedRun& run : (*gathering)->runs()) {
+        runs.push_back(std::to_string(run.header.samples.first) + ":" + std::to_string(run.header.samples.end) + " " +
+                       to_hex(run.header.content_hash));
+    }
+    return runs;
+}
+
+class Resume : public ::testing::Test {
+ protected:
+    static void SetUpTestSuite() {
+        const TemporaryFolder folder;
+        const Outcome outcome = latent::testing::run(command(folder / "whole.latent"));
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        whole_ = runs_of({folder / "whole.latent"});
+        ASSERT_EQ(whole_.size(), 3u);
+    }
+    static std::vector<std::string> whole_;
+    TemporaryFolder folder_;
+};
+std::vector<std::string> Resume::whole_;
+
+void sleep_ms(unsigned ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
+
+TEST_F(Resume, KilledAtAnyMomentItEndsAsIfItNeverWas) {
+    std::mt19937 random(3);
+    int kills = 0;
+    for (int round = 0; kills < 40; ++round) {
+        const std::filesystem::path part = folder_ / ("r" + std::to_string(round) + ".latent");
+        for (int attempt = 0;; ++attempt) {
+            ASSERT_LT(attempt, 200) << "it does not get on";
+            Child child(command(part));
+            sleep_ms(20 + random() % (200 + 20 * static_cast<unsigned>(attempt)));  // longer, should the machine be slow
+            child.kill_now();
+            const int status = child.wait();
+            if (status == 0) break;
+            ASSERT_EQ(status, 128 + SIGKILL);
+            ++kills;
+        }
+        ASSERT_EQ(latent::testing::run(command(part)).status, 0);
+        EXPECT_EQ(runs_of({part}), whole_);
+        EXPECT_EQ(latent::testing::run({tool("latent-inspect"), "verify", part.string()}).status, 0);
+    }
+}
+
+TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
+    std::mt19937 random(4);
+    const std::filesystem::path part = folder_ / "both.latent";
+    for (int round = 0; round < 6; ++round) {
+        Child a(command(part)), b(command(part));
+        sleep_ms(50 + random() % 300);
+        (round % 2 == 0 ? a : b).kill_now();
+        sleep_ms(random() % 200);
+        (round % 2 == 0 ? b : a).kill_now();
+        a.wait();
+        b.wait();
+    }
+    Child a(command(part)), b(command(part));
+    EXPECT_EQ(a.wait(), 0);
+    EXPECT_EQ(b.wait(), 0);
+    EXPECT_EQ(runs_of({part}), whole_);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"both.latent"});
+}
+
+TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const std::filesystem::path part = folder_ / ("s" + std::to_string(signal) + ".latent");
+        Child child(command(part, {}, "0:100000000"));
+        sleep_ms(600);
+        child.send(signal);
+        child.send(signal);
+        const auto begin = std::chrono::steady_clock::now();
+        EXPECT_EQ(child.wait(), 75);
+        EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+        EXPECT_FALSE(runs_of({part}).empty());  // its attempts are read under its name
+    }
+}
+
+TEST_F(Resume, MaxTimeStopsWithStatus75AndALineThatSaysHow) {
+    const std::filesystem::path part = folder_ / "t.latent";
+    const Outcome stopped = latent::testing::run(command(part, {"--max-time", "0.2"}));
+    EXPECT_EQ(stopped.status, 75);
+    EXPECT_THAT(stopped.err, HasSubstr("run the same command again to go on"));
+    ASSERT_EQ(latent::testing::run(command(part)).status, 0);
+    EXPECT_EQ(runs_of({part}), whole_);
+}
+
+TEST_F(Resume, ThreadsAndShardsMakeTheSameRuns) {
+    ASSERT_EQ(latent::testing::run(command(folder_ / "one.latent", {"--threads", "1"})).status, 0);
+    EXPECT_EQ(runs_of({folder_ / "one.latent"}), whole_);
+    std::vector<std::filesystem::path> shards;
+    for (int i = 3; i >= 0; --i) {  // three runs: one of the four is empty
+        shards.push_back(folder_ / ("shard" + std::to_string(i) + ".latent"));
+        const Outcome outcome = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+    }
+    EXPECT_EQ(runs_of(shards), whole_);
+}
+
+TEST_F(Resume, AnotherJobOrRangeUnderTheNameIsRefused) {
+    const std::filesystem::path part = folder_ / "p.latent";
+    ASSERT_EQ(latent::testing::run(command(part)).status, 0);
+    const Outcome seed = latent::testing::run(command(part, {"--seed", "2"}));
+    EXPECT_EQ(seed.status, 1);
+    EXPECT_THAT(seed.err, HasSubstr("another job"));
+    EXPECT_EQ(latent::testing::run(command(part, {}, "0:250000")).status, 1);
+    EXPECT_EQ(runs_of({part}), whole_);
+    ASSERT_EQ(latent::testing::run(command(part, {"--seed", "2", "--force"})).status, 0);
+    EXPECT_NE(runs_of({part}), whole_);
+}
+
+TEST_F(Resume, WrongUsageIsStatus2) {
+    EXPECT_EQ(latent::testing::run({tool("latent-render")}).status, 2);
+    EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--shard", "4/4"})).status, 2);
+    EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--simd", "mmx"})).status, 2);
+    EXPECT_EQ(latent::testing::run({tool("latent-render"), "/nonexistent.pbrt", "-o", (folder_ / "x.latent").string()}).status, 1);
+    EXPECT_TRUE(folder_.names().empty());
+}
+
+}  // namespace
+}  // namespace latent::render
