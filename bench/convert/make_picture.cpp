@@ -26,7 +26,8 @@ void fill(std::vector<float>& row, int width, int height, int y) {
     const float exposure = std::exp2(-5 + 7 * v);
     for (int x = 0; x < width; ++x) {
         const float u = static_cast<float>(x) / static_cast<float>(width);
-        const float grain = static_cast<float>(hash(static_cast<std::uint32_t>(x) * 2654435761u + hash(static_cast<std::uint32_t>(y)))) * 0x1p-32f;
+        const float grain =
+            static_cast<float>(hash(static_cast<std::uint32_t>(x) * 2654435761u + hash(static_cast<std::uint32_t>(y)))) * 0x1p-32f;
         const float light = exposure * (0.97f + 0.06f * grain) * (0.75f + 0.25f * std::sin(40 * u + 23 * v));
         float* pixel = row.data() + 3 * static_cast<std::size_t>(x);
         pixel[0] = light * (0.6f + 0.8f * u);
@@ -50,7 +51,8 @@ int main(int argc, char** argv) {
     Imf::addChromaticities(header, Imf::Chromaticities({1, 0}, {0, 1}, {0, 0}, {1 / 3.0f, 1 / 3.0f}));
     Imf::addAdoptedNeutral(header, {0.3127f, 0.3290f});
     const int step = tiles ? 256 : 16;
-    std::vector<float> rows(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(step)), row(3 * static_cast<std::size_t>(width));
+    std::vector<float> rows(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(step)),
+        row(3 * static_cast<std::size_t>(width));
     const auto frame = [&](int y0) {
         Imf::FrameBuffer buffer;
         const char* names[] = {"R", "G", "B"};
