@@ -11,13 +11,6 @@ constexpr Matrix3 kCat16Cones{
 
 }  // namespace
 
-Result<Adaptation> adaptation_by_name(std::string_view name) {
-    if (name == "bradford") return Adaptation::kBradford;
-    if (name == "cat16") return Adaptation::kCat16;
-    if (name == "none") return Adaptation::kNone;
-    return Error{ErrorCode::kUsage, fmt::format("no white adaptation is called \"{}\"; there are bradford, cat16 and none", name)};
-}
-
 Result<Matrix3> adaptation_matrix(Chromaticity from, Chromaticity to, Adaptation how) {
     if (how == Adaptation::kNone || from == to) return Matrix3{};
     const Matrix3& cones = how == Adaptation::kBradford ? kBradfordCones : kCat16Cones;

@@ -1,8 +1,6 @@
 // color/adaptation.h: what is white here becomes what is white there. Equations: docs/color.md, "Adaptation".
 #pragma once
 
-#include <string_view>
-
 #include "base/result.h"
 #include "color/tristimulus.h"
 
@@ -13,9 +11,6 @@ enum class Adaptation {
     kCat16,     // the cone matrix of CIECAM16 [CAT16]
     kNone,
 };
-
-// "bradford", "cat16", "none". Errors: kUsage.
-Result<Adaptation> adaptation_by_name(std::string_view name);
 
 // Von Kries in the space of B: XYZ' = B^-1 diag(B W_to / B W_from) B XYZ with whites of Y = 1, so white goes to white and keeps its
 // Y. The identity if the whites are equal or `how` is kNone. Errors: kOutOfRange if a white is not inside the xy triangle, or has a

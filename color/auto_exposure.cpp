@@ -43,18 +43,6 @@ std::uint64_t LuminanceHistogram::count() const {
     return sum;
 }
 
-double LuminanceHistogram::percentile(double p) const {
-    const double wanted = p * static_cast<double>(count());
-    double below = 0, last = 0;
-    for (std::size_t i = 0; i < kBinCount; ++i) {
-        if (bins_[i] == 0) continue;
-        below += static_cast<double>(bins_[i]);
-        last = centre_of(i);
-        if (below >= wanted) break;
-    }
-    return last;
-}
-
 double LuminanceHistogram::log_average(double p_low, double p_high) const {
     const double total = static_cast<double>(count()), low = p_low * total, high = p_high * total;
     double below = 0, weight = 0, sum = 0;

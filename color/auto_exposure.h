@@ -1,7 +1,6 @@
 // color/auto_exposure.h: a sensitivity chosen from the picture's luminances. Equations: docs/color.md, "Auto exposure".
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,8 +17,6 @@ class LuminanceHistogram {
     LuminanceHistogram& operator+=(const LuminanceHistogram& other);
 
     std::uint64_t count() const;
-    // Luminance below which the fraction p of the counted pixels lies, to the width of a bin. 0 if nothing was counted.
-    double percentile(double p) const;
     // exp of the mean log luminance of the pixels between two percentiles.
     double log_average(double p_low, double p_high) const;
 

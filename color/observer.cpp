@@ -24,8 +24,8 @@ constexpr KnownObserver kKnown[] = {
 
 }  // namespace
 
-Observer::Observer(std::string name, std::vector<double> lambda_nm, std::vector<std::array<double, 3>> response, bool monochrome)
-    : name_(std::move(name)), lambda_nm_(std::move(lambda_nm)), response_(std::move(response)), monochrome_(monochrome) {
+Observer::Observer(std::string name, std::vector<double> lambda_nm, std::vector<std::array<double, 3>> response)
+    : name_(std::move(name)), lambda_nm_(std::move(lambda_nm)), response_(std::move(response)) {
     assert(lambda_nm_.size() >= 2 && lambda_nm_.size() == response_.size());
     std::uint32_t knot = 0;
     for (double lambda = lambda_nm_.front(); lambda <= lambda_nm_.back(); lambda += 1) {
@@ -42,7 +42,7 @@ Observer Observer::from_table(std::string_view name, std::string_view table_name
         lambda_nm.push_back(t.at(row, 0));
         response.push_back({t.at(row, 1), t.at(row, 2), t.at(row, 3)});
     }
-    return {std::string(name), std::move(lambda_nm), std::move(response), false};
+    return {std::string(name), std::move(lambda_nm), std::move(response)};
 }
 
 Result<Observer> Observer::by_name(std::string_view name) {
@@ -59,12 +59,6 @@ const Observer& Observer::cie1931() {
     return observer;
 }
 
-std::vector<std::string> Observer::names() {
-    std::vector<std::string> out;
-    for (const KnownObserver& known : kKnown) out.emplace_back(known.name);
-    return out;
-}
-
 std::array<double, 3> Observer::at(double lambda_nm) const {
     if (!(lambda_nm >= lambda_nm_.front() && lambda_nm <= lambda_nm_.back())) return {};
     std::size_t i = knot_below_[static_cast<std::size_t>(lambda_nm - lambda_nm_.front())];
@@ -73,15 +67,6 @@ std::array<double, 3> Observer::at(double lambda_nm) const {
     std::array<double, 3> out;
     for (int c = 0; c < 3; ++c) out[c] = response_[i][c] + t * (response_[i + 1][c] - response_[i][c]);
     return out;
-}
-
-std::array<float, 3> Observer::operator()(float lambda_nm) const {
-    const std::array<double, 3> f = at(lambda_nm);
-    return {static_cast<float>(f[0]), static_cast<float>(f[1]), static_cast<float>(f[2])};
-}
-
-bool Observer::knots_at_integer_nm() const {
-    return std::ranges::all_of(lambda_nm_, [](double lambda) { return lambda == std::floor(lambda); });
 }
 
 Spectrum Observer::curve(int component) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,43 +21,35 @@ class Observer {
     // Names: cie1931 (2 degree), cie1964 (10 degree), cie2015-2, cie2015-10. Errors: kNotFound, listing them.
     static Result<Observer> by_name(std::string_view name);
     static const Observer& cie1931();
-    static std::vector<std::string> names();
 
     // From a table: rows of wavelength [nm] and three responses, or one (film: all three), separated by commas, semicolons, tabs or
     // blanks. `#` starts a comment; one line of column names may come first. A column whose name begins with "log10" holds
     // logarithms; three columns called r, g, b are a camera's and are combined into X, Y, Z by xyz_from_camera; any other three are
     // X, Y, Z as they are. Wavelengths strictly increase, responses are finite and not negative (logarithms may be).
     // Such scales are arbitrary, so all curves are multiplied by one factor that makes D65 of Y = 1 (CIE 1931) answer with 1 in the
-    // second (or only) curve: exposures then compare with those of the CIE observers. `given_scale` tells the factor.
+    // second (or only) curve: exposures then compare with those of the CIE observers.
     // Errors: kCorrupt, "line 12: ..."; kOutOfRange if the curves of a camera do not differ.
     static Result<Observer> from_csv(std::string_view text, std::string name);
 
     const std::string& name() const { return name_; }
     bool is_cie1931() const { return name_ == "cie1931"; }
-    bool is_monochrome() const { return monochrome_; }
-    double given_scale() const { return scale_; }
 
     // Exact between knots, zero outside; the same bits on every processor.
     std::array<double, 3> at(double lambda_nm) const;
-    std::array<float, 3> operator()(float lambda_nm) const;  // at(), rounded
     // Knots [nm] and the responses there, for those who build their own lookup.
     std::span<const double> lambda_nm() const { return lambda_nm_; }
     std::span<const std::array<double, 3>> responses() const { return response_; }
-    // True if every knot is a whole number of nm: then the responses at integer nm, joined linearly, are the curves themselves.
-    bool knots_at_integer_nm() const;
     // Response `component` as a spectrum (for integrals), 0 = X, 1 = Y, 2 = Z.
     Spectrum curve(int component) const;
 
  private:
-    Observer(std::string name, std::vector<double> lambda_nm, std::vector<std::array<double, 3>> response, bool monochrome);
+    Observer(std::string name, std::vector<double> lambda_nm, std::vector<std::array<double, 3>> response);
     static Observer from_table(std::string_view name, std::string_view table);
 
     std::string name_;
     std::vector<double> lambda_nm_;
     std::vector<std::array<double, 3>> response_;
     std::vector<std::uint32_t> knot_below_;  // guide: the knot at or below the first one + 0, 1, 2, ... nm
-    bool monochrome_ = false;
-    double scale_ = 1;
 };
 
 // Exact integral of s times the three curves over 360..830 nm.

@@ -104,20 +104,20 @@ Result<CsvTable> read_table(std::string_view text) {
 Result<Observer> Observer::from_csv(std::string_view text, std::string name) {
     Result<CsvTable> table = read_table(text);
     if (!table) return table.error();
-    Observer observer(std::move(name), std::move(table->lambda_nm), std::move(table->response), table->columns == 2);
+    Observer observer(std::move(name), std::move(table->lambda_nm), std::move(table->response));
     if (table->camera) {
         const Result<Matrix3> xyz = xyz_from_camera({observer.curve(0), observer.curve(1), observer.curve(2)});
         if (!xyz) return xyz.error();
         for (auto& response : observer.response_) response = *xyz * response;
     }
     const double answer = integral_of_product(observer.curve(1), illuminant_d65());
-    observer.scale_ = integral_of_product(cie1931().curve(1), illuminant_d65()) / answer;
-    if (!(answer > 0) || !std::isfinite(observer.scale_)) {
+    const double scale = integral_of_product(cie1931().curve(1), illuminant_d65()) / answer;
+    if (!(answer > 0) || !std::isfinite(scale)) {
         return Error{ErrorCode::kCorrupt,
                      "the second column of responses (or the only one) does not see daylight between 360 and 830 nm"};
     }
     for (auto& response : observer.response_) {
-        for (double& value : response) value *= observer.scale_;
+        for (double& value : response) value *= scale;
     }
     return observer;
 }

@@ -1,6 +1,7 @@
 // color/print.h: from developed XYZ to a display's linear RGB: tone, luminance, gamut. Equations: docs/color.md, "The print".
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>

@@ -80,7 +80,6 @@ TEST(Camera, DaylightIsExact) {
     EXPECT_NEAR(seen.x / eye.x, 1, 1e-5);  // the condition holds for sums over integer nm, the integrals are those between them
     EXPECT_NEAR(seen.y / eye.y, 1, 1e-12);
     EXPECT_NEAR(seen.z / eye.z, 1, 1e-5);
-    EXPECT_FALSE(camera.is_monochrome());
 }
 
 // A camera whose curves are mixtures of the eye's (Luther's condition) is that eye.
@@ -96,24 +95,24 @@ TEST(Camera, ThatSeesWithMixturesOfTheEyesCurvesIsTheEye) {
         csv += line.str();
     }
     const Observer camera = *Observer::from_csv(csv, "luther");
-    for (float lambda = 380; lambda <= 780; lambda += 2.5F) {
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(camera(lambda)[c], cie(lambda)[c], 2e-6);
+    for (double lambda = 380; lambda <= 780; lambda += 2.5) {
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(camera.at(lambda)[c], cie.at(lambda)[c], 2e-6);
     }
 }
 
 TEST(Camera, OnlyColumnsCalledRgbAreCombined) {
     const std::string rows = "400,1,2,3\n500,2,3,4\n600,4,1,2\n";
     const Observer plain = *Observer::from_csv(rows, "plain"), xyz = *Observer::from_csv("nm,x,y,z\n" + rows, "xyz");
-    EXPECT_EQ(plain(500), xyz(500));
-    EXPECT_NE(plain(500), (*Observer::from_csv("nm,r,g,b\n" + rows, "rgb"))(500));
+    EXPECT_EQ(plain.at(500), xyz.at(500));
+    EXPECT_NE(plain.at(500), (*Observer::from_csv("nm,r,g,b\n" + rows, "rgb")).at(500));
     EXPECT_THAT(Observer::from_csv("nm,r,g,b\n400,1,1,1\n600,1,1,1\n", "flat").error().message, testing::HasSubstr("must differ"));
 }
 
 TEST(Camera, TheFilmBesideItReadsToo) {
     const Observer film = *Observer::from_csv(text_of("scenes/observers/kodak-tri-x-400.csv"), "kodak-tri-x-400");
-    EXPECT_TRUE(film.is_monochrome());
-    EXPECT_EQ(film(700)[1], 0);  // panchromatic film does not see deep red
-    EXPECT_GT(film(400)[1], film(650)[1]);
+    EXPECT_EQ(film.at(500)[0], film.at(500)[2]);
+    EXPECT_EQ(film.at(700)[1], 0);  // panchromatic film does not see deep red
+    EXPECT_GT(film.at(400)[1], film.at(650)[1]);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST(NamedSpectra, LampsHaveTheirPublishedChromaticities) {
         const Spectrum s = named(lamp.name);
         Xyz sum;
         for (double lambda = 380; lambda <= 780; lambda += 5) {
-            const auto f = Observer::cie1931()(static_cast<float>(lambda));
+            const auto f = Observer::cie1931().at(lambda);
             sum = {sum.x + f[0] * s(lambda), sum.y + f[1] * s(lambda), sum.z + f[2] * s(lambda)};
         }
         EXPECT_NEAR(chromaticity(sum).x, lamp.xy.x, 5.5e-5);

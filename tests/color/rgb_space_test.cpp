@@ -151,8 +151,6 @@ TEST(Adaptation, ImpossibleWhitesAreRefused) {
         EXPECT_EQ(adaptation_matrix(bad, d65, Adaptation::kBradford).error().code, ErrorCode::kOutOfRange) << bad.x << ' ' << bad.y;
         EXPECT_FALSE(adaptation_matrix(d65, bad, Adaptation::kBradford)) << bad.x << ' ' << bad.y;
     }
-    EXPECT_EQ(*adaptation_by_name("cat16"), Adaptation::kCat16);
-    EXPECT_EQ(adaptation_by_name("vonkries").error().code, ErrorCode::kUsage);
 }
 
 }  // namespace
