@@ -1,0 +1,280 @@
+// Files made to mislead: every checksum is right, one field is not. Each ceiling of docs/format.md has a file that goes beyond it.
+#include <gtest/gtest.h>
+
+#include "base/hash.h"
+#include "sampledb/file_reader.h"
+#include "sampledb/run_codec.h"
+#include "tests/support/synthetic.h"
+
+namespace latent::sampledb {
+namespace {
+
+using synthetic::make_job;
+
+template <class T>
+void put(Bytes& bytes, std::size_t at, T value) {
+    ASSERT_LE(at + sizeof(T), bytes.size());
+    store_le(bytes.data() + at, value);
+}
+template <class T>
+T get(const Bytes& bytes, std::size_t at) {
+    return load_le<T>(bytes.data() + at);
+}
+
+// A run whose fields can be overwritten, and whose hashes then say that all is well. Offsets: docs/format.md.
+struct Forgery {
+    Job job;
+    Bytes run;
+
+    explicit Forgery(const Job& of, std::uint64_t samples = 3000) : job(of) {
+        const SampleRange range{0, samples};
+        run = *encode_run(job, Coverage(range), synthetic::make_records(job, range, {.light_per_sample = 0.3}));
+    }
+    std::size_t index() const { return kRunHeaderSize + get<std::uint64_t>(run, 104); }
+    std::size_t entry(std::size_t page) const { return index() + 16 * get<std::uint32_t>(run, 12) + kPageEntrySize * page; }
+    std::size_t first_page() const { return kRunHeaderSize; }
+
+    // Hashes from the inside out: first page, entries, index, header.
+    void seal() {
+        const std::uint32_t stored = get<std::uint32_t>(run, entry(0) + 32);
+        if (first_page() + stored <= run.size()) {
+            put(run, entry(0) + 40, hash64(ByteSpan(run).subspan(first_page(), stored)));
+        }
+        seal_index();
+    }
+    void seal_index() {
+        Hasher128 content;
+        for (std::size_t page = 0; page < get<std::uint64_t>(run, 64) && entry(page) + 32 <= run.size(); ++page) {
+            content.update(ByteSpan(run).subspan(entry(page), 32));
+        }
+        put(run, 120, content.digest().low);
+        put(run, 128, content.digest().high);
+        put(run, 112, hash64(ByteSpan(run).subspan(index())));
+        seal_header();
+    }
+    void seal_header() { put(run, 248, hash64(ByteSpan(run).first(248))); }
+    ErrorCode decoded() const {
+        const Result<DecodedRun> decoded = decode_run(job, run);
+        return decoded ? ErrorCode::kStopped : decoded.error().code;  // kStopped: nothing was found wrong
+    }
+};
+
+TEST(Hostile, AForgeryThatChangesNothingIsRead) {
+    for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
+        Forgery f(make_job(kind), 500);
+        const Bytes before = f.run;
+        f.seal();
+        EXPECT_TRUE(f.run == before);
+        EXPECT_EQ(f.decoded(), ErrorCode::kStopped);
+    }
+}
+
+TEST(Hostile, RunHeadersBeyondTheirCeilingsAreRefused) {
+    struct Case {
+        const char* what;
+        std::size_t offset;
+        std::uint64_t value;
+    };
+    const std::uint64_t huge = ~std::uint64_t{0};
+    for (const Case& c :
+         {Case{"no intervals", 12, 0}, Case{"too many intervals", 12, kMaxIntervalsPerRun + 1},
+          Case{"intervals without gaps", 12, 2}, Case{"coverage ends before it begins", 48, 0},
+          Case{"more samples than fit", 56, 5000}, Case{"no samples", 56, 0}, Case{"too many pages", 64, kMaxPagesPerRun + 1},
+          Case{"huge page count", 64, huge}, Case{"fewer records than pages", 64, 6000}, Case{"camera records", 72, huge},
+          Case{"light records", 80, huge}, Case{"records that overflow", 72, huge - 10}, Case{"pairs", 88, huge},
+          Case{"decoded size", 96, huge}, Case{"stored size", 104, huge}, Case{"reserved", 200, 1}}) {
+        SCOPED_TRACE(c.what);
+        Forgery f(make_job(RecordKind::kXyz));
+        if (c.offset == 12) {
+            put(f.run, c.offset, static_cast<std::uint32_t>(c.value));
+        } else {
+            put(f.run, c.offset, c.value);
+        }
+        f.seal_header();
+        const Result<RunHeader> header = decode_run_header(f.run);
+        ASSERT_FALSE(header);
+        EXPECT_EQ(header.error().code, ErrorCode::kCorrupt);
+    }
+    for (const auto& [offset, value] :
+         {std::pair<std::size_t, std::uint16_t>{8, 2}, {16, 1}}) {  // another major version, a feature
+        Forgery f(make_job(RecordKind::kXyz));
+        put(f.run, offset, value);
+        f.seal_header();
+        EXPECT_EQ(decode_run_header(f.run).error().code, ErrorCode::kUnsupported);
+    }
+    Forgery other(make_job(RecordKind::kXyz));
+    other.job.id.low ^= 1;
+    EXPECT_EQ(other.decoded(), ErrorCode::kMismatch);
+}
+
+// Overwrites one field, seals, and decodes.
+template <class T>
+ErrorCode with(const Job& job, std::size_t (Forgery::*base)() const, std::size_t offset, T value) {
+    Forgery f(job);
+    put(f.run, (f.*base)() + offset, value);
+    f.seal();
+    return f.decoded();
+}
+
+TEST(Hostile, PageEntriesBeyondTheirCeilingsAreRefused) {
+    const Job xyz = make_job(RecordKind::kXyz);
+    const auto patched = [&](std::size_t offset, auto value) {
+        Forgery f(xyz);
+        put(f.run, f.entry(0) + offset, value);
+        f.seal_index();
+        return f.decoded();
+    };
+    EXPECT_EQ(patched(0, std::uint8_t{17}), ErrorCode::kCorrupt);                        // level
+    EXPECT_EQ(patched(1, std::uint8_t{2}), ErrorCode::kCorrupt);                         // class
+    EXPECT_EQ(patched(2, std::uint16_t{1}), ErrorCode::kCorrupt);                        // reserved
+    EXPECT_EQ(patched(4, std::uint32_t{1u << 16}), ErrorCode::kCorrupt);                 // x outside the film
+    EXPECT_EQ(patched(12, std::uint32_t{0}), ErrorCode::kCorrupt);                       // no records
+    EXPECT_EQ(patched(12, std::uint32_t{kMaxRecordsPerPage + 1}), ErrorCode::kCorrupt);  // too many
+    EXPECT_EQ(patched(16, std::uint32_t{1}), ErrorCode::kCorrupt);                       // pairs in an XYZ job
+    EXPECT_EQ(patched(20, ~std::uint32_t{0}), ErrorCode::kCorrupt);                      // decoded size
+    EXPECT_EQ(patched(32, ~std::uint32_t{0}), ErrorCode::kCorrupt);                      // stored size
+    EXPECT_EQ(patched(36, std::uint32_t{1}), ErrorCode::kCorrupt);                       // reserved
+    EXPECT_EQ(patched(24, std::uint64_t{1}), ErrorCode::kCorrupt);                       // content hash
+
+    Job wide = make_job(RecordKind::kSpectral);  // a page of 2^18 records of 1024 pairs would take 1 GiB
+    wide.batch = kMaxPairs;
+    Forgery f(wide, 40);
+    put(f.run, f.entry(0) + 12, std::uint32_t{1u << 18});
+    put(f.run, f.entry(0) + 16, std::uint32_t{1u << 28});
+    put(f.run, f.entry(0) + 20, std::uint32_t{(1u << 18) * 28u + (1u << 30)});
+    f.seal_index();
+    EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+
+    Forgery swapped(xyz, 20000);  // a light page before a camera page
+    const std::uint64_t pages = get<std::uint64_t>(swapped.run, 64);
+    put(swapped.run, swapped.entry(0) + 1, std::uint8_t{1});
+    put(swapped.run, swapped.entry(pages - 1) + 1, std::uint8_t{0});
+    swapped.seal_index();
+    EXPECT_EQ(swapped.decoded(), ErrorCode::kCorrupt);
+
+    for (const SampleRange range : {SampleRange{5, 5}, SampleRange{0, 2999}, SampleRange{1, 3000}}) {
+        Forgery interval(xyz);
+        put(interval.run, interval.index(), range.first);
+        put(interval.run, interval.index() + 8, range.end);
+        interval.seal_index();
+        EXPECT_EQ(interval.decoded(), ErrorCode::kCorrupt);
+    }
+}
+
+TEST(Hostile, PagesThatMakeNoSenseAreRefused) {
+    // Table at the front of a page: u32 count; then per column: id, transform, bits, planes, u32 lattice bits, u64 base, u64 hash,
+    // planes.
+    for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
+        const Job job = make_job(kind);
+        const auto patched = [&](std::size_t offset, auto value) { return with(job, &Forgery::first_page, offset, value); };
+        EXPECT_EQ(patched(0, std::uint32_t{99}), ErrorCode::kCorrupt);         // columns
+        EXPECT_EQ(patched(4, std::uint8_t{2}), ErrorCode::kCorrupt);           // another column
+        EXPECT_EQ(patched(5, std::uint8_t{200}), ErrorCode::kUnsupported);     // an unknown transform
+        EXPECT_EQ(patched(5, std::uint8_t{3}), ErrorCode::kUnsupported);       // one that does not fit the column
+        EXPECT_EQ(patched(6, std::uint8_t{65}), ErrorCode::kCorrupt);          // bits
+        EXPECT_EQ(patched(6, std::uint8_t{0}), ErrorCode::kCorrupt);           // a constant column with planes
+        EXPECT_EQ(patched(6, std::uint8_t{64}), ErrorCode::kCorrupt);          // more bits than stored
+        EXPECT_EQ(patched(7, std::uint8_t{9}), ErrorCode::kCorrupt);           // planes
+        EXPECT_EQ(patched(7, std::uint8_t{0}), ErrorCode::kCorrupt);           // none
+        EXPECT_EQ(patched(8, std::uint32_t{33}), ErrorCode::kCorrupt);         // lattice
+        EXPECT_EQ(patched(12, std::uint64_t{1}), ErrorCode::kCorrupt);         // other sample numbers: content hash
+        EXPECT_EQ(patched(20, std::uint64_t{1}), ErrorCode::kCorrupt);         // another hash: not the page's
+        EXPECT_EQ(patched(28, std::uint32_t{3u << 30}), ErrorCode::kCorrupt);  // plane of unknown codec: it does not fill the page
+        Forgery codec(job);
+        const std::uint32_t word = get<std::uint32_t>(codec.run, codec.first_page() + 28);
+        put(codec.run, codec.first_page() + 28, word | 3u << 30);
+        codec.seal();
+        EXPECT_EQ(codec.decoded(), ErrorCode::kUnsupported);
+    }
+    Forgery lattice(make_job(RecordKind::kXyz), 20000);
+    ASSERT_EQ(get<std::uint8_t>(lattice.run, lattice.first_page() + 5), 2);
+    put(lattice.run, lattice.first_page() + 8, std::uint32_t{0});
+    lattice.seal();
+    EXPECT_EQ(lattice.decoded(), ErrorCode::kCorrupt);
+    Job without = make_job(RecordKind::kXyz);  // positions left out, but the job names no sampler
+    Forgery f(without);
+    f.job.positions = {};
+    EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+}
+
+TEST(Hostile, FileHeadersBeyondTheirCeilingsAreRefused) {
+    const Bytes good = *encode_file_header({make_job(RecordKind::kSpectral), "{}"});
+    const std::size_t copy = good.size() / 2;
+    const auto code = [&](std::size_t offset, auto value) {
+        Bytes header = good;
+        put(header, offset, value);
+        put(header, 32, hash64(ByteSpan(header).subspan(64, copy - 64)));
+        put(header, 56, hash64(ByteSpan(header).first(56)));
+        const Result<FileHeader> decoded = decode_file_header(header);
+        return decoded ? ErrorCode::kStopped : decoded.error().code;
+    };
+    EXPECT_EQ(code(40, std::uint8_t{0}), ErrorCode::kStopped);
+    EXPECT_EQ(code(8, std::uint16_t{2}), ErrorCode::kUnsupported);         // major version
+    EXPECT_EQ(code(16, std::uint64_t{1} << 40), ErrorCode::kUnsupported);  // a feature
+    EXPECT_EQ(code(12, std::uint32_t{0}), ErrorCode::kCorrupt);            // size
+    EXPECT_EQ(code(12, std::uint32_t{4097}), ErrorCode::kCorrupt);         // not a multiple of 4096
+    EXPECT_EQ(code(12, std::uint32_t{0xFFFFF000}), ErrorCode::kCorrupt);   // beyond the ceiling
+    EXPECT_EQ(code(24, ~std::uint64_t{0}), ErrorCode::kCorrupt);           // fields longer than the header
+    EXPECT_EQ(code(24, std::uint64_t{10}), ErrorCode::kCorrupt);           // shorter
+    const std::size_t body = 64;
+    EXPECT_EQ(code(body + 16, std::uint32_t{0}), ErrorCode::kCorrupt);       // film aspect
+    EXPECT_EQ(code(body + 16, std::uint32_t{4}), ErrorCode::kCorrupt);       // 4:2 is not in lowest terms
+    EXPECT_EQ(code(body + 24, std::uint8_t{9}), ErrorCode::kCorrupt);        // record kind
+    EXPECT_EQ(code(body + 25, std::uint8_t{9}), ErrorCode::kUnsupported);    // sampler
+    EXPECT_EQ(code(body + 26, std::uint16_t{1025}), ErrorCode::kCorrupt);    // batch
+    EXPECT_EQ(code(body + 32, -1.0), ErrorCode::kCorrupt);                   // light unit
+    EXPECT_EQ(code(body + 40, ~std::uint64_t{0}), ErrorCode::kCorrupt);      // R
+    EXPECT_EQ(code(body + 48, std::uint32_t{1000}), ErrorCode::kCorrupt);    // S
+    EXPECT_EQ(code(body + 60, ~std::uint32_t{0}), ErrorCode::kCorrupt);      // knots
+    EXPECT_EQ(code(body + 64, std::uint32_t{17}), ErrorCode::kCorrupt);      // extra columns
+    EXPECT_EQ(code(body + 68, ~std::uint32_t{0}), ErrorCode::kCorrupt);      // provenance
+    EXPECT_EQ(code(body + 72 + 12, std::uint64_t{0}), ErrorCode::kCorrupt);  // a density that does not rise
+}
+
+TEST(Hostile, FootersThatMisleadAreNotBelieved) {
+    // The runs are found all the same, by walking.
+    const Job job = make_job(RecordKind::kXyz);
+    const std::vector<Coverage> runs = {Coverage(SampleRange{0, 500}), Coverage(SampleRange{500, 1000})};
+    const synthetic::FileBytes file = synthetic::make_file(job, runs);
+    const std::size_t footer = file.run_ends.back();
+    const auto patched = [&](std::size_t offset, std::uint64_t value) {
+        Bytes bytes = file.bytes;
+        put(bytes, footer + offset, value);
+        const std::size_t trailer = bytes.size() - kFooterTrailerSize;
+        put(bytes, trailer + 16, hash64(ByteSpan(bytes).subspan(footer, trailer - footer)));
+        put(bytes, trailer + 48, hash64(ByteSpan(bytes).subspan(trailer, 48)));
+        const Result<FileContents> contents = read_file(MemorySource(bytes));
+        EXPECT_TRUE(contents && contents->runs.size() == 2 && contents->runs[1].offset == file.run_ends[0]);
+        return contents && contents->finished;
+    };
+    const std::size_t trailer = file.bytes.size() - kFooterTrailerSize - footer;
+    EXPECT_TRUE(patched(8, 2));
+    EXPECT_FALSE(patched(8, 3));  // counts more runs than it holds
+    EXPECT_FALSE(patched(8, ~std::uint64_t{0}));
+    EXPECT_FALSE(patched(16, 1));                           // provenance that is not there
+    EXPECT_FALSE(patched(24, file.header_size + 1));        // a run that is not aligned
+    EXPECT_FALSE(patched(24, std::uint64_t{1} << 60));      // or beyond the file
+    EXPECT_FALSE(patched(24, file.run_ends[0]));            // or within another
+    EXPECT_FALSE(patched(trailer, 4096));                   // the footer is elsewhere
+    EXPECT_FALSE(patched(trailer + 8, ~std::uint64_t{0}));  // or larger than the file
+}
+
+TEST(Hostile, AFooterThatListsAnotherRunIsCaughtWhenTheRunIsUsed) {
+    const Job job = make_job(RecordKind::kXyz);
+    const std::vector<Coverage> runs = {Coverage(SampleRange{0, 500})};
+    const synthetic::FileBytes a = synthetic::make_file(job, runs), b = synthetic::make_file(job, runs, true, {.seed = 2});
+    ASSERT_EQ(a.run_ends, b.run_ends);
+    Bytes mixed = a.bytes;  // the footer of b behind the run of a
+    mixed.resize(a.run_ends[0]);
+    mixed.insert(mixed.end(), b.bytes.begin() + static_cast<std::ptrdiff_t>(b.run_ends[0]), b.bytes.end());
+    const MemorySource source(mixed);
+    const Result<FileContents> contents = read_file(source);
+    ASSERT_TRUE(contents && contents->finished);
+    const Result<RunIndex> index = read_run_index(source, contents->runs[0], job);
+    ASSERT_FALSE(index);
+    EXPECT_EQ(index.error().code, ErrorCode::kMismatch);
+    EXPECT_TRUE(read_file(source, VerifyLevel::kQuick)->runs.empty());
+}
+
+}  // namespace
+}  // namespace latent::sampledb
