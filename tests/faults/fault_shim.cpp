@@ -1,13 +1,13 @@
 // tests/faults/fault_shim.cpp: a library for LD_PRELOAD that makes chosen system calls of a program fail, as a disk would.
 //
-//   LATENT_FAULT=CALL:N:WHAT[,...]   CALL  write (write, pwrite), read (read, pread), sync (fsync, fdatasync), copy
-//   (copy_file_range),
-//                                          link (link, linkat, rename, renameat2), create (open with O_CREAT or O_TMPFILE), unlink
+//   LATENT_FAULT=CALL:N:WHAT[,...]   CALL  write (write, pwrite), read (read, pread), sync (fsync, fdatasync), unlink,
+//                                          copy (copy_file_range), link (link, linkat, rename, renameat2),
+//                                          create (open with O_CREAT or O_TMPFILE)
 //                                    N     the N-th such call, counted from 1; "N+" that one and all later ones
 //                                    WHAT  EIO, ENOSPC, EDQUOT, EINTR, EXDEV, EROFS, EACCES, EMFILE: fail so;
 //                                          short: transfer half of the bytes (1 at least); zero: return 0, nothing transferred;
-//                                          flip: read, then flip a bit of the middle byte; kill, kill-after: SIGKILL before or
-//                                          after
+//                                          flip: transfer all, but with a bit of the middle byte flipped;
+//                                          kill, kill-after: SIGKILL before or after the call
 //   LATENT_FAULT_PATH=TEXT           only calls on files whose path contains TEXT (files without a name: their folder's path)
 //   LATENT_FAULT_HIT=FILE            created when a fault happens, so that a test can count N up until nothing happens any more
 //
@@ -140,6 +140,14 @@ int call_with(const std::string& fault, const Call& call) {
         transfer_with(fault == "short" || fault == "zero" ? "" : fault, 0, [&](std::size_t) { return call(); }));
 }
 
+std::vector<unsigned char> flipped_if(const std::string& fault, const void* bytes, std::size_t count) {
+    if (fault != "flip" || count == 0) return {};
+    const auto* const first = static_cast<const unsigned char*>(bytes);
+    std::vector<unsigned char> copy(first, first + count);
+    copy[count / 2] ^= 0x10;
+    return copy;
+}
+
 void flip_if(const std::string& fault, void* bytes, ssize_t count) {
     if (fault == "flip" && count > 0) static_cast<unsigned char*>(bytes)[count / 2] ^= 0x10;
 }
@@ -161,11 +169,15 @@ extern "C" {
 
 ssize_t write(int fd, const void* bytes, std::size_t count) {
     static const auto real = next<ssize_t(int, const void*, std::size_t)>("write");
-    return transfer_with(fault_of("write", path_of(fd)), count, [&](std::size_t n) { return real(fd, bytes, n); });
+    const std::string fault = fault_of("write", path_of(fd));
+    const std::vector<unsigned char> flipped = flipped_if(fault, bytes, count);
+    return transfer_with(fault, count, [&](std::size_t n) { return real(fd, flipped.empty() ? bytes : flipped.data(), n); });
 }
 ssize_t pwrite(int fd, const void* bytes, std::size_t count, off_t at) {
     static const auto real = next<ssize_t(int, const void*, std::size_t, off_t)>("pwrite");
-    return transfer_with(fault_of("write", path_of(fd)), count, [&](std::size_t n) { return real(fd, bytes, n, at); });
+    const std::string fault = fault_of("write", path_of(fd));
+    const std::vector<unsigned char> flipped = flipped_if(fault, bytes, count);
+    return transfer_with(fault, count, [&](std::size_t n) { return real(fd, flipped.empty() ? bytes : flipped.data(), n, at); });
 }
 ssize_t pwrite64(int fd, const void* bytes, std::size_t count, off64_t at) { return pwrite(fd, bytes, count, at); }
 
@@ -187,8 +199,15 @@ ssize_t pread64(int fd, void* bytes, std::size_t count, off64_t at) { return pre
 
 ssize_t copy_file_range(int from, off64_t* from_at, int to, off64_t* to_at, std::size_t count, unsigned flags) {
     static const auto real = next<ssize_t(int, off64_t*, int, off64_t*, std::size_t, unsigned)>("copy_file_range");
-    return transfer_with(fault_of("copy", path_of(to)), count,
-                         [&](std::size_t n) { return real(from, from_at, to, to_at, n, flags); });
+    const std::string fault = fault_of("copy", path_of(to));
+    const off64_t begin = to_at ? *to_at : 0;
+    const ssize_t copied = transfer_with(fault, count, [&](std::size_t n) { return real(from, from_at, to, to_at, n, flags); });
+    unsigned char middle = 0;
+    if (fault == "flip" && to_at && copied > 0 && pread(to, &middle, 1, begin + copied / 2) == 1) {
+        middle ^= 0x10;
+        if (pwrite(to, &middle, 1, begin + copied / 2) != 1) return -1;
+    }
+    return copied;
 }
 
 int fsync(int fd) {

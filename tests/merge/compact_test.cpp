@@ -1,0 +1,134 @@
+#include "tools/merge/compact.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "sampledb/run_codec.h"
+#include "tests/faults/process.h"
+#include "tests/support/synthetic.h"
+#include "tools/merge/merge.h"
+
+namespace latent::merge {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace sampledb;
+using latent::testing::TemporaryFolder;
+
+constexpr std::uint64_t kS = 4096;
+
+Job job_of(RecordKind kind) {
+    Job job = synthetic::make_job(kind);
+    job.run_samples = kS;
+    return job;
+}
+
+class CompactTest : public ::testing::Test {
+ protected:
+    TemporaryFolder folder_;
+
+    fs::path write(const std::string& name, const Job& job, const std::vector<Coverage>& runs) {
+        synthetic::Scene scene;
+        scene.split_shares = true;
+        scene.light_per_sample = 0.3;
+        synthetic::write_file(folder_ / name, synthetic::make_file(job, runs, true, scene).bytes);
+        return folder_ / name;
+    }
+    static std::unique_ptr<Gathering> gather(const std::vector<fs::path>& files) {
+        GatherOptions options;
+        options.inputs = files;
+        options.verify = VerifyLevel::kFull;
+        auto gathering = Gathering::open(options);
+        EXPECT_TRUE(gathering) << gathering.error().message;
+        return gathering ? std::move(*gathering) : nullptr;
+    }
+    MergeReport compact(const std::vector<fs::path>& inputs, const std::string& output,
+                        std::uint64_t memory = std::uint64_t{1} << 30) {
+        MergeOptions options;
+        options.inputs = inputs;
+        options.output = folder_ / output;
+        options.compact = true;
+        options.memory = memory;
+        const Result<MergeReport> report = merge(options);
+        EXPECT_TRUE(report) << report.error().message;
+        return report ? *report : MergeReport{};
+    }
+};
+
+std::vector<Coverage> intervals(std::uint64_t count) {
+    std::vector<Coverage> runs;
+    for (std::uint64_t i = 0; i < count; ++i) runs.emplace_back(SampleRange{i * kS, (i + 1) * kS});
+    return runs;
+}
+
+TEST_F(CompactTest, TheNewRunIsTheOneThatAllRecordsTogetherWouldHaveMade) {
+    for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
+        for (const bool named_columns : {false, true}) {
+            Job job = job_of(kind);
+            if (named_columns) {  // as foreign writers have it
+                job.extra = {{"depth", ColumnType::kF32}, {"light_group", ColumnType::kU16}};
+                job.positions = {};
+                job.density = {};
+            }
+            const fs::path small = write("small.latent", job, intervals(9));
+            const MergeReport report = compact({small}, "large.latent");
+            EXPECT_EQ(report.runs_out, 1u);
+            const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 9 * kS})});
+            const auto large = gather({folder_ / "large.latent"}), expected = gather({whole});
+            ASSERT_TRUE(large && expected);
+            RunHeader header = large->runs()[0].header;
+            EXPECT_EQ(header, expected->runs()[0].header);
+            for (const char* name : {"small.latent", "large.latent", "whole.latent"}) fs::remove(folder_ / name);
+        }
+    }
+}
+
+TEST_F(CompactTest, OnlyWholeIntervalsAreRewritten) {
+    const Job job = job_of(RecordKind::kXyz);
+    // 0..S whole; S..2S in two runs that were cut at R; 2S..3S a checkpoint; 3S..4S and 5S..6S whole; 6S..6S+100 the end of the
+    // range.
+    const fs::path file =
+        write("a.latent", job,
+              {Coverage(SampleRange{0, kS}), Coverage(SampleRange{kS, kS + 3072}), Coverage(SampleRange{kS + 3072, 2 * kS}),
+               Coverage(SampleRange{2 * kS, 2 * kS + 1024}), Coverage(SampleRange{3 * kS, 4 * kS}),
+               Coverage(SampleRange{5 * kS, 6 * kS}), Coverage(SampleRange{6 * kS, 6 * kS + 100})});
+    compact({file}, "out.latent");
+    const auto out = gather({folder_ / "out.latent"}), in = gather({file});
+    ASSERT_EQ(out->runs().size(), 4u);
+    EXPECT_EQ(out->runs()[0].coverage.ranges(), (std::vector<SampleRange>{{0, 2 * kS}}));
+    EXPECT_EQ(out->runs()[1].coverage.ranges(), (std::vector<SampleRange>{{2 * kS, 2 * kS + 1024}}));
+    EXPECT_EQ(out->runs()[1].header, in->runs()[3].header);  // as it was
+    EXPECT_EQ(out->runs()[2].coverage.ranges(), (std::vector<SampleRange>{{3 * kS, 4 * kS}, {5 * kS, 6 * kS}}));
+    EXPECT_EQ(out->runs()[3].header, in->runs()[6].header);
+    EXPECT_EQ(out->coverage(), in->coverage());
+}
+
+TEST_F(CompactTest, ACompactedRunSupersedesWhatItWasMadeOfAndCanBeCompactedAgain) {
+    const Job job = job_of(RecordKind::kSpectral);
+    const fs::path first = write("first.latent", job, intervals(3));
+    compact({first}, "large.latent");
+    const auto both = gather({folder_.path()});  // a folder with both files: nothing is counted twice
+    EXPECT_EQ(both->coverage(), Coverage(SampleRange{0, 3 * kS}));
+    EXPECT_EQ(both->runs().size(), 1u);
+    const fs::path rest = write("rest.latent", job, {Coverage(SampleRange{3 * kS, 4 * kS}), Coverage(SampleRange{4 * kS, 5 * kS})});
+    compact({folder_ / "large.latent", rest}, "all.latent");
+    const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 5 * kS})});
+    EXPECT_EQ(gather({folder_ / "all.latent"})->runs()[0].header.content_hash, gather({whole})->runs()[0].header.content_hash);
+}
+
+TEST_F(CompactTest, LessMemoryMakesMoreAndSmallerRunsOfTheSameRecords) {
+    const Job job = job_of(RecordKind::kXyz);
+    const fs::path file = write("a.latent", job, intervals(16));
+    compact({file}, "small.latent", std::uint64_t{4} << 20);
+    const auto small = gather({folder_ / "small.latent"});
+    EXPECT_GT(small->runs().size(), 1u);
+    EXPECT_LT(small->runs().size(), 16u);
+    compact({folder_ / "small.latent"}, "again.latent");
+    compact({file}, "large.latent");
+    EXPECT_EQ(gather({folder_ / "again.latent"})->runs()[0].header, gather({folder_ / "large.latent"})->runs()[0].header);
+}
+
+}  // namespace
+}  // namespace latent::merge

@@ -1,0 +1,311 @@
+#include "tools/merge/merge.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+
+#include "sampledb/run_codec.h"
+#include "tests/faults/process.h"
+#include "tests/support/synthetic.h"
+
+namespace latent::merge {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace sampledb;
+using latent::testing::FaultOutcome;
+using latent::testing::Outcome;
+using latent::testing::read_text;
+using latent::testing::run;
+using latent::testing::run_with_fault;
+using latent::testing::TemporaryFolder;
+using latent::testing::tool;
+
+constexpr std::uint64_t kS = 4096;
+
+Job small_job(RecordKind kind = RecordKind::kXyz, std::uint64_t id = 1) {
+    Job job = synthetic::make_job(kind, id);
+    job.run_samples = kS;
+    return job;
+}
+
+// One run for each pair of neighbouring boundaries.
+std::vector<Coverage> runs_between(std::initializer_list<std::uint64_t> boundaries) {
+    std::vector<Coverage> runs;
+    for (auto at = boundaries.begin(); at + 1 < boundaries.end(); ++at) runs.emplace_back(SampleRange{at[0], at[1]});
+    return runs;
+}
+
+std::unique_ptr<Gathering> gather(const fs::path& file, VerifyLevel verify = VerifyLevel::kFull) {
+    GatherOptions options;
+    options.inputs = {file};
+    options.verify = verify;
+    auto gathering = Gathering::open(options);
+    EXPECT_TRUE(gathering) << gathering.error().message;
+    if (!gathering) return nullptr;
+    EXPECT_TRUE((*gathering)->report().left_out.empty());
+    return std::move(*gathering);
+}
+
+using RunList = std::vector<std::pair<std::vector<SampleRange>, Hash128>>;
+RunList runs_of(const fs::path& file) {
+    RunList runs;
+    if (const auto gathering = gather(file)) {
+        for (const SelectedRun& r : gathering->runs()) runs.emplace_back(r.coverage.ranges(), r.header.content_hash);
+    }
+    return runs;
+}
+
+class MergeTest : public ::testing::Test {
+ protected:
+    TemporaryFolder folder_;
+    const fs::path out_ = folder_ / "out.latent";
+
+    fs::path part(const std::string& name, const Job& job, const std::vector<Coverage>& runs, bool footer = true) {
+        const fs::path path = folder_ / name;
+        synthetic::write_file(path, synthetic::make_file(job, runs, footer, {}, R"({"part":")" + name + "\"}").bytes);
+        return path;
+    }
+    std::vector<std::string> command(const std::vector<fs::path>& inputs, const std::vector<std::string>& options = {}) const {
+        std::vector<std::string> words = {tool("latent-merge"), "-o", out_.string()};
+        for (const fs::path& input : inputs) words.push_back(input.string());
+        words.insert(words.end(), options.begin(), options.end());
+        return words;
+    }
+    Outcome merge_files(const std::vector<fs::path>& inputs, const std::vector<std::string>& options = {}) const {
+        return run(command(inputs, options));
+    }
+    // Fails with one line that contains all of these words, and leaves no output.
+    void expect_refusal(const std::vector<fs::path>& inputs, const std::vector<std::string>& words,
+                        const std::vector<std::string>& options = {}) {
+        const std::vector<std::string> before = folder_.names();
+        const Outcome outcome = merge_files(inputs, options);
+        EXPECT_EQ(outcome.status, 1) << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        for (const std::string& word : words)
+            EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " in: " << outcome.err;
+        EXPECT_EQ(folder_.names(), before);
+    }
+};
+
+TEST_F(MergeTest, TheOutputIsTheSameToTheLastByteWhateverTheOrderOfTheParts) {
+    const Job job = small_job();
+    std::vector<fs::path> parts = {part("a.latent", job, runs_between({0, kS, 2 * kS})),
+                                   part("b.latent", job, runs_between({2 * kS, 3 * kS})),
+                                   part("c.latent", job, runs_between({3 * kS, 4 * kS, 4 * kS + 1500}))};
+    std::string expected;
+    do {
+        const Outcome outcome = merge_files(parts, {"--force"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        if (expected.empty()) expected = read_text(out_);
+        EXPECT_EQ(read_text(out_), expected);
+    } while (std::next_permutation(parts.begin(), parts.end()));
+}
+
+TEST_F(MergeTest, AnyGroupingSelectsTheRunsThatOneProcessWouldHaveWritten) {
+    const Job job = small_job(RecordKind::kSpectral);
+    const fs::path a = part("a.latent", job, runs_between({0, kS})), b = part("b.latent", job, runs_between({kS, 2 * kS})),
+                   c = part("c.latent", job, runs_between({2 * kS, 3 * kS, 3 * kS + 77}));
+    const fs::path whole = part("whole.latent", job, runs_between({0, kS, 2 * kS, 3 * kS, 3 * kS + 77}));
+    const fs::path ab = folder_ / "ab.latent", ba = folder_ / "ba.latent";
+    for (const auto& [inputs, output] : {std::pair(std::vector{a, b}, ab), std::pair(std::vector{b, c}, ba)}) {
+        MergeOptions options;
+        options.inputs = inputs;
+        options.output = output;
+        ASSERT_TRUE(merge(options));
+    }
+    for (const std::vector<fs::path>& inputs : {std::vector{ab, c}, std::vector{ba, a}, std::vector{c, b, a}}) {
+        const Outcome outcome = merge_files(inputs, {"--force"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(runs_of(out_), runs_of(whole));
+        EXPECT_EQ(gather(out_)->light_paths(), 3 * kS + 77);
+    }
+}
+
+TEST_F(MergeTest, CheckpointsThatACanonicalRunSupersedesAreDropped) {
+    const Job job = small_job();
+    const fs::path with = part("a.latent.part.0123456789abcdef", job,
+                               {Coverage(SampleRange{0, 1024}), Coverage(SampleRange{1024, 2048}), Coverage(SampleRange{0, kS}),
+                                Coverage(SampleRange{kS, kS + 1024})},
+                               false);
+    ASSERT_EQ(merge_files({with}).status, 0);
+    const RunList runs = runs_of(out_);
+    ASSERT_EQ(runs.size(), 2u);
+    EXPECT_EQ(runs[0].first, (std::vector<SampleRange>{{0, kS}}));
+    EXPECT_EQ(runs[1].first, (std::vector<SampleRange>{{kS, kS + 1024}}));
+    EXPECT_LT(fs::file_size(out_), fs::file_size(with));
+}
+
+TEST_F(MergeTest, WhatWouldCountASampleTwiceIsRefusedNamingBothFiles) {
+    const Job job = small_job();
+    const fs::path a = part("a.latent", job, runs_between({0, kS, 2 * kS})),
+                   overlapping = part("b.latent", job, runs_between({kS, 2 * kS, 3 * kS}));
+    expect_refusal({a, a}, {"a.latent"});
+    expect_refusal({a, overlapping}, {"a.latent", "b.latent"});
+    EXPECT_EQ(merge_files({a, a}, {"--skip-duplicates"}).status, 0);
+    EXPECT_EQ(runs_of(out_), runs_of(a));
+    EXPECT_EQ(merge_files({a, overlapping}, {"--skip-duplicates", "--force"}).status, 0);
+    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 3 * kS}));
+}
+
+TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
+    const Job job = small_job();
+    const fs::path a = part("a.latent", job, runs_between({0, kS})),
+                   other = part("other.latent", small_job(RecordKind::kXyz, 2), runs_between({kS, 2 * kS}));
+    std::ofstream(folder_ / "text.latent") << std::string(10000, 'x') << "this is a text file\n";
+    expect_refusal({a, other}, {"a.latent", "other.latent", "job"});
+    expect_refusal({a, folder_ / "text.latent"}, {"text.latent"});
+    expect_refusal({a, "/dev/null"}, {"/dev/null"});
+    expect_refusal({a, folder_ / "nowhere.latent"}, {"nowhere.latent"});
+    expect_refusal({folder_ / "text.latent"}, {"text.latent"});
+}
+
+TEST_F(MergeTest, ATruncatedPartYieldsItsGoodRunsAndExitStatusThree) {
+    const Job job = small_job();
+    const fs::path a = part("a.latent", job, runs_between({0, kS}));
+    const synthetic::FileBytes file = synthetic::make_file(job, runs_between({kS, 2 * kS, 3 * kS}));
+    synthetic::write_file(folder_ / "cut.latent", ByteSpan(file.bytes).first(file.run_ends[0] + 5000));
+    const Outcome outcome = merge_files({a, folder_ / "cut.latent"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    EXPECT_NE(outcome.err.find("cut.latent"), std::string::npos) << outcome.err;
+    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
+}
+
+TEST_F(MergeTest, AFolderGivesItsPartsAndAListOfWhatWasLeftOut) {
+    const Job job = small_job();
+    fs::create_directories(folder_ / "parts");
+    part("parts/a.latent", job, runs_between({0, kS}));
+    part("parts/again.latent", job, runs_between({0, kS}));
+    part("parts/b.latent.part.0123456789abcdef", job, runs_between({kS, 2 * kS}), false);
+    EXPECT_EQ(merge_files({folder_ / "parts"}).status, 0);  // repeats in a folder are normal
+    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    std::ofstream(folder_ / "parts/notes.latent") << "these are notes";
+    const Outcome outcome = merge_files({folder_ / "parts"}, {"--force"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    EXPECT_NE(outcome.err.find("notes.latent"), std::string::npos) << outcome.err;
+    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
+}
+
+TEST_F(MergeTest, AnOutputThatExistsIsKeptUnlessForced) {
+    const fs::path a = part("a.latent", small_job(), runs_between({0, kS}));
+    std::ofstream(out_) << "precious";
+    expect_refusal({a}, {"out.latent", "--force"});
+    EXPECT_EQ(read_text(out_), "precious");
+    EXPECT_EQ(merge_files({a}, {"--force"}).status, 0);
+    EXPECT_EQ(runs_of(out_), runs_of(a));
+}
+
+TEST_F(MergeTest, RequiredSamplesThatAreMissingAreNamed) {
+    const fs::path a = part("a.latent", small_job(), {Coverage(SampleRange{0, kS}), Coverage(SampleRange{2 * kS, 3 * kS})});
+    expect_refusal({a}, {"4096..8192"}, {"--require", "0:12288"});
+    EXPECT_EQ(merge_files({a}, {"--require", "8192:12288"}).status, 0);
+}
+
+TEST_F(MergeTest, WrongUsageIsExitStatusTwo) {
+    EXPECT_EQ(run({tool("latent-merge")}).status, 2);
+    EXPECT_EQ(run({tool("latent-merge"), "a.latent"}).status, 2);
+    EXPECT_EQ(merge_files({"a.latent"}, {"--require", "7:7"}).status, 2);
+    EXPECT_EQ(merge_files({"a.latent"}, {"--verify", "never"}).status, 2);
+}
+
+TEST_F(MergeTest, ManyPartsNeedFewOpenFiles) {
+    Job job = small_job();
+    job.run_samples = 1024;
+    fs::create_directories(folder_ / "parts");
+    for (std::uint64_t i = 0; i < 600; ++i) {
+        part("parts/" + std::to_string(i) + ".latent", job, {Coverage(SampleRange{i * 1024, i * 1024 + 1024})});
+    }
+    const Outcome outcome = run({"/bin/sh", "-c", "ulimit -n 300; exec \"$0\" \"$@\"", tool("latent-merge"),
+                                 (folder_ / "parts").string(), "-o", out_.string()});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(gather(out_, VerifyLevel::kHeaders)->coverage(), Coverage(SampleRange{0, 600 * 1024}));
+}
+
+class MergeFaults : public MergeTest {
+ protected:
+    const Job job_ = small_job();
+    const std::vector<fs::path> parts_ = {part("a.latent", job_, runs_between({0, kS, 2 * kS})),
+                                          part("b.latent", job_, runs_between({2 * kS, 3 * kS}))};
+    const std::vector<std::string> before_ = folder_.names();
+
+    FaultOutcome merge_with(const std::string& rule, const std::vector<std::string>& options) {
+        return run_with_fault(command(parts_, options), {rule, folder_.path().string()});
+    }
+};
+
+TEST_F(MergeFaults, EveryCallThatFailsIsReportedAndLeavesNoHalfOutput) {
+    for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--compact"}}) {
+        for (const char* call : {"create", "write", "copy", "sync", "link"}) {
+            if (!options.empty() && std::string(call) == "copy") continue;  // everything is rewritten
+            for (const char* what : {"EIO", "ENOSPC"}) {
+                int nth = 1;
+                for (bool happened = true; happened; ++nth) {
+                    const std::string rule = std::string(call) + ":" + std::to_string(nth) + ":" + what;
+                    SCOPED_TRACE(rule);
+                    const FaultOutcome outcome = merge_with(rule, options);
+                    happened = outcome.happened;
+                    if (!happened) {
+                        EXPECT_EQ(outcome.status, 0) << outcome.err;
+                    } else if (outcome.status == 0 || fs::exists(out_)) {  // the folder's own sync, or a detour that worked
+                        EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 3 * kS}));
+                    } else {
+                        EXPECT_EQ(outcome.status, 1);
+                        EXPECT_NE(outcome.err.find("out.latent"), std::string::npos) << outcome.err;
+                        EXPECT_EQ(folder_.names(), before_);
+                    }
+                    fs::remove(out_);
+                }
+                EXPECT_GT(nth, 2) << call;
+            }
+        }
+    }
+}
+
+TEST_F(MergeFaults, AReadErrorNeverYieldsAnOutputThatPretendsToBeWhole) {
+    for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--compact"}}) {
+        bool happened = true;
+        for (int nth = 1; happened && nth < 200; ++nth) {
+            const std::string rule = "read:" + std::to_string(nth) + ":EIO";
+            SCOPED_TRACE(rule);
+            const FaultOutcome outcome = merge_with(rule, options);
+            happened = outcome.happened;
+            if (outcome.status == 0) {
+                EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 3 * kS}));
+            } else if (outcome.status == 3) {
+                EXPECT_NE(outcome.err.find("left out"), std::string::npos);
+            } else {
+                EXPECT_EQ(outcome.status, 1);
+                EXPECT_EQ(folder_.names(), before_) << outcome.err;
+            }
+            fs::remove(out_);
+        }
+        EXPECT_FALSE(happened);  // every read was met
+    }
+}
+
+TEST_F(MergeFaults, AnyMeansOfCopyingGivesTheSameBytes) {
+    ASSERT_EQ(merge_files(parts_).status, 0);
+    const std::string expected = read_text(out_);
+    for (const char* rule :
+         {"copy:1:EXDEV", "copy:1+:EOPNOTSUPP", "copy:1:short", "copy:1:zero", "copy:2:EINTR", "write:1:short", "read:5:short"}) {
+        fs::remove(out_);
+        const FaultOutcome outcome = merge_with(rule, {});
+        EXPECT_TRUE(outcome.happened) << rule;
+        EXPECT_EQ(outcome.status, 0) << rule << outcome.err;
+        EXPECT_EQ(read_text(out_), expected) << rule;
+    }
+}
+
+TEST_F(MergeFaults, ACopyThatIsNotTheOriginalIsNoticed) {
+    for (const char* rule : {"copy:1:flip", "copy:2:flip"}) {
+        const FaultOutcome outcome = merge_with(rule, {"--verify", "full"});
+        EXPECT_EQ(outcome.status, 1) << rule;
+        EXPECT_NE(outcome.err.find("out.latent"), std::string::npos) << outcome.err;
+        EXPECT_EQ(folder_.names(), before_);
+    }
+}
+
+}  // namespace
+}  // namespace latent::merge
