@@ -77,7 +77,8 @@ class LineWriter {
         const char* const name = camera ? "camera" : "light";
         const double u = page.u[row] * 0x1p-32, v = page.v[row] * 0x1p-32;
         if (json_) {
-            fmt::format_to(std::back_inserter(line), R"({{"sample":{},"class":"{}","u":{},"v":{},"share":)", page.sample[row], name, u, v);
+            fmt::format_to(std::back_inserter(line), R"({{"sample":{},"class":"{}","u":{},"v":{},"share":)", page.sample[row], name,
+                           u, v);
         } else {
             fmt::format_to(std::back_inserter(line), "{},{},{},{},", page.sample[row], name, u, v);
         }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -22,7 +23,29 @@ Coverage coverage_of(const ByteSource& source, const RunInfo& run, const Job& jo
     return Coverage(run.header.samples);
 }
 
+bool lies_in(const std::vector<Damage>& damage, std::uint64_t offset) {
+    return std::ranges::any_of(damage,
+                               [&](const Damage& hole) { return offset >= hole.offset && offset < hole.offset + hole.size; });
+}
+
 }  // namespace
+
+Result<std::vector<RunInfo>> runs_that_only_the_footer_knows(const ByteSource& source, const FileContents& walked) {
+    if (!walked.finished) return std::vector<RunInfo>{};
+    const Result<FileContents> by_footer = read_file(source, VerifyLevel::kHeaders, true);
+    if (!by_footer) return by_footer.error();
+    std::vector<RunInfo> runs;
+    for (const RunInfo& run : by_footer->runs) {
+        if (std::ranges::find(walked.runs, run.offset, &RunInfo::offset) == walked.runs.end()) runs.push_back(run);
+    }
+    return runs;
+}
+
+Damage lost_with_its_header(const RunInfo& run) {
+    return {run.offset, run.header.size(),
+            fmt::format("run at byte {}: its header is damaged; samples {}..{} lost", run.offset, run.header.samples.first,
+                        run.header.samples.end)};
+}
 
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress) {
@@ -40,8 +63,11 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     report.damage = file->damage;
     report.unfinished_tail = file->unfinished_tail;
     Coverage promised;  // by the headers that were found, and by the footer, if that survived
-    if (const Result<FileContents> by_footer = read_file(*source, VerifyLevel::kHeaders, true); by_footer) {
-        for (const RunInfo& run : by_footer->runs) promised.add(coverage_of(*source, run, job));
+    const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(*source, *file);
+    if (!beheaded) return beheaded.error().at(input.string());
+    for (const RunInfo& run : *beheaded) {
+        promised.add(run.header.samples);
+        if (!lies_in(report.damage, run.offset)) report.damage.push_back(lost_with_its_header(run));
     }
 
     const Result<Bytes> header = encode_file_header(file->header);

@@ -8,6 +8,7 @@
 
 #include "base/size.h"
 #include "sampledb/byte_source.h"
+#include "tools/inspect/recover.h"
 
 namespace latent::inspect {
 
@@ -90,11 +91,9 @@ Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, cons
             damaged(not_finite.error());
         }
     }
-    if (file->finished) {
-        const Result<FileContents> by_footer = read_file(*source, VerifyLevel::kHeaders, true);
-        if (!by_footer) return by_footer.error().at(path.string());
-        if (by_footer->runs != file->runs) report.damage.push_back("footer: lists other runs than the file holds");
-    }
+    const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(*source, *file);
+    if (!beheaded) return beheaded.error().at(path.string());
+    for (const RunInfo& run : *beheaded) report.damage.push_back(lost_with_its_header(run).reason);
     return report;
 }
 

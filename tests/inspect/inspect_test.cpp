@@ -1,0 +1,309 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <regex>
+#include <sstream>
+
+#include "sampledb/gathering.h"
+#include "tests/faults/process.h"
+#include "tests/support/synthetic.h"
+#include "tools/inspect/synthetic.h"
+
+namespace latent::inspect {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace sampledb;
+using latent::testing::FaultOutcome;
+using latent::testing::Outcome;
+using latent::testing::read_text;
+using latent::testing::run;
+using latent::testing::run_with_fault;
+using latent::testing::TemporaryFolder;
+using latent::testing::tool;
+using nlohmann::json;
+
+constexpr std::uint64_t kS = 4096;
+
+Job small_job(RecordKind kind = RecordKind::kXyz) {
+    Job job = synthetic::make_job(kind);
+    job.run_samples = kS;
+    return job;
+}
+
+const std::vector<Coverage>& four_runs() {
+    static const std::vector<Coverage> runs = {Coverage(SampleRange{0, kS}), Coverage(SampleRange{kS, 2 * kS}),
+                                               Coverage(SampleRange{2 * kS, 3 * kS}), Coverage(SampleRange{3 * kS, 3 * kS + 500})};
+    return runs;
+}
+
+class InspectTest : public ::testing::Test {
+ protected:
+    TemporaryFolder folder_;
+
+    Outcome inspect(std::vector<std::string> words) const {
+        words.insert(words.begin(), tool("latent-inspect"));
+        return run(words);
+    }
+    fs::path write(const std::string& name, ByteSpan bytes) const {
+        synthetic::write_file(folder_ / name, bytes);
+        return folder_ / name;
+    }
+    static std::unique_ptr<Gathering> gather(const fs::path& file) {
+        GatherOptions options;
+        options.inputs = {file};
+        options.verify = VerifyLevel::kFull;
+        auto gathering = Gathering::open(options);
+        EXPECT_TRUE(gathering) << gathering.error().message;
+        return gathering ? std::move(*gathering) : nullptr;
+    }
+};
+
+TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
+    const Job job = small_job(RecordKind::kSpectral);
+    std::vector<Coverage> runs = four_runs();
+    runs.insert(runs.begin(), Coverage(SampleRange{0, 1024}));  // a checkpoint that the first run supersedes
+    const fs::path file = write("a.latent", synthetic::make_file(job, runs, true, {}, R"({"host":"h"})").bytes);
+    const Outcome outcome = inspect({"info", "--json", file});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json info = json::parse(outcome.out);
+    EXPECT_EQ(info["job"], to_hex(job.id));
+    EXPECT_EQ(info["kind"], "spectral");
+    EXPECT_EQ(info["wavelengths"], job.batch);
+    EXPECT_EQ(info["samples"], json::parse("[[0,12788]]"));
+    EXPECT_EQ(info["light_paths"], 12788 * job.light_paths_per_sample);
+    EXPECT_EQ(info["runs"], 4);
+    EXPECT_EQ(info["superseded_runs"], 1);
+    EXPECT_EQ(info["open_runs"], 1);
+    EXPECT_EQ(info["finished"], true);
+    EXPECT_EQ(info["origin"]["host"], "h");
+    EXPECT_EQ(info["camera_records"].get<std::uint64_t>() + info["light_records"].get<std::uint64_t>(),
+              synthetic::make_records(job, {0, 12788}).size());
+    double stored = 0;
+    for (const json& column : info["columns"]) stored += column["stored_bytes_per_record"].get<double>();
+    const double records =
+        static_cast<double>(info["camera_records"].get<std::uint64_t>() + info["light_records"].get<std::uint64_t>());
+    EXPECT_LT(stored * records, info["stored_bytes"].get<double>());  // the rest is headers, indexes and padding
+    EXPECT_GT(stored * records, 0.9 * (info["stored_bytes"].get<double>() - 4 * 5000));
+    EXPECT_NE(inspect({"info", file}).out.find(to_hex(job.id)), std::string::npos);
+}
+
+TEST_F(InspectTest, VerifyNamesTheRunThatIsDamaged) {
+    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const fs::path file = write("a.latent", sound.bytes);
+    for (const char* depth : {"--quick", "--json", "--deep"}) EXPECT_EQ(inspect({"verify", depth, file}).status, 0) << depth;
+    Bytes broken = sound.bytes;
+    broken[sound.run_ends[0] + 3000] ^= std::byte{1};
+    const Outcome outcome = inspect({"verify", write("b.latent", broken)});
+    EXPECT_EQ(outcome.status, 4);
+    EXPECT_NE(outcome.out.find("b.latent: run 1 at byte " + std::to_string(sound.run_ends[0])), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("samples 4096..8192 lost"), std::string::npos) << outcome.out;
+    EXPECT_EQ(inspect({"verify", file, folder_ / "b.latent"}).status, 4);
+}
+
+TEST_F(InspectTest, AnUnfinishedFileIsSoundAndOneThatIsNoLatentFileIsAnError) {
+    const synthetic::FileBytes unfinished = synthetic::make_file(small_job(), four_runs(), false);
+    const Outcome outcome =
+        inspect({"verify", write("a.latent.part.0", ByteSpan(unfinished.bytes).first(unfinished.run_ends[2] + 700))});
+    EXPECT_EQ(outcome.status, 0) << outcome.out;
+    EXPECT_NE(outcome.out.find("not finished"), std::string::npos);
+    std::ofstream(folder_ / "text") << "nothing of the kind";
+    for (const char* command : {"info", "verify"}) {
+        const Outcome text = inspect({command, folder_ / "text"});
+        EXPECT_EQ(text.status, 1);
+        EXPECT_NE(text.err.find("text"), std::string::npos) << text.err;
+        EXPECT_EQ(inspect({command, folder_ / "nowhere"}).status, 1);
+    }
+}
+
+TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
+    const Job job = small_job();
+    const synthetic::FileBytes sound = synthetic::make_file(job, four_runs());
+    for (std::size_t broken_run = 0; broken_run < 4; ++broken_run) {
+        for (const std::size_t into : {std::size_t{100}, std::size_t{2000}}) {  // its header; its pages
+            Bytes bytes = sound.bytes;
+            const std::size_t at = (broken_run == 0 ? sound.header_size : sound.run_ends[broken_run - 1]) + into;
+            std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), 512, std::byte{0});
+            const fs::path input = write("a.latent", bytes), output = folder_ / "b.latent";
+            const Outcome outcome = inspect({"recover", input, "-o", output, "--json", "--force"});
+            EXPECT_EQ(outcome.status, 3) << outcome.err;
+            const json ledger = json::parse(outcome.out);
+            const SampleRange lost = four_runs()[broken_run].ranges().front();
+            EXPECT_EQ(ledger["lost_samples"], (json{{lost.first, lost.end}})) << ledger.dump();
+            EXPECT_EQ(ledger["damage"].size(), 1u);
+            const auto saved = gather(output);
+            ASSERT_TRUE(saved);
+            EXPECT_EQ(saved->runs().size(), 3u);
+            EXPECT_FALSE(saved->coverage().intersects(lost));
+            EXPECT_EQ(inspect({"verify", "--deep", output}).status, 0);
+            EXPECT_EQ(inspect({"recover", output, "-o", folder_ / "c.latent", "--force"}).status, 0);  // nothing more to lose
+            EXPECT_EQ(read_text(folder_ / "c.latent"), read_text(output));
+        }
+    }
+}
+
+TEST_F(InspectTest, RecoverNeverTouchesItsInputOrAnOutputThatExists) {
+    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const std::string before = read_text(file);
+    EXPECT_EQ(inspect({"recover", file, "-o", file}).status, 1);
+    std::ofstream(folder_ / "b.latent") << "precious";
+    EXPECT_EQ(inspect({"recover", file, "-o", folder_ / "b.latent"}).status, 1);
+    EXPECT_EQ(read_text(folder_ / "b.latent"), "precious");
+    EXPECT_EQ(read_text(file), before);
+}
+
+TEST_F(InspectTest, RecoverFromAFailingDiskLeavesNoHalfOutput) {
+    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const std::vector<std::string> before = folder_.names();
+    for (const char* call : {"create", "write", "copy", "sync", "link", "read"}) {
+        int nth = 1;
+        for (bool happened = true; happened && nth < 100; ++nth) {
+            const std::string rule = std::string(call) + ":" + std::to_string(nth) + ":EIO";
+            SCOPED_TRACE(rule);
+            const FaultOutcome outcome = run_with_fault({tool("latent-inspect"), "recover", file, "-o", folder_ / "b.latent"},
+                                                        {rule, folder_.path().string()});
+            happened = outcome.happened;
+            if (fs::exists(folder_ / "b.latent")) {
+                EXPECT_EQ(inspect({"verify", folder_ / "b.latent"}).status, 0);
+            } else {
+                EXPECT_EQ(outcome.status, 1);
+                EXPECT_NE(outcome.err.find(".latent"), std::string::npos) << outcome.err;
+                EXPECT_EQ(folder_.names(), before);
+            }
+            fs::remove(folder_ / "b.latent");
+        }
+        EXPECT_GT(nth, 2) << call;
+    }
+}
+
+TEST_F(InspectTest, CatPrintsEveryRecordExactly) {
+    Job job = small_job();
+    job.extra = {{"depth", ColumnType::kF32}};
+    const fs::path file = write("a.latent", synthetic::make_file(job, four_runs()).bytes);
+    const Records records = synthetic::make_records(job, {0, 3 * kS + 500});
+    std::multimap<std::uint64_t, std::size_t> rows;
+    for (std::size_t i = 0; i < records.size(); ++i) rows.emplace(records.sample[i], i);
+
+    const Outcome csv = inspect({"cat", file});
+    ASSERT_EQ(csv.status, 0) << csv.err;
+    std::istringstream lines(csv.out);
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line, "sample,class,u,v,share,x,y,z,depth");
+    while (std::getline(lines, line)) {
+        std::replace(line.begin(), line.end(), ',', ' ');
+        std::istringstream fields(line);
+        std::uint64_t sample;
+        std::string record_class, values[7];
+        fields >> sample >> record_class;
+        for (std::string& value : values) fields >> value;
+        const auto [first, last] = rows.equal_range(sample);
+        const auto same = std::find_if(first, last, [&](const auto& entry) {
+            const std::size_t i = entry.second;
+            return (record_class == "light") == (records.record_class[i] == RecordClass::kLight) &&
+                   std::stod(values[0]) * 0x1p32 == records.u[i] && std::stod(values[1]) * 0x1p32 == records.v[i] &&
+                   std::stof(values[2]) == records.share[i] && std::stof(values[3]) == records.x[i] &&
+                   std::stof(values[4]) == records.y[i] && std::stof(values[5]) == records.z[i];
+        });
+        ASSERT_NE(same, last) << line;
+        rows.erase(same);
+    }
+    EXPECT_TRUE(rows.empty());
+}
+
+TEST_F(InspectTest, CatSelectsSamplesRegionAndNumber) {
+    const Job job = small_job(RecordKind::kSpectral);
+    const fs::path file = write("a.latent", synthetic::make_file(job, four_runs()).bytes);
+    const Records records = synthetic::make_records(job, {5000, 6000});
+    const Outcome outcome = inspect({"cat", file, "--samples", "5000:6000", "--region", "0.25,0.5,1,1", "--format", "json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    std::size_t expected = 0, seen = 0;
+    for (std::size_t i = 0; i < records.size(); ++i) expected += records.u[i] >= 0x40000000u && records.v[i] >= 0x80000000u;
+    std::istringstream lines(outcome.out);
+    for (std::string line; std::getline(lines, line); ++seen) {
+        const json record = json::parse(line);
+        EXPECT_GE(record["u"].get<double>(), 0.25);
+        EXPECT_GE(record["v"].get<double>(), 0.5);
+        EXPECT_GE(record["sample"].get<std::uint64_t>(), 5000u);
+        EXPECT_LT(record["sample"].get<std::uint64_t>(), 6000u);
+        EXPECT_EQ(record["lambda_nm"].size(), record["power"].size());
+    }
+    EXPECT_EQ(seen, expected);
+    const Outcome limited = inspect({"cat", file, "--limit", "7"});
+    EXPECT_EQ(std::count(limited.out.begin(), limited.out.end(), '\n'), 8);
+}
+
+TEST_F(InspectTest, GenWritesTheSameFileWithAnyNumberOfThreads) {
+    std::string expected;
+    for (const char* threads : {"1", "2", "5"}) {
+        const Outcome outcome =
+            inspect({"gen", "-o", folder_ / "a.latent", "--records", "20k", "--kind", "spectral", "--wavelengths", "8", "--light",
+                     "0.3", "--single", "0.2", "--run-samples", "4096", "--threads", threads, "--force"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        if (expected.empty()) expected = read_text(folder_ / "a.latent");
+        EXPECT_EQ(read_text(folder_ / "a.latent"), expected);
+    }
+    EXPECT_EQ(inspect({"verify", "--deep", folder_ / "a.latent"}).status, 0);
+    EXPECT_EQ(inspect({"gen", "-o", folder_ / "a.latent", "--records", "20k", "--seed", "1"}).status, 1);  // another job
+}
+
+TEST_F(InspectTest, GenReachesSampleNumbersBeyondTwoToTheThirtyTwo) {
+    const Outcome outcome =
+        inspect({"gen", "-o", folder_ / "far.latent", "--first", "8589934592", "--records", "3000", "--every", "1000", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto far = gather(folder_ / "far.latent");
+    EXPECT_EQ(far->coverage(), Coverage(SampleRange{8589934592, 8589934592 + 3000000}));
+    std::uint64_t records = 0;
+    for (const SelectedRun& r : far->runs()) records += r.header.camera_records;
+    EXPECT_EQ(records, 3000u);
+}
+
+TEST(Synthetic, ExpectedLuminanceIsTheSameForBothKinds) {
+    SyntheticScene scene;
+    scene.texture = Texture::kUniform;
+    scene.kind = RecordKind::kSpectral;
+    const Job job = synthetic_job(scene);
+    const Grain grain = synthetic_grain(scene, job, {0, 1024});
+    // P_i = L / (k p), so that the sum of P_i estimates the integral of L = 1 / 106.857 over the 470 nm of the band.
+    double sum = 0;
+    for (const float power : grain.records.power) sum += power;
+    EXPECT_NEAR(sum / 1024, 470 / 106.856895, 0.01 * 470 / 106.856895);
+}
+
+// The commands that a help text shows work as they stand.
+TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
+    for (const char* name : {"night.latent", "night-0.latent", "night-1.latent", "broken.latent"}) {
+        const bool second = std::string(name) == "night-1.latent";
+        const std::vector<Coverage> runs = {second ? Coverage(SampleRange{kS, 2 * kS}) : Coverage(SampleRange{0, kS})};
+        write(name, synthetic::make_file(small_job(), runs).bytes);
+    }
+    fs::create_directories(folder_ / "parts");
+    write("parts/0.latent", synthetic::make_file(small_job(), std::vector{Coverage(SampleRange{0, kS})}).bytes);
+    write("parts/1.latent", synthetic::make_file(small_job(), std::vector{Coverage(SampleRange{kS, 2 * kS})}).bytes);
+    int tried = 0;
+    for (const std::string command : {"latent-merge", "latent-inspect info", "latent-inspect verify", "latent-inspect recover",
+                                      "latent-inspect cat", "latent-inspect gen"}) {
+        const std::string path = "PATH=" LATENT_BIN_DIR ":$PATH; cd " + folder_.path().string() + "; ";
+        const Outcome help = run({"/bin/sh", "-c", path + command + " --help"});
+        ASSERT_EQ(help.status, 0) << command;
+        std::istringstream lines(help.out);
+        for (std::string line; std::getline(lines, line);) {
+            if (line.rfind("  latent-", 0) != 0) continue;
+            std::string example = line.substr(2, line.find("   ", 2) - 2);
+            example = std::regex_replace(example, std::regex("1\\.07G|10M|1M"), "10k");  // the same, but small
+            example = std::regex_replace(example, std::regex("0:16777216"), "0:8192");
+            example = std::regex_replace(example, std::regex("-o (\\S+)"), "-o out-" + std::to_string(tried) + ".latent");
+            const Outcome outcome = run({"/bin/sh", "-c", path + example});
+            EXPECT_EQ(outcome.status, 0) << example << "\n" << outcome.err;
+            ++tried;
+        }
+    }
+    EXPECT_GE(tried, 16);
+}
+
+}  // namespace
+}  // namespace latent::inspect
