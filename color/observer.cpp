@@ -69,6 +69,11 @@ std::array<double, 3> Observer::at(double lambda_nm) const {
     return out;
 }
 
+std::array<float, 3> Observer::operator()(float lambda_nm) const {
+    const std::array<double, 3> f = at(lambda_nm);
+    return {static_cast<float>(f[0]), static_cast<float>(f[1]), static_cast<float>(f[2])};
+}
+
 Spectrum Observer::curve(int component) const {
     std::vector<double> value;
     for (const auto& response : response_) value.push_back(response[component]);

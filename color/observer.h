@@ -36,6 +36,7 @@ class Observer {
 
     // Exact between knots, zero outside; the same bits on every processor.
     std::array<double, 3> at(double lambda_nm) const;
+    std::array<float, 3> operator()(float lambda_nm) const;  // at(), rounded
     // Knots [nm] and the responses there, for those who build their own lookup.
     std::span<const double> lambda_nm() const { return lambda_nm_; }
     std::span<const std::array<double, 3>> responses() const { return response_; }

@@ -50,8 +50,7 @@ TEST(Observer, IsLinearBetweenTableEntriesAndZeroOutside) {
 TEST(Observer, EvaluatesUnevenTablesLikeTheirSpectrum) {
     const Observer film = *Observer::from_csv("400.25 0.5\n400.5 0.75\n401.125,1\n555.5;0.25\n556 0\n700 0.125\n", "film");
     const Spectrum curve = film.curve(1);
-    for (float lambda = 399; lambda < 702; lambda += 0.0625F)
-        EXPECT_EQ(film(lambda)[1], static_cast<float>(curve(lambda))) << lambda;
+    for (double lambda = 399; lambda < 702; lambda += 0.0625) EXPECT_DOUBLE_EQ(film.at(lambda)[1], curve(lambda)) << lambda;
 }
 
 // White points of D65 and A at 1 nm, as published by the CIE for both observers.
