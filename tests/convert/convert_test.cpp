@@ -2,6 +2,7 @@
 #include "tools/convert/convert.h"
 
 #include <ImfInputFile.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstring>
@@ -145,7 +146,7 @@ TEST_F(Convert, ThreadsMemoryAndTheInputsLayoutChangeNoByte) {
         const std::string folder = "out" + std::to_string(number++);
         std::filesystem::create_directory(folder_ / folder);
         for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr", "z.dzi"}) options.outputs.push_back(folder_ / folder / name);
-        const Result<ConvertReport> report = convert(options, {});
+        const Result<ConvertReport> report = convert(options, never_, {});
         ASSERT_TRUE(report) << report.error().message;
         std::size_t files = 0;
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / folder)) {
@@ -238,7 +239,7 @@ TEST_F(Convert, ColourAndSettingsAreWrittenIntoEveryFormatAndNoPathIs) {
     for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr", "z.dzi"}) options.outputs.push_back(folder_ / name);
     options.profile = "display-p3";
     options.sensitivity = 1.75;
-    ASSERT_TRUE(convert(options, {}));
+    ASSERT_TRUE(convert(options, never_, {}));
     const Bytes icc = display_from("display-p3", std::nullopt)->icc;
     const Decoded png = image::decode_png(folder_ / "a.png"), tif = image::decode_tiff(folder_ / "a.tif").at(0),
                   jpg = image::decode_jpeg(folder_ / "a.jpg");
@@ -262,7 +263,7 @@ TEST_F(Convert, ColourAndSettingsAreWrittenIntoEveryFormatAndNoPathIs) {
     }
     options.profile = "srgb";
     options.replace = true;
-    ASSERT_TRUE(convert(options, {}));
+    ASSERT_TRUE(convert(options, never_, {}));
     EXPECT_TRUE(image::decode_png(folder_ / "a.png").srgb);
     EXPECT_TRUE(image::decode_png(folder_ / "a.png").icc.empty());
     EXPECT_TRUE(image::decode_jpeg(folder_ / "z_files" / "9" / "0_0.jpg").icc.empty());
@@ -299,6 +300,43 @@ TEST_F(Convert, AutomaticExposurePrintsTheSensitivityItChoseAndTheNumberGivesThe
                                              chosen.out.substr(place + 15, chosen.out.find('\n', place) - place - 15)});
     ASSERT_EQ(given.status, 0) << given.err;
     EXPECT_TRUE(testing::read_text(folder_ / "auto.png") == testing::read_text(folder_ / "given.png"));
+}
+
+TEST_F(Convert, ASpaceGivenByItsMatrixPrintsLikeTheSpaceAndASingularOneNeedsItsLuminances) {
+    write_picture(folder_ / "a.exr", {});
+    const color::Matrix3& m = color::RgbSpace::srgb().rgb_from_xyz;
+    ConvertOptions options;
+    ASSERT_TRUE(print("a.exr", "name.png", options));
+    for (std::size_t i = 0; i < 9; ++i)
+        options.profile = (i == 0 ? "" : options.profile + ",") + fmt::format("{}", m.m[i / 3][i % 3]);
+    ASSERT_TRUE(print("a.exr", "matrix.png", options));
+    EXPECT_TRUE(image::decode_png(folder_ / "name.png").pixels == image::decode_png(folder_ / "matrix.png").pixels);
+
+    options.profile = "0,1,0,0,1,0,0,1,0";  // red, green and blue all show luminance: black and white
+    const Result<ConvertReport> refused = print("a.exr", "grey.png", options);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("--luminance-row"), std::string::npos) << refused.error().message;
+    options.luminance_row = {0.2, 0.7, 0.1};
+    for (const char* name : {"grey.png", "grey.exr", "grey.tif"}) ASSERT_TRUE(print("a.exr", name, options)) << name;
+    Rect window;
+    const std::vector<float> grey = read_exr(at("grey.exr"), window);
+    for (std::size_t i = 0; i < grey.size(); ++i) {
+        const std::array<float, 3> light = colourful(static_cast<int>(i / 3 % 300), static_cast<int>(i / 900));
+        ASSERT_NEAR(grey[i], -std::expm1(-static_cast<double>(light[1]) * std::log(2.0)), 3e-6) << i;
+    }
+}
+
+TEST_F(Convert, AStoppedPrintLeavesNothing) {
+    write_picture(folder_ / "a.exr", {300, 3000}, [](int, int) { return std::array<float, 3>{1, 1, 1}; });
+    ConvertOptions options;
+    options.input = folder_ / "a.exr";
+    options.memory = std::uint64_t{16} << 20;
+    for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr2.exr", "z.dzi"}) options.outputs.push_back(folder_ / name);
+    std::atomic<bool> stop = false;
+    const Result<ConvertReport> report = convert(options, stop, [&](double done, const std::string&) { stop = stop || done > 0; });
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().code, ErrorCode::kStopped);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.exr"});
 }
 
 TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {

@@ -20,8 +20,9 @@ struct Display {
     std::optional<std::array<std::uint8_t, 4>> cicp;  // code points of ITU-T H.273, where these say exactly the same
 };
 
-// `text`: a name ("srgb", "display-p3", "rec2020", "adobe-rgb"), 8 numbers "rx,ry,gx,gy,bx,by,wx,wy" (encoded like sRGB), or an ICC
-// profile *.icc or *.icm of three primaries and a curve. `luminance_row` replaces m of a matrix that has no inverse.
+// `text`: a name ("srgb", "display-p3", "rec2020", "adobe-rgb"), 8 numbers "rx,ry,gx,gy,bx,by,wx,wy", 9 numbers,
+// the matrix from XYZ to linear RGB row by row (both encoded like sRGB), or an ICC profile *.icc or *.icm of three primaries and a
+// curve. `luminance_row` replaces the luminances m of the primaries; a matrix without an inverse needs it.
 // Errors: kUsage, with the choices; kNotFound; kUnsupported for profiles made of tables, or of a curve that no power describes.
 Result<Display> display_from(const std::string& text, const std::optional<std::array<double, 3>>& luminance_row);
 

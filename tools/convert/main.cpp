@@ -1,11 +1,16 @@
 // latent-convert: from developed pixels to a print.
 #include <fmt/format.h>
+#include <signal.h>
+
+#include <atomic>
 
 #include "base/cli.h"
 #include "tools/convert/convert.h"
 #include "tools/convert/report.h"
 
 namespace {
+
+std::atomic<bool> stop_requested = false;
 
 constexpr const char* kExamples = R"(
 Formats, by the output's extension: .png .tif .jpg (display pixels with a colour profile), .exr (the print in linear light),
@@ -36,13 +41,16 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_option("--gamut", options.gamut, "luminance: exact brightness; grey: that and truer hue; clip: neither")
         ->check(CLI::IsMember({"luminance", "grey", "clip"}))
         ->capture_default_str();
-    app.add_option("--profile", options.profile, "srgb, display-p3, rec2020, adobe-rgb, rx,ry,gx,gy,bx,by,wx,wy or FILE.icc")
+    app.add_option("--profile", options.profile,
+                   "srgb, display-p3, rec2020, adobe-rgb; rx,ry,gx,gy,bx,by,wx,wy; 9 numbers, the matrix XYZ to RGB; or FILE.icc")
         ->capture_default_str();
     app.add_option("--luminance-row", options.luminance_row, "luminances of the primaries, three numbers, instead of the profile's")
         ->delimiter(',');
-    const std::map<std::string, Depth> depths{{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}};
-    app.add_option("--bits", options.depth, "8, 16 or float; default 8, EXR float (16: half)")
-        ->transform(CLI::CheckedTransformer(depths));
+    const auto depth = [&options](const std::string& text) {
+        options.depth = text == "8" ? Depth::k8 : text == "16" ? Depth::k16 : Depth::kFloat;
+    };
+    app.add_option_function<std::string>("--bits", depth, "8 by default, but float for EXR, where 16 means half")
+        ->check(CLI::IsMember({"8", "16", "float"}));
     app.add_flag("--dither,!--no-dither", options.dither, "hide the steps of 8 bits in noise (default on)");
     app.add_option_function<std::array<int, 4>>(
            "--crop",
@@ -82,8 +90,12 @@ int main(int argc, char** argv) {
     options.threads = common.threads;
     options.memory = common.memory;
     options.replace = common.force;
+    struct sigaction action = {};
+    action.sa_handler = [](int) { stop_requested = true; };
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
     const latent::Result<latent::convert::ConvertReport> report =
-        latent::convert::convert(options, cli::progress_to_stderr("printing"));
+        latent::convert::convert(options, stop_requested, cli::progress_to_stderr("printing"));
     if (!report) return cli::fail(report.error());
     fmt::print("{}", common.json ? latent::convert::report_json(*report) : latent::convert::report_text(*report));
     if (report->damaged() == 0) return cli::kDone;

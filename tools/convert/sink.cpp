@@ -146,7 +146,7 @@ Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>
 Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const Picture& picture, const Display& display,
                                        const ConvertOptions& options) {
     image::ExrTags tags;
-    tags.chromaticities = chromaticities_of(display.space.primaries);
+    if (display.space.rgb_from_xyz.invertible()) tags.chromaticities = chromaticities_of(display.space.primaries);
     for (auto& [key, value] : texts(picture, display, options)) {
         tags.texts.emplace_back(
             key == "Software" ? "software" : "latent:" + std::string(1, static_cast<char>(key[0] | 0x20)) + key.substr(1), value);
