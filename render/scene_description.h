@@ -1,5 +1,5 @@
 // render/scene_description.h: what a .pbrt file says, resolved: plain data that geometry, lights and materials are built from.
-// Conventions are pbrt-v4's (docs/rendering.md, "Scenes"): left-handed coordinates; world-space values unless said otherwise.
+// Conventions are pbrt-v4's (docs/scenes.md): left-handed coordinates; world-space values unless said otherwise.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,11 @@ void read_roughness(const ParameterList& list, MaterialDescription& material) {
 
 // A refractive index is positive wherever we look.
 void check_index(const ParameterList& list, const color::Spectrum& eta) {
-    if (std::min({eta.min_value(), eta(color::kLambdaMin), eta(color::kLambdaMax)}) > 0) return;
+    bool positive = eta(color::kLambdaMin) > 0 && eta(color::kLambdaMax) > 0;
+    for (const double lambda : eta.lambda_nm()) {
+        if (lambda >= color::kLambdaMin && lambda <= color::kLambdaMax) positive &= eta(lambda) > 0;
+    }
+    if (positive) return;
     list.error("eta: must be positive from 360 to 830 nm (an inline spectrum is 0 outside its samples: give values at both ends)");
 }
 

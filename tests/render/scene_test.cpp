@@ -124,6 +124,14 @@ TEST(Scene, RoughnessIsRemappedBySquareRootUnlessToldNot) {
     EXPECT_EQ(scene.materials[2].alpha_y, 0.09f);
 }
 
+TEST(Scene, IndicesNeedToBePositiveOnlyWhereWeLook) {
+    const SceneDescription scene = world(
+        "Material \"dielectric\" \"spectrum eta\" [ 300 0 360 1.5 830 1.4 ]\nMaterial \"dielectric\" \"spectrum eta\" [ 360 1.5 "
+        "830 1.5 ]\n");
+    EXPECT_TRUE(scene.materials[1].dispersive);
+    EXPECT_FALSE(scene.materials[2].dispersive);
+}
+
 TEST(Scene, ConductorOfAReflectanceReflectsItAtNormalIncidence) {
     const SceneDescription scene = world("Material \"conductor\" \"spectrum reflectance\" [ 360 0.2 830 0.9 ]\n");
     for (const double lambda : {360.0, 500.0, 700.0, 830.0}) {
