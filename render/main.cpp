@@ -15,8 +15,24 @@
 
 namespace {
 
-std::atomic<bool> stop_requested{false};
-void request_stop(int) { stop_requested = true; }
+std::atomic<bool> rendering{false}, stop_requested{false};
+
+// Before the first sample there is nothing to commit: the program may end at once.
+void request_stop(int) {
+    static constexpr char kLine[] = "latent-render: stopped before the first sample; run the same command again\n";
+    if (!rendering) {
+        [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, kLine, sizeof kLine - 1);
+        ::_exit(latent::cli::kStopped);
+    }
+    stop_requested = true;
+}
+
+void listen_to_signals() {
+    struct sigaction action = {};
+    action.sa_handler = request_stop;
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+}
 
 }  // namespace
 
@@ -63,7 +79,8 @@ int main(int argc, char** argv) {
     app.footer(
         "Examples:\n"
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"
-        "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2      (and half1.latent with --shard 1/2)\n"
+        "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2\n"
+        "  latent-render scenes/cornell.pbrt -o half1.latent --spp 64 --shard 1/2\n"
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 1024 --resolution 4096x4096 --dry-run");
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
@@ -75,6 +92,7 @@ int main(int argc, char** argv) {
     if (const Status parsed = parse_ranges({samples, shard, resolution, depth}, settings); !parsed)
         return cli::fail(parsed.error());
 
+    listen_to_signals();
     const Threads threads(common.threads);
     options.threads = threads.count();
     Result<std::unique_ptr<RenderJob>> job = Error{};
@@ -83,11 +101,7 @@ int main(int argc, char** argv) {
     for (const std::string& warning : (*job)->scene.warnings) cli::warn(warning);
     options.provenance_json = provenance(**job, settings);
 
-    struct sigaction action = {};
-    action.sa_handler = request_stop;
-    ::sigaction(SIGINT, &action, nullptr);
-    ::sigaction(SIGTERM, &action, nullptr);
-
+    rendering = true;
     if (dry_run) {
         const Result<RenderEstimate> estimated = estimate(**job, options, stop_requested);
         if (!estimated) return cli::fail(estimated.error());

@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/scene_entities.h"
 
 namespace latent::render {
 
 namespace {
+
+// Parameters that would change everything that inherits them.
+constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "normalmap", "portal", "Le"};
 
 Affined translation(const Vec3d& t) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, t}; }
 
@@ -213,6 +218,9 @@ bool SceneBuilder::apply_state(const Directive& d) {
             messages_.error(d.where, fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
         }
         for (Parameter p : d.parameters) {
+            if (p.type == "texture" || std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
+                messages_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
+            }
             p.inherited = true;
             state_.attributes[target].push_back(std::move(p));
         }

@@ -255,6 +255,8 @@ TEST(Scene, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     };
     for (const Case& c : {
              Case{"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\"", "Texture is not supported"},
+             Case{"Attribute \"shape\" \"float alpha\" 0.5", "\"float alpha\" is not supported"},
+             Case{"Attribute \"material\" \"texture reflectance\" \"t\"", "\"texture reflectance\" is not supported"},
              Case{"Material \"subsurface\"", "Material \"subsurface\" is not supported"},
              Case{"Material \"diffuse\" \"texture reflectance\" \"t\"",
                   "\"texture reflectance\" of Material \"diffuse\" is not supported"},
