@@ -1,5 +1,8 @@
 // Records to bytes and back, one thread: records per second, bytes per record of each column. Every result is checked.
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <map>
 
 #include "sampledb/page_codec.h"
 #include "sampledb/run_codec.h"
@@ -7,6 +10,14 @@
 
 namespace latent::sampledb {
 namespace {
+
+void print_sizes(const std::string& name, std::uint64_t records, std::uint64_t bytes,
+                 const std::map<std::string, std::uint64_t>& columns) {
+    const auto each = [records](std::uint64_t size) { return static_cast<double>(size) / static_cast<double>(records); };
+    fmt::print("{}: {} records, {:.2f} B each:", name, records, each(bytes));
+    for (const auto& [column, size] : columns) fmt::print(" {} {:.2f}", column, each(size));
+    fmt::print("\n");
+}
 
 struct Input {
     Job job;
@@ -32,6 +43,13 @@ Input make_input(RecordKind kind, bool derived) {
     input.run = *encode_run(input.job, Coverage(input.range), input.records);
     input.header = *decode_run_header(input.run);
     input.index = *decode_run_index(ByteSpan(input.run).subspan(input.header.index_offset()), input.header, input.job);
+    std::map<std::string, std::uint64_t> columns;
+    for (const PageInfo& info : input.index.pages) {
+        const auto stored = stored_columns(input.job, info, ByteSpan(input.run).subspan(info.offset, info.stored_size));
+        for (const StoredColumn& column : *stored) columns[column.name] += column.stored;
+    }
+    print_sizes(fmt::format("{}, {} positions", kind == RecordKind::kXyz ? "XYZ" : "spectral", derived ? "derived" : "explicit"),
+                input.records.size(), input.run.size(), columns);
     return input;
 }
 

@@ -41,12 +41,14 @@ TEST(FilmPosition, MeetsTheVectorsOfTheSpecification) {
     EXPECT_EQ(at(1), (FilmPosition{0x80000000, 0x55555555}));
     EXPECT_EQ(at(2), (FilmPosition{0x40000000, 0xAAAAAAAA}));
     EXPECT_EQ(at(3), (FilmPosition{0xC0000000, 0x1C71C71C}));
-    EXPECT_EQ(at(0xFFFFFFFF).u, 0xFFFFFFFFu);
-    EXPECT_EQ(at(std::uint64_t{1} << 32).u, 0u);
-    EXPECT_EQ(at(kPow3_26 - 1).v, 0xFFFFFFFFu);
+    EXPECT_EQ(at(12345), (FilmPosition{0x9C0C0000, 0x3F111A63}));
+    EXPECT_EQ(at(1000000000000), (FilmPosition{0x0008A52B, 0x5A27ABC8}));
+    EXPECT_EQ(at(0xFFFFFFFF), (FilmPosition{0xFFFFFFFF, 0x34330C78}));
+    EXPECT_EQ(at(std::uint64_t{1} << 32), (FilmPosition{0, 0x898861CD}));
+    EXPECT_EQ(at(kPow3_26 - 1), (FilmPosition{0x17FE40CB, 0xFFFFFFFF}));
     EXPECT_EQ(at(kPow3_40 - 1).v, 0xFFFFFFFFu);
     EXPECT_EQ(at(kPow3_40).v, 0u);  // beyond 40 digits v begins again
-    EXPECT_EQ(at(std::uint64_t{1} << 63).u, 0u);
+    EXPECT_EQ(at(std::uint64_t{1} << 63), (FilmPosition{0, 0xF97647B3}));
 }
 
 // XXH3-128 over (u, v) of n = 0 .. 9999, of 10000 numbers from 10^12 on and of 10000 multiples of 0x9E3779B97F4A7C15: as
