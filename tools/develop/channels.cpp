@@ -74,6 +74,25 @@ std::array<double, 3> response(const color::Observer& observer, double nm) {
     return value;
 }
 
+// Rows of X, Y, Z, 1 for the share of a record that has its sample to itself; false if one of them is not finite.
+bool interleave(const float* x, const float* y, const float* z, float share, std::size_t count, float* out) {
+    const hn::FixedTag<float, 4> d;
+    const auto zero = hn::Zero(d), shares = hn::Set(d, share);
+    auto check = zero;  // times zero: 0 if finite, else NaN
+    std::size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        const auto a = hn::LoadU(d, x + i), b = hn::LoadU(d, y + i), c = hn::LoadU(d, z + i);
+        check = hn::Add(check, hn::Add(hn::Mul(a, zero), hn::Add(hn::Mul(b, zero), hn::Mul(c, zero))));
+        hn::StoreInterleaved4(a, b, c, shares, d, out + 4 * i);
+    }
+    float rest = 0;
+    for (; i < count; ++i) {
+        rest += x[i] * 0.0f + y[i] * 0.0f + z[i] * 0.0f;
+        out[4 * i] = x[i], out[4 * i + 1] = y[i], out[4 * i + 2] = z[i], out[4 * i + 3] = share;
+    }
+    return hn::AllTrue(d, hn::Eq(check, zero)) && rest == 0;
+}
+
 }  // namespace
 
 BatchResponse::BatchResponse(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer) : k_(k) {
@@ -203,6 +222,10 @@ void Channels::spectral_row(const sampledb::Page& page, std::size_t row, float* 
 std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int stride = lanes();
+    if (kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
+        interleave(&page.x[begin], &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, end - begin, out)) {
+        return 0;
+    }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += stride) {
         float share = !camera ? 0.0f : page.unit_share ? 1.0f : page.share[row];

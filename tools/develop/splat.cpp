@@ -5,6 +5,9 @@
 #include <hwy/foreach_target.h>  // compiles this file once for each instruction set
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cstring>
+
 HWY_BEFORE_NAMESPACE();
 namespace latent::develop::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -53,10 +56,10 @@ HWY_INLINE Floats box(FloatTag d, Floats dx, Floats dy) {
 
 // Weights of the pixels of the footprint of a record at (gx, gy), row after row.
 template <FilterKernel::Form kForm>
-HWY_INLINE void weigh(const FilterKernel& f, float gx, float gy, float* HWY_RESTRICT weights) {
+HWY_INLINE void weigh(const FilterKernel& f, std::size_t padded, float gx, float gy, float* HWY_RESTRICT weights) {
     const FloatTag d;
     const Floats x = hn::Set(d, gx), y = hn::Set(d, gy);
-    for (std::size_t k = 0; k < f.column.size(); k += hn::Lanes(d)) {
+    for (std::size_t k = 0; k < padded; k += hn::Lanes(d)) {
         const Floats dx = hn::Sub(hn::LoadU(d, f.column.data() + k), x), dy = hn::Sub(hn::LoadU(d, f.row.data() + k), y);
         Floats w;
         if constexpr (kForm == FilterKernel::Form::kQuartic) w = quartic(d, f, dx, dy);
@@ -76,71 +79,99 @@ HWY_INLINE double inverse_sum(const float* weights, int count) {
     return 1.0 / ((part[0] + part[2]) + (part[1] + part[3]));
 }
 
-// Adds w s to the sums of all pixels of one footprint. kSide and kLanes: the values, or 0 if only known at run time.
-template <int kSide, int kLanes>
-HWY_INLINE void add(const float* HWY_RESTRICT weights, const float* HWY_RESTRICT values, double scale, int run_side, int run_lanes,
-                    bool split, double* HWY_RESTRICT window, std::size_t row_pixels) {
-    const int side = kSide > 0 ? kSide : run_side, lanes = kLanes > 0 ? kLanes : run_lanes;
+// What is known of the sums when this file is compiled; 0: only at run time.
+template <int kSideOrZero, int kLanesOrZero, bool kSplitSums, bool kUnitWeights>
+struct Shape {
+    static constexpr int kSide = kSideOrZero;
+    static constexpr bool kSplit = kSplitSums, kUnitSum = kUnitWeights;
+    int run_side, run_lanes;
+    int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
+    int lanes() const { return kLanesOrZero > 0 ? kLanesOrZero : run_lanes; }
+    int doubles() const { return kSplit ? 2 * lanes() : lanes(); }
+    std::size_t padded() const { return (side() * side() + 15) / 16 * 16; }
+};
+
+// Adds w s to the sums of all pixels of one footprint.
+template <class Shape>
+HWY_INLINE void add(const Shape& shape, const float* HWY_RESTRICT weights, const float* HWY_RESTRICT values,
+                    double* HWY_RESTRICT window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
-    const int negative = split ? lanes : 0;
-    const int pixel = split ? 2 * lanes : lanes;
-    for (int lane = 0; lane < lanes; lane += static_cast<int>(hn::Lanes(d))) {
-        const auto s = hn::Mul(hn::PromoteTo(d, hn::LoadU(df, values + lane)), hn::Set(d, scale));
+    for (int lane = 0; lane < shape.lanes(); lane += static_cast<int>(hn::Lanes(d))) {
+        auto s = hn::PromoteTo(d, hn::LoadU(df, values + lane));
+        if constexpr (Shape::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side() * shape.side())));
         double* row = window + lane;
         const float* w = weights;
-        for (int y = 0; y < side; ++y, row += row_pixels * pixel) {
-            for (int x = 0; x < side; ++x, ++w) {
-                double* sums = row + x * pixel + (*w < 0 ? negative : 0);
-                hn::StoreU(hn::Add(hn::LoadU(d, sums), hn::Mul(hn::Set(d, static_cast<double>(*w)), s)), d, sums);
+        const auto add_pixel = [&](int x) HWY_ATTR {
+            double* sums = row + x * shape.doubles();
+            if constexpr (Shape::kSplit) {  // the sign bit of w, without a branch
+                std::uint32_t bits;
+                std::memcpy(&bits, w + x, sizeof bits);
+                sums += (bits >> 31) * static_cast<std::uint32_t>(shape.lanes());
+            }
+            hn::StoreU(hn::Add(hn::LoadU(d, sums), hn::Mul(hn::PromoteTo(d, hn::Set(df, w[x])), s)), d, sums);
+        };
+        for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.doubles(), w += shape.side()) {
+            if constexpr (Shape::kSide == 4) {
+                add_pixel(0);
+                add_pixel(1);
+                add_pixel(2);
+                add_pixel(3);
+            } else {
+                for (int x = 0; x < shape.side(); ++x) add_pixel(x);
             }
         }
     }
 }
 
-template <FilterKernel::Form kForm, int kSide, int kLanes>
-void splat_records(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, const RecordColumns& records,
-                   std::span<const Segment> segments, double* window, std::size_t row_pixels) {
+template <FilterKernel::Form kForm, class Shape>
+void splat_records(const Shape& shape, const FilterKernel& filter, const RecordColumns& records, std::span<const Segment> segments,
+                   double* window, std::size_t row_pixels) {
     constexpr std::size_t kWeights = 1024;  // weights of a few records at a time, so that the two loops below overlap
     alignas(64) float weights[kWeights];
-    const int side = filter.side(), count = side * side;
-    const std::size_t padded = filter.column.size(), at_once = kWeights / padded;
+    const std::size_t padded = shape.padded(), at_once = kWeights / padded;
     for (const Segment& segment : segments) {
         for (std::uint32_t done = 0; done < segment.count;) {
-            const std::uint32_t first = segment.first + done;
-            const std::uint32_t n = std::min<std::uint32_t>(segment.count - done, at_once);
-            for (std::uint32_t i = 0; i < n; ++i) {
+            const std::size_t first = segment.first + done;
+            const std::size_t n = std::min<std::size_t>(segment.count - done, at_once);
+            for (std::size_t i = 0; i < n; ++i) {
                 const float gx = static_cast<float>(static_cast<std::int32_t>(records.x[first + i] & 0xFFFFFF)) * 0x1p-24f;
                 const float gy = static_cast<float>(static_cast<std::int32_t>(records.y[first + i] & 0xFFFFFF)) * 0x1p-24f;
-                weigh<kForm>(filter, gx, gy, weights + i * padded);
+                weigh<kForm>(filter, padded, gx, gy, weights + i * padded);
             }
-            for (std::uint32_t i = 0; i < n; ++i) {
-                const float* w = weights + i * padded;
+            for (std::size_t i = 0; i < n; ++i) {
                 const std::size_t place = (records.y[first + i] >> 24) * row_pixels + (records.x[first + i] >> 24);
-                add<kSide, kLanes>(w, records.values + std::size_t{first + i} * layout.lanes,
-                                   unit_sum ? inverse_sum(w, count) : 1.0, side, layout.lanes, layout.split,
-                                   window + place * layout.doubles(), row_pixels);
+                add(shape, weights + i * padded, records.values + (first + i) * shape.lanes(), window + place * shape.doubles(),
+                    row_pixels);
             }
-            done += n;
+            done += static_cast<std::uint32_t>(n);
         }
     }
 }
 
 void Splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, const RecordColumns& records,
            std::span<const Segment> segments, double* window, std::size_t row_pixels) {
-    using Form = FilterKernel::Form;
-    const auto call = [&](auto* kernel) { kernel(filter, layout, unit_sum, records, segments, window, row_pixels); };
-    const bool usual = filter.side() == 4 && layout.lanes == 4;
-    switch (filter.form) {
-        case Form::kQuartic:
-            return usual ? call(splat_records<Form::kQuartic, 4, 4>) : call(splat_records<Form::kQuartic, 0, 0>);
-        case Form::kTable:
-            return usual ? call(splat_records<Form::kTable, 4, 4>) : call(splat_records<Form::kTable, 0, 0>);
-        case Form::kSeparable:
-            return call(splat_records<Form::kSeparable, 0, 0>);
-        case Form::kBox:
-            return call(splat_records<Form::kBox, 0, 0>);
+    const auto with_shape = [&](const auto& shape) {
+        using Form = FilterKernel::Form;
+        switch (filter.form) {
+            case Form::kQuartic:
+                return splat_records<Form::kQuartic>(shape, filter, records, segments, window, row_pixels);
+            case Form::kTable:
+                return splat_records<Form::kTable>(shape, filter, records, segments, window, row_pixels);
+            case Form::kSeparable:
+                return splat_records<Form::kSeparable>(shape, filter, records, segments, window, row_pixels);
+            case Form::kBox:
+                return splat_records<Form::kBox>(shape, filter, records, segments, window, row_pixels);
+        }
+    };
+    const int side = filter.side(), lanes = layout.lanes;
+    if (side == 4 && lanes == 4) {
+        if (unit_sum) return with_shape(Shape<4, 4, false, true>{side, lanes});
+        return layout.split ? with_shape(Shape<4, 4, true, false>{side, lanes})
+                            : with_shape(Shape<4, 4, false, false>{side, lanes});
     }
+    if (unit_sum) return with_shape(Shape<0, 0, false, true>{side, lanes});
+    return layout.split ? with_shape(Shape<0, 0, true, false>{side, lanes}) : with_shape(Shape<0, 0, false, false>{side, lanes});
 }
 
 }  // namespace latent::develop::HWY_NAMESPACE
