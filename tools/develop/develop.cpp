@@ -158,6 +158,7 @@ class Engine {
         const Result<std::size_t> taken = batch_->load(pages, memory, region.cells, needed_, z_range(grid_, region.node).end);
         if (!taken) return taken.error();
         pages = pages.subspan(*taken);
+        ++counts_.batches;
         return {};
     }
 

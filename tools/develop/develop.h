@@ -26,7 +26,7 @@ struct Settings {
 struct DevelopCounts {
     std::uint64_t camera_records = 0, light_records = 0;  // of the selected runs
     std::uint64_t light_paths = 0;                        // N
-    std::uint64_t regions = 0, panes = 0;
+    std::uint64_t regions = 0, batches = 0, panes = 0;
     std::uint64_t pages = 0, pages_decoded = 0;  // pages that the crop needs; decoded, repeats included
     std::uint64_t page_bytes = 0, page_bytes_decoded = 0;
     std::uint64_t camera_not_finite = 0, light_not_finite = 0;
