@@ -74,6 +74,7 @@ class Writer final : public PartWriter {
     const Job job_;
     Coverage missing_;
     std::optional<PartAttempt> attempt_;  // the committer's, then finish's
+    Records joined_;                      // the committer's
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
@@ -276,7 +277,8 @@ void Writer::commit_until_stopped() {
 
 // Encodes a run, and returns when it is on disk under a name that others can find.
 Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
-    const Result<Bytes> run = encode_run(job_, coverage, join(std::move(grains)));
+    join(std::move(grains), joined_);
+    const Result<Bytes> run = encode_run(job_, coverage, joined_);
     if (!run) return run.error();
     if (Status s = attempt_->append(*run); !s) {
         return Error{s.error().code,

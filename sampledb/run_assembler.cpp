@@ -66,8 +66,8 @@ SampleRange grain_range(std::uint64_t sample, SampleRange range) {
     return {std::max(first, range.first), range.end - first > kGrainSamples ? first + kGrainSamples : range.end};
 }
 
-Records join(std::vector<GrainPtr> grains) {
-    Records all;
+void join(std::vector<GrainPtr> grains, Records& all) {
+    all.clear();
     std::vector<std::size_t> rows;
     std::size_t column;
     for (const GrainPtr& grain : grains) {
@@ -85,7 +85,6 @@ Records join(std::vector<GrainPtr> grains) {
         });
         grain.reset();
     }
-    return all;
 }
 
 std::vector<GrainPtr> split(const Records& records, const Coverage& coverage, SampleRange range) {

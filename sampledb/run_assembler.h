@@ -51,8 +51,9 @@ class RunAssembler {
 // The grain of `range` that holds sample `sample`.
 SampleRange grain_range(std::uint64_t sample, SampleRange range);
 
-// All records of these grains, one grain after another. Grains are let go as they are copied.
-Records join(std::vector<GrainPtr> grains);
+// Fills `all`, whose memory is used again, with the records of these grains, one grain after another. Grains are let go as they are
+// copied.
+void join(std::vector<GrainPtr> grains, Records& all);
 
 // The grains of `range` that `coverage` holds completely, cut out of `records`, which ascend by sample: join() undone.
 std::vector<GrainPtr> split(const Records& records, const Coverage& coverage, SampleRange range);

@@ -1,6 +1,7 @@
 #include "tests/faults/process.h"
 
 #include <fcntl.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -152,6 +153,19 @@ std::vector<std::string> TemporaryFolder::names() const {
     for (const fs::directory_entry& entry : fs::directory_iterator(path_)) names.push_back(entry.path().filename().string());
     std::sort(names.begin(), names.end());
     return names;
+}
+
+SmallDisk::SmallDisk(std::uint64_t bytes) {
+    mounted_ = ::mount("latent-test", folder_.path().c_str(), "tmpfs", 0, ("size=" + std::to_string(bytes)).c_str()) == 0;
+}
+
+SmallDisk::~SmallDisk() {
+    if (mounted_) ::umount2(folder_.path().c_str(), MNT_DETACH);
+}
+
+void SmallDisk::resize(std::uint64_t bytes) {
+    if (::mount("latent-test", folder_.path().c_str(), "tmpfs", MS_REMOUNT, ("size=" + std::to_string(bytes)).c_str()) != 0)
+        fail("remount");
 }
 
 std::string read_text(const fs::path& path) {

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -68,6 +69,23 @@ class TemporaryFolder {
 
  private:
     std::filesystem::path path_;
+};
+
+// A disk of a few bytes (a tmpfs), for tests that fill it. Where mounting is not permitted `mounted()` is false: skip, saying so.
+class SmallDisk {
+ public:
+    explicit SmallDisk(std::uint64_t bytes);
+    SmallDisk(const SmallDisk&) = delete;
+    SmallDisk& operator=(const SmallDisk&) = delete;
+    ~SmallDisk();
+    bool mounted() const { return mounted_; }
+    void resize(std::uint64_t bytes);
+    std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+    std::vector<std::string> names() const { return folder_.names(); }
+
+ private:
+    TemporaryFolder folder_;
+    bool mounted_ = false;
 };
 
 std::string read_text(const std::filesystem::path& path);

@@ -180,6 +180,23 @@ TEST_F(InspectTest, RecoverFromAFailingDiskLeavesNoHalfOutput) {
     }
 }
 
+TEST_F(InspectTest, RecoverToAFullDiskLeavesNoHalfOutput) {
+    const latent::testing::SmallDisk disk(64 << 10);
+    if (!disk.mounted()) GTEST_SKIP() << "mounting a tmpfs is not permitted here";
+    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const Outcome outcome = inspect({"recover", file, "-o", disk / "b.latent"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find("b.latent: cannot write: No space left on device"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(disk.names().empty());
+}
+
+TEST_F(InspectTest, CatSaysWhenItsOutputIsFull) {
+    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const Outcome outcome = run({"/bin/sh", "-c", "exec \"$0\" cat \"$1\" > /dev/full", tool("latent-inspect"), file});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
+}
+
 TEST_F(InspectTest, CatPrintsEveryRecordExactly) {
     Job job = small_job();
     job.extra = {{"depth", ColumnType::kF32}};

@@ -307,5 +307,18 @@ TEST_F(MergeFaults, ACopyThatIsNotTheOriginalIsNoticed) {
     }
 }
 
+TEST_F(MergeFaults, AFullDiskLeavesNoHalfOutput) {
+    const latent::testing::SmallDisk disk(64 << 10);
+    if (!disk.mounted()) GTEST_SKIP() << "mounting a tmpfs is not permitted here";
+    for (const std::vector<std::string>& options : {std::vector<std::string>{}, {"--compact"}, {"--force"}}) {
+        std::vector<std::string> words = command(parts_, options);
+        words[2] = disk / "out.latent";
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_NE(outcome.err.find("out.latent: cannot write: No space left on device"), std::string::npos) << outcome.err;
+        EXPECT_TRUE(disk.names().empty());
+    }
+}
+
 }  // namespace
 }  // namespace latent::merge

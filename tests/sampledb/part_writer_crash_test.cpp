@@ -189,5 +189,24 @@ TEST_F(PartWriterFaults, RunsOfOtherAttemptsAreAdoptedByAnyMeansOfCopying) {
     }
 }
 
+TEST(PartWriterFullDisk, WhatWasCommittedStaysAndTheSameCommandGoesOnWhenThereIsRoom) {
+    latent::testing::SmallDisk disk(400 << 10);
+    if (!disk.mounted()) GTEST_SKIP() << "mounting a tmpfs is not permitted here";
+    const fs::path name = disk / "a.latent";
+    const Setting setting{131072, 16384, 0.005, 100, false};
+    const Outcome full = run(writer(name, setting, 1));
+    EXPECT_EQ(full.status, 1);
+    EXPECT_NE(full.err.find("a.latent.part."), std::string::npos) << full.err;
+    EXPECT_NE(full.err.find("No space left on device"), std::string::npos) << full.err;
+    EXPECT_GT(committed(full.out), 0u);
+    EXPECT_GE(seen(name).samples, committed(full.out));
+    EXPECT_FALSE(fs::exists(name));
+    disk.resize(16 << 20);
+    ASSERT_EQ(run(writer(name, setting, 1)).status, 0);
+    const TemporaryFolder other;
+    ASSERT_EQ(run(writer(other / "a.latent", setting, 1)).status, 0);
+    EXPECT_EQ(seen(name).runs, seen(other / "a.latent").runs);
+}
+
 }  // namespace
 }  // namespace latent::sampledb
