@@ -92,6 +92,7 @@ struct ExrReader::File {
                      fmt::format("{}: {}{}", path.string(), where, fault.theirs.empty() ? "cannot be read" : fault.theirs)};
     }
     Status read_header(int wanted_level);
+    Status find_blocks(int wanted_level);
     Status find_channels();
     void read_attributes();
     void unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to) const;
@@ -148,47 +149,47 @@ Status ExrReader::File::read_header(int wanted_level) {
         return error(ErrorCode::kCorrupt, "header: ");
     }
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return unsupported("holds deep pixels; flatten it first");
-    if (compression == EXR_COMPRESSION_DWAA ||
-        compression == EXR_COMPRESSION_DWAB) {  // OpenEXR 3.1 decodes them under one lock only
+    if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB) {  // OpenEXRCore 3.1 cannot decode them
         return unsupported("DWA compression is not read; this helps: oiiotool IN.exr --compression zip -o OUT.exr");
     }
     tiled = storage == EXR_STORAGE_TILED;
     image.data_window = rect_of(data);
     image.display_window = rect_of(display);
-    std::int32_t width = image.data_window.width(), height = 0;
+    if (Status s = find_blocks(wanted_level); !s) return s;
+    if (Status s = find_channels(); !s) return s;
+    read_attributes();
+    return {};
+}
+
+Status ExrReader::File::find_blocks(int wanted_level) {
+    image.block_width = image.data_window.width();
+    bool good = true;
     if (tiled) {
         std::int32_t levels_x = 1, levels_y = 1;
         std::uint32_t tile_x = 0, tile_y = 0;
         exr_tile_level_mode_t mode;
         exr_tile_round_mode_t rounding;
-        if (exr_get_tile_levels(context, 0, &levels_x, &levels_y) != EXR_ERR_SUCCESS ||
-            exr_get_tile_descriptor(context, 0, &tile_x, &tile_y, &mode, &rounding) != EXR_ERR_SUCCESS) {
-            return error(ErrorCode::kCorrupt, "header: ");
-        }
-        image.block_width = static_cast<int>(tile_x);
-        image.block_height = static_cast<int>(tile_y);
-        image.levels = mode == EXR_TILE_RIPMAP_LEVELS ? std::min(levels_x, levels_y) : levels_x;
+        good = exr_get_tile_levels(context, 0, &levels_x, &levels_y) == EXR_ERR_SUCCESS &&
+               exr_get_tile_descriptor(context, 0, &tile_x, &tile_y, &mode, &rounding) == EXR_ERR_SUCCESS;
+        image.block_width = static_cast<int>(std::min(tile_x, static_cast<std::uint32_t>(image.data_window.width())));
+        image.block_height = static_cast<int>(std::min(tile_y, static_cast<std::uint32_t>(image.data_window.height())));
+        image.levels = std::min(levels_x, levels_y);
     } else {
-        if (exr_get_scanlines_per_chunk(context, 0, &height) != EXR_ERR_SUCCESS) return error(ErrorCode::kCorrupt, "header: ");
-        image.block_width = width;
-        image.block_height = height;
+        good = exr_get_scanlines_per_chunk(context, 0, &image.block_height) == EXR_ERR_SUCCESS;
     }
-    if (wanted_level < 0 || wanted_level >= image.levels) {
+    if (good && (wanted_level < 0 || wanted_level >= image.levels)) {
         return Error{ErrorCode::kOutOfRange,
                      fmt::format("{}: has no mip level {}; it has {}", path.string(), wanted_level,
                                  image.levels == 1 ? "level 0 only" : fmt::format("levels 0 to {}", image.levels - 1))};
     }
     level = wanted_level;
-    if (level > 0) {
-        if (exr_get_level_sizes(context, 0, level, level, &width, &height) != EXR_ERR_SUCCESS)
-            return error(ErrorCode::kCorrupt, "header: ");
-        Rect& window = image.data_window;
-        window = {window.x0, window.y0, window.x0 + width, window.y0 + height};
-        image.display_window = window;
+    if (good && level > 0) {
+        std::int32_t width = 0, height = 0;
+        good = exr_get_level_sizes(context, 0, level, level, &width, &height) == EXR_ERR_SUCCESS;
+        const Rect& whole = image.data_window;
+        image.data_window = image.display_window = {whole.x0, whole.y0, whole.x0 + width, whole.y0 + height};
     }
-    if (Status s = find_channels(); !s) return s;
-    read_attributes();
-    return {};
+    return good ? Status{} : Status{error(ErrorCode::kCorrupt, "header: ")};
 }
 
 Status ExrReader::File::find_channels() {
@@ -237,12 +238,10 @@ Status ExrReader::File::find_channels() {
 void ExrReader::File::read_attributes() {
     exr_attr_chromaticities_t c;
     exr_attr_v2f_t neutral;
-    float luminance;
     if (exr_attr_get_chromaticities(context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS && !image.xyz) {
         image.chromaticities = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
     }
     if (exr_attr_get_v2f(context, 0, "adoptedNeutral", &neutral) == EXR_ERR_SUCCESS) image.adopted_neutral = {neutral.x, neutral.y};
-    if (exr_attr_get_float(context, 0, "whiteLuminance", &luminance) == EXR_ERR_SUCCESS) image.white_luminance = luminance;
 }
 
 // A block holds its rows one after another, each of them its channels one after another. Takes the wanted part of it out of `rows`,
@@ -256,9 +255,10 @@ void ExrReader::File::unpack(const std::byte* rows, int first_row, const Rect& b
             const Channel& channel = channels[plane];
             const std::byte* from = row + width * channel.offset + skipped * (channel.half ? 2 : 4);
             float* out = to.at(plane, wanted.x0, y);
-            for (std::size_t i = 0; i < count; ++i) {
-                out[i] =
-                    channel.half ? imath_half_to_float(load_le<imath_half_bits_t>(from + 2 * i)) : load_le<float>(from + 4 * i);
+            if (channel.half) {
+                for (std::size_t i = 0; i < count; ++i) out[i] = imath_half_to_float(load_le<imath_half_bits_t>(from + 2 * i));
+            } else {
+                for (std::size_t i = 0; i < count; ++i) out[i] = load_le<float>(from + 4 * i);
             }
         }
     }

@@ -23,7 +23,6 @@ struct ExrImage {
     // Red, green, blue and white as x, y; absent if the file is silent (or `xyz`).
     std::optional<std::array<float, 8>> chromaticities;
     std::optional<std::array<float, 2>> adopted_neutral;  // x, y of what counts as white in the scene
-    std::optional<float> white_luminance;                 // cd/m^2 of (1,1,1)
 };
 
 class ExrReader {
@@ -38,7 +37,7 @@ class ExrReader {
     const ExrImage& image() const;
     const std::filesystem::path& path() const;
 
-    // Buffers of one thread, kept from call to call.
+    // Buffers of one thread, kept from call to call; they must not outlive the reader.
     class Scratch {
      public:
         Scratch();

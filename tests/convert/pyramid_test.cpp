@@ -73,6 +73,10 @@ TEST(Pyramid, ACheckerBoardOfBlackAndWhiteIsHalfTheLightFromAfar) {
     halve(black_white, white_black, 4, out);
     EXPECT_EQ(out[0], 0.5f);
     EXPECT_EQ(out[1], 0.5f);
+    const float beyond[] = {7, 0, -3, 1};  // a display cannot shine brighter than white, nor take light away
+    halve(beyond, nullptr, 4, out);
+    EXPECT_EQ(out[0], 0.5f);
+    EXPECT_EQ(out[1], 0.5f);
 }
 
 }  // namespace

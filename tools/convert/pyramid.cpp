@@ -7,15 +7,13 @@
 namespace latent::convert {
 
 void halve(const float* row, const float* below, std::size_t width, float* out) {
+    const auto shown = [](float light) { return std::min(std::max(light, 0.0f), 1.0f); };
     const std::size_t pairs = width / 2;
-    if (below != nullptr) {
-        for (std::size_t i = 0; i < pairs; ++i)
-            out[i] = 0.25f * ((row[2 * i] + row[2 * i + 1]) + (below[2 * i] + below[2 * i + 1]));
-        if (width % 2 == 1) out[pairs] = 0.5f * (row[width - 1] + below[width - 1]);
-    } else {
-        for (std::size_t i = 0; i < pairs; ++i) out[i] = 0.5f * (row[2 * i] + row[2 * i + 1]);
-        if (width % 2 == 1) out[pairs] = row[width - 1];
+    if (below == nullptr) below = row;  // the mean of a row with itself is the row, exactly
+    for (std::size_t i = 0; i < pairs; ++i) {
+        out[i] = 0.25f * ((shown(row[2 * i]) + shown(row[2 * i + 1])) + (shown(below[2 * i]) + shown(below[2 * i + 1])));
     }
+    if (width % 2 == 1) out[pairs] = 0.5f * (shown(row[width - 1]) + shown(below[width - 1]));
 }
 
 Pyramid::Pyramid(int height, std::size_t levels) : levels_(levels) {
