@@ -1,0 +1,228 @@
+// latent-develop as it is called: files in any order and grouping, misuse, damage, disks that fail.
+#include <ImathBox.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfTiledInputFile.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "sampledb/file_format.h"
+#include "sampledb/run_codec.h"
+#include "tests/faults/process.h"
+#include "tests/support/synthetic.h"
+#include "tools/develop/picture.h"
+
+namespace latent::develop {
+namespace {
+
+using sampledb::Coverage;
+using sampledb::Job;
+using sampledb::RecordKind;
+using testing::Outcome;
+using testing::read_text;
+
+constexpr std::uint64_t kRun = 4096;
+
+class Tool : public ::testing::Test {
+ protected:
+    Job job_ = [] {
+        Job job = synthetic::make_job(RecordKind::kXyz);
+        job.run_samples = kRun;
+        return job;
+    }();
+    testing::TemporaryFolder folder_;
+
+    // A file that holds these runs.
+    std::string file(const std::string& name, const std::vector<int>& runs) {
+        std::vector<Coverage> coverages;
+        for (const int run : runs) coverages.push_back(Coverage({run * kRun, (run + 1) * kRun}));
+        const std::filesystem::path path = folder_ / name;
+        synthetic::write_file(path, synthetic::make_file(job_, coverages).bytes);
+        return path.string();
+    }
+    std::string out(const std::string& name) const { return (folder_ / name).string(); }
+
+    static Outcome develop(std::vector<std::string> arguments, const std::vector<std::string>& more = {}) {
+        arguments.insert(arguments.begin(), testing::tool("latent-develop"));
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return testing::run(arguments);
+    }
+};
+
+TEST_F(Tool, TheSameRunsInOneFileOrManyInAnyOrderGiveTheSameBytes) {
+    const std::string all = file("all.latent", {0, 1, 2, 3, 4, 5});
+    const std::string a = file("a.latent", {4, 0}), b = file("b.latent", {5}), c = file("c.latent", {3, 1, 2});
+    const std::vector<std::string> options = {"--size", "330x220", "--mipmap"};
+    ASSERT_EQ(develop({all, "-o", out("all.exr")}, options).status, 0);
+    const std::string expected = read_text(folder_ / "all.exr");
+    int i = 0;
+    for (const auto& [inputs, more] : std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>>{
+             {{a, b, c}, {"--threads", "1"}},
+             {{c, b, a}, {"--memory", "32M"}},
+             {{b, a, c}, {"--simd", "sse4", "--threads", "2"}}}) {
+        const std::string name = std::to_string(i++) + ".exr";
+        std::vector<std::string> arguments = inputs;
+        arguments.insert(arguments.end(), {"-o", out(name)});
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = develop(arguments, options);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_TRUE(read_text(folder_ / name) == expected) << name;
+    }
+}
+
+TEST_F(Tool, TheExrSaysWhatItsNumbersMean) {
+    const std::string in = file("in.latent", {0});
+    ASSERT_EQ(develop({in, "-o", out("a.exr"), "--size", "300", "--crop", "10,20,110,70", "--compression", "zip"}).status, 0);
+    const Imf::TiledInputFile exr(out("a.exr").c_str());
+    const Imf::Header& header = exr.header();
+    EXPECT_EQ(header.displayWindow(), Imath::Box2i({0, 0}, {299, 199}));
+    EXPECT_EQ(header.dataWindow(), Imath::Box2i({10, 20}, {109, 69}));
+    EXPECT_EQ(header.compression(), Imf::ZIP_COMPRESSION);
+    const Imf::Chromaticities c = Imf::chromaticities(header);
+    EXPECT_EQ(c.red, Imath::V2f(1, 0));
+    EXPECT_EQ(c.green, Imath::V2f(0, 1));
+    EXPECT_EQ(c.blue, Imath::V2f(0, 0));
+    EXPECT_EQ(c.white, Imath::V2f(1.0f / 3, 1.0f / 3));
+    EXPECT_NEAR(Imf::adoptedNeutral(header).x, 0.3127, 1e-4);
+    EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("colorInteropID").value(), "lin_ciexyzd65_scene");
+    EXPECT_EQ(Imf::whiteLuminance(header), 1.0f);
+}
+
+TEST_F(Tool, SizesFollowTheFilmAndTheNumberOfSamples) {
+    const auto size = [&](const char* text) {
+        const Result<Size> s = parse_size_on_film(text, job_);  // 3:2
+        return s ? std::pair(s->width, s->height) : std::pair(0u, 0u);
+    };
+    EXPECT_EQ(size("300"), std::pair(300u, 200u));
+    EXPECT_EQ(size("301"), std::pair(301u, 201u));
+    EXPECT_EQ(size("302x201"), std::pair(302u, 201u));  // 201.33
+    EXPECT_EQ(size("301x200"), std::pair(0u, 0u));      // 200.67
+    EXPECT_EQ(size("301x203"), std::pair(0u, 0u));
+    for (const char* bad : {"", "0", "x", "300x", "300x200x1", "-3", "9999999999", "300 x200", "1e3"})
+        EXPECT_EQ(size(bad), std::pair(0u, 0u)) << bad;
+    const Size chosen = default_size(job_, 16 * 600);
+    EXPECT_EQ(chosen.width, 30u);
+    EXPECT_EQ(chosen.height, 20u);
+}
+
+TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
+    const std::string in = file("in.latent", {0});
+    for (const std::vector<std::string>& bad : std::vector<std::vector<std::string>>{{"--size", "300x300"},
+                                                                                     {"--size", "abc"},
+                                                                                     {"--crop", "0,0,9999,1"},
+                                                                                     {"--crop", "5,5,5,9"},
+                                                                                     {"--filter", "sinc"},
+                                                                                     {"--filter", "quartic:-9"},
+                                                                                     {"--observer", "cie1964"},
+                                                                                     {"--spectral-bins", "8"},
+                                                                                     {"--simd", "abacus"},
+                                                                                     {"--image", "half"},
+                                                                                     {"--samples", "5"}}) {
+        const Outcome outcome = develop({in, "-o", out("bad.exr")}, bad);
+        EXPECT_EQ(outcome.status, 2) << bad[0] << ' ' << bad[1] << ": " << outcome.err;
+        EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    }
+    EXPECT_EQ(develop({in, "-o", out("bad.exr"), "--memory", "1M"}).status, 1);
+    EXPECT_EQ(develop({out("none.latent"), "-o", out("bad.exr")}).status, 1);
+    EXPECT_EQ(develop({"/dev/null", "-o", out("bad.exr")}).status, 1);
+    EXPECT_EQ(develop({in, in, "-o", out("bad.exr")}).status, 1);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"in.latent"});
+    EXPECT_EQ(develop({in, "-o", out("good.exr")}).status, 0);
+    EXPECT_EQ(develop({in, "-o", out("good.exr")}).status, 1);
+    EXPECT_EQ(develop({in, "-o", out("good.exr"), "--force"}).status, 0);
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"good.exr", "in.latent"}));
+}
+
+TEST_F(Tool, ADamagedRunIsLeftOutAndReported) {
+    const std::string whole = file("whole.latent", {0, 2});
+    std::vector<Coverage> coverages;
+    for (const std::uint64_t run : {0, 1, 2}) coverages.push_back(Coverage({run * kRun, (run + 1) * kRun}));
+    synthetic::FileBytes damaged = synthetic::make_file(job_, coverages);
+    damaged.bytes[damaged.run_ends[0] + 1000] ^= std::byte{4};  // in a page of the second run
+    synthetic::write_file(folder_ / "damaged.latent", damaged.bytes);
+    const Outcome outcome = develop({out("damaged.latent"), "-o", out("damaged.exr"), "--size", "150", "--json"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(report["samples"], (nlohmann::json{{0, kRun}, {2 * kRun, 3 * kRun}}));
+    EXPECT_EQ(report["left_out"].size(), 1u);
+    ASSERT_EQ(develop({whole, "-o", out("whole.exr"), "--size", "150"}).status, 0);
+    EXPECT_TRUE(read_text(folder_ / "damaged.exr") == read_text(folder_ / "whole.exr"));
+}
+
+TEST_F(Tool, RecordsThatAreNotFiniteAreReported) {
+    sampledb::Records records = synthetic::make_records(job_, {0, kRun}, {.black = 0});
+    records.y[100] = std::numeric_limits<float>::quiet_NaN();
+    const Result<Bytes> run = sampledb::encode_run(job_, Coverage({0, kRun}), records);
+    Result<Bytes> bytes = sampledb::encode_file_header({job_, ""});
+    ASSERT_TRUE(run && bytes);
+    bytes->insert(bytes->end(), run->begin(), run->end());
+    synthetic::write_file(folder_ / "nan.latent", *bytes);
+    const Outcome outcome = develop({out("nan.latent"), "-o", out("nan.exr")});
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_NE(outcome.err.find("not finite"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Tool, SamplesDevelopAsIfTheOthersWereNotThere) {
+    const std::string three = file("three.latent", {0, 1, 2}), one = file("one.latent", {1});
+    ASSERT_EQ(develop({three, "-o", out("a.exr"), "--size", "90", "--samples", "4096:8192"}).status, 0);
+    ASSERT_EQ(develop({one, "-o", out("b.exr"), "--size", "90"}).status, 0);
+    EXPECT_TRUE(read_text(folder_ / "a.exr") == read_text(folder_ / "b.exr"));
+    EXPECT_EQ(develop({three, "-o", out("c.exr"), "--size", "90", "--samples", "100:9000"}).status, 0);  // cuts two runs
+}
+
+TEST_F(Tool, DisksThatFailAreReportedAndLeaveNoHalfPicture) {
+    const std::string in = file("in.latent", {0, 1});
+    const std::vector<std::string> before = folder_.names();
+    const std::vector<std::string> command = {testing::tool("latent-develop"),
+                                              in,
+                                              "-o",
+                                              out("picture.exr"),
+                                              "--size",
+                                              "600",
+                                              "--memory",
+                                              "24M",
+                                              "--mipmap",
+                                              "--threads",
+                                              "2"};
+    ASSERT_EQ(testing::run(command).status, 0);
+    const std::string expected = read_text(folder_ / "picture.exr");
+    std::filesystem::remove(folder_ / "picture.exr");
+    for (const char* call : {"create", "read", "write", "sync", "link"}) {
+        for (const char* what : {"EIO", "ENOSPC"}) {
+            if (std::string(call) == "read" && std::string(what) == "ENOSPC") continue;
+            for (int nth = 1;; nth += nth < 6 ? 1 : nth) {
+                const std::string rule = std::string(call) + ":" + std::to_string(nth) + ":" + what;
+                SCOPED_TRACE(rule);
+                const testing::FaultOutcome outcome = testing::run_with_fault(command, {rule, folder_.path().string()});
+                if (!outcome.happened) {
+                    EXPECT_EQ(outcome.status, 0) << outcome.err;
+                    std::filesystem::remove(folder_ / "picture.exr");
+                    break;
+                }
+                if (outcome.status == 0) {  // what was asked to fail was tried again in another way
+                    std::filesystem::remove(folder_ / "picture.exr");
+                    continue;
+                }
+                EXPECT_EQ(outcome.status, 1) << outcome.err;
+                EXPECT_NE(outcome.err.find(folder_.path().string()), std::string::npos) << outcome.err;
+                if (std::filesystem::exists(folder_ / "picture.exr")) {  // named already when its folder could not be synced
+                    EXPECT_EQ(std::string(call), "sync");
+                    EXPECT_TRUE(read_text(folder_ / "picture.exr") == expected);
+                    std::filesystem::remove(folder_ / "picture.exr");
+                }
+                EXPECT_EQ(folder_.names(), before);
+            }
+        }
+    }
+    for (const char* rule : {"write:1+:short", "read:1+:short"}) {
+        EXPECT_EQ(testing::run_with_fault(command, {rule, folder_.path().string()}).status, 0) << rule;
+        std::filesystem::remove(folder_ / "picture.exr");
+    }
+}
+
+}  // namespace
+}  // namespace latent::develop
