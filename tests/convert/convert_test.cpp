@@ -159,6 +159,29 @@ TEST_F(Convert, ThreadsMemoryAndTheInputsLayoutChangeNoByte) {
     }
 }
 
+TEST_F(Convert, MemoryStaysWithinTheBudgetHoweverWideThePictureIs) {
+    const auto light = [](int x, int y) {
+        return std::array<float, 3>{static_cast<float>(x) / 30000, static_cast<float>(y) / 300, 0.5f};
+    };
+    write_picture(folder_ / "tiles.exr", {30000, 300, {}, 256, true}, light);
+    write_picture(folder_ / "rows.exr", {30000, 300}, light);
+    for (const std::string input : {"tiles.exr", "rows.exr"}) {
+        for (const std::string output : {"a.dzi", "a.png", "a.tif"}) {
+            std::string first;
+            for (const long mebibytes : {64, 1024}) {
+                SCOPED_TRACE(input + " to " + output + " within " + std::to_string(mebibytes));
+                const testing::Outcome outcome = run_tool(
+                    {at(input), "-o", at(output), "--force", "--threads", "2", "--memory", std::to_string(mebibytes) + "M"});
+                EXPECT_EQ(outcome.status, 0) << outcome.err;
+                EXPECT_LE(outcome.peak_rss_kib, (std::min(mebibytes, 100L) + 100) << 10);
+                const std::string text = testing::read_text(folder_ / (output == "a.dzi" ? "a_files/14/7_1.jpg" : output));
+                if (first.empty()) first = text;
+                EXPECT_TRUE(text == first);
+            }
+        }
+    }
+}
+
 TEST_F(Convert, ACropIsThatPartOfTheWholeBitForBit) {
     const Rect window{10, 20, 610, 520}, crop{101, 77, 402, 300};
     write_picture(folder_ / "a.exr", {800, 700, window, 64, true});
