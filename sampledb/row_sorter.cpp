@@ -12,6 +12,10 @@ namespace {
 
 constexpr int kBucketBits = 8;      // of z: a bucket of a large run fits the second-level cache
 constexpr std::size_t kAhead = 16;  // rows on their way from memory while one is copied
+// Rows left free between buckets. A low-discrepancy sequence makes buckets of equal size, whose ends would otherwise fall on the
+// same sets of the cache.
+constexpr std::size_t kSkew = 10;
+constexpr std::size_t kBlock = 256;  // rows that are loaded together
 constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
 
 }  // namespace
@@ -30,18 +34,40 @@ void RowSorter::sort(const Job& job, const Records& records) {
     partition(order_by_sample(records));
 }
 
-void RowSorter::fill(Row& row, std::size_t from, std::uint32_t first_pair) const {
+// A block of rows, one column after another: large columns begin at the same place of a memory page, and eight of them read in
+// step would push each other out of the cache.
+template <class RowAt>
+void RowSorter::load_rows(const RowAt& row_at, std::span<const std::uint32_t> first_pair, std::span<Row> rows) const {
     const Records& r = *records_;
-    row.sample = r.sample[from];
-    row.u = r.u[from];
-    row.v = r.v[from];
-    row.share = r.share[from];
+    const auto load = [&](const auto& column, auto member) {
+        for (std::size_t i = 0; i < rows.size(); ++i) member(rows[i]) = column[row_at(i)];
+    };
+    load(
+        r.sample, [](Row & row) -> auto& { return row.sample; });
+    load(
+        r.u, [](Row & row) -> auto& { return row.u; });
+    load(
+        r.v, [](Row & row) -> auto& { return row.v; });
+    load(
+        r.share, [](Row & row) -> auto& { return row.share; });
     if (job_->kind == RecordKind::kXyz) {
-        row.xyz = {r.x[from], r.y[from], r.z[from]};
-    } else {
-        const bool density = !job_->density.empty();
-        row.spectral = {density ? r.xi[from] : 0, r.pairs[from], density ? r.index[from] : kNoIndex, first_pair};
+        load(
+            r.x, [](Row & row) -> auto& { return row.xyz.x; });
+        load(
+            r.y, [](Row & row) -> auto& { return row.xyz.y; });
+        load(
+            r.z, [](Row & row) -> auto& { return row.xyz.z; });
+        return;
     }
+    load(
+        r.pairs, [](Row & row) -> auto& { return row.spectral.pairs; });
+    load(
+        first_pair, [](Row & row) -> auto& { return row.spectral.first_pair; });
+    if (job_->density.empty()) return;
+    load(
+        r.xi, [](Row & row) -> auto& { return row.spectral.xi; });
+    load(
+        r.index, [](Row & row) -> auto& { return row.spectral.index; });
 }
 
 // Two steps, so that neither jumps about in memory: rows go to buckets by class and the leading bits of z, which fills a few
@@ -49,10 +75,10 @@ void RowSorter::fill(Row& row, std::size_t from, std::uint32_t first_pair) const
 void RowSorter::partition(const std::vector<std::uint32_t>& by_sample) {
     const Records& r = *records_;
     const std::size_t n = r.size();
-    std::vector<std::uint32_t> first_pair(by_sample.empty() ? 0 : r.pairs.size());
-    std::exclusive_scan(r.pairs.begin(), r.pairs.begin() + static_cast<std::ptrdiff_t>(first_pair.size()), first_pair.begin(), 0u);
-    const auto bucket_of = [&](std::size_t row, std::uint32_t z) {
-        return static_cast<std::size_t>(r.record_class[row]) * kBuckets + (z >> (32 - kBucketBits));
+    std::vector<std::uint32_t> first_pair(r.pairs.size());
+    std::exclusive_scan(r.pairs.begin(), r.pairs.end(), first_pair.begin(), 0u);
+    const auto bucket_of = [record_class = r.record_class.data()](std::size_t row, std::uint32_t z) {
+        return static_cast<std::size_t>(record_class[row]) * kBuckets + (z >> (32 - kBucketBits));
     };
 
     std::array<std::uint32_t, 2 * kBuckets + 1> begin{};
@@ -60,29 +86,34 @@ void RowSorter::partition(const std::vector<std::uint32_t>& by_sample) {
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     camera_count_ = begin[kBuckets];
 
-    if (rows_.size() < n) rows_.resize(n), keys_.resize(n), z_.resize(n), order_.resize(n);
+    const std::size_t slots = n + 2 * kBuckets * kSkew;
+    if (rows_.size() < slots) rows_.resize(slots), keys_.resize(slots), z_.resize(n), order_.resize(n);
     sources_.resize(job_->extra.empty() ? 0 : n);
     std::array<std::uint32_t, 2 * kBuckets + 1> next = begin;
-    std::uint32_t pairs = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t row = by_sample.empty() ? i : by_sample[i];
-        const std::uint32_t z = z_prefix(r.u[row], r.v[row]);
-        const std::uint32_t to = next[bucket_of(row, z)]++;
-        fill(rows_[to], row, first_pair.empty() ? pairs : first_pair[row]);
-        keys_[to] = std::uint64_t{z} << 32 | to;
-        if (!r.pairs.empty()) pairs += r.pairs[row];
-        if (!sources_.empty()) sources_[to] = static_cast<std::uint32_t>(row);
+    for (std::size_t b = 0; b < next.size(); ++b) next[b] += static_cast<std::uint32_t>(b * kSkew);
+    std::array<Row, kBlock> block;
+    for (std::size_t first = 0; first < n; first += kBlock) {
+        const std::size_t count = std::min(kBlock, n - first);
+        const auto row_at = [&](std::size_t i) { return by_sample.empty() ? first + i : by_sample[first + i]; };
+        load_rows(row_at, first_pair, std::span(block).first(count));
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t z = z_prefix(block[i].u, block[i].v);
+            const std::uint32_t to = next[bucket_of(row_at(i), z)]++;
+            rows_[to] = block[i];
+            keys_[to] = std::uint64_t{z} << 32 | to;
+            if (!sources_.empty()) sources_[to] = static_cast<std::uint32_t>(row_at(i));
+        }
     }
-    for (std::size_t b = 0; b < 2 * kBuckets; ++b) sort_bucket(begin[b], begin[b + 1]);
+    for (std::size_t b = 0; b < 2 * kBuckets; ++b) sort_bucket(begin[b], begin[b + 1], begin[b] + b * kSkew);
 }
 
 // Stable, by the bits of z that the bucket leaves open: three passes of 8 bits, the least significant first.
-void RowSorter::sort_bucket(std::size_t begin, std::size_t end) {
+void RowSorter::sort_bucket(std::size_t begin, std::size_t end, std::size_t slot) {
     constexpr int kPasses = (32 - kBucketBits) / 8;
     const std::size_t n = end - begin;
     if (sorted_.size() < n) sorted_.resize(n);
     std::array<std::array<std::uint32_t, 256>, kPasses> next{};
-    std::span<std::uint64_t> from(keys_.data() + begin, n), to(sorted_.data(), n);
+    std::span<std::uint64_t> from(keys_.data() + slot, n), to(sorted_.data(), n);
     for (const std::uint64_t key : from) {
         for (int pass = 0; pass < kPasses; ++pass) ++next[pass][key >> (32 + 8 * pass) & 0xFF];
     }

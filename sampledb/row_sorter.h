@@ -45,8 +45,10 @@ class RowSorter {
     static_assert(sizeof(Row) == 32);
 
     void partition(const std::vector<std::uint32_t>& by_sample);
-    void fill(Row& row, std::size_t from, std::uint32_t first_pair) const;
-    void sort_bucket(std::size_t begin, std::size_t end);
+    template <class RowAt>
+    void load_rows(const RowAt& row_at, std::span<const std::uint32_t> first_pair, std::span<Row> rows) const;
+    // Sorts keys_[slot, slot + end - begin) into ranks begin .. end-1 of z_ and order_.
+    void sort_bucket(std::size_t begin, std::size_t end, std::size_t slot);
     std::span<const std::uint32_t> order(RecordClass record_class) const;
 
     const Job* job_ = nullptr;
