@@ -108,10 +108,12 @@ void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Wo
         Grain grain{.range = range, .records = {}};
         RadianceFaults faults;
         for (std::uint64_t n = range.first; n < range.end; ++n) {
-            if (work.give_up()) return;
+            if (work.give_up()) return writer.give_up();
             integrator.trace(n, grain.records, faults);
         }
-        if (const Status submitted = writer.submit(std::move(grain)); !submitted) return work.fail(submitted.error());
+        const Status submitted = writer.submit(std::move(grain));
+        if (!submitted && submitted.error().code == ErrorCode::kStopped) return;
+        if (!submitted) return work.fail(submitted.error());
         work.finished(range, faults);
     }
 }

@@ -50,6 +50,7 @@ class Writer final : public PartWriter {
 
     const Coverage& missing() const override { return missing_; }
     Status submit(Grain grain) override;
+    void give_up() override;
     Status checkpoint() override;
     Status finish() override;
     WriterCounts counts() const override;
@@ -94,6 +95,7 @@ class Writer final : public PartWriter {
     bool checkpoint_wanted_ = false;
     std::optional<Clock::time_point> oldest_uncommitted_;  // when the first grain arrived that no run holds yet
     bool published_ = false;                               // NAME.latent holds the range, whoever made it
+    bool given_up_ = false;
     bool stop_ = false;
     std::optional<Error> error_;
     WriterCounts counts_;
@@ -149,10 +151,12 @@ Status Writer::take_up_earlier_attempts() {
 Status Writer::submit(Grain grain) {
     const std::uint64_t size = grain.records.raw_bytes() + kGrainOverhead;
     Lock lock(mutex_);
-    changed_.wait(lock, [&] {
-        return over() || waiting_bytes_ + size <= kWindowBytes || (!advancing_ && grain.range.first == assembler_.next());
-    });
+    const auto has_room = [&] {
+        return waiting_bytes_ + size <= kWindowBytes || (!advancing_ && grain.range.first == assembler_.next());
+    };
+    changed_.wait(lock, [&] { return over() || given_up_ || has_room(); });
     if (over()) return status();
+    if (!has_room()) return Error{ErrorCode::kStopped, options_.path.string() + ": stopped before an older grain was finished"};
     if (grain.range.empty() || !unsubmitted_.contains(grain.range) ||
         grain.range != grain_range(grain.range.first, options_.range)) {
         return Error{ErrorCode::kOutOfRange, fmt::format("{}: samples {} are no grain that is missing", options_.path.string(),
@@ -163,6 +167,12 @@ Status Writer::submit(Grain grain) {
     waiting_.emplace(grain.range.first, std::make_shared<const Grain>(std::move(grain)));
     if (!advancing_) advance(lock);
     return status();
+}
+
+void Writer::give_up() {
+    const Lock lock(mutex_);
+    given_up_ = true;
+    changed_.notify_all();
 }
 
 // Moves grains into runs, in order, as far as they are there. One thread at a time does this, for all.

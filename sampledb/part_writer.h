@@ -49,6 +49,10 @@ class PartWriter {
     // both buffers are full, so memory stays bounded. After an error every later call returns that error.
     virtual Status submit(Grain grain) = 0;
 
+    // The oldest missing grain will not come: wakes the calls of submit that wait for it. They let their grains go and return
+    // kStopped.
+    virtual void give_up() = 0;
+
     // Commits the finished grains that no run holds yet (up to the first gap) as a checkpoint run. Any thread.
     virtual Status checkpoint() = 0;
 

@@ -384,27 +384,55 @@ TEST_F(PartWriterTest, RecordsThatDoNotFitStopTheWriterForGoodAndKeepWhatWasComm
     EXPECT_EQ(open(job, {0, 8192})->missing(), Coverage(SampleRange{4096, 8192}));
 }
 
+// A grain of 3.3 MB.
+Grain big_grain(const Job& job, std::uint64_t first) {
+    Grain grain{{first, first + 1024}, {}};
+    const Records one = synthetic::make_records(job, {first, first + 1});
+    for (int i = 0; i < 100000; ++i) grain.records.append(one, 0, 0);
+    return grain;
+}
+
+// Waits until `number` stands still.
+void settle(const std::atomic<int>& number) {
+    for (int before = -1; number == 0 || number != before; std::this_thread::sleep_for(std::chrono::milliseconds(200)))
+        before = number;
+}
+
 TEST_F(PartWriterTest, GrainsFarAheadWaitForTheOldestSoThatMemoryStaysBounded) {
     Job job = small_job();
     job.run_samples = 65536;
-    const SampleRange range{0, 65536};
-    const auto big = [&](std::uint64_t first) {
-        Grain grain{{first, first + 1024}, {}};
-        const Records one = synthetic::make_records(job, {first, first + 1});
-        for (int i = 0; i < 100000; ++i) grain.records.append(one, 0, 0);  // 3.3 MB
-        return grain;
-    };
-    const auto writer = open(job, range);
+    const auto writer = open(job, {0, 65536});
     std::atomic<int> submitted = 0;
     std::thread ahead([&] {
-        for (std::uint64_t first = 1024; first < 40 * 1024; first += 1024, ++submitted) EXPECT_TRUE(writer->submit(big(first)));
+        for (std::uint64_t first = 1024; first < 40 * 1024; first += 1024, ++submitted)
+            EXPECT_TRUE(writer->submit(big_grain(job, first)));
     });
-    for (int before = -1; submitted == 0 || submitted != before; std::this_thread::sleep_for(std::chrono::milliseconds(200)))
-        before = submitted;
-    EXPECT_LE(submitted * big(0).records.raw_bytes(), std::uint64_t{64} << 20);
-    ASSERT_TRUE(writer->submit(big(0)));
+    settle(submitted);
+    EXPECT_LE(submitted * big_grain(job, 0).records.raw_bytes(), std::uint64_t{64} << 20);
+    ASSERT_TRUE(writer->submit(big_grain(job, 0)));
     ahead.join();
     EXPECT_EQ(submitted, 39);
+}
+
+TEST_F(PartWriterTest, GivingUpWakesThoseWhoWaitForAGrainThatWillNotCome) {
+    Job job = small_job();
+    job.run_samples = 65536;
+    const auto writer = open(job, {0, 65536});
+    ASSERT_TRUE(writer->submit(big_grain(job, 0)));
+    std::atomic<int> submitted = 0;
+    std::thread ahead([&] {
+        for (std::uint64_t first = 2048;; first += 1024, ++submitted) {
+            const Status status = writer->submit(big_grain(job, first));
+            if (status) continue;
+            EXPECT_EQ(status.error().code, ErrorCode::kStopped);
+            return;
+        }
+    });
+    settle(submitted);
+    writer->give_up();
+    ahead.join();
+    ASSERT_TRUE(writer->checkpoint());
+    EXPECT_EQ(writer->counts().samples_committed, 1024u);
 }
 
 }  // namespace
