@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numeric>
 
 #include "sampledb/z_order.h"
@@ -39,35 +40,24 @@ void RowSorter::sort(const Job& job, const Records& records) {
 template <class RowAt>
 void RowSorter::load_rows(const RowAt& row_at, std::span<const std::uint32_t> first_pair, std::span<Row> rows) const {
     const Records& r = *records_;
-    const auto load = [&](const auto& column, auto member) {
-        for (std::size_t i = 0; i < rows.size(); ++i) member(rows[i]) = column[row_at(i)];
+    const auto load = [&](const auto& column, auto at) {
+        for (std::size_t i = 0; i < rows.size(); ++i) std::invoke(at, rows[i]) = column[row_at(i)];
     };
-    load(
-        r.sample, [](Row & row) -> auto& { return row.sample; });
-    load(
-        r.u, [](Row & row) -> auto& { return row.u; });
-    load(
-        r.v, [](Row & row) -> auto& { return row.v; });
-    load(
-        r.share, [](Row & row) -> auto& { return row.share; });
+    load(r.sample, &Row::sample);
+    load(r.u, &Row::u);
+    load(r.v, &Row::v);
+    load(r.share, &Row::share);
     if (job_->kind == RecordKind::kXyz) {
-        load(
-            r.x, [](Row & row) -> auto& { return row.xyz.x; });
-        load(
-            r.y, [](Row & row) -> auto& { return row.xyz.y; });
-        load(
-            r.z, [](Row & row) -> auto& { return row.xyz.z; });
+        load(r.x, [](Row& row) -> float& { return row.xyz.x; });
+        load(r.y, [](Row& row) -> float& { return row.xyz.y; });
+        load(r.z, [](Row& row) -> float& { return row.xyz.z; });
         return;
     }
-    load(
-        r.pairs, [](Row & row) -> auto& { return row.spectral.pairs; });
-    load(
-        first_pair, [](Row & row) -> auto& { return row.spectral.first_pair; });
+    load(r.pairs, [](Row& row) -> std::uint16_t& { return row.spectral.pairs; });
+    load(first_pair, [](Row& row) -> std::uint32_t& { return row.spectral.first_pair; });
     if (job_->density.empty()) return;
-    load(
-        r.xi, [](Row & row) -> auto& { return row.spectral.xi; });
-    load(
-        r.index, [](Row & row) -> auto& { return row.spectral.index; });
+    load(r.xi, [](Row& row) -> std::uint32_t& { return row.spectral.xi; });
+    load(r.index, [](Row& row) -> std::uint16_t& { return row.spectral.index; });
 }
 
 // Two steps, so that neither jumps about in memory: rows go to buckets by class and the leading bits of z, which fills a few
@@ -88,7 +78,7 @@ void RowSorter::partition(const std::vector<std::uint32_t>& by_sample) {
 
     const std::size_t slots = n + 2 * kBuckets * kSkew;
     if (rows_.size() < slots) rows_.resize(slots), keys_.resize(slots), z_.resize(n), order_.resize(n);
-    sources_.resize(job_->extra.empty() ? 0 : n);
+    sources_.resize(job_->extra.empty() ? 0 : slots);
     std::array<std::uint32_t, 2 * kBuckets + 1> next = begin;
     for (std::size_t b = 0; b < next.size(); ++b) next[b] += static_cast<std::uint32_t>(b * kSkew);
     std::array<Row, kBlock> block;
