@@ -1,0 +1,121 @@
+// Light where the answer is known: closed diffuse boxes, and lights seen directly.
+#include <cmath>
+
+#include "color/named_spectra.h"
+#include "color/observer.h"
+#include "tests/transport/world_builder.h"
+
+namespace latent::render::testing {
+namespace {
+
+const char* const kBox = R"(
+  Shape "trianglemesh" "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1   -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+    "integer indices" [ 0 1 2 0 2 3  4 6 5 4 7 6  0 5 1 0 4 5  3 2 6 3 6 7  0 7 4 0 3 7  1 6 2 1 5 6 ]
+)";
+
+// Radiance at each wavelength over the light's own, averaged over samples: P / (L / (k p)).
+std::vector<double> furnace(const std::string& reflectance, IntegratorKind kind, std::uint32_t depth, std::uint64_t samples, double& error) {
+    const std::string text = "LookAt 0.1 0 0  0.3 0.2 1  0 1 0\nCamera \"perspective\" \"float fov\" 70\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n"
+                             "WorldBegin\nMaterial \"diffuse\" \"spectrum reflectance\" " +
+                             reflectance +
+                             "\nAttributeBegin\nAreaLightSource \"diffuse\" \"spectrum L\" [360 1 830 1] \"bool twosided\" true\n" + kBox + "AttributeEnd\n";
+    const Scene scene = scene_from(text);
+    const std::unique_ptr<Integrator> integrator =
+        scene.integrator({.kind = kind, .max_depth = depth, .record = sampledb::RecordKind::kSpectral, .seed = 3});
+    const WavelengthSampler sampler(integrator->density(), 28);
+    Wavelengths w;
+    std::vector<double> sum(28), squares(28);
+    sampledb::Records r;
+    RadianceFaults faults;
+    for (std::uint64_t n = 0; n < samples; ++n) {
+        r.clear();
+        integrator->trace(n, r, faults);
+        std::vector<double> of_sample(28);
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < r.size(); ++i) {
+            sampler.draw(r.xi[i], w);
+            for (std::uint32_t lane = 0; lane < r.pairs[i]; ++lane) {
+                of_sample[lane] += static_cast<double>(r.power[at + lane] / w.weight[lane]) * 106.856917;  // the light's Y is 1
+            }
+            at += r.pairs[i];
+        }
+        for (std::uint32_t lane = 0; lane < 28; ++lane) {
+            sum[lane] += of_sample[lane];
+            squares[lane] += of_sample[lane] * of_sample[lane];
+        }
+    }
+    EXPECT_EQ(faults.total(), 0u);
+    error = 0;
+    for (std::uint32_t lane = 0; lane < 28; ++lane) {
+        sum[lane] /= static_cast<double>(samples);
+        error = std::max(error, std::sqrt(std::max(0.0, squares[lane] / static_cast<double>(samples) - sum[lane] * sum[lane]) / static_cast<double>(samples)));
+    }
+    return sum;
+}
+
+// Le (1 - rho^(d+1)) / (1 - rho) with at most d scattering vertices, at every wavelength.
+TEST(Furnace, AClosedDiffuseBoxShinesByTheGeometricSeries) {
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        for (const double rho : {0.5, 0.9}) {
+            for (const std::uint32_t depth : {1u, 2u, 5u}) {
+                SCOPED_TRACE(std::to_string(rho) + (kind == IntegratorKind::kPath ? " path " : " bdpt ") + std::to_string(depth));
+                double error = 0;
+                const std::vector<double> mean = furnace("[360 " + std::to_string(rho) + " 830 " + std::to_string(rho) + "]", kind, depth, 30'000, error);
+                const double expected = (1 - std::pow(rho, depth + 1)) / (1 - rho);
+                EXPECT_LT(error, 0.01 * expected);
+                for (const double m : mean) EXPECT_NEAR(m, expected, 4 * error + 1e-4 * expected);
+            }
+        }
+    }
+}
+
+// A reflectance that varies with wavelength: each lane has its own answer, and the batch is in the record's order.
+TEST(Furnace, HoldsWavelengthByWavelength) {
+    double error = 0;
+    const std::vector<double> mean = furnace("[360 0.9 830 0.1]", IntegratorKind::kPath, 3, 60'000, error);
+    for (std::size_t lane = 1; lane < mean.size(); ++lane) EXPECT_LT(mean[lane], mean[lane - 1]);
+    // Ends of the range: between the values at the wavelengths that the first and the last lane can have.
+    EXPECT_LT(mean.front(), (1 - std::pow(0.9, 4)) / 0.1);
+    EXPECT_GT(mean.back(), 1 + 0.1);
+}
+
+// Mean XYZ of a picture that a light fills.
+std::array<double, 3> seen(const std::string& light, std::uint64_t samples = 20'000) {
+    const Scene scene = scene_from("Camera \"perspective\" \"float fov\" 20\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nWorldBegin\n" + light);
+    const std::unique_ptr<Integrator> integrator = scene.integrator({.max_depth = 1, .record = sampledb::RecordKind::kXyz});
+    std::array<double, 3> sum{};
+    sampledb::Records r;
+    RadianceFaults faults;
+    for (std::uint64_t n = 0; n < samples; ++n) integrator->trace(n, r, faults);
+    for (std::size_t i = 0; i < r.size(); ++i) {
+        sum[0] += static_cast<double>(r.x[i]);
+        sum[1] += static_cast<double>(r.y[i]);
+        sum[2] += static_cast<double>(r.z[i]);
+    }
+    for (double& s : sum) s /= static_cast<double>(samples);
+    return sum;
+}
+
+void expect_colour(const std::string& light, const color::Spectrum& spectrum, double scale) {
+    const color::Xyz expected = xyz_from_spectrum(spectrum, color::Observer::cie1931());
+    const double factor = scale / color::photometric_sum(spectrum);
+    const std::array<double, 3> mean = seen(light);
+    EXPECT_NEAR(mean[0], expected.x * factor, 1e-4 * scale);
+    EXPECT_NEAR(mean[1], expected.y * factor, 1e-4 * scale);
+    EXPECT_NEAR(mean[2], expected.z * factor, 1e-4 * scale);
+}
+
+TEST(DirectLight, HasTheColourThatItsSpectrumSays) {
+    const std::string wall = " Shape \"trianglemesh\" \"point3 P\" [-9 -9 5  9 -9 5  9 9 5  -9 9 5] \"integer indices\" [0 2 1 0 3 2]\n";
+    expect_colour("LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n", color::illuminant_d65(), 1);
+    expect_colour("AreaLightSource \"diffuse\" \"blackbody L\" 2856 \"float scale\" 20 \"bool twosided\" true" + wall, *color::Spectrum::blackbody(2856), 20);
+    const color::Spectrum sodium = *color::Spectrum::from_samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0}, color::Outside::kZero);
+    // The table by integer nm holds steps where the file has ramps: the colour of the steps is what is seen, within 1e-3 of the ramps'.
+    const std::array<double, 3> lamp = seen("AreaLightSource \"diffuse\" \"spectrum L\" [360 0 586.5 0 588.5 1 590.5 1 592.5 0 830 0] \"bool twosided\" true" + wall);
+    const color::Xyz expected = xyz_from_spectrum(sodium, color::Observer::cie1931());
+    EXPECT_NEAR(lamp[1], 1, 1e-3);
+    EXPECT_NEAR(lamp[0] / lamp[1], expected.x / expected.y, 1e-3);
+}
+
+}  // namespace
+}  // namespace latent::render::testing
