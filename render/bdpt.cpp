@@ -22,7 +22,8 @@ struct Step {
 class Bidirectional {
  public:
     Bidirectional(const World& world, const IntegratorSettings& settings, const RecordMaker& records, SampleState& sample,
-                  Subpath& eye, Subpath& light, Radiance& camera, sampledb::Records& out, RadianceFaults& faults)
+                  Subpath& eye, Subpath& light, const StrategyFault& fault, Radiance& camera, sampledb::Records& out,
+                  RadianceFaults& faults)
         : world_(world),
           lights_(world.lights()),
           all_(settings.connections == Connections::kAll),
@@ -31,6 +32,7 @@ class Bidirectional {
           sample_(sample),
           eye_(eye),
           light_(light),
+          fault_(fault),
           camera_(camera),
           out_(out),
           faults_(faults) {}
@@ -59,6 +61,11 @@ class Bidirectional {
     // Numbers of the step that leads to vertex i, and of scattering there.
     float number(bool from_eye, std::size_t i, std::uint32_t what) const {
         return from_eye ? eye_number(i - 1, what) : light_number(i, what);
+    }
+
+    // Of strategy (s, t), `others` the sum of (p_j / p)^2 over the other strategies.
+    float weight(std::size_t s, std::size_t t, float others) const {
+        return (s == fault_.s && t == fault_.t ? fault_.factor : 1) / (1 + others);
     }
 
     void trace_eye(double u, double v) {
@@ -232,7 +239,7 @@ class Bidirectional {
         const bool connected = eye_.size() >= 2 && last.connectible();
         const float sampled = connected ? chained(point, forward, 1) : 0;
         const float shorter = chained(ray, forward, chained(reverse, last.forward, step.before));
-        value *= 1 / (1 + sampled + shorter);
+        value *= weight(0, eye_.size() + 1, sampled + shorter);
         camera_.add(value, step.dispersed, sample_.kept, sample_.k());
     }
     void see_light(const SurfaceHit& hit, const Step& step, const Line& line) {
@@ -260,9 +267,11 @@ class Bidirectional {
         }
     }
 
-    // t = 0: the light's step meets the lens before it has gone `limit`.
+    // t = 0: the light's step meets the lens before it has gone `limit`. Lights that are a point or a direction are themselves
+    // invisible, as they are to a path from the eye.
     void reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit) {
         CameraPoint point;
+        if (light_.size() == 1 && lights_[chosen_].is_delta()) return;
         if (!world_.camera().hit_lens(ray.o, ray.d, limit, point)) return;
         Batch value = step.beta;
         Line line = so_far;
@@ -278,8 +287,8 @@ class Bidirectional {
         const float forward = step.pdf * line.passing * cosine / (step.parallel ? 1 : d2);
         const float reverse = point.jacobian * passed_to(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
         const float open = light_.size() >= 2 && last.connectible() ? 1 : 0;
-        value *=
-            point.jacobian / (area * cosine) / (1 + chained(1 / area, forward, open + chained(reverse, last.forward, step.before)));
+        value *= point.jacobian / (area * cosine) *
+                 weight(light_.size() + 1, 0, chained(1 / area, forward, open + chained(reverse, last.forward, step.before)));
         splat(point, value, step.dispersed);
     }
     void splat(const CameraPoint& point, const Batch& value, bool dispersed) {
@@ -326,7 +335,7 @@ class Bidirectional {
         }
         const float hit = light.is_delta() ? 0 : chained(scattering_pdf * line.passing, sampled, 1);
         const float previous = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous;
-        value *= 1 / (1 + hit + connected_chain(eye_, i, reverse, previous));
+        value *= weight(1, i + 1, hit + connected_chain(eye_, i, reverse, previous));
         camera_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());
     }
 
@@ -352,7 +361,7 @@ class Bidirectional {
         const float hit =
             lens ? chained(pdf * abs_dot(world_.camera().axis(), point.w) / d2 * line.passing, 1 / world_.camera().lens_area(), 1)
                  : 0;
-        value *= 1 / (1 + hit + connected_chain(light_, i, density * y.cosine(to_eye) * passed_to(y, line), previous));
+        value *= weight(i + 1, 1, hit + connected_chain(light_, i, density * y.cosine(to_eye) * passed_to(y, line), previous));
         splat(point, value, y.dispersed || y.scattering.disperses(to_eye, y.wo));
     }
 
@@ -378,7 +387,7 @@ class Bidirectional {
         const float reverse_y = pdf_z * y.cosine(w) / d2 * passed_to(y, line.last_medium, line.last_length, line.passing);
         const float shorter_eye = connected_chain(eye_, j, reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous);
         const float shorter_light = connected_chain(light_, i, reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous);
-        value *= 1 / (1 + shorter_eye + shorter_light);
+        value *= weight(i + 1, j + 1, shorter_eye + shorter_light);
         const bool dispersed = y.dispersed || z.dispersed || y.scattering.disperses(-w, y.wo) || z.scattering.disperses(z.wo, w);
         camera_.add(value, dispersed, sample_.kept, sample_.k());
     }
@@ -417,6 +426,7 @@ class Bidirectional {
     SampleState& sample_;
     Subpath& eye_;
     Subpath& light_;
+    const StrategyFault& fault_;
     std::uint32_t chosen_ = 0;  // the light that the light subpath starts on
     Radiance& camera_;
     sampledb::Records& out_;
@@ -425,24 +435,27 @@ class Bidirectional {
 
 class BdptIntegrator final : public Transport {
  public:
-    using Transport::Transport;
+    BdptIntegrator(std::unique_ptr<World> world, const IntegratorSettings& settings, StrategyFault fault)
+        : Transport(std::move(world), settings), fault_(fault) {}
     std::uint32_t light_paths_per_sample() const override { return 1; }
 
  protected:
     void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records& out,
                      RadianceFaults& faults) const override {
         auto& [eye, light] = subpaths_.local();
-        Bidirectional(world(), settings(), records(), sample, eye, light, camera, out, faults).trace(u, v);
+        Bidirectional(world(), settings(), records(), sample, eye, light, fault_, camera, out, faults).trace(u, v);
     }
 
  private:
+    StrategyFault fault_;
     mutable tbb::enumerable_thread_specific<std::pair<Subpath, Subpath>> subpaths_;  // room that is used again, sample after sample
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_bdpt_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings) {
-    return std::make_unique<BdptIntegrator>(std::move(world), settings);
+std::unique_ptr<Integrator> make_bdpt_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings,
+                                                 StrategyFault fault) {
+    return std::make_unique<BdptIntegrator>(std::move(world), settings, fault);
 }
 
 }  // namespace latent::render

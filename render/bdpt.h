@@ -56,6 +56,13 @@ inline float connected_chain(const std::vector<SubpathVertex>& path, std::size_t
     return chained(reverse, x.forward, x.open + shorter);
 }
 
-std::unique_ptr<Integrator> make_bdpt_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings);
+// Multiplies what strategy (s, t) contributes: how tests make one strategy wrong on purpose and see that it shows.
+struct StrategyFault {
+    std::size_t s = 0, t = 0;
+    float factor = 1;
+};
+
+std::unique_ptr<Integrator> make_bdpt_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings,
+                                                 StrategyFault fault = {});
 
 }  // namespace latent::render

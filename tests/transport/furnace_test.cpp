@@ -14,11 +14,14 @@ const char* const kBox = R"(
 )";
 
 // Radiance at each wavelength over the light's own, averaged over samples: P / (L / (k p)).
-std::vector<double> furnace(const std::string& reflectance, IntegratorKind kind, std::uint32_t depth, std::uint64_t samples, double& error) {
-    const std::string text = "LookAt 0.1 0 0  0.3 0.2 1  0 1 0\nCamera \"perspective\" \"float fov\" 70\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n"
-                             "WorldBegin\nMaterial \"diffuse\" \"spectrum reflectance\" " +
-                             reflectance +
-                             "\nAttributeBegin\nAreaLightSource \"diffuse\" \"spectrum L\" [360 1 830 1] \"bool twosided\" true\n" + kBox + "AttributeEnd\n";
+std::vector<double> furnace(const std::string& reflectance, IntegratorKind kind, std::uint32_t depth, std::uint64_t samples,
+                            double& error) {
+    const std::string text =
+        "LookAt 0.1 0 0  0.3 0.2 1  0 1 0\nCamera \"perspective\" \"float fov\" 70\nFilm \"rgb\" \"integer xresolution\" 64 "
+        "\"integer yresolution\" 64\n"
+        "WorldBegin\nMaterial \"diffuse\" \"spectrum reflectance\" " +
+        reflectance + "\nAttributeBegin\nAreaLightSource \"diffuse\" \"spectrum L\" [360 1 830 1] \"bool twosided\" true\n" + kBox +
+        "AttributeEnd\n";
     const Scene scene = scene_from(text);
     const std::unique_ptr<Integrator> integrator =
         scene.integrator({.kind = kind, .max_depth = depth, .record = sampledb::RecordKind::kSpectral, .seed = 3});
@@ -48,7 +51,8 @@ std::vector<double> furnace(const std::string& reflectance, IntegratorKind kind,
     error = 0;
     for (std::uint32_t lane = 0; lane < 28; ++lane) {
         sum[lane] /= static_cast<double>(samples);
-        error = std::max(error, std::sqrt(std::max(0.0, squares[lane] / static_cast<double>(samples) - sum[lane] * sum[lane]) / static_cast<double>(samples)));
+        error = std::max(error, std::sqrt(std::max(0.0, squares[lane] / static_cast<double>(samples) - sum[lane] * sum[lane]) /
+                                          static_cast<double>(samples)));
     }
     return sum;
 }
@@ -60,7 +64,8 @@ TEST(Furnace, AClosedDiffuseBoxShinesByTheGeometricSeries) {
             for (const std::uint32_t depth : {1u, 2u, 5u}) {
                 SCOPED_TRACE(std::to_string(rho) + (kind == IntegratorKind::kPath ? " path " : " bdpt ") + std::to_string(depth));
                 double error = 0;
-                const std::vector<double> mean = furnace("[360 " + std::to_string(rho) + " 830 " + std::to_string(rho) + "]", kind, depth, 30'000, error);
+                const std::vector<double> mean =
+                    furnace("[360 " + std::to_string(rho) + " 830 " + std::to_string(rho) + "]", kind, depth, 30'000, error);
                 const double expected = (1 - std::pow(rho, depth + 1)) / (1 - rho);
                 EXPECT_LT(error, 0.01 * expected);
                 for (const double m : mean) EXPECT_NEAR(m, expected, 4 * error + 1e-4 * expected);
@@ -81,7 +86,10 @@ TEST(Furnace, HoldsWavelengthByWavelength) {
 
 // Mean XYZ of a picture that a light fills.
 std::array<double, 3> seen(const std::string& light, std::uint64_t samples = 20'000) {
-    const Scene scene = scene_from("Camera \"perspective\" \"float fov\" 20\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nWorldBegin\n" + light);
+    const Scene scene = scene_from(
+        "Camera \"perspective\" \"float fov\" 20\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" "
+        "64\nWorldBegin\n" +
+        light);
     const std::unique_ptr<Integrator> integrator = scene.integrator({.max_depth = 1, .record = sampledb::RecordKind::kXyz});
     std::array<double, 3> sum{};
     sampledb::Records r;
@@ -106,12 +114,17 @@ void expect_colour(const std::string& light, const color::Spectrum& spectrum, do
 }
 
 TEST(DirectLight, HasTheColourThatItsSpectrumSays) {
-    const std::string wall = " Shape \"trianglemesh\" \"point3 P\" [-9 -9 5  9 -9 5  9 9 5  -9 9 5] \"integer indices\" [0 2 1 0 3 2]\n";
+    const std::string wall =
+        " Shape \"trianglemesh\" \"point3 P\" [-9 -9 5  9 -9 5  9 9 5  -9 9 5] \"integer indices\" [0 2 1 0 3 2]\n";
     expect_colour("LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n", color::illuminant_d65(), 1);
-    expect_colour("AreaLightSource \"diffuse\" \"blackbody L\" 2856 \"float scale\" 20 \"bool twosided\" true" + wall, *color::Spectrum::blackbody(2856), 20);
-    const color::Spectrum sodium = *color::Spectrum::from_samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0}, color::Outside::kZero);
-    // The table by integer nm holds steps where the file has ramps: the colour of the steps is what is seen, within 1e-3 of the ramps'.
-    const std::array<double, 3> lamp = seen("AreaLightSource \"diffuse\" \"spectrum L\" [360 0 586.5 0 588.5 1 590.5 1 592.5 0 830 0] \"bool twosided\" true" + wall);
+    expect_colour("AreaLightSource \"diffuse\" \"blackbody L\" 2856 \"float scale\" 20 \"bool twosided\" true" + wall,
+                  *color::Spectrum::blackbody(2856), 20);
+    const color::Spectrum sodium =
+        *color::Spectrum::from_samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0}, color::Outside::kZero);
+    // The table by integer nm holds steps where the file has ramps: the colour of the steps is what is seen, within 1e-3 of the
+    // ramps'.
+    const std::array<double, 3> lamp = seen(
+        "AreaLightSource \"diffuse\" \"spectrum L\" [360 0 586.5 0 588.5 1 590.5 1 592.5 0 830 0] \"bool twosided\" true" + wall);
     const color::Xyz expected = xyz_from_spectrum(sodium, color::Observer::cie1931());
     EXPECT_NEAR(lamp[1], 1, 1e-3);
     EXPECT_NEAR(lamp[0] / lamp[1], expected.x / expected.y, 1e-3);
