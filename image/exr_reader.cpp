@@ -24,7 +24,8 @@ struct Fault {
 thread_local Fault fault;
 
 void keep_message(exr_const_context_t, exr_result_t, const char* message) {
-    if (fault.theirs.empty()) fault.theirs = message;
+    if (!fault.theirs.empty()) return;
+    for (; *message != 0; ++message) fault.theirs += *message >= ' ' && *message <= '~' ? *message : '?';  // it may quote the file
 }
 
 std::int64_t read_file(exr_const_context_t, void* file, void* into, std::uint64_t size, std::uint64_t offset,
