@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
 
 #include "base/hash.h"
-#include "sampledb/file_format.h"
+#include "sampledb/column_decode.h"
 #include "sampledb/page_codec.h"
 #include "sampledb/page_layout.h"
 
@@ -12,24 +12,16 @@ namespace latent::sampledb {
 
 namespace {
 
-// Buffers that every page of a thread uses again.
-struct Scratch {
-    std::array<Bytes, kMaxPlanes> plane;
-    std::vector<std::uint32_t> words;
-    std::vector<ColumnEntry> table;
-};
-thread_local Scratch scratch;
-
-std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded & 1)); }
+thread_local std::vector<ColumnEntry> table;  // of the page at hand; kept for its memory
 
 Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
-// Reads the table into scratch.table and finds each column's stored bytes.
+// Reads the table at the front of a page and finds each column's stored bytes.
 Status read_table(const Job& job, const PageInfo& info, ByteSpan stored) {
     const std::vector<Column> expected = columns_of(job, info.record_class);
     ByteReader in(stored);
     if (in.get<std::uint32_t>() != expected.size()) return corrupt("a page of other columns");
-    scratch.table.clear();
+    table.clear();
     for (const Column column : expected) {
         ColumnEntry entry{.column = Column{in.get<std::uint8_t>()}};
         entry.transform = Transform{in.get<std::uint8_t>()};
@@ -43,132 +35,189 @@ Status read_table(const Job& job, const PageInfo& info, ByteSpan stored) {
         }
         entry.lattice_bits = static_cast<std::uint8_t>(lattice_bits);
         for (std::uint8_t p = 0; p < plane_count; ++p) entry.planes.push_back(PlaneEntry::from_word(in.get<std::uint32_t>()));
-        scratch.table.push_back(std::move(entry));
+        table.push_back(std::move(entry));
     }
-    for (ColumnEntry& entry : scratch.table) {
+    for (ColumnEntry& entry : table) {
         std::size_t size = 0;
         for (const PlaneEntry& plane : entry.planes) size += plane.stored_size;
         entry.stored = in.take(size);
     }
     if (!in.ok() || in.remaining() != 0) return corrupt("a page's columns do not fill it");
-    if (content_hash(scratch.table) != info.content_hash) return corrupt("content hash mismatch");
+    if (content_hash(table) != info.content_hash) return corrupt("content hash mismatch");
     return {};
 }
 
-// Joins a column's byte planes into `values`.
-Status load_planes(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
-    if (entry.planes.size() != value_width) return corrupt("a column with planes missing");
-    std::array<ByteSpan, kMaxPlanes> planes;
-    ByteSpan stored = entry.stored;
-    for (std::size_t p = 0; p < value_width; ++p) {
-        const PlaneEntry& plane = entry.planes[p];
-        const Result<ByteSpan> bytes =
-            decode_plane(plane, stored.first(plane.stored_size), values.size() / value_width, scratch.plane[p]);
-        if (!bytes) return bytes.error();
-        planes[p] = *bytes;
-        stored = stored.subspan(plane.stored_size);
+// Decodes the columns of a page one after another, in the order of the table.
+class PageDecoder {
+ public:
+    PageDecoder(const Job& job, const PageInfo& info, const ColumnSet& wanted, bool check_all, Page& page)
+        : job_(job), info_(info), wanted_(wanted), check_all_(check_all), page_(page), next_(table.data()) {}
+
+    Status decode() {
+        page_.record_class = info_.record_class;
+        page_.count = info_.record_count;
+        if (Status s = samples_and_positions(); !s) return s;
+        if (Status s = share(); !s) return s;
+        if (Status s = job_.kind == RecordKind::kXyz ? xyz() : spectrum(); !s) return s;
+        return extra();
     }
-    join_planes(std::span(planes).first(value_width), values);
-    return {};
-}
 
-Status load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
-    if (entry.bits == 0) {
-        std::ranges::fill(values, 0);
-        return entry.planes.empty() ? Status{} : corrupt("a constant column with planes");
+ private:
+    template <class T>
+    std::span<T> prepare(std::vector<T>& column, std::size_t size) const {
+        return at_least(column, size + Page::kPadding).first(size);
     }
-    if (entry.planes.size() != 1) return corrupt("a packed column of several planes");
-    const Result<ByteSpan> packed =
-        decode_plane(entry.planes[0], entry.stored, packed_size(values.size(), entry.bits), scratch.plane[0]);
-    if (!packed) return packed.error();
-    unpack_bits(*packed, entry.bits, values);
-    return {};
-}
 
-Status unknown_transform(const ColumnEntry& entry) {
-    return Error{ErrorCode::kUnsupported, fmt::format("column {}: transform {} is not known here", static_cast<int>(entry.column),
-                                                      static_cast<int>(entry.transform))};
-}
+    // Compares a decoded column with its content hash: those that were derived always, the others if asked to.
+    template <class T>
+    Status check(const ColumnEntry& entry, std::span<T> values) const {
+        if (!check_all_ && entry.transform != Transform::kSampler) return {};
+        if (hash64(std::as_bytes(values)) == entry.hash) return {};
+        return corrupt(fmt::format("column {} does not decode to its content hash", static_cast<int>(entry.column)));
+    }
 
-// Columns that are planes, or constant.
-Status decode_plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
-    if (values.empty()) return {};
-    if (entry.transform == Transform::kPlanes) return load_planes(entry, values, value_width);
-    if (entry.transform != Transform::kPacked || entry.bits != 0 || !entry.planes.empty()) return unknown_transform(entry);
-    for (std::size_t at = 0; at < values.size(); at += value_width) std::memcpy(&values[at], &entry.base, value_width);
-    return {};
-}
+    template <class T>
+    Status plain(std::vector<T>& column, bool wanted, const ColumnEntry& entry) const {
+        if (!wanted) {
+            column.clear();
+            return {};
+        }
+        const std::span<T> values = prepare(column, page_.count);
+        if (Status s = decode_plain(entry, std::as_writable_bytes(values), sizeof(T)); !s) return s;
+        return check(entry, values);
+    }
 
-Status decode_samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
-    if (entry.transform != Transform::kPacked && entry.transform != Transform::kLattice) return unknown_transform(entry);
-    if (Status s = load_packed(entry, n); !s) return s;
-    if (entry.transform == Transform::kPacked) {
-        for (std::uint64_t& value : n) value += entry.base;
+    Status samples_and_positions() {
+        const ColumnEntry& sample = *next_++;
+        const ColumnEntry& u = *next_++;
+        const ColumnEntry& v = *next_++;
+        const bool derived = u.transform == Transform::kSampler;
+        if (derived != (v.transform == Transform::kSampler)) return corrupt("half a position");
+        if (derived && job_.positions.sampler == PositionSampler::kNone)
+            return corrupt("positions left out in a job without a sampler");
+        const bool derive = derived && wanted_.positions;
+        if (wanted_.samples || derive) {
+            const std::span<std::uint64_t> n = prepare(page_.sample, page_.count);
+            if (Status s = decode_samples(sample, n); !s) return s;
+            if (Status s = check(sample, n); !s) return s;
+        } else {
+            page_.sample.clear();
+        }
+        if (!derive) {
+            if (Status s = plain(page_.u, wanted_.positions, u); !s) return s;
+            return plain(page_.v, wanted_.positions, v);
+        }
+        const std::span<std::uint32_t> pu = prepare(page_.u, page_.count), pv = prepare(page_.v, page_.count);
+        halton23(rows(page_.sample, page_.count), job_.positions, pu, pv);
+        if (Status s = check(u, pu); !s) return s;
+        return check(v, pv);
+    }
+
+    Status share() {
+        page_.unit_share = false;
+        if (info_.record_class == RecordClass::kLight) {
+            page_.share.clear();
+            return {};
+        }
+        const ColumnEntry& entry = *next_++;
+        constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f);
+        page_.unit_share = entry.transform == Transform::kPacked && entry.bits == 0 && entry.base == kOne;
+        return plain(page_.share, wanted_.share && !page_.unit_share, entry);
+    }
+
+    Status xyz() {
+        const ColumnEntry& x = *next_++;
+        const ColumnEntry& y = *next_++;
+        const ColumnEntry& z = *next_++;
+        if (Status s = plain(page_.y, wanted_.values, y); !s) return s;
+        if (!wanted_.values) {
+            page_.x.clear(), page_.z.clear();
+            return {};
+        }
+        const auto crossed = [&](std::vector<float>& column, const ColumnEntry& entry) -> Status {
+            const std::span<float> values = prepare(column, page_.count);
+            if (Status s = decode_crossed(entry, values, rows(page_.y, page_.count)); !s) return s;
+            return check(entry, values);
+        };
+        if (Status s = crossed(page_.x, x); !s) return s;
+        return crossed(page_.z, z);
+    }
+
+    Status spectrum() {
+        const bool density = !job_.density.empty();
+        if (!wanted_.values) {
+            page_.pairs.clear(), page_.first_pair.clear(), page_.power.clear();
+            page_.xi.clear(), page_.index.clear(), page_.lambda_nm.clear();
+            next_ += density ? 4 : 3;
+            return {};
+        }
+        if (Status s = plain(page_.pairs, true, *next_++); !s) return s;
+        if (Status s = place_pairs(); !s) return s;
+        if (density) {
+            if (Status s = plain(page_.xi, true, *next_++); !s) return s;
+            if (Status s = plain(page_.index, true, *next_++); !s) return s;
+            if (Status s = check_index(); !s) return s;
+        }
+        const auto along_records = [&](std::vector<float>& column, const ColumnEntry& entry) -> Status {
+            const std::span<float> values = prepare(column, info_.pair_count);
+            if (Status s = decode_delta2(entry, values, rows(page_.pairs, page_.count)); !s) return s;
+            return check(entry, values);
+        };
+        if (Status s = along_records(page_.power, *next_++); !s) return s;
+        return density ? Status{} : along_records(page_.lambda_nm, *next_++);
+    }
+
+    // Where each record's pairs begin. The counts are believed only once they add up.
+    Status place_pairs() {
+        const std::span<std::uint32_t> first = at_least(page_.first_pair, page_.count + Page::kPadding);
+        std::uint64_t sum = 0;
+        for (std::size_t i = 0; i < page_.count; ++i) {
+            const std::uint16_t n = page_.pairs[i];
+            if (n > job_.batch || (!job_.density.empty() && n > 1 && n != job_.batch))
+                return corrupt("a record of a wrong number of pairs");
+            first[i] = static_cast<std::uint32_t>(sum);
+            sum += n;
+        }
+        std::fill(first.begin() + static_cast<std::ptrdiff_t>(page_.count), first.end(), static_cast<std::uint32_t>(sum));
+        return sum == info_.pair_count ? Status{} : corrupt("the pairs of a page do not add up");
+    }
+
+    Status check_index() const {
+        for (std::size_t i = 0; i < page_.count; ++i) {
+            const bool kept_alone = page_.pairs[i] == 1 && job_.batch > 1;
+            if (kept_alone ? page_.index[i] >= job_.batch : page_.index[i] != kNoIndex)
+                return corrupt("a wavelength outside its batch");
+        }
         return {};
     }
-    const unsigned s = entry.lattice_bits;
-    if (s == 0) return corrupt("a lattice of no bits");
-    const std::uint64_t mask = (std::uint64_t{1} << s) - 1;
-    const std::uint64_t high = entry.base & ~mask;
-    const std::uint32_t f0 = reverse_bits(static_cast<std::uint32_t>(entry.base & mask));  // in its s high bits
-    for (std::uint64_t& value : n) value = high | reverse_bits(f0 + static_cast<std::uint32_t>(value << (32 - s)));
-    return {};
-}
 
-Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y) {
-    const std::span<std::byte> bytes = std::as_writable_bytes(values);
-    if (entry.transform != Transform::kCross) return decode_plain(entry, bytes, 4);
-    const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
-    if (Status s = load_planes(entry, std::as_writable_bytes(words), 4); !s) return s;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(y[i]) + unzigzag(words[i]));
-    }
-    return {};
-}
-
-Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
-    const std::span<std::byte> bytes = std::as_writable_bytes(values);
-    if (entry.transform != Transform::kDelta2) return decode_plain(entry, bytes, 4);
-    const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
-    if (Status s = load_planes(entry, std::as_writable_bytes(words), 4); !s) return s;
-    std::size_t at = 0;
-    for (const std::uint16_t n : pairs) {
-        if (n == 0) continue;
-        std::uint32_t before = words[at], slope = 0;
-        values[at++] = std::bit_cast<float>(before);
-        for (std::uint16_t i = 1; i < n; ++i, ++at) {
-            slope += unzigzag(words[at]);
-            before += slope;
-            values[at] = std::bit_cast<float>(before);
+    Status extra() {
+        page_.extra.resize(job_.extra.size());
+        for (std::size_t i = 0; i < job_.extra.size(); ++i) {
+            const ColumnEntry& entry = *next_++;
+            ExtraColumn& column = page_.extra[i];
+            column.name = job_.extra[i].name;
+            column.type = job_.extra[i].type;
+            if (!wanted_.extra) {
+                column.values.clear();
+                continue;
+            }
+            const std::size_t bytes = width(column.type);
+            const std::span<std::byte> values =
+                at_least(column.values, (page_.count + Page::kPadding) * bytes).first(page_.count * bytes);
+            if (Status s = decode_plain(entry, values, bytes); !s) return s;
+            if (Status s = check(entry, values); !s) return s;
         }
+        return {};
     }
-    return {};
-}
 
-// Pairs, and where each record's begin. The counts are believed only once they add up.
-Status decode_pairs(const Job& job, const ColumnEntry& entry, const PageInfo& info, Page& page) {
-    const std::span<std::uint16_t> pairs = at_least(page.pairs, page.count + Page::kPadding).first(page.count);
-    if (Status s = decode_plain(entry, std::as_writable_bytes(pairs), 2); !s) return s;
-    const std::span<std::uint32_t> first = at_least(page.first_pair, page.count + Page::kPadding);
-    const bool whole_batches = !job.density.empty();
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < page.count; ++i) {
-        first[i] = static_cast<std::uint32_t>(sum);
-        if (pairs[i] > job.batch || (whole_batches && pairs[i] > 1 && pairs[i] != job.batch))
-            return corrupt("a record of too many pairs");
-        sum += pairs[i];
-    }
-    std::fill(first.begin() + static_cast<std::ptrdiff_t>(page.count), first.end(), static_cast<std::uint32_t>(sum));
-    return sum == info.pair_count ? Status{} : corrupt("the pairs of a page do not add up");
-}
-
-Status check_index(const Job& job, const Page& page) {
-    for (std::size_t i = 0; i < page.count; ++i) {
-        const bool kept_alone = page.pairs[i] == 1 && job.batch > 1;
-        if (kept_alone ? page.index[i] >= job.batch : page.index[i] != kNoIndex) return corrupt("a wavelength outside its batch");
-    }
-    return {};
-}
+    const Job& job_;
+    const PageInfo& info_;
+    const ColumnSet& wanted_;
+    const bool check_all_;
+    Page& page_;
+    const ColumnEntry* next_;
+};
 
 }  // namespace
 
@@ -176,117 +225,7 @@ Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const 
     if (stored.size() != info.stored_size) return Error{ErrorCode::kTruncated, "the page ends early"};
     if (hash64(stored) != info.stored_hash) return corrupt("checksum mismatch");
     if (Status s = read_table(job, info, stored); !s) return s;
-
-    page.record_class = info.record_class;
-    page.count = info.record_count;
-    const std::size_t count = page.count;
-    const std::size_t pair_count = info.pair_count;
-    const ColumnEntry* next = scratch.table.data();
-    const auto prepare = [](auto& column, std::size_t size) { return at_least(column, size + Page::kPadding).first(size); };
-    const auto check = [&](const ColumnEntry& entry, ByteSpan values) {
-        return (every_column || entry.transform == Transform::kSampler) && hash64(values) != entry.hash
-                   ? Status(corrupt(fmt::format("column {} does not decode to its content hash", static_cast<int>(entry.column))))
-                   : Status{};
-    };
-    const auto plain = [&](auto& column, bool wanted, const ColumnEntry& entry) -> Status {
-        if (!wanted) {
-            column.clear();
-            return {};
-        }
-        const auto values = prepare(column, count);
-        if (Status s = decode_plain(entry, std::as_writable_bytes(values), sizeof(values[0])); !s) return s;
-        return check(entry, std::as_bytes(values));
-    };
-
-    const ColumnEntry& sample = *next++;
-    const ColumnEntry& u = *next++;
-    const ColumnEntry& v = *next++;
-    const bool derived = u.transform == Transform::kSampler;
-    if (derived != (v.transform == Transform::kSampler)) return corrupt("half a position");
-    if (derived && job.positions.sampler == PositionSampler::kNone) return corrupt("positions left out in a job without a sampler");
-    if (columns.samples || (columns.positions && derived)) {
-        const std::span<std::uint64_t> n = prepare(page.sample, count);
-        if (Status s = decode_samples(sample, n); !s) return s;
-        if (Status s = check(sample, std::as_bytes(n)); !s) return s;
-    } else {
-        page.sample.clear();
-    }
-    if (columns.positions && derived) {
-        const std::span<std::uint32_t> du = prepare(page.u, count), dv = prepare(page.v, count);
-        halton23(rows(page.sample, count), job.positions, du, dv);
-        if (Status s = check(u, std::as_bytes(du)); !s) return s;
-        if (Status s = check(v, std::as_bytes(dv)); !s) return s;
-    } else {
-        if (Status s = plain(page.u, columns.positions, u); !s) return s;
-        if (Status s = plain(page.v, columns.positions, v); !s) return s;
-    }
-
-    page.unit_share = false;
-    if (info.record_class == RecordClass::kCamera) {
-        const ColumnEntry& share = *next++;
-        page.unit_share =
-            share.transform == Transform::kPacked && share.bits == 0 && share.base == std::bit_cast<std::uint32_t>(1.0f);
-        if (Status s = plain(page.share, columns.share && !page.unit_share, share); !s) return s;
-    } else {
-        page.share.clear();
-    }
-
-    if (job.kind == RecordKind::kXyz) {
-        const ColumnEntry& x = *next++;
-        const ColumnEntry& y = *next++;
-        const ColumnEntry& z = *next++;
-        if (Status s = plain(page.y, columns.values, y); !s) return s;
-        if (!columns.values) page.x.clear(), page.z.clear();
-        if (columns.values) {
-            const std::span<float> px = prepare(page.x, count), pz = prepare(page.z, count);
-            if (Status s = decode_crossed(x, px, rows(page.y, count)); !s) return s;
-            if (Status s = decode_crossed(z, pz, rows(page.y, count)); !s) return s;
-            if (Status s = check(x, std::as_bytes(px)); !s) return s;
-            if (Status s = check(z, std::as_bytes(pz)); !s) return s;
-        }
-    } else {
-        const ColumnEntry& pairs = *next++;
-        const auto spectral = [&](std::vector<float>& column, const ColumnEntry& entry) -> Status {
-            const std::span<float> values = prepare(column, pair_count);
-            if (Status s = decode_delta2(entry, values, rows(page.pairs, count)); !s) return s;
-            return check(entry, std::as_bytes(values));
-        };
-        if (!columns.values) {
-            page.pairs.clear(), page.first_pair.clear(), page.xi.clear(), page.index.clear(), page.power.clear(),
-                page.lambda_nm.clear();
-            next += job.density.empty() ? 2 : 3;
-        } else {
-            if (Status s = decode_pairs(job, pairs, info, page); !s) return s;
-            if (Status s = check(pairs, std::as_bytes(rows(page.pairs, count))); !s) return s;
-            if (!job.density.empty()) {
-                if (Status s = plain(page.xi, true, *next++); !s) return s;
-                if (Status s = plain(page.index, true, *next++); !s) return s;
-                if (Status s = check_index(job, page); !s) return s;
-            }
-            if (Status s = spectral(page.power, *next++); !s) return s;
-            if (job.density.empty()) {
-                if (Status s = spectral(page.lambda_nm, *next++); !s) return s;
-            }
-        }
-    }
-
-    page.extra.resize(job.extra.size());
-    for (std::size_t i = 0; i < job.extra.size(); ++i) {
-        const ColumnEntry& entry = *next++;
-        ExtraColumn& column = page.extra[i];
-        column.name = job.extra[i].name;
-        column.type = job.extra[i].type;
-        if (!columns.extra) {
-            column.values.clear();
-            continue;
-        }
-        const std::size_t value_width = width(column.type);
-        const std::span<std::byte> values =
-            at_least(column.values, (count + Page::kPadding) * value_width).first(count * value_width);
-        if (Status s = decode_plain(entry, values, value_width); !s) return s;
-        if (Status s = check(entry, values); !s) return s;
-    }
-    return {};
+    return PageDecoder(job, info, columns, every_column, page).decode();
 }
 
 Result<std::vector<StoredColumn>> stored_columns(const Job& job, const PageInfo& info, ByteSpan stored) {
@@ -301,7 +240,7 @@ Result<std::vector<StoredColumn>> stored_columns(const Job& job, const PageInfo&
                   {Column::kZ, "z", 4},           {Column::kPairs, "pairs", 2}, {Column::kXi, "xi", 4},
                   {Column::kIndex, "index", 2},   {Column::kPower, "power", 4}, {Column::kLambda, "lambda", 4}};
     std::vector<StoredColumn> columns;
-    for (const ColumnEntry& entry : scratch.table) {
+    for (const ColumnEntry& entry : table) {
         const std::uint64_t bytes = kColumnEntrySize + 4 * entry.planes.size() + entry.stored.size();
         if (entry.column >= Column::kFirstExtra) {
             const ExtraColumnSpec& extra =
