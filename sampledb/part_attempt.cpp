@@ -44,7 +44,9 @@ Status PartAttempt::append(ByteSpan run) {
 }
 
 Status PartAttempt::append(const StoredRun& run) {
-    if (Status s = file_.copy_from(run.file->file(), run.run.offset, end_, run.run.header.size()); !s) return s;
+    const Result<File> source = File::open_read(run.file);
+    if (!source) return source.error();
+    if (Status s = file_.copy_from(*source, run.run.offset, end_, run.run.header.size()); !s) return s;
     return commit(run.run.header);
 }
 

@@ -6,8 +6,8 @@
 
 #include "base/file.h"
 #include "base/result.h"
+#include "sampledb/earlier_attempts.h"
 #include "sampledb/file_format.h"
-#include "sampledb/part_name.h"
 
 namespace latent::sampledb {
 

@@ -5,9 +5,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <map>
-
-#include "sampledb/run_codec.h"
 
 namespace latent::sampledb {
 
@@ -15,33 +12,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct OpenedFile {
-    std::shared_ptr<const FileSource> source;
-    FileContents contents;
-};
+}  // namespace
 
-Result<OpenedFile> open_file(const fs::path& path) {
+Result<FoundFile> open_file(const fs::path& path) {
     Result<FileSource> source = FileSource::open(path);
     if (!source) return source.error();
     Result<FileContents> contents = read_file(*source);
-    if (!contents) return contents.error();
-    return OpenedFile{std::make_shared<const FileSource>(std::move(*source)), std::move(*contents)};
+    if (!contents) return contents.error().at(path.string());
+    return FoundFile{std::make_shared<const FileSource>(std::move(*source)), std::move(*contents)};
 }
 
-Error of_another_job(const fs::path& path, const Job& job, const Error& difference) {
-    return {ErrorCode::kMismatch,
-            fmt::format("{}: holds another job than {}: {}; choose another name for the output, or start over with --force",
-                        path.string(), to_hex(job.id), difference.message)};
+Status check_same_job(const FoundFile& file, const Job& job) {
+    const Status same = same_job(file.contents.header.job, job);
+    if (same) return same;
+    return Error{ErrorCode::kMismatch,
+                 fmt::format("{}: holds another job than {}: {}; choose another name for the output, or start over with --force",
+                             file.source->name(), to_hex(job.id), same.error().message)};
 }
-
-bool lies_in_one_interval(SampleRange samples, std::uint64_t run_samples) {
-    return !samples.empty() && samples.first / run_samples == (samples.end - 1) / run_samples;
-}
-
-// The smaller content hash decides between two runs of the same samples, as in every selection.
-bool preferred(const StoredRun& a, const StoredRun& b) { return a.run.header.content_hash < b.run.header.content_hash; }
-
-}  // namespace
 
 std::vector<fs::path> attempts_of(const fs::path& name) {
     std::vector<fs::path> attempts;
@@ -52,33 +39,6 @@ std::vector<fs::path> attempts_of(const fs::path& name) {
     }
     std::sort(attempts.begin(), attempts.end());
     return attempts;
-}
-
-Result<CommittedRuns> find_committed(const fs::path& name, const Job& job, SampleRange range) {
-    std::map<SampleRange, StoredRun> canonical, loose;
-    for (const fs::path& path : attempts_of(name)) {
-        const Result<OpenedFile> file = open_file(path);
-        if (!file) continue;  // torn before its first run, or damaged beyond reading: what it held is rendered again
-        if (Status s = same_job(file->contents.header.job, job); !s) return of_another_job(path, job, s.error());
-        for (const RunInfo& run : file->contents.runs) {
-            const StoredRun stored{file->source, run};
-            const SampleRange samples = stored.samples();
-            if (!lies_in_one_interval(samples, job.run_samples) || samples.end <= range.first || samples.first >= range.end)
-                continue;
-            const bool whole = samples.end % job.run_samples == 0 && run.header.interval_count == 1 && samples.end <= range.end;
-            auto [at, is_new] = (whole ? canonical : loose).try_emplace(samples, stored);
-            if (!is_new && preferred(stored, at->second)) at->second = stored;
-        }
-    }
-    CommittedRuns found;
-    Coverage covered;
-    for (auto& [samples, stored] : canonical) {
-        if (!covered.intersects(samples)) found.canonical.push_back(stored), covered.add(samples);
-    }
-    for (auto& [samples, stored] : loose) {
-        if (!covered.contains(samples)) found.loose.push_back(stored);
-    }
-    return found;
 }
 
 Result<Coverage> coverage_of(const ByteSource& source, const FileContents& contents) {
@@ -96,12 +56,12 @@ Result<Coverage> coverage_of(const ByteSource& source, const FileContents& conte
 }
 
 Result<bool> is_published(const fs::path& name, const Job& job, SampleRange range) {
-    const Result<OpenedFile> file = open_file(name);
+    const Result<FoundFile> file = open_file(name);
     if (!file && file.error().code == ErrorCode::kNotFound) return false;
     if (!file) return file.error();
-    if (Status s = same_job(file->contents.header.job, job); !s) return of_another_job(name, job, s.error());
+    if (Status s = check_same_job(*file, job); !s) return s.error();
     const Result<Coverage> covered = coverage_of(*file->source, file->contents);
-    if (!covered) return covered.error();
+    if (!covered) return covered.error().at(name.string());
     if (range.empty() || covered->contains(range)) return true;
     return Error{
         ErrorCode::kMismatch,
@@ -112,7 +72,7 @@ Result<bool> is_published(const fs::path& name, const Job& job, SampleRange rang
 
 void remove_superfluous_attempts(const fs::path& name, const Job& job, const Coverage& covered) {
     for (const fs::path& path : attempts_of(name)) {
-        const Result<OpenedFile> file = open_file(path);
+        const Result<FoundFile> file = open_file(path);
         bool superfluous;
         if (file) {
             const Result<Coverage> held = coverage_of(*file->source, file->contents);

@@ -16,21 +16,16 @@ namespace latent::sampledb {
 // The attempts under `name` (NAME.latent), in the order of their names.
 std::vector<std::filesystem::path> attempts_of(const std::filesystem::path& name);
 
-// A run that some attempt holds. The file stays open, so that the run can be read even if its name goes away.
-struct StoredRun {
-    std::shared_ptr<const FileSource> file;
-    RunInfo run;
-    SampleRange samples() const { return run.header.samples; }
+// A file that could be opened, and what it holds.
+struct FoundFile {
+    std::shared_ptr<const FileSource> source;
+    FileContents contents;
 };
+// Errors: those of FileSource::open and read_file.
+Result<FoundFile> open_file(const std::filesystem::path& path);
 
-// What earlier attempts committed of a range.
-struct CommittedRuns {
-    std::vector<StoredRun> canonical;  // end at a multiple of S: need not be read again; ascending, disjoint
-    std::vector<StoredRun> loose;      // checkpoints, closing runs and runs cut at R: their grains are taken up again; ascending
-};
-
-// Looks at every attempt under `name`; those that cannot be read are passed over. Errors: kMismatch if one is of another job.
-Result<CommittedRuns> find_committed(const std::filesystem::path& name, const Job& job, SampleRange range);
+// Errors: kMismatch, naming both jobs and what the user can do.
+Status check_same_job(const FoundFile& file, const Job& job);
 
 // All sample numbers that a file's runs hold.
 Result<Coverage> coverage_of(const ByteSource& source, const FileContents& contents);

@@ -25,20 +25,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kWindowBytes = std::uint64_t{64} << 20;  // grains that wait for an older one
 constexpr std::uint64_t kGrainOverhead = 1024;                   // what an empty grain costs
 
-// Grains that an earlier attempt committed in runs that are not canonical: read again when their turn comes.
-struct LooseGrains {
-    StoredRun stored;
-    Coverage grains;
-};
-
-Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {
-    Bytes bytes(stored.run.header.size());
-    if (Status s = stored.file->read(stored.run.offset, bytes); !s) return s.error();
-    Result<DecodedRun> run = decode_run(job, bytes);
-    if (!run) return run.error().at(stored.file->name());
-    return run;
-}
-
 // Rendering threads `submit`; whoever completes a run hands it to the committer, a thread that encodes, writes and syncs. One run
 // is assembled while another is encoded: never more than these two are held.
 class Writer final : public PartWriter {
@@ -58,9 +44,8 @@ class Writer final : public PartWriter {
  private:
     using Lock = std::unique_lock<std::mutex>;
 
-    Status take_up_earlier_attempts();
     void advance(Lock& lock);
-    Result<GrainPtr> next_grain(Lock& lock);
+    Result<GrainPtr> next_grain();
     void hand_over(AssembledRun run, Lock& lock);
     void commit_until_stopped();
     Status commit(std::vector<GrainPtr> grains, const Coverage& coverage);
@@ -68,6 +53,7 @@ class Writer final : public PartWriter {
     void stop_committer();
     Status add_runs_of_other_attempts();
     Status publish();
+    bool published_by_another();
     Status status() const;
     bool over() const { return error_ || published_; }
 
@@ -80,13 +66,10 @@ class Writer final : public PartWriter {
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     RunAssembler assembler_;
-    std::map<std::uint64_t, GrainPtr> waiting_;     // submitted, not yet in their turn; by first sample
-    std::uint64_t waiting_bytes_ = 0;               // of these
-    std::map<std::uint64_t, GrainPtr> recovered_;   // the same, from earlier attempts
-    std::map<std::uint64_t, StoredRun> canonical_;  // in earlier attempts, by first sample; still to be skipped
-    std::vector<LooseGrains> loose_;
-    std::map<SampleRange, StoredRun> adoptable_;  // loose runs that turn out to be runs of the result if these boundaries come up
-    std::vector<StoredRun> adopted_;              // runs of the result that other attempts hold
+    EarlierAttempts earlier_;
+    std::vector<StoredRun> adopted_;             // runs of the result that earlier attempts hold
+    std::map<std::uint64_t, GrainPtr> waiting_;  // submitted, not yet in their turn; by first sample
+    std::uint64_t waiting_bytes_ = 0;            // of these
     Coverage unsubmitted_;
     Coverage committed_;
     bool advancing_ = false;             // a thread is moving grains into runs
@@ -113,7 +96,13 @@ Status Writer::begin(bool published) {
         committed_ = Coverage(options_.range);
         return {};
     }
-    if (Status s = take_up_earlier_attempts(); !s) return s;
+    Result<EarlierAttempts> earlier = EarlierAttempts::find(options_.path, job_, options_.range);
+    if (!earlier) return earlier.error();
+    earlier_ = std::move(*earlier);
+    committed_ = earlier_.committed();
+    missing_ = Coverage(options_.range);
+    missing_.remove(committed_);
+    unsubmitted_ = missing_;
     Result<PartAttempt> attempt = PartAttempt::create(options_.path, {job_, options_.provenance_json});
     if (!attempt) return attempt.error();
     attempt_ = std::move(*attempt);
@@ -121,31 +110,6 @@ Status Writer::begin(bool published) {
     Lock lock(mutex_);
     advance(lock);
     return status();
-}
-
-Status Writer::take_up_earlier_attempts() {
-    Result<CommittedRuns> found = find_committed(options_.path, job_, options_.range);
-    if (!found) return found.error();
-    for (StoredRun& stored : found->canonical) {
-        if (!verify_run(*stored.file, stored.run, job_, VerifyLevel::kQuick)) continue;
-        committed_.add(stored.samples());
-        canonical_.emplace(stored.samples().first, std::move(stored));
-    }
-    for (StoredRun& stored : found->loose) {
-        const Result<DecodedRun> run = read_run(stored, job_);
-        if (!run) continue;
-        LooseGrains loose{std::move(stored), {}};
-        for (const GrainPtr& grain : split(run->records, run->coverage, options_.range)) {
-            if (!committed_.contains(grain->range)) loose.grains.add(grain->range);
-        }
-        committed_.add(loose.grains);
-        if (run->coverage.ranges().size() == 1) adoptable_.emplace(loose.stored.samples(), loose.stored);
-        if (!loose.grains.empty()) loose_.push_back(std::move(loose));
-    }
-    missing_ = Coverage(options_.range);
-    missing_.remove(committed_);
-    unsubmitted_ = missing_;
-    return {};
 }
 
 Status Writer::submit(Grain grain) {
@@ -180,12 +144,12 @@ void Writer::advance(Lock& lock) {
     advancing_ = true;
     while (!over() && !assembler_.done()) {
         std::vector<AssembledRun> closed;
-        if (const auto stored = canonical_.find(assembler_.next()); stored != canonical_.end()) {
-            closed = assembler_.skip(stored->second.samples());
-            adopted_.push_back(std::move(stored->second));
-            canonical_.erase(stored);
+        if (const StoredRun* const stored = earlier_.canonical_at(assembler_.next())) {
+            closed = assembler_.skip(stored->samples());
+            adopted_.push_back(*stored);
         } else {
-            Result<GrainPtr> grain = next_grain(lock);
+            const Result<GrainPtr> grain = next_grain();
+            if (!grain && published_by_another()) break;
             if (!grain) error_ = grain.error();
             if (!grain || !*grain) break;
             closed = assembler_.add(*grain);
@@ -202,26 +166,10 @@ void Writer::advance(Lock& lock) {
 }
 
 // The grain whose turn it is, or null if it was not submitted yet.
-Result<GrainPtr> Writer::next_grain(Lock& lock) {
-    const std::uint64_t next = assembler_.next();
-    for (auto loose = loose_.begin(); loose != loose_.end();) {
-        if (!loose->grains.contains(grain_range(next, options_.range))) {
-            ++loose;
-            continue;
-        }
-        const LooseGrains taken = std::move(*loose);
-        loose_.erase(loose);
-        lock.unlock();
-        const Result<DecodedRun> run = read_run(taken.stored, job_);
-        lock.lock();
-        if (!run) return run.error();
-        for (GrainPtr& grain : split(run->records, run->coverage, options_.range)) {
-            if (taken.grains.contains(grain->range)) recovered_.emplace(grain->range.first, std::move(grain));
-        }
-        break;
-    }
-    if (auto at = recovered_.find(next); at != recovered_.end()) return std::move(recovered_.extract(at).mapped());
-    const auto at = waiting_.find(next);
+Result<GrainPtr> Writer::next_grain() {
+    Result<GrainPtr> earlier = earlier_.take_grain(assembler_.next());
+    if (!earlier || *earlier) return earlier;
+    const auto at = waiting_.find(assembler_.next());
     if (at == waiting_.end()) return GrainPtr();
     waiting_bytes_ -= at->second->records.raw_bytes() + kGrainOverhead;
     changed_.notify_all();
@@ -230,10 +178,7 @@ Result<GrainPtr> Writer::next_grain(Lock& lock) {
 
 // Gives a complete run to the committer, which must have finished the one before: so at most two are held.
 void Writer::hand_over(AssembledRun run, Lock& lock) {
-    if (const auto stored = adoptable_.find(run.samples); stored != adoptable_.end()) {
-        adopted_.push_back(stored->second);
-        return;
-    }
+    if (const StoredRun* const stored = earlier_.run_of(run.samples)) return adopted_.push_back(*stored);
     changed_.wait(lock, [&] { return over() || (!ready_ && !committing_); });
     if (over()) return;
     ready_ = std::move(run);
@@ -295,11 +240,9 @@ Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
                      s.error().message + "; what was committed before stays: make room, then run the same command again"};
     }
     if (!attempt_->vanished()) return {};
-    const Result<bool> published = is_published(options_.path, job_, options_.range);
-    if (published && *published) {
+    {
         const Lock lock(mutex_);
-        published_ = true;
-        return {};
+        if (published_by_another()) return {};
     }
     return attempt_->restore();
 }
@@ -328,11 +271,19 @@ Status Writer::finish() {
     }
     stop_committer();
     if (!published_) {
-        if (Status s = add_runs_of_other_attempts(); !s) return s;
-        if (Status s = publish(); !s) return s;
+        Status done = add_runs_of_other_attempts();
+        if (done) done = publish();
+        if (!done && !published_by_another()) return done;
     }
     remove_superfluous_attempts(options_.path, job_, Coverage(options_.range));
     return {};
+}
+
+// Whether another writer of the same name and range was faster: then nothing is lost, whatever happened to this one's files.
+bool Writer::published_by_another() {
+    const Result<bool> published = is_published(options_.path, job_, options_.range);
+    published_ = published && *published;
+    return published_;
 }
 
 // Copies what other attempts hold of the result, and reads it again: file systems have been seen to copy zeros.
@@ -352,9 +303,8 @@ Status Writer::publish() {
     for (;;) {
         const Status named = attempt_->publish();
         if (named) return {};
-        if (named.error().code != ErrorCode::kExists && named.error().code != ErrorCode::kNotFound) return named;
-        const Result<bool> published = is_published(options_.path, job_, options_.range);  // by another writer of the same range
-        if (!published) return published.error();
+        const Result<bool> published = is_published(options_.path, job_, options_.range);
+        if (!published) return published.error();  // the name went to another job or range
         if (*published) return {};
         if (!attempt_->vanished()) return named;
         if (Status s = attempt_->restore(); !s) return s;

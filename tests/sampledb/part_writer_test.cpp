@@ -255,6 +255,47 @@ TEST_F(PartWriterTest, AnAttemptThatVanishesIsWrittenAgain) {
     EXPECT_EQ(selected(name_), undisturbed(job, range));
 }
 
+TEST_F(PartWriterTest, RunsOfAnAttemptThatIsGoneAreReportedAndRenderedAgain) {
+    const Job job = small_job();
+    const SampleRange range{0, 12288};
+    auto first = open(job, range);
+    const std::vector<SampleRange> grains = grains_of(first->missing(), range);
+    for (std::size_t i = 0; i < 4; ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
+    ASSERT_TRUE(first->checkpoint());
+    first.reset();
+    const fs::path gone = attempts_of(name_).at(0);
+    auto second = open(job, range);
+    EXPECT_EQ(second->missing(), Coverage(SampleRange{4096, 12288}));
+    fs::remove(gone);
+    submit_all(*second, job, range);
+    const Status refused = second->finish();
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find(gone.string()), std::string::npos) << refused.error().message;
+    second.reset();
+    const auto third = open(job, range);
+    EXPECT_EQ(third->missing(), Coverage(SampleRange{0, 4096}));
+    submit_all(*third, job, range);
+    ASSERT_TRUE(third->finish());
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+    EXPECT_EQ(selected(name_), undisturbed(job, range));
+}
+
+TEST_F(PartWriterTest, ANameThatAnotherJobTakesMeanwhileIsLeftToIt) {
+    const Job job = small_job(), other = small_job(RecordKind::kXyz, 2);
+    const auto slow = open(job, {0, 4096});
+    submit_all(*slow, job, {0, 4096});
+    const TemporaryFolder elsewhere;
+    const auto fast = PartWriter::open({elsewhere / "b.latent", {0, 4096}, 1000, "{}", false}, other);
+    submit_all(**fast, other, {0, 4096});
+    ASSERT_TRUE((*fast)->finish());
+    fs::copy(elsewhere / "b.latent", name_);
+    const Status refused = slow->finish();
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("night.latent"), std::string::npos) << refused.error().message;
+    EXPECT_EQ(selected(name_), undisturbed(other, {0, 4096}));
+    EXPECT_EQ(attempts_of(name_).size(), 1u);  // nothing is lost
+}
+
 TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
     const Job job = small_job();
     const SampleRange range{0, 10000};
