@@ -1,4 +1,4 @@
-// base/cli.h: the one grammar of all command lines (README.md, "Tools"). Only main.cpp files include this.
+// base/cli.h: the one grammar of all command lines (README.md, "The tools in five lines"). Only main.cpp files include this.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -22,13 +22,13 @@ enum ExitStatus : int {
 
 // What every tool takes.
 struct CommonOptions {
-    int threads = 0;                            // 0: as many as the machine has
+    int threads = 0;                                // 0: as many as the machine has
     std::uint64_t memory = std::uint64_t{1} << 30;  // bytes
     bool json = false;
     bool force = false;
 };
 
-// Adds --threads, --memory, --json and --version (`with_memory` and `with_force` add those two where they apply).
+// Adds --threads, --json and --version, and --memory and --force where they apply.
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force);
 
 // Parses; an exit status if the program should end now: --help and --version 0, misuse 2 (one line on stderr).

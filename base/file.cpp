@@ -61,7 +61,8 @@ Result<File> File::create_unnamed(const std::filesystem::path& folder) {
     int fd = open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0600);
     const std::string place = folder.string() + "/(temporary file)";
     if (fd >= 0) return File(fd, place);
-    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) return error_from_errno(errno, folder.string(), "cannot create a temporary file");
+    if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)
+        return error_from_errno(errno, folder.string(), "cannot create a temporary file");
     const std::filesystem::path name = folder / fmt::format(".latent-{}.tmp", make_nonce());
     fd = open_retrying(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
     if (fd < 0) return error_from_errno(errno, folder.string(), "cannot create a temporary file");
@@ -116,7 +117,8 @@ Status File::copy_from(const File& source, std::uint64_t source_offset, std::uin
     while (done < length) {
         off_t from = static_cast<off_t>(source_offset + done);
         off_t to = static_cast<off_t>(offset + done);
-        const ssize_t copied = ::copy_file_range(source.fd_, &from, fd_, &to, std::min<std::uint64_t>(length - done, kMaxTransfer), 0);
+        const ssize_t copied =
+            ::copy_file_range(source.fd_, &from, fd_, &to, std::min<std::uint64_t>(length - done, kMaxTransfer), 0);
         if (copied < 0 && errno == EINTR) continue;
         if (copied < 0 && !kernel_copy_unavailable(errno)) return error_from_errno(errno, path_.string(), "cannot write");
         if (copied <= 0) break;  // go on through memory from here

@@ -14,7 +14,9 @@ struct Threads::Arena {
     tbb::task_arena arena;
 };
 
-Threads::Threads(int count) : count_(count > 0 ? count : tbb::info::default_concurrency()) { arena_ = std::make_unique<Arena>(count_); }
+Threads::Threads(int count) : count_(count > 0 ? count : tbb::info::default_concurrency()) {
+    arena_ = std::make_unique<Arena>(count_);
+}
 Threads::~Threads() = default;
 
 void Threads::run(const std::function<void()>& work) const { arena_->arena.execute(work); }

@@ -13,7 +13,7 @@ namespace latent::cli {
 namespace {
 
 class Bar {
-   public:
+ public:
     explicit Bar(std::string verb) : verb_(std::move(verb)), begin_(Clock::now()) {}
     ~Bar() {
         if (drawn_) fmt::print(stderr, "\r\033[K");
@@ -27,11 +27,12 @@ class Bar {
         const std::string left = done > 0.001 ? format_duration(elapsed * (1 - done) / done) + " left" : "";
         constexpr int kWidth = 24;
         const int filled = static_cast<int>(done * kWidth);
-        fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f}%  {}  {}", verb_, "", filled, "", kWidth - filled, done * 100, left, detail);
+        fmt::print(stderr, "\r\033[K{} [{:#<{}}{:.<{}}] {:3.0f}%  {}  {}", verb_, "", filled, "", kWidth - filled, done * 100, left,
+                   detail);
         std::fflush(stderr);
     }
 
-   private:
+ private:
     using Clock = std::chrono::steady_clock;
     std::string verb_;
     Clock::time_point begin_, last_;

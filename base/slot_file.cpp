@@ -7,7 +7,10 @@
 namespace latent {
 
 SlotFile::SlotFile(std::filesystem::path folder, std::size_t record_bytes, std::uint64_t memory)
-    : folder_(std::move(folder)), record_bytes_(record_bytes), memory_slots_(memory / record_bytes), memory_(memory_slots_) {}
+    : folder_(std::move(folder)),
+      record_bytes_(record_bytes),
+      memory_slots_(record_bytes == 0 ? 0 : memory / record_bytes),
+      memory_(memory_slots_) {}
 
 Status SlotFile::put(std::uint64_t key, ByteSpan record) {
     assert(record.size() == record_bytes_);

@@ -1,6 +1,8 @@
 #include "color/camera.h"
 
+#include <array>
 #include <cmath>
+#include <cstdlib>
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
@@ -24,7 +26,10 @@ std::vector<Vector3> seen_daylight(const std::array<Spectrum, 3>& curves) {
 }  // namespace
 
 Result<Matrix3> xyz_from_camera(const std::array<Spectrum, 3>& responses) {
-    constexpr double kCorrelationNm = 80;
+    // e^(-distance / 80 nm), by multiplications alone: no libm decides a bit of a picture.
+    constexpr double kCorrelation = 0.98757780049388141;
+    std::array<double, kIntegerNmCount> correlation_at{1};
+    for (int i = 1; i < kIntegerNmCount; ++i) correlation_at[i] = correlation_at[i - 1] * kCorrelation;
     const Observer& cie = Observer::cie1931();
     const std::vector<Vector3> camera = seen_daylight(responses), eye = seen_daylight({cie.curve(0), cie.curve(1), cie.curve(2)});
     // Covariances of what both see of random reflectances: camera with camera, eye with camera; and their whites.
@@ -32,7 +37,7 @@ Result<Matrix3> xyz_from_camera(const std::array<Spectrum, 3>& responses) {
     Vector3 camera_white{}, eye_white{};
     for (int i = 0; i < kIntegerNmCount; ++i) {
         for (int j = 0; j < kIntegerNmCount; ++j) {
-            const double correlation = std::exp(-std::abs(i - j) / kCorrelationNm);
+            const double correlation = correlation_at[std::abs(i - j)];
             for (int a = 0; a < 3; ++a) {
                 for (int b = 0; b < 3; ++b) {
                     auto_covariance.m[a][b] += correlation * camera[i][a] * camera[j][b];

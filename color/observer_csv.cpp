@@ -1,8 +1,10 @@
 // Observers from the text of a table: Observer::from_csv.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "color/camera.h"
@@ -35,6 +37,16 @@ std::optional<double> number(std::string_view field) {
     return value;
 }
 
+// 10^x by * and / alone: libm's last bit may depend on the processor, and an observer decides pixels. x = n + f, |f| <= 1/2; the
+// series of e^(f ln 10) ends below 1e-17. Infinite where a double is.
+double power_of_ten(double x) {
+    const double n = std::round(std::clamp(x, -400.0, 400.0)), t = (std::clamp(x, -400.0, 400.0) - n) * std::numbers::ln10;
+    double sum = 1, term = 1;
+    for (int i = 1; i < 22; ++i) sum += term *= t / i;
+    for (int i = 0; i < std::abs(n); ++i) sum = n > 0 ? sum * 10 : sum / 10;
+    return sum;
+}
+
 struct CsvTable {
     std::vector<double> lambda_nm;
     std::vector<std::array<double, 3>> response;
@@ -51,7 +63,7 @@ Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable&
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const std::optional<double> read = number(fields[i]);
         if (!read) return at_line(line, fmt::format("\"{}\" is not a finite number", fields[i]));
-        value[i] = table.logarithmic[i] ? std::pow(10, *read) : *read;
+        value[i] = table.logarithmic[i] ? power_of_ten(*read) : *read;
         if (i > 0 && (!(value[i] >= 0) || !std::isfinite(value[i])))
             return at_line(line, fmt::format("a response cannot be {}", fields[i]));
     }

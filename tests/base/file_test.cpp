@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 class FileTest : public ::testing::Test {
-   protected:
+ protected:
     fs::path folder_ = fs::path(::testing::TempDir()) / ("latent-file-" + make_nonce());
     void SetUp() override { fs::create_directories(folder_); }
     void TearDown() override { fs::remove_all(folder_); }

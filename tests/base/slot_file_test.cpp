@@ -31,6 +31,13 @@ TEST(SlotFile, GivesBackWhatWasPutWhetherItWaitedInMemoryOrInTheFile) {
     EXPECT_LE(slots.bytes_on_disk(), 40u * 100u) << "slots that were freed are used again";
 }
 
+TEST(SlotFile, RecordsMayBeEmpty) {
+    SlotFile slots(std::filesystem::temp_directory_path(), 0, 1000);
+    ASSERT_TRUE(slots.put(1, {}));
+    EXPECT_TRUE(slots.take(1, {}).value());
+    EXPECT_FALSE(slots.take(1, {}).value());
+}
+
 TEST(SlotFile, NeedsNoFileWhileEverythingFitsInMemory) {
     SlotFile slots("/nowhere", 8, 80);
     Bytes record(8);

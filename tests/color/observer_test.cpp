@@ -81,6 +81,16 @@ TEST(Observer, FilmIsNeutralAndAnswersToDaylightLikeTheEye) {
     EXPECT_NEAR(neutral.y, 1.0 / 3, 1e-12);
 }
 
+TEST(Observer, LogarithmsAreTakenToTheLastBitsOfTheirPowers) {
+    std::string text = "nm,log10\n";
+    for (int i = 0; i <= 300; ++i) text += std::to_string(400 + i) + "," + std::to_string(0.02 * i - 3) + "\n";
+    const Observer film = *Observer::from_csv(text, "film");
+    for (int i = 0; i <= 300; ++i) {
+        const double expected = std::pow(10, std::stod(std::to_string(0.02 * i - 3)) - 3);
+        EXPECT_NEAR(film.at(400 + i)[1] / film.at(700)[1] / expected, 1, 2e-15) << i;
+    }
+}
+
 TEST(Observer, ReadsTheSameTableInAnyDress) {
     const Observer plain = *Observer::from_csv("400,1,2,3\n500,2,3,4\n", "a");
     for (const char* text : {"\xEF\xBB\xBF# c\r\nlambda, x, y, z # names\r\n\r\n400, 1, 2, 3\r\n500, 2, 3, 4 # last\r\n",

@@ -63,7 +63,8 @@ TEST(Structure, EveryIncludePointsDownTheArrows) {
             if (!entry.is_regular_file() || !is_source(entry.path())) continue;
             ++files;
             std::ifstream text(entry.path());
-            for (const std::string& wrong : reversed_arrows(fs::relative(entry.path(), source).string(), text)) ADD_FAILURE() << wrong;
+            for (const std::string& wrong : reversed_arrows(fs::relative(entry.path(), source).string(), text))
+                ADD_FAILURE() << wrong;
         }
     }
     EXPECT_GT(files, 10u);
