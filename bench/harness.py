@@ -1,0 +1,130 @@
+"""What the benches share: building, running a command for its cost, and one table of figures."""
+import json
+import os
+import pathlib
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BIN = ROOT / "build" / "bin"
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def build(*targets):
+    """Installs what is missing and builds `targets` in Release."""
+    subprocess.run([ROOT / "scripts/install", "bench"], check=True)
+    subprocess.run(["cmake", "--preset", "release", "-DLATENT_BENCHES=ON"], cwd=ROOT, check=True, stdout=sys.stderr)
+    subprocess.run(["cmake", "--build", "--preset", "release", "--target", *targets], cwd=ROOT, check=True, stdout=sys.stderr)
+
+
+class Cost:
+    """Wall and CPU seconds, peak resident MiB and standard output of one child (wait4: threads and children included)."""
+
+    def __init__(self, command, env=None, statuses=(0,)):
+        command = [str(word) for word in command]
+        begin = time.monotonic()
+        child = subprocess.Popen(command, stdout=subprocess.PIPE, env={**os.environ, **(env or {})})
+        self.out = child.stdout.read().decode()
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        self.wall = time.monotonic() - begin
+        self.cpu = usage.ru_utime + usage.ru_stime
+        self.mib = usage.ru_maxrss / 1024
+        if child.returncode not in statuses:
+            raise SystemExit(f"exit status {child.returncode}: {' '.join(command)}")
+
+    def json(self):
+        return json.loads(self.out)
+
+
+def tool(verb, *arguments, **options):
+    """Runs latent-VERB."""
+    return Cost([BIN / f"latent-{verb}", *arguments], **options)
+
+
+def in_turn(rounds, *commands):
+    """Runs each of `commands` (functions that return a Cost) once per round, one after another: a list of Costs for each."""
+    return list(zip(*[[command() for command in commands] for _ in range(rounds)]))
+
+
+def cpu(costs):
+    return statistics.median(cost.cpu for cost in costs)
+
+
+def wall(costs):
+    return statistics.median(cost.wall for cost in costs)
+
+
+def peak(costs):
+    return max(cost.mib for cost in costs)
+
+
+def ratios(costs, peers, of="wall"):
+    """Cost over peer, pair by pair."""
+    return [getattr(cost, of) / getattr(peer, of) for cost, peer in zip(costs, peers)]
+
+
+def flush():
+    """What earlier steps wrote must not be written to disk during the next."""
+    os.sync()
+
+
+def into_page_cache(*files):
+    for path in files:
+        with open(path, "rb", buffering=0) as file:
+            while file.read(1 << 24):
+                pass
+
+
+def need_space(folder, size):
+    """Ends the program unless `folder` has room for `size` bytes."""
+    free = shutil.disk_usage(folder).free
+    if free < size:
+        raise SystemExit(f"{folder}: {free >> 30} GiB are free, {-(-size >> 30)} GiB are needed")
+
+
+class Table:
+    """Rows of: what, value (median) with its range, what is asked of it and whether it is met, the inputs of the ratio."""
+
+    def __init__(self):
+        self.rows = []
+
+    def add(self, what, values, unit="", at_least=None, at_most=None, how=""):
+        values = values if isinstance(values, (list, tuple)) else [values]
+        value = statistics.median(values)
+        met = None
+        if at_least is not None:
+            met = value >= at_least
+        if at_most is not None:
+            met = value <= at_most
+        asked = f">= {at_least:g}" if at_least is not None else f"<= {at_most:g}" if at_most is not None else ""
+        self.rows.append({"what": what, "value": value, "least": min(values), "most": max(values), "unit": unit, "asked": asked,
+                          "met": met, "how": how})
+
+    def print(self, as_json, **heading):
+        if as_json:
+            print(json.dumps({**heading, "rows": self.rows}, indent=2))
+            return
+        print("; ".join(f"{name} {value}" for name, value in heading.items()))
+        print("| what | measured | range | asked | | how |\n|---|---:|---:|---:|---|---|")
+        for row in self.rows:
+            spread = f"{row['least']:.3g}..{row['most']:.3g}" if row["least"] != row["most"] else ""
+            verdict = {True: "met", False: "**missed**", None: ""}[row["met"]]
+            print(f"| {row['what']} | {number(row['value'])} {row['unit']} | {spread} | {row['asked']} | {verdict} | {row['how']} |")
+
+
+def number(value):
+    return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
+
+
+def machine():
+    model = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "unknown")
+    memory = int(next(line.split()[1] for line in open("/proc/meminfo") if line.startswith("MemTotal"))) / 2**20
+    load = os.getloadavg()[0]
+    return f"{os.cpu_count()} x {model}, {memory:.0f} GiB, load {load:.1f}"
