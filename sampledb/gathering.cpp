@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <list>
 #include <map>
 #include <mutex>
 
 #include "sampledb/input_files.h"
+#include "sampledb/page_filter.h"
+#include "sampledb/recent_cache.h"
 #include "sampledb/selection.h"
 
 namespace latent::sampledb {
@@ -18,77 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMostOpenFiles = 224;  // 256 with those that readers still hold and the tool's own
-
-// Recently used values by key, as many as fit.
-template <class Value>
-class Cache {
- public:
-    explicit Cache(std::uint64_t capacity) : capacity_(capacity) {}
-
-    std::shared_ptr<const Value> find(std::size_t key) {
-        const auto it = entries_.find(key);
-        if (it == entries_.end()) return nullptr;
-        recent_.splice(recent_.begin(), recent_, it->second.place);
-        return it->second.value;
-    }
-    void insert(std::size_t key, std::shared_ptr<const Value> value, std::uint64_t cost) {
-        if (entries_.count(key) != 0) return;
-        recent_.push_front(key);
-        entries_[key] = {std::move(value), cost, recent_.begin()};
-        held_ += cost;
-        while (held_ > capacity_ && recent_.size() > 1) {
-            const auto oldest = entries_.find(recent_.back());
-            held_ -= oldest->second.cost;
-            entries_.erase(oldest);
-            recent_.pop_back();
-        }
-    }
-
- private:
-    struct Entry {
-        std::shared_ptr<const Value> value;
-        std::uint64_t cost;
-        std::list<std::size_t>::iterator place;
-    };
-    std::uint64_t capacity_;
-    std::uint64_t held_ = 0;
-    std::map<std::size_t, Entry> entries_;
-    std::list<std::size_t> recent_;
-};
-
-// Keeps the rows of a page whose sample lies in the coverage.
-void keep_samples(const Coverage& coverage, Page& page) {
-    std::vector<std::size_t> rows;
-    for (std::size_t i = 0; i < page.count; ++i) {
-        if (coverage.contains(SampleRange{page.sample[i], page.sample[i] + 1})) rows.push_back(i);
-    }
-    const auto keep = [&](auto& column) {
-        if (column.empty()) return;
-        for (std::size_t i = 0; i < rows.size(); ++i) column[i] = column[rows[i]];
-    };
-    if (!page.pairs.empty()) {
-        std::uint32_t at = 0;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const std::uint32_t from = page.first_pair[rows[i]];
-            page.first_pair[i] = at;
-            for (std::uint16_t pair = 0; pair < page.pairs[rows[i]]; ++pair, ++at) {
-                page.power[at] = page.power[from + pair];
-                if (!page.lambda_nm.empty()) page.lambda_nm[at] = page.lambda_nm[from + pair];
-            }
-        }
-        std::fill(page.first_pair.begin() + static_cast<std::ptrdiff_t>(rows.size()), page.first_pair.end(), at);
-    }
-    keep(page.sample), keep(page.u), keep(page.v), keep(page.share), keep(page.x), keep(page.y), keep(page.z);
-    keep(page.pairs), keep(page.xi), keep(page.index);
-    for (ExtraColumn& column : page.extra) {
-        const std::size_t bytes = width(column.type);
-        for (std::size_t i = 0; i < rows.size() && !column.values.empty(); ++i) {
-            std::copy_n(column.values.begin() + static_cast<std::ptrdiff_t>(rows[i] * bytes), bytes,
-                        column.values.begin() + static_cast<std::ptrdiff_t>(i * bytes));
-        }
-    }
-    page.count = rows.size();
-}
 
 class OpenGathering final : public Gathering {
  public:
@@ -113,7 +43,7 @@ class OpenGathering final : public Gathering {
     };
 
     Status read_inputs(const std::vector<InputFile>& inputs);
-    Status take_file(const InputFile& input, const ByteSource& source, FileContents file);
+    Status take_file(const InputFile& input, const std::shared_ptr<const FileSource>& source, FileContents file);
     Status refuse_or_leave_out(const InputFile& input, const Error& error);
     void report_state(const InputFile& input, const FileContents& file);
     Status check_jobs() const;
@@ -134,8 +64,8 @@ class OpenGathering final : public Gathering {
     GatherReport report_;
 
     mutable std::mutex mutex_;
-    mutable Cache<std::vector<PageInfo>> indexes_;
-    mutable Cache<FileSource> sources_;
+    mutable RecentCache<std::vector<PageInfo>> indexes_;
+    mutable RecentCache<FileSource> sources_;
     mutable std::atomic<std::uint64_t> bytes_read_ = 0;
 };
 
@@ -151,17 +81,18 @@ Status OpenGathering::gather() {
 
 Status OpenGathering::read_inputs(const std::vector<InputFile>& inputs) {
     for (const InputFile& input : inputs) {
-        Result<FileSource> source = FileSource::open(input.path);
-        if (!source) {
-            if (Status s = refuse_or_leave_out(input, source.error()); !s) return s;
+        Result<FileSource> opened = FileSource::open(input.path);
+        if (!opened) {
+            if (Status s = refuse_or_leave_out(input, opened.error()); !s) return s;
             continue;
         }
+        const auto source = std::make_shared<const FileSource>(std::move(*opened));
         Result<FileContents> file = read_file(*source, options_.verify);
         if (!file) {
             if (Status s = refuse_or_leave_out(input, file.error().at(input.path.string())); !s) return s;
             continue;
         }
-        if (Status s = take_file(input, *source, std::move(*file)); !s) return s;
+        if (Status s = take_file(input, source, std::move(*file)); !s) return s;
     }
     if (!files_.empty()) return {};
     if (!report_.left_out.empty()) {
@@ -190,7 +121,7 @@ Status OpenGathering::refuse_or_leave_out(const InputFile& input, const Error& e
     return {};
 }
 
-Status OpenGathering::take_file(const InputFile& input, const ByteSource& source, FileContents file) {
+Status OpenGathering::take_file(const InputFile& input, const std::shared_ptr<const FileSource>& source, FileContents file) {
     const std::string name = input.path.string();
     const JobId id = file.header.job.id;
     if (options_.job && id != *options_.job) {
@@ -211,11 +142,12 @@ Status OpenGathering::take_file(const InputFile& input, const ByteSource& source
     report_state(input, file);
     const std::uint32_t number = static_cast<std::uint32_t>(files_.size());
     files_.push_back(input.path);
+    sources_.insert(number, source, 1);  // stays open: an attempt may lose its name any time
     Coverage held;
     for (const RunInfo& run : file.runs) {
         Coverage coverage(run.header.samples);
         if (run.header.interval_count > 1) {
-            const Result<RunIndex> index = read_run_index(source, run, job_);
+            const Result<RunIndex> index = read_run_index(*source, run, job_);
             if (!index) {
                 report_.left_out.push_back({fmt::format("{}: run at byte {}", name, run.offset), index.error().message});
                 continue;

@@ -62,7 +62,8 @@ class Gathering {
     // N of blueprint 4.3: light paths per sample x samples selected.
     std::uint64_t light_paths() const { return coverage().size() * job().light_paths_per_sample; }
 
-    // The pages of run `run` (index into runs()), in Z order (node's first Z code, then larger nodes first).
+    // The pages of run `run` (index into runs()): camera pages, then light pages, each ascending by the Z prefixes of their
+    // records.
     virtual Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const = 0;
 
     // Decodes a page into `page`, checksums verified. Errors: kCorrupt, kTruncated, kIo, with file, run and page named.
