@@ -111,6 +111,7 @@ TEST_F(InspectTest, AnUnfinishedFileIsSoundAndOneThatIsNoLatentFileIsAnError) {
         inspect({"verify", write("a.latent.part.0", ByteSpan(unfinished.bytes).first(unfinished.run_ends[2] + 700))});
     EXPECT_EQ(outcome.status, 0) << outcome.out;
     EXPECT_NE(outcome.out.find("not finished"), std::string::npos);
+    EXPECT_EQ(inspect({"verify", folder_ / "a.latent"}).out, outcome.out);  // not published yet: its attempts
     std::ofstream(folder_ / "text") << "nothing of the kind";
     for (const char* command : {"info", "verify"}) {
         const Outcome text = inspect({command, folder_ / "text"});

@@ -49,6 +49,19 @@ Status TextArguments::apply(CatOptions& cat, GenOptions& gen) const {
     return parse_aspect(aspect, gen.scene);
 }
 
+void add_cat_options(CLI::App& cat, CatOptions& options, TextArguments& text) {
+    cat.add_option("FILE", options.inputs, "files of one job, or folders")->required();
+    cat.add_option("--samples", text.samples, "only sample numbers A .. B-1")->type_name("A:B");
+    cat.add_option("--region", text.region, "only this part of the film, in [0,1]")
+        ->type_name("U0,V0,U1,V1")
+        ->delimiter(',')
+        ->expected(4);
+    cat.add_option("--limit", options.limit, "at most this many records");
+    cat.add_option("--format", text.format, "csv, or one JSON object a line")
+        ->check(CLI::IsMember({"csv", "json"}))
+        ->capture_default_str();
+}
+
 void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text) {
     SyntheticScene& scene = options.scene;
     gen.add_option("-o,--output", options.output, "the new file")->required()->type_name("OUT.latent");

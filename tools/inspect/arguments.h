@@ -21,6 +21,7 @@ struct TextArguments {
     Status apply(CatOptions& cat, GenOptions& gen) const;
 };
 
+void add_cat_options(CLI::App& cat, CatOptions& options, TextArguments& text);
 void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text);
 
 }  // namespace latent::inspect

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/cli.h"
+#include "sampledb/input_files.h"
 #include "tools/inspect/arguments.h"
 #include "tools/inspect/cat.h"
 #include "tools/inspect/gen.h"
@@ -26,19 +27,23 @@ void print(const Report& report) {
     fmt::print("{}", common.json ? to_json(report).dump(2) + "\n" : to_text(report));
 }
 
-int run_info(const Paths& files) {
-    for (const std::filesystem::path& file : files) {
-        const Result<FileInfo> info = read_info(file);
+int run_info(const Paths& named) {
+    const Result<std::vector<sampledb::InputFile>> files = sampledb::list_input_files(named);
+    if (!files) return cli::fail(files.error());
+    for (const sampledb::InputFile& file : *files) {
+        const Result<FileInfo> info = read_info(file.path);
         if (!info) return cli::fail(info.error());
         print(*info);
     }
     return cli::kDone;
 }
 
-int run_verify(const Paths& files, Depth depth) {
+int run_verify(const Paths& named, Depth depth) {
+    const Result<std::vector<sampledb::InputFile>> files = sampledb::list_input_files(named);
+    if (!files) return cli::fail(files.error());
     bool sound = true;
-    for (const std::filesystem::path& file : files) {
-        const Result<VerifyReport> report = verify(file, depth, cli::progress_to_stderr("verifying"));
+    for (const sampledb::InputFile& file : *files) {
+        const Result<VerifyReport> report = verify(file.path, depth, cli::progress_to_stderr("verifying"));
         if (!report) return cli::fail(report.error());
         print(*report);
         sound = sound && report->damage.empty();
@@ -83,10 +88,10 @@ int main(int argc, char** argv) {
     bool quick = false, deep = false;
 
     CLI::App* info = app.add_subcommand("info", "what is in a file")->footer(help::kInfo);
-    info->add_option("FILE", files, "any .latent file, finished or not")->required();
+    info->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
 
     CLI::App* verify = app.add_subcommand("verify", "is every byte as it was written?")->footer(help::kVerify);
-    verify->add_option("FILE", files, "any .latent file, finished or not")->required();
+    verify->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
     CLI::Option* quick_flag = verify->add_flag("--quick", quick, "headers, indexes and one page of each run only");
     verify->add_flag("--deep", deep, "decode and check every record as well")->excludes(quick_flag);
 
@@ -95,16 +100,7 @@ int main(int argc, char** argv) {
     recover->add_option("-o,--output", output, "the new file")->required();
 
     CLI::App* cat = app.add_subcommand("cat", "records as text")->footer(help::kCat);
-    cat->add_option("FILE", cat_options.inputs, "files of one job, or folders")->required();
-    cat->add_option("--samples", text.samples, "only sample numbers A .. B-1")->type_name("A:B");
-    cat->add_option("--region", text.region, "only this part of the film, in [0,1]")
-        ->type_name("U0,V0,U1,V1")
-        ->delimiter(',')
-        ->expected(4);
-    cat->add_option("--limit", cat_options.limit, "at most this many records");
-    cat->add_option("--format", text.format, "csv, or one JSON object a line")
-        ->check(CLI::IsMember({"csv", "json"}))
-        ->capture_default_str();
+    add_cat_options(*cat, cat_options, text);
 
     CLI::App* gen = app.add_subcommand("gen", "a synthetic file")->footer(help::kGen);
     add_gen_options(*gen, gen_options, text);
