@@ -11,13 +11,11 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr int kBucketBits = 8;      // of z: a bucket of a large run fits the second-level cache
-constexpr std::size_t kAhead = 16;  // rows on their way from memory while one is copied
 // Rows left free between buckets. A low-discrepancy sequence makes buckets of equal size, whose ends would otherwise fall on the
 // same sets of the cache.
 constexpr std::size_t kSkew = 10;
 constexpr std::size_t kBlock = 256;  // rows that are loaded together
-constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
+constexpr std::size_t kAhead = 16;   // rows on their way from memory while one is copied
 
 }  // namespace
 
@@ -27,12 +25,6 @@ std::vector<std::uint32_t> order_by_sample(const Records& records) {
     std::iota(rows.begin(), rows.end(), 0u);
     std::ranges::stable_sort(rows, {}, [&](std::uint32_t row) { return records.sample[row]; });
     return rows;
-}
-
-void RowSorter::sort(const Job& job, const Records& records) {
-    job_ = &job;
-    records_ = &records;
-    partition(order_by_sample(records));
 }
 
 // A block of rows, one column after another: large columns begin at the same place of a memory page, and eight of them read in
@@ -61,51 +53,56 @@ void RowSorter::load_rows(const RowAt& row_at, std::span<const std::uint32_t> fi
 }
 
 // Two steps, so that neither jumps about in memory: rows go to buckets by class and the leading bits of z, which fills a few
-// hundred streams; then each bucket is sorted where it lies.
-void RowSorter::partition(const std::vector<std::uint32_t>& by_sample) {
-    const Records& r = *records_;
-    const std::size_t n = r.size();
-    std::vector<std::uint32_t> first_pair(r.pairs.size());
-    std::exclusive_scan(r.pairs.begin(), r.pairs.end(), first_pair.begin(), 0u);
-    const auto bucket_of = [record_class = r.record_class.data()](std::size_t row, std::uint32_t z) {
-        return static_cast<std::size_t>(record_class[row]) * kBuckets + (z >> (32 - kBucketBits));
+// hundred streams; each bucket is sorted where it lies, just before its pages are made.
+void RowSorter::sort(const Job& job, const Records& records) {
+    job_ = &job;
+    records_ = &records;
+    sorted_buckets_ = 0;
+    const std::size_t n = records.size();
+    const std::vector<std::uint32_t> by_sample = order_by_sample(records);
+    std::vector<std::uint32_t> first_pair(records.pairs.size());
+    std::exclusive_scan(records.pairs.begin(), records.pairs.end(), first_pair.begin(), 0u);
+    const auto bucket_of = [&](std::size_t row) {
+        const std::uint32_t z = z_prefix(records.u[row], records.v[row]);
+        return static_cast<std::size_t>(records.record_class[row]) * kBuckets + (z >> (32 - kBucketBits));
     };
 
-    std::array<std::uint32_t, 2 * kBuckets + 1> begin{};
-    for (std::size_t row = 0; row < n; ++row) ++begin[bucket_of(row, z_prefix(r.u[row], r.v[row])) + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    camera_count_ = begin[kBuckets];
+    begin_ = {};
+    for (std::size_t row = 0; row < n; ++row) ++begin_[bucket_of(row) + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    Bounds next;
+    for (std::size_t bucket = 0; bucket < next.size(); ++bucket) next[bucket] = static_cast<std::uint32_t>(slot(bucket));
+    const std::size_t slots = next.back();
+    if (rows_.size() < slots) rows_.resize(slots), z_.resize(slots), order_.resize(slots);
+    sources_.resize(job.extra.empty() ? 0 : slots);
 
-    const std::size_t slots = n + 2 * kBuckets * kSkew;
-    if (rows_.size() < slots) rows_.resize(slots), keys_.resize(slots), z_.resize(n), order_.resize(n);
-    sources_.resize(job_->extra.empty() ? 0 : slots);
-    std::array<std::uint32_t, 2 * kBuckets + 1> next = begin;
-    for (std::size_t b = 0; b < next.size(); ++b) next[b] += static_cast<std::uint32_t>(b * kSkew);
     std::array<Row, kBlock> block;
     for (std::size_t first = 0; first < n; first += kBlock) {
         const std::size_t count = std::min(kBlock, n - first);
         const auto row_at = [&](std::size_t i) { return by_sample.empty() ? first + i : by_sample[first + i]; };
         load_rows(row_at, first_pair, std::span(block).first(count));
         for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t z = z_prefix(block[i].u, block[i].v);
-            const std::uint32_t to = next[bucket_of(row_at(i), z)]++;
+            const std::uint32_t to = next[bucket_of(row_at(i))]++;
             rows_[to] = block[i];
-            keys_[to] = std::uint64_t{z} << 32 | to;
             if (!sources_.empty()) sources_[to] = static_cast<std::uint32_t>(row_at(i));
         }
     }
-    for (std::size_t b = 0; b < 2 * kBuckets; ++b) sort_bucket(begin[b], begin[b + 1], begin[b] + b * kSkew);
 }
 
+std::size_t RowSorter::slot(std::size_t bucket) const { return begin_[bucket] + bucket * kSkew; }
+
 // Stable, by the bits of z that the bucket leaves open: three passes of 8 bits, the least significant first.
-void RowSorter::sort_bucket(std::size_t begin, std::size_t end, std::size_t slot) {
+void RowSorter::sort_bucket(std::size_t bucket) {
     constexpr int kPasses = (32 - kBucketBits) / 8;
-    const std::size_t n = end - begin;
-    if (sorted_.size() < n) sorted_.resize(n);
+    const std::size_t n = begin_[bucket + 1] - begin_[bucket];
+    if (keys_.size() < n) keys_.resize(n), sorted_.resize(n);
+    std::span<std::uint64_t> from(keys_.data(), n), to(sorted_.data(), n);  // Z prefix above, place in rows_ below
     std::array<std::array<std::uint32_t, 256>, kPasses> next{};
-    std::span<std::uint64_t> from(keys_.data() + slot, n), to(sorted_.data(), n);
-    for (const std::uint64_t key : from) {
-        for (int pass = 0; pass < kPasses; ++pass) ++next[pass][key >> (32 + 8 * pass) & 0xFF];
+    for (std::size_t i = 0; i < n; ++i) {
+        const Row& row = rows_[slot(bucket) + i];
+        const std::uint32_t z = z_prefix(row.u, row.v);
+        from[i] = std::uint64_t{z} << 32 | (slot(bucket) + i);
+        for (int pass = 0; pass < kPasses; ++pass) ++next[pass][z >> 8 * pass & 0xFF];
     }
     for (int pass = 0; pass < kPasses && n > 1; ++pass) {
         std::exclusive_scan(next[pass].begin(), next[pass].end(), next[pass].begin(), 0u);
@@ -113,23 +110,29 @@ void RowSorter::sort_bucket(std::size_t begin, std::size_t end, std::size_t slot
         std::swap(from, to);
     }
     for (std::size_t i = 0; i < n; ++i) {
-        z_[begin + i] = static_cast<std::uint32_t>(from[i] >> 32);
-        order_[begin + i] = static_cast<std::uint32_t>(from[i]);
+        z_[begin_[bucket] + i] = static_cast<std::uint32_t>(from[i] >> 32);
+        order_[begin_[bucket] + i] = static_cast<std::uint32_t>(from[i]);
     }
 }
 
-std::span<const std::uint32_t> RowSorter::z(RecordClass record_class) const {
-    const std::span<const std::uint32_t> all(z_.data(), records_->size());
-    return record_class == RecordClass::kCamera ? all.first(camera_count_) : all.subspan(camera_count_);
+std::size_t RowSorter::first_row(RecordClass record_class) const {
+    return record_class == RecordClass::kCamera ? 0 : begin_[kBuckets];
 }
 
-std::span<const std::uint32_t> RowSorter::order(RecordClass record_class) const {
-    const std::span<const std::uint32_t> all(order_.data(), records_->size());
-    return record_class == RecordClass::kCamera ? all.first(camera_count_) : all.subspan(camera_count_);
+std::size_t RowSorter::count(RecordClass record_class) const {
+    return (record_class == RecordClass::kCamera ? begin_[kBuckets] : begin_.back()) - first_row(record_class);
+}
+
+std::span<const std::uint32_t> RowSorter::z(RecordClass record_class, std::size_t most) {
+    const std::size_t first = first_row(record_class);
+    const std::size_t wanted = first + std::min(most, count(record_class));
+    while (begin_[sorted_buckets_] < wanted) sort_bucket(sorted_buckets_++);
+    const std::size_t sorted = std::min<std::size_t>(begin_[sorted_buckets_], first + count(record_class));
+    return {z_.data() + first, sorted - first};
 }
 
 void RowSorter::gather(RecordClass record_class, std::size_t begin, std::size_t end, Page& page) const {
-    const std::span<const std::uint32_t> rows = order(record_class).subspan(begin, end - begin);
+    const std::span<const std::uint32_t> rows(order_.data() + first_row(record_class) + begin, end - begin);
     const std::size_t n = rows.size();
     const bool xyz = job_->kind == RecordKind::kXyz;
     page.record_class = record_class;

@@ -99,9 +99,8 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records
     run.resize(kRunHeaderSize);
     Page page;
     for (const RecordClass record_class : {RecordClass::kCamera, RecordClass::kLight}) {
-        const std::span<const std::uint32_t> z = rows.z(record_class);
-        for (std::size_t begin = 0, end = 0; begin < z.size(); begin = end) {
-            end = page_end(z, begin, most);
+        for (std::size_t begin = 0, end = 0; begin < rows.count(record_class); begin = end) {
+            end = page_end(rows.z(record_class, begin + most + 1), begin, most);
             rows.gather(record_class, begin, end, page);
             encoder.add_page(page, run);
         }
