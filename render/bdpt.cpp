@@ -213,13 +213,21 @@ class Bidirectional {
         x.forward = density * step.pdf * x.cosine(step.d) / (step.parallel ? 1 : d2);
         x.to_previous = passed_to(previous, line) * (step.parallel ? 1 : previous.cosine(step.d) / d2);
         x.open = (i == 1 || previous.connectible()) && x.connectible() ? 1 : 0;
-        if (!from_eye && i == 1 && lights_[chosen_].has_area()) {
-            const float ratio = lights_.pdf_of_point(chosen_, x.at.p, previous.at.p, previous.normal) * previous.cosine(step.d) /
-                                d2 / lights_.pdf_of_position(chosen_);
-            x.open *= ratio * ratio;
-        }
+        if (!from_eye && i == 1) x.open *= resampled(x, previous, step.d, d2);
         path.push_back(x);
         return true;
+    }
+
+    // Square of the density of the light subpath's first point as sampled from its second vertex x, over that as the start of a
+    // ray.
+    float resampled(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
+        const Light& light = lights_[chosen_];
+        if (light.is_delta()) return 1;
+        const float ratio = light.is_infinite() ? lights_.pdf_of_direction(chosen_, -d, x.scattering.receiver(x.wo)) /
+                                                      lights_.pdf_of_emission(chosen_, {}, d)
+                                                : lights_.pdf_of_point(chosen_, x.at.p, first.at.p, first.normal) *
+                                                      first.cosine(d) / d2 / lights_.pdf_of_position(chosen_);
+        return ratio * ratio;
     }
 
     // Density, for the end x of a line, of what the line has to do with it: the odds of passing the line, or, in a medium, of being
@@ -261,8 +269,10 @@ class Bidirectional {
             if (lights_[i].is_delta()) continue;
             Batch value = step.beta;
             lights_.multiply_emission(i, {}, -step.d, sample_.spectra, value);
-            const float ray = lights_.probability(i) * lights_.pdf_of_direction(i, step.d);
-            add_emission(value, step, step.pdf * line.passing, ray, ray,
+            const float odds = lights_.probability(i),
+                        point = odds * lights_.pdf_of_direction(i, step.d, last.scattering.receiver(last.wo));
+            const float ray = odds * lights_.pdf_of_emission(i, {}, -step.d);
+            add_emission(value, step, step.pdf * line.passing, point, ray,
                          lights_.pdf_of_position(i) * last.cosine(step.d) * passed_to(last, line));
         }
     }
@@ -304,8 +314,8 @@ class Bidirectional {
         const std::uint32_t chosen = lights_.choose(eye_number(i - 1, Dimension::kLight));
         const Light& light = lights_[chosen];
         LightPoint point;
-        if (!lights_.sample_point(chosen, z.at.p, eye_number(i - 1, Dimension::kLightU), eye_number(i - 1, Dimension::kLightV),
-                                  point))
+        if (!lights_.sample_point(chosen, z.at.p, z.scattering.receiver(z.wo), eye_number(i - 1, Dimension::kLightU),
+                                  eye_number(i - 1, Dimension::kLightV), point))
             return;
         const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);
         if (!(scattering_pdf > 0)) return;
@@ -326,6 +336,7 @@ class Bidirectional {
         float reverse = passed_to(z, line);
         if (light.is_infinite()) {
             reverse *= lights_.pdf_of_position(chosen) * cosine;
+            if (!light.is_delta()) reverse *= lights_.pdf_of_emission(chosen, {}, -point.wi) / point.pdf_omega;
         } else {
             reverse *= lights_.pdf_of_emission(chosen, point.anchor.ng, -point.wi) * cosine / (point.distance * point.distance);
         }

@@ -34,6 +34,13 @@ struct Cone {
     float pdf_omega() const { return 1 / (2 * kPi * one_minus_cos_max); }
 };
 
+Vec3f sample_constant_sky(const Receiver& receiver, float u, float v) {
+    if (receiver.n == Vec3f{}) return sample_sphere(u, v);
+    const bool behind = receiver.both_sides && u < 0.5f;
+    if (receiver.both_sides) u = behind ? 2 * u : 2 * u - 1;
+    return Frame::from_z(behind ? -receiver.n : receiver.n).to_world(sample_cosine_hemisphere(u, v));
+}
+
 }  // namespace
 
 Lights::Lights() = default;
@@ -110,19 +117,20 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                 light.scale = static_cast<float>(scale);
                 add(light, d.spectrum, disk);
                 break;
-            case LightKind::kInfinite:
+            case LightKind::kInfinite:  // of the power that crosses the scene, 4 pi L per area, surfaces see a quarter at most: pi
+                                        // L
                 if (d.image) {
                     light.kind = Light::Kind::kImage;
                     lights.environments_.push_back(std::make_unique<Environment>(d.image, d.world_from_light, library));
                     light.environment = lights.environments_.back().get();
                     if (d.illuminance) scale *= *d.illuminance / light.environment->upper_illuminance();
                     light.scale = static_cast<float>(scale);
-                    add(light, d.spectrum, 4 * std::numbers::pi * disk * light.environment->mean_luminance());
+                    add(light, d.spectrum, std::numbers::pi * disk * light.environment->mean_luminance());
                 } else {
                     light.kind = Light::Kind::kConstant;
                     if (d.illuminance) scale *= *d.illuminance / std::numbers::pi;
                     light.scale = static_cast<float>(scale);
-                    add(light, d.spectrum, 4 * std::numbers::pi * disk);
+                    add(light, d.spectrum, std::numbers::pi * disk);
                 }
                 break;
         }
@@ -145,7 +153,7 @@ float Lights::spot_profile(const Light& light, const Vec3f& d) const {
     return static_cast<float>(smooth_step(c, light.cos_outer, light.cos_inner));
 }
 
-bool Lights::sample_point(std::uint32_t i, const Vec3f& from, float u, float v, LightPoint& out) const {
+bool Lights::sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, float u, float v, LightPoint& out) const {
     const Light& light = lights_[i];
     out.falloff = 1;
     switch (light.kind) {
@@ -179,10 +187,13 @@ bool Lights::sample_point(std::uint32_t i, const Vec3f& from, float u, float v, 
         default:
             out.anchor = {};
             out.distance = kInfinity;
-            out.wi = light.kind == Light::Kind::kDistant    ? light.n
-                     : light.kind == Light::Kind::kConstant ? sample_sphere(u, v)
-                                                            : light.environment->sample(u, v);
-            out.pdf_omega = light.kind == Light::Kind::kDistant ? 1 : pdf_of_direction(i, out.wi);
+            if (light.kind == Light::Kind::kDistant) {
+                out.wi = light.n;
+                out.pdf_omega = 1;
+                return true;
+            }
+            out.wi = light.kind == Light::Kind::kImage ? light.environment->sample(u, v) : sample_constant_sky(receiver, u, v);
+            out.pdf_omega = pdf_of_direction(i, out.wi, receiver);
             return out.pdf_omega > 0;
     }
     const Vec3f to = out.anchor.p - from;
@@ -212,10 +223,11 @@ float Lights::pdf_of_point(std::uint32_t i, const Vec3f& from, const Vec3f& p, c
     return cosine > 0 ? d2 / (cosine * light.area) : 0;
 }
 
-float Lights::pdf_of_direction(std::uint32_t i, const Vec3f& wi) const {
+float Lights::pdf_of_direction(std::uint32_t i, const Vec3f& wi, const Receiver& receiver) const {
     const Light& light = lights_[i];
-    if (light.kind == Light::Kind::kConstant) return kInv4Pi;
-    return light.kind == Light::Kind::kImage ? light.environment->pdf_omega(wi) : 0;
+    if (light.kind == Light::Kind::kImage) return light.environment->pdf_omega(wi);
+    if (light.kind != Light::Kind::kConstant) return 0;
+    return receiver.n == Vec3f{} ? kInv4Pi : kInvPi * abs_dot(receiver.n, wi) * (receiver.both_sides ? 0.5f : 1);
 }
 
 void Lights::sample_ray(std::uint32_t i, float u, float v, float s, float t, LightRay& out) const {
@@ -266,7 +278,7 @@ void Lights::sample_ray(std::uint32_t i, float u, float v, float s, float t, Lig
             const Frame frame = Frame::from_z(towards);
             out.anchor = {center_ + (frame.x * d.x + frame.y * d.y + towards) * radius_, 0, {}};
             out.d = -towards;
-            out.pdf_direction = light.kind == Light::Kind::kDistant ? 1 : pdf_of_direction(i, towards);
+            out.pdf_direction = light.kind == Light::Kind::kDistant ? 1 : pdf_of_direction(i, towards, {});
             return;
         }
     }
@@ -287,7 +299,7 @@ float Lights::pdf_of_emission(std::uint32_t i, const Vec3f& ng, const Vec3f& d) 
         case Light::Kind::kDistant:
             return 0;
         default:
-            return pdf_of_direction(i, -d);
+            return pdf_of_direction(i, -d, {});
     }
 }
 

@@ -49,6 +49,12 @@ struct LightPoint {
     float falloff = 1;  // delta lights: 1/d^2, times the spot's profile
 };
 
+// What a point of a light is drawn for: the sky is drawn by the cosine to the surface that it will light.
+struct Receiver {
+    Vec3f n;                  // shading normal, on the side that is looked from; 0: in a medium, where all directions are alike
+    bool both_sides = false;  // light from behind counts too
+};
+
 // A ray that a light emits.
 struct LightRay {
     Anchor anchor;        // where it starts: on the light, or on a disk outside of the scene
@@ -79,10 +85,10 @@ class Lights {
     float probability(std::uint32_t i) const { return choice_.probability(i); }
 
     // Draws a point of light i for `from`. False: nothing of it can be seen from there.
-    bool sample_point(std::uint32_t i, const Vec3f& from, float u, float v, LightPoint& out) const;
+    bool sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, float u, float v, LightPoint& out) const;
     // Its density [1/sr at `from`] at a point of an area light (p, ng), or of the sky in direction wi. 0 for delta lights.
     float pdf_of_point(std::uint32_t i, const Vec3f& from, const Vec3f& p, const Vec3f& ng) const;
-    float pdf_of_direction(std::uint32_t i, const Vec3f& wi) const;
+    float pdf_of_direction(std::uint32_t i, const Vec3f& wi, const Receiver& receiver) const;
 
     // Draws a ray; u, v for the position, s, t for the direction.
     void sample_ray(std::uint32_t i, float u, float v, float s, float t, LightRay& out) const;

@@ -86,14 +86,16 @@ class Path {
             if (lights_[i].is_delta()) continue;
             Batch value = beta_;
             lights_.multiply_emission(i, {}, -d_, sample_.spectra, value);
-            add_emission(value, lights_.probability(i) * lights_.pdf_of_direction(i, d_));
+            add_emission(value, lights_.probability(i) * lights_.pdf_of_direction(i, d_, receiver_));
         }
     }
 
     void sample_light(const Scattering& scattering) {
         const std::uint32_t i = lights_.choose(number(Dimension::kLight));
         LightPoint point;
-        if (!lights_.sample_point(i, at_.p, number(Dimension::kLightU), number(Dimension::kLightV), point)) return;
+        if (!lights_.sample_point(i, at_.p, scattering.receiver(-d_), number(Dimension::kLightU), number(Dimension::kLightV),
+                                  point))
+            return;
         const Vec3f wo = -d_;
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
         if (!(scattering_pdf > 0)) return;
@@ -122,6 +124,7 @@ class Path {
             return false;
         }
         dispersed_ = dispersed_ || scattering.disperses(wo, next.wi);
+        receiver_ = scattering.receiver(wo);
         pdf_ = next.pdf;
         delta_ = next.delta;
         eta2_ *= next.eta2;
@@ -152,6 +155,7 @@ class Path {
     bool dispersed_ = false, delta_ = true;
     float eta2_ = 1;     // of all refractions so far
     float pdf_ = 0;      // [1/sr] of d_
+    Receiver receiver_;  // the last vertex, as lights were sampled for it
     float passing_ = 1;  // odds of passing the media since the last vertex
 };
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "render/batch.h"
+#include "render/lights.h"
 #include "render/math.h"
 #include "render/microfacet.h"
 
@@ -33,6 +34,11 @@ class Scattering {
     // Directions come from a delta function: nothing can be connected to this vertex.
     bool is_delta() const { return delta_; }
     bool in_medium() const { return kind_ == Kind::kPhase; }
+    // For whom a light's point is drawn, looked at from wo.
+    Receiver receiver(const Vec3f& wo) const {
+        if (in_medium()) return {};
+        return {face_forward(frame_.z, wo), kind_ == Kind::kDielectric};
+    }
     // |w.ng|; 1 in a medium.
     float geometric_cosine(const Vec3f& w) const { return in_medium() ? 1 : abs_dot(w, ng_); }
 

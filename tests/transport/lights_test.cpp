@@ -47,7 +47,7 @@ TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
             expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                           LightPoint p;
                                           const float x = u(), y = u();
-                                          if (!lights.sample_point(0, from, x, y, p)) return std::nullopt;
+                                          if (!lights.sample_point(0, from, {}, x, y, p)) return std::nullopt;
                                           return p.wi;
                                       },
                                       .pdf_omega = [&](const Vec3f& w) -> double {
