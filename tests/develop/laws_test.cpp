@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/hash.h"
 #include "tests/develop/developed.h"
 
 namespace latent::develop {
@@ -214,19 +215,43 @@ TEST(Records, NotFiniteOnesCountAsBlackAndAreCounted) {
     EXPECT_EQ(b.counts.camera_not_finite + b.counts.light_not_finite, 0u);
 }
 
-TEST(Regions, HundredsOfRegionsReadEveryPageOnceAndChangeNoBit) {
-    const Job job = xyz_job();
-    const MemoryGathering gathering = gather(job, 8, 1 << 16, with_light(0.05));
-    for (const auto& [width, height] : {std::pair{7000u, 4667u}, {8192u, 5461u}}) {
+// Keeps a hash of all tiles in their order, where pictures are too large to keep.
+class HashSink final : public TileSink {
+ public:
+    Status write(int x, int y, std::span<const float> pixels) override {
+        const int place[] = {x, y};
+        hasher_.update(std::as_bytes(std::span(place)));
+        hasher_.update(std::as_bytes(pixels));
+        return {};
+    }
+    Hash128 digest() const { return hasher_.digest(); }
+
+ private:
+    Hasher128 hasher_;
+};
+
+TEST(Memory, HundredsOfPanesReadEveryPageOnceAndChangeNoBit) {
+    for (const auto& [width, height] : {std::pair{8192u, 8192u}, {7000u, 5000u}}) {
         SCOPED_TRACE(width);
+        Job job = xyz_job();
+        job.aspect_width = width == height ? 1 : 7;
+        job.aspect_height = width == height ? 1 : 5;
+        const MemoryGathering gathering = gather(job, 4, 1 << 16, with_light(0.05));
+        const auto channels = Channels::xyz(job, nullptr);
         Settings settings = settings_for(width, height);
-        settings.crop = {0, 0, std::int64_t{width}, 1500};
-        settings.memory = 26 * kMiB;
-        const Developed small = develop_in_memory(gathering, settings);
-        EXPECT_LE(small.counts.decode_factor(), 1.05);
-        EXPECT_GT(small.counts.panes, 100u);
-        settings.memory = 1024 * kMiB;
-        EXPECT_EQ(develop_in_memory(gathering, settings).picture.pixels(), small.picture.pixels());
+        Hash128 expected;
+        for (const std::uint64_t memory : {1024, 26}) {
+            settings.memory = memory * kMiB;
+            HashSink sink;
+            Threads(2).run([&] {
+                const Result<DevelopCounts> counts = develop(gathering, *channels, settings, sink);
+                ASSERT_TRUE(counts) << counts.error().message;
+                EXPECT_LE(counts->decode_factor(), 1.05);
+                EXPECT_TRUE(memory > 26 || counts->panes > 500) << counts->panes;
+            });
+            if (memory == 1024) expected = sink.digest();
+            EXPECT_EQ(sink.digest(), expected);
+        }
     }
 }
 

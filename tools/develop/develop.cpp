@@ -20,7 +20,6 @@ using sampledb::RecordClass;
 
 constexpr std::size_t kPagesAtOnce = 1 << 14;  // references to pages of a region that streams
 constexpr std::size_t kLeastBatch = 8 << 20;   // bytes
-constexpr std::size_t kHugePage = 2 << 20;
 constexpr std::uint64_t kThreadBytes = 2 << 20;  // a decoded page and what the decoder holds
 
 // Camera samples per pixel of the film.
@@ -59,7 +58,7 @@ class Engine {
                          fmt::format("--memory {}: too small; give at least {}", format_size(settings_.memory),
                                      format_size(settings_.memory - slab_bytes_ + kLeastBatch + window_bytes_))};
         }
-        slab_.reset(static_cast<std::byte*>(std::aligned_alloc(kHugePage, slab_bytes_)));
+        slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
 
         const std::uint64_t resident = std::max<std::uint64_t>(slab_bytes_ / 8 * 5, kLeastBatch);
         const RegionLimits limits{window_bytes_, std::min(resident, slab_bytes_ - window_bytes_),
@@ -91,7 +90,7 @@ class Engine {
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.count());
         const std::uint64_t own = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
         slab_bytes_ =
-            settings_.memory > carry + waiting + own ? (settings_.memory - carry - waiting - own) / kHugePage * kHugePage : 0;
+            settings_.memory > carry + waiting + own ? (settings_.memory - carry - waiting - own) / 64 * 64 : 0;
         window_bytes_ = static_cast<std::uint64_t>(grid_.window_width() * grid_.window_height()) * pixel_doubles() * sizeof(double);
         window_bytes_ = (window_bytes_ + 63) / 64 * 64;
         batch_ = std::make_unique<Batch>(gathering_, grid_, channels_, carry);

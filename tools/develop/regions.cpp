@@ -27,6 +27,11 @@ class RecordBytes {
             for (std::size_t z = 0; z < inside_[level].size(); ++z) inside_[level - 1][z / 4] += inside_[level][z];
         }
     }
+    // Those of pages that reach into all children of the node, or may.
+    std::uint64_t straddling(const FilmNode& node) const {
+        const int level = std::min<int>(node.level, deepest());
+        return own_[level][slot(level, node)];
+    }
     std::uint64_t at_most(const FilmNode& node) const {
         const int level = std::min<int>(node.level, deepest());
         std::size_t z = slot(level, node);
@@ -45,18 +50,34 @@ class RecordBytes {
     std::vector<std::vector<std::uint64_t>> own_, inside_;
 };
 
-void split(const FilmGrid& grid, const PixelRect& needed, const RecordBytes& bytes, const RegionLimits& limits,
-           const FilmNode& node, std::vector<Region>& regions) {
-    const PixelRect cells = intersection(grid.cells_of(node), needed);
-    if (cells.empty()) return;
-    const auto windows = static_cast<std::uint64_t>(cells.width() * cells.height()) * limits.window_bytes;
-    const bool resident = bytes.at_most(node) <= limits.resident_bytes;
-    if (resident || windows <= limits.window_room || node.level == grid.level()) {
-        regions.push_back({node, cells, resident});
-        return;
+// Regions are as large as memory allows only where pages are that large: small ones stay in the caches and touch less memory. But
+// no smaller than to read kLeastRead of a run at once, on average.
+constexpr std::uint64_t kComfortable = 32 << 20;
+constexpr std::uint64_t kLeastRead = 256 << 10;
+
+struct Plan {
+    const FilmGrid& grid;
+    const PixelRect& needed;
+    const RecordBytes& bytes;
+    const RegionLimits& limits;
+    std::uint64_t runs;
+    std::vector<Region> regions;
+
+    void add(const FilmNode& node) {
+        const PixelRect cells = intersection(grid.cells_of(node), needed);
+        if (cells.empty()) return;
+        const auto windows = static_cast<std::uint64_t>(cells.width() * cells.height()) * limits.window_bytes;
+        const std::uint64_t records = bytes.at_most(node);
+        const bool fits = records <= limits.resident_bytes || windows <= limits.window_room;
+        const bool splits_well =
+            std::min(records, windows) > kComfortable && bytes.straddling(node) <= records / 64 && records / 4 >= runs * kLeastRead;
+        if (node.level < grid.level() && (!fits || splits_well)) {
+            for (int i = 0; i < 4; ++i) add(child(node, i));
+        } else {
+            regions.push_back({node, cells, records <= limits.resident_bytes});
+        }
     }
-    for (int i = 0; i < 4; ++i) split(grid, needed, bytes, limits, child(node, i), regions);
-}
+};
 
 }  // namespace
 
@@ -81,9 +102,9 @@ Result<std::vector<Region>> plan_regions(const sampledb::Gathering& gathering, c
         }
     }
     bytes.sum_up();
-    std::vector<Region> regions;
-    split(grid, needed, bytes, limits, FilmNode{}, regions);
-    return regions;
+    Plan plan{grid, needed, bytes, limits, gathering.runs().size(), {}};
+    plan.add(FilmNode{});
+    return std::move(plan.regions);
 }
 
 Status append_pages(const sampledb::Gathering& gathering, const FilmGrid& grid, const Region& region, Classes classes,
