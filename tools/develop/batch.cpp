@@ -75,22 +75,25 @@ Result<std::size_t> Batch::load(std::span<const PageRef> pages, std::span<std::b
     return taken;
 }
 
-// Runs of rows that lie in one cell. Pages are sorted along the Z curve, so there are few.
-void Batch::find_cells(const sampledb::Page& page, const sampledb::FilmNode& node, std::vector<CellRows>& cells) const {
+// Runs of rows that lie in one cell. Pages are sorted along the Z curve, so there are few; small pages lie in one.
+void Batch::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const {
     cells.clear();
     if (page.count == 0) return;
     const auto n = static_cast<std::uint32_t>(page.count);
-    if (node.level >= grid_.level()) {
-        cells.push_back({grid_.cell_of(page.u[0]), grid_.cell_of(page.v[0]), 0, n});
-        return;
-    }
     CellRows current{grid_.cell_of(page.u[0]), grid_.cell_of(page.v[0]), 0, 0};
-    for (std::uint32_t i = 1; i < n; ++i) {
-        const std::uint32_t cell_x = grid_.cell_of(page.u[i]), cell_y = grid_.cell_of(page.v[i]);
-        if (cell_x == current.cell_x && cell_y == current.cell_y) continue;
-        current.count = i - current.first;
-        cells.push_back(current);
-        current = {cell_x, cell_y, i, 0};
+    std::uint32_t different_u = 0, different_v = 0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        different_u |= page.u[i] ^ page.u[0];
+        different_v |= page.v[i] ^ page.v[0];
+    }
+    if (grid_.cell_of(different_u | different_v) != 0) {
+        for (std::uint32_t i = 1; i < n; ++i) {
+            const std::uint32_t cell_x = grid_.cell_of(page.u[i]), cell_y = grid_.cell_of(page.v[i]);
+            if (cell_x == current.cell_x && cell_y == current.cell_y) continue;
+            current.count = i - current.first;
+            cells.push_back(current);
+            current = {cell_x, cell_y, i, 0};
+        }
     }
     current.count = n - current.first;
     cells.push_back(current);
@@ -131,7 +134,7 @@ Status Batch::load_page(const PageRef& ref, const Region& region, std::vector<Ce
     if (Status s = gathering_.read_page(ref.run, ref.info, channels_.columns(), page); !s) return s;
     ++counts_.pages;
     counts_.bytes += ref.info.stored_size;
-    find_cells(page, ref.info.node, cells);
+    find_cells(page, cells);
     std::uint32_t inside = 0, later = 0;
     const auto is_later = [&](const CellRows& rows) {
         return contains(region.needed, rows.cell_x, rows.cell_y) && z_code(rows.cell_x, rows.cell_y) >= region.z_end;

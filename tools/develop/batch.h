@@ -67,7 +67,7 @@ class Batch {
     };
 
     Status load_page(const PageRef& page, const Region& region, std::vector<CellRows>& kept);
-    void find_cells(const sampledb::Page& page, const sampledb::FilmNode& node, std::vector<CellRows>& cells) const;
+    void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
     void copy_rows(const sampledb::Page& page, const CellRows& rows, std::uint32_t* x, std::uint32_t* y, float* values);
     void sort_by_cell(std::span<const PageRef> pages, const std::vector<std::vector<CellRows>>& kept);
     std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + lanes_ * sizeof(float); }

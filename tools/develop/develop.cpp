@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
+#include <functional>
 
 #include "base/size.h"
 #include "tools/develop/batch.h"
@@ -18,8 +19,8 @@ namespace {
 
 using sampledb::RecordClass;
 
-constexpr std::size_t kPagesAtOnce = 1 << 14;  // references to pages of a region that streams
-constexpr std::size_t kLeastBatch = 8 << 20;   // bytes
+constexpr std::size_t kPagesAtOnce = 1 << 14;    // references to pages of a region that streams
+constexpr std::size_t kLeastBatch = 8 << 20;     // bytes
 constexpr std::uint64_t kThreadBytes = 2 << 20;  // a decoded page and what the decoder holds
 
 // Camera samples per pixel of the film.
@@ -59,6 +60,8 @@ class Engine {
                                      format_size(settings_.memory - slab_bytes_ + kLeastBatch + window_bytes_))};
         }
         slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
+        if (!slab_)
+            return Error{ErrorCode::kOutOfRange, fmt::format("--memory {}: the system has less", format_size(settings_.memory))};
 
         const std::uint64_t resident = std::max<std::uint64_t>(slab_bytes_ / 8 * 5, kLeastBatch);
         const RegionLimits limits{window_bytes_, std::min(resident, slab_bytes_ - window_bytes_),
@@ -66,10 +69,13 @@ class Engine {
         const Result<std::vector<Region>> regions = plan_regions(gathering_, grid_, needed_, classes_, *batch_, limits);
         if (!regions) return regions.error();
         for (const Region& region : *regions) {
-            if (progress) progress(static_cast<double>(counts_.regions) / static_cast<double>(regions->size()), "");
-            ++counts_.regions;
-            Status s = region.resident ? develop_resident(region, limits.resident_bytes) : develop_streaming(region);
+            const auto show = [&](double part) {
+                const double done = (static_cast<double>(counts_.regions) + part) / static_cast<double>(regions->size());
+                if (progress) progress(done, fmt::format("{} read", format_size(gathering_.bytes_read())));
+            };
+            Status s = region.resident ? develop_resident(region, limits.resident_bytes, show) : develop_streaming(region, show);
             if (!s) return s.error();
+            ++counts_.regions;
             batch_->forget_before(z_range(grid_, region.node).end);
         }
         if (progress) progress(1, "");
@@ -89,8 +95,7 @@ class Engine {
         const std::uint64_t tile_bytes =
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.count());
         const std::uint64_t own = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
-        slab_bytes_ =
-            settings_.memory > carry + waiting + own ? (settings_.memory - carry - waiting - own) / 64 * 64 : 0;
+        slab_bytes_ = settings_.memory > carry + waiting + own ? (settings_.memory - carry - waiting - own) / 64 * 64 : 0;
         window_bytes_ = static_cast<std::uint64_t>(grid_.window_width() * grid_.window_height()) * pixel_doubles() * sizeof(double);
         window_bytes_ = (window_bytes_ + 63) / 64 * 64;
         batch_ = std::make_unique<Batch>(gathering_, grid_, channels_, carry);
@@ -103,8 +108,10 @@ class Engine {
                (classes_.light ? static_cast<std::uint64_t>(light_.doubles()) : 0);
     }
 
+    using ShowPart = std::function<void(double part_of_region)>;
+
     // All records at once, the windows of a pane at a time.
-    Status develop_resident(const Region& region, std::uint64_t record_room) {
+    Status develop_resident(const Region& region, std::uint64_t record_room, const ShowPart& show) {
         std::vector<PageRef> pages;
         for (std::size_t run = 0; run < gathering_.runs().size(); ++run) {
             if (Status s = append_pages(gathering_, grid_, region, classes_, run, pages); !s) return s;
@@ -113,6 +120,7 @@ class Engine {
         std::span<const PageRef> rest = pages;
         if (Status s = load(region, rest, {slab_.get(), record_room}); !s) return s;
         assert(rest.empty());
+        show(0.5);
         windows_ = std::span(slab_.get() + record_room, slab_bytes_ - record_room);
         return develop_panes(region, region.node);
     }
@@ -133,7 +141,7 @@ class Engine {
     }
 
     // The windows of all cells at once, the records a batch at a time.
-    Status develop_streaming(const Region& region) {
+    Status develop_streaming(const Region& region, const ShowPart& show) {
         const std::uint64_t windows = static_cast<std::uint64_t>(region.cells.width() * region.cells.height()) * window_bytes_;
         windows_ = std::span(slab_.get() + (slab_bytes_ - windows), windows);
         begin_pane(region.cells);
@@ -147,6 +155,7 @@ class Engine {
             for (std::span<const PageRef> rest = pages; !rest.empty();) {
                 if (Status s = load(region, rest, {slab_.get(), slab_bytes_ - windows}); !s) return s;
                 add_batch();
+                show(static_cast<double>(run) / static_cast<double>(gathering_.runs().size()));
             }
         }
         return finish_pane(region.node);

@@ -1,6 +1,9 @@
 #include "tools/develop/regions.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <utility>
 
 namespace latent::develop {
 
@@ -97,6 +100,13 @@ Result<std::vector<Region>> plan_regions(const sampledb::Gathering& gathering, c
     for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
         const auto pages = gathering.pages(run);
         if (!pages) return pages.error();
+        const auto order = [&](const sampledb::PageInfo& page) {
+            return std::pair(page.record_class, z_range(grid, page.node).begin);
+        };
+        if (!std::ranges::is_sorted(**pages, {}, order)) {
+            const std::string file = gathering.files()[gathering.runs()[run].file].string();
+            return Error{ErrorCode::kCorrupt, fmt::format("{}: run {}: its pages are not in order", file, run)};
+        }
         for (const sampledb::PageInfo& page : **pages) {
             if (classes.has(page.record_class)) bytes.add(page.node, batch.bytes_at_most(page, needed));
         }
