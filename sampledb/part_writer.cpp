@@ -62,6 +62,7 @@ class Writer final : public PartWriter {
     Coverage missing_;
     std::optional<PartAttempt> attempt_;  // the committer's, then finish's
     Records joined_;                      // the committer's
+    Bytes encoded_;                       // the run that was written last; its memory serves the next
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
@@ -233,9 +234,10 @@ void Writer::commit_until_stopped() {
 // Encodes a run, and returns when it is on disk under a name that others can find.
 Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
     join(std::move(grains), joined_);
-    const Result<Bytes> run = encode_run(job_, coverage, joined_);
+    Result<Bytes> run = encode_run(job_, coverage, joined_, std::move(encoded_));
     if (!run) return run.error();
-    if (Status s = attempt_->append(*run); !s) {
+    encoded_ = std::move(*run);
+    if (Status s = attempt_->append(encoded_); !s) {
         return Error{s.error().code,
                      s.error().message + "; what was committed before stays: make room, then run the same command again"};
     }

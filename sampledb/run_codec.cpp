@@ -85,7 +85,7 @@ RunEncoder::Tail RunEncoder::finish() {
     return {header_, std::move(index)};
 }
 
-Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records) {
+Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records, Bytes memory) {
     if (coverage.empty()) return Error{ErrorCode::kOutOfRange, "a run that covers no sample"};
     if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run of too many intervals"};
     if (Status s = check_records(job, coverage, records); !s) return s.error();
@@ -94,7 +94,8 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records
     rows.sort(job, records);
     const std::size_t most = max_page_records(job);
     RunEncoder encoder(job, coverage);
-    Bytes run;
+    Bytes run = std::move(memory);
+    run.clear();
     run.reserve(records.raw_bytes() + kBlock);  // untouched pages cost nothing; growing would copy
     run.resize(kRunHeaderSize);
     Page page;

@@ -14,8 +14,9 @@ namespace latent::sampledb {
 
 // One run, ready to be written at a multiple of kBlock. The same bytes whatever order the grains came in, as long as the records
 // of one sample are in their order of emission. All records belong to samples of `coverage`; samples may be without records.
+// `memory`: bytes that are no longer needed, whose memory the run is built in.
 // Errors: kOutOfRange, naming the sample whose record does not fit the job (kind, pairs, index, share, coverage).
-Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records);
+Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records, Bytes memory = {});
 
 struct DecodedRun {
     RunHeader header;
