@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "color/observer.h"
+#include "render/environment.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/world_builder.h"
@@ -144,6 +146,84 @@ TEST(Lights, ASphereFromOutsideIsSeenUnderItsConeOnly) {
     const double sin2 = 0.64 / static_cast<double>(length_squared(to));
     const double solid_angle = 2 * std::numbers::pi * (1 - std::sqrt(1 - sin2));
     EXPECT_NEAR(world->lights().pdf_of_point(0, from, {1, 1.2f, 0.5f}, {0, -1, 0}) * solid_angle, 1, 1e-4);
+}
+
+TEST(Lights, AConstantSkyIsDrawnByTheCosineToWhatItLights) {
+    const std::unique_ptr<World> world = with_light("LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n").world();
+    const Lights& lights = world->lights();
+    const Vec3f n = normalize(Vec3f{0.3f, -0.5f, 0.4f});
+    for (const Receiver& receiver : {Receiver{}, Receiver{n, false}, Receiver{n, true}}) {
+        Numbers u(8);
+        expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
+                                      LightPoint p;
+                                      const float x = u(), y = u();
+                                      if (!lights.sample_point(0, {}, receiver, x, y, p)) return std::nullopt;
+                                      return p.wi;
+                                  },
+                                  .pdf_omega = [&](const Vec3f& w) -> double {
+                                      const bool behind = !receiver.both_sides && dot(w, receiver.n) < 0;
+                                      return behind ? 0 : static_cast<double>(lights.pdf_of_direction(0, w, receiver));
+                                  },
+                                  .count = 60'000});
+    }
+}
+
+class Sky : public ::testing::Test {
+ protected:
+    Sky() {
+        image_->width = image_->height = 8;
+        Numbers u(9);
+        for (int i = 0; i < 8 * 8 * 3; ++i) image_->rgb.push_back(u() < 0.7f ? u() * 0.2f : 5 * u());
+    }
+    std::shared_ptr<ImageDescription> image_ = std::make_shared<ImageDescription>();
+    Affined turned_{normalize(Vec3d{1, 0.2, 0}), normalize(Vec3d{-0.2, 1, 0}), {0, 0, 1}, {}};
+    SpectrumLibrary library_;
+};
+
+TEST_F(Sky, DirectionsFollowTheirDensity) {
+    const Environment sky(image_, turned_, library_);
+    Numbers u(10);
+    expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
+                                  const float x = u(), y = u();
+                                  return sky.sample(x, y);
+                              },
+                              .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(sky.pdf_omega(w)); },
+                              .count = 60'000});
+}
+
+// The spectrum of each pixel, times the illuminant, has the pixel's linear sRGB.
+TEST_F(Sky, PixelsHaveTheirColour) {
+    const Environment sky(image_, turned_, library_);
+    const color::Spectrum& d65 = color::illuminant_d65();
+    const std::uint32_t illuminant = library_.add(d65, Lookup::kNearestNm);
+    const WavelengthSampler sampler(wavelength_density({}), 32);
+    SampledSpectra spectra(library_);
+    const color::Observer& observer = color::Observer::cie1931();
+    const double norm = color::photometric_sum(d65);
+    Numbers u(11);
+    for (int n = 0; n < 20; ++n) {
+        const float a = u(), b = u();
+        const Vec3f w = sky.sample(a, b);
+        const Vec3f local = normalize(Vec3f(turned_.inverse()->vector(Vec3d(w))));
+        const Vec2f p = square_from_sphere(local);
+        const float* rgb = &image_->rgb[3 * (static_cast<std::size_t>(p.y * 8) * 8 + static_cast<std::size_t>(p.x * 8))];
+        std::array<double, 3> xyz{};
+        constexpr int kOffsets = 512;
+        for (int i = 0; i < kOffsets; ++i) {
+            sampler.draw(static_cast<std::uint32_t>((i + 0.5) / kOffsets * 0x1p32), spectra.wavelengths);
+            spectra.start_sample();
+            Batch value = spectra[illuminant];
+            sky.multiply(w, spectra, value);
+            for (std::uint32_t lane = 0; lane < 32; ++lane) {
+                const std::array<float, 3> response = observer(spectra.wavelengths.lambda_nm[lane]);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    xyz[c] += static_cast<double>(value[lane] * spectra.wavelengths.weight[lane] * response[c]) / norm / kOffsets;
+                }
+            }
+        }
+        const std::array<double, 3> back = color::RgbSpace::srgb().rgb_from_xyz * xyz;
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(back[c], rgb[c], 3e-3 * (rgb[0] + rgb[1] + rgb[2]));
+    }
 }
 
 }  // namespace
