@@ -57,6 +57,7 @@ TEST(Determinism, ThreadsAndMemoryChangeNoBit) {
             const Developed cut = develop_in_memory(gathering, settings, threads);
             EXPECT_EQ(cut.picture.pixels(), whole.picture.pixels());
             EXPECT_EQ(cut.picture.order(), whole.picture.order()) << "tiles are written in one order";
+            EXPECT_EQ(cut.counts.pages, whole.counts.pages);
             EXPECT_EQ(cut.counts.fallback_pixels, whole.counts.fallback_pixels);
             EXPECT_EQ(cut.counts.empty_pixels, whole.counts.empty_pixels);
             most_regions = std::max(most_regions, cut.counts.regions);

@@ -1,9 +1,6 @@
 #include "tools/develop/regions.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <utility>
 
 namespace latent::develop {
 
@@ -100,13 +97,6 @@ Result<std::vector<Region>> plan_regions(const sampledb::Gathering& gathering, c
     for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
         const auto pages = gathering.pages(run);
         if (!pages) return pages.error();
-        const auto order = [&](const sampledb::PageInfo& page) {
-            return std::pair(page.record_class, z_range(grid, page.node).begin);
-        };
-        if (!std::ranges::is_sorted(**pages, {}, order)) {
-            const std::string file = gathering.files()[gathering.runs()[run].file].string();
-            return Error{ErrorCode::kCorrupt, fmt::format("{}: run {}: its pages are not in order", file, run)};
-        }
         for (const sampledb::PageInfo& page : **pages) {
             if (classes.has(page.record_class)) bytes.add(page.node, batch.bytes_at_most(page, needed));
         }
@@ -121,32 +111,10 @@ Status append_pages(const sampledb::Gathering& gathering, const FilmGrid& grid, 
                     std::size_t run, std::vector<PageRef>& found) {
     const auto pages = gathering.pages(run);
     if (!pages) return pages.error();
-    const std::vector<sampledb::PageInfo>& all = **pages;
-    const ZRange range = z_range(grid, region.node);
-    const auto begin_of = [&](const sampledb::PageInfo& page) { return z_range(grid, page.node).begin; };
-    // Camera pages come first, then light pages; in each class they are sorted by where their node begins, larger nodes first.
-    // Those that contain the region begin where an ancestor of it begins; all others that reach into it begin inside it.
-    const auto class_end =
-        std::ranges::partition_point(all, [](const auto& page) { return page.record_class == sampledb::RecordClass::kCamera; });
-    for (const auto& [first, last] : {std::pair{all.begin(), class_end}, std::pair{class_end, all.end()}}) {
-        if (first == last || !classes.has(first->record_class)) continue;
-        const auto keep_while = [&](std::uint64_t begin, auto&& in_range, auto&& wanted) {
-            for (auto page = std::ranges::lower_bound(first, last, begin, {}, begin_of); page != last && in_range(*page); ++page) {
-                if (!wanted(*page) || intersection(grid.cells_of(page->node), region.cells).empty()) continue;
-                found.push_back({static_cast<std::uint32_t>(run), static_cast<std::uint32_t>(page - all.begin()), *page});
-            }
-        };
-        for (int level = 0; level < region.node.level; ++level) {
-            const int up = region.node.level - level;
-            const std::uint64_t begin =
-                z_range(grid, {static_cast<std::uint8_t>(level), region.node.x >> up, region.node.y >> up}).begin;
-            if (begin == range.begin) continue;  // found below
-            keep_while(
-                begin, [&](const auto& page) { return begin_of(page) == begin; },
-                [&](const auto& page) { return page.node.level == level; });
-        }
-        keep_while(
-            range.begin, [&](const auto& page) { return begin_of(page) < range.end; }, [](const auto&) { return true; });
+    for (std::uint32_t i = 0; i < (*pages)->size(); ++i) {  // a few nanoseconds each; a page itself takes some hundred thousand
+        const sampledb::PageInfo& page = (**pages)[i];
+        if (!classes.has(page.record_class) || intersection(grid.cells_of(page.node), region.cells).empty()) continue;
+        found.push_back({static_cast<std::uint32_t>(run), i, page});
     }
     return {};
 }
