@@ -49,7 +49,8 @@ struct GatherReport {
 // Thread-safe for reading once open. At most 256 files are open at a time; files are opened again when needed.
 class Gathering {
  public:
-    // Errors: everything that blueprint 4.4 "Selection" refuses (kMismatch, kForeign, kNotFound ...), naming the files.
+    // Errors, naming the files: kNotFound, kForeign and kIo (of files named one by one), kMismatch (another job; a sample that
+    // finished files named one by one hold twice).
     static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
     virtual ~Gathering() = default;
 
@@ -59,7 +60,7 @@ class Gathering {
     virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
     virtual const GatherReport& report() const = 0;
 
-    // N of blueprint 4.3: light paths per sample x samples selected.
+    // N, by which the light image is divided: light paths per sample x samples selected.
     std::uint64_t light_paths() const { return coverage().size() * job().light_paths_per_sample; }
 
     // The pages of run `run` (index into runs()): camera pages, then light pages, each ascending by the Z prefixes of their

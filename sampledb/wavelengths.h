@@ -10,7 +10,7 @@
 namespace latent::sampledb {
 
 // Cumulative distribution Q over wavelength, piecewise linear between integer knots, so that every reader on every processor gets
-// the same wavelengths. lambda_i = Q^-1((xi + i) / k), i = 0..k-1, with xi a 32-bit fraction (blueprint of [RBA09]: one offset
+// the same wavelengths. lambda_i = Q^-1((xi + i) / k), i = 0..k-1, with xi a 32-bit fraction ([RBA09]: one offset
 // shifts a whole stratified batch).
 class WavelengthDensity {
  public:

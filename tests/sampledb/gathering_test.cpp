@@ -148,6 +148,18 @@ TEST_F(GatheringTest, ATruncatedPartYieldsItsGoodRuns) {
     EXPECT_FALSE(open({b}));  // nothing is left
 }
 
+TEST_F(GatheringTest, AnEmptyPartIsAPart) {
+    const fs::path empty = file("empty.latent", make_job(RecordKind::kXyz), {});
+    const auto alone = open({empty});
+    ASSERT_TRUE(alone) << message(alone);
+    EXPECT_TRUE((*alone)->runs().empty());
+    EXPECT_TRUE((*alone)->coverage().empty());
+    EXPECT_TRUE((*alone)->report().left_out.empty());
+    const auto with_another = open({empty, part("a.latent", 0)});
+    ASSERT_TRUE(with_another) << message(with_another);
+    EXPECT_EQ((*with_another)->coverage().size(), 2000u);
+}
+
 TEST_F(GatheringTest, AnUnfinishedTailIsOnlyANote) {
     const fs::path a = part("a.latent.part.0123", 0, false);
     cut(a, 5000);
