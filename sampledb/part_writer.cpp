@@ -238,8 +238,7 @@ Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
     if (!run) return run.error();
     encoded_ = std::move(*run);
     if (Status s = attempt_->append(encoded_); !s) {
-        return Error{s.error().code,
-                     s.error().message + "; what was committed before stays: make room, then run the same command again"};
+        return Error{s.error().code, s.error().message + "; what was committed stays: the same command goes on from there"};
     }
     if (!attempt_->vanished()) return {};
     {
