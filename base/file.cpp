@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 
 namespace latent {
 
@@ -150,7 +151,9 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool re
     if (!replace && std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) {
         return Error{ErrorCode::kExists, path.string() + ": exists already (--force replaces it)"};
     }
-    if (std::filesystem::is_directory(path, ignored)) return Error{ErrorCode::kExists, path.string() + ": is a folder"};
+    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+        return Error{ErrorCode::kExists, path.string() + ": is a folder or a device, not a file that could be replaced"};
+    }
     OutputFile out;
     out.path_ = path;
     out.replace_ = replace;
@@ -175,19 +178,28 @@ OutputFile::~OutputFile() {
 
 Status OutputFile::publish() {
     if (Status s = file_.sync_data(); !s) return s;
-    int failed;
+    int failed = 0;
     if (temporary_.empty()) {
         const std::string self = fmt::format("/proc/self/fd/{}", file_.descriptor());
         failed = ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW);
     } else if (replace_) {
         failed = ::rename(temporary_.c_str(), path_.c_str());
-    } else {
-        failed = ::link(temporary_.c_str(), path_.c_str());
+        if (failed == 0) temporary_.clear();
+    } else if (Status s = name_without_replacing(temporary_, path_); !s) {
+        return s;
     }
     if (failed != 0) return error_from_errno(errno, path_.string(), "cannot name the finished file");
-    if (replace_) temporary_.clear();
     if (Status s = file_.close(); !s) return s;
     return sync_folder(folder_of(path_));
+}
+
+Status name_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to) {
+    int failed = ::link(from.c_str(), to.c_str());
+    if (failed != 0 && (errno == EPERM || errno == EOPNOTSUPP || errno == ENOSYS)) {
+        failed = ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE);
+    }
+    if (failed != 0) return error_from_errno(errno, to.string(), "cannot name the finished file");
+    return {};
 }
 
 Status sync_folder(const std::filesystem::path& folder) {

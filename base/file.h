@@ -13,7 +13,7 @@ namespace latent {
 
 // An open file descriptor and the path that errors name. Reads and writes loop over short transfers and EINTR.
 class File {
-   public:
+ public:
     File() = default;
     File(File&& other) noexcept;
     File& operator=(File&& other) noexcept;
@@ -42,7 +42,7 @@ class File {
     Status sync_data();
     Status close();
 
-   private:
+ private:
     File(int fd, std::filesystem::path path) : fd_(fd), path_(std::move(path)) {}
     friend class OutputFile;
 
@@ -53,7 +53,7 @@ class File {
 // A file that will be `path` once `publish` succeeds; until then nothing of that name is there, or what was there stays. Where
 // the file system allows it the file has no name at all meanwhile, so that even kill -9 leaves nothing.
 class OutputFile {
-   public:
+ public:
     // Errors: kExists if `path` exists and `replace` is false (checked again, atomically, by `publish`).
     static Result<OutputFile> create(const std::filesystem::path& path, bool replace);
     OutputFile(OutputFile&&) noexcept = default;
@@ -65,7 +65,7 @@ class OutputFile {
     // Syncs, closes and names the file.
     Status publish();
 
-   private:
+ private:
     OutputFile() = default;
 
     File file_;
@@ -73,6 +73,10 @@ class OutputFile {
     std::filesystem::path temporary_;  // empty: the file has no name yet
     bool replace_ = false;
 };
+
+// Gives the file `from` the name `to`, atomically, unless that name is taken (kExists). Where the file system has no hard links
+// `from` is renamed instead of named twice.
+Status name_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to);
 
 // Makes names that were created, linked or removed in `folder` survive a power cut.
 Status sync_folder(const std::filesystem::path& folder);

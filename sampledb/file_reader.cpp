@@ -147,8 +147,9 @@ std::string lost(const RunInfo& run, const std::string& why) {
 
 Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job) {
     const Result<RunInfo> here = read_run(source, run.offset, job.id);
-    if (!here) return here.error();
-    if (here->header != run.header) return Error{ErrorCode::kMismatch, "the run is not the one that the footer lists"};
+    if (!here && here.error().code == ErrorCode::kIo) return here.error();
+    if (!here) return Error{ErrorCode::kCorrupt, "its header is damaged: " + here.error().message};
+    if (here->header != run.header) return Error{ErrorCode::kCorrupt, "the run is not the one that the footer lists"};
     const std::uint64_t at = run.header.index_offset();
     const Result<Bytes> bytes = read_up_to(source, run.offset + at, run.header.size() - at);
     if (!bytes) return bytes.error();

@@ -107,7 +107,8 @@ Status OpenGathering::read_inputs(const std::vector<InputFile>& inputs) {
 Status OpenGathering::refuse_or_leave_out(const InputFile& input, const Error& error) {
     const bool damaged = error.code == ErrorCode::kTruncated || error.code == ErrorCode::kCorrupt;
     std::error_code ignored;
-    const bool just_begun = is_attempt(input.path) && (damaged || fs::file_size(input.path, ignored) == 0);
+    const bool just_begun =
+        is_attempt(input.path) && (error.code == ErrorCode::kTruncated || fs::file_size(input.path, ignored) == 0);
     const std::string name = input.path.string();
     if (just_begun) {
         report_.notes.push_back(name + ": holds no run yet");

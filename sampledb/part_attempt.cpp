@@ -1,11 +1,6 @@
 #include "sampledb/part_attempt.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
 
 namespace latent::sampledb {
 
@@ -79,11 +74,7 @@ Status PartAttempt::publish() {
         if (Status s = file_.sync_data(); !s) return s;
         has_footer_ = true;
     }
-    int failed = ::link(path().c_str(), name_.c_str());
-    if (failed != 0 && (errno == EPERM || errno == EOPNOTSUPP)) {  // a file system without links
-        failed = ::renameat2(AT_FDCWD, path().c_str(), AT_FDCWD, name_.c_str(), RENAME_NOREPLACE);
-    }
-    if (failed != 0) return error_from_errno(errno, name_.string(), "cannot name the finished file");
+    if (Status s = name_without_replacing(path(), name_); !s) return s;
     return sync_folder(folder_of(name_));
 }
 

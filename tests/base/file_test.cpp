@@ -1,6 +1,7 @@
 #include "base/file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -66,6 +67,14 @@ TEST_F(FileTest, AReplacedOutputKeepsItsOldContentUntilThen) {
     ASSERT_TRUE(out->publish());
     EXPECT_EQ(text_of(folder_ / "a"), "new");
     EXPECT_EQ(names_in_folder(), 1u);
+}
+
+TEST_F(FileTest, OnlyAFileIsEverReplaced) {
+    const fs::path pipe = folder_ / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_EQ(OutputFile::create(pipe, true).error().code, ErrorCode::kExists);
+    EXPECT_EQ(OutputFile::create(folder_, true).error().code, ErrorCode::kExists);
+    EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
 TEST_F(FileTest, CopyingARangeCopiesExactlyThatRange) {
