@@ -86,6 +86,8 @@ TEST(Golden, WhatIsWrittenTodayFollowsTheSpecification) {
         synthetic::write_file(path, file.bytes);
         const latent::testing::Outcome read = read_by_specification(path);
         EXPECT_EQ(read.status, 0) << read.err;
+        synthetic::write_file(path, synthetic::make_file(job, runs, true, {.black = 1, .light_per_sample = 0}).bytes);
+        EXPECT_EQ(read_by_specification(path).status, 0);
         file.bytes[file.header_size + 5000] ^= std::byte{1};
         synthetic::write_file(path, file.bytes);
         EXPECT_EQ(read_by_specification(path).status, 1);

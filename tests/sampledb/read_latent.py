@@ -155,7 +155,7 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
         elif transform == 3:
             values = [halton(v, job)[number - 2] for v in columns[1]]
         else:
-            check(len(planes) == width, "planes of column %d" % number)
+            check(len(planes) == (width if n else 0), "planes of column %d" % number)
             parts = [decode_plane(word, part, n) for word, part in planes] if n else [b""] * width
             values = [sum(parts[p][i] << (8 * p) for p in range(width)) for i in range(n)]
             if transform == 4:
