@@ -49,7 +49,7 @@ struct alignas(64) Batch {
         const float a = part[0] < part[1] ? part[1] : part[0], b = part[2] < part[3] ? part[3] : part[2];
         return a < b ? b : a;
     }
-    bool is_black() const { return !(max() > 0); }
+    bool is_black() const { return max() <= 0; }  // what is not a number is not black: it must be counted
 };
 
 inline Batch operator*(const Batch& a, const Batch& b) {

@@ -66,7 +66,7 @@ void Bidirectional::walk(Subpath& path, bool from_eye, Step& step) {
         step.dispersed = x.dispersed || x.scattering.disperses(x.wo, next.wi);
         if (from_eye) eta2 *= next.eta2;
         const float odds = survival_odds(step.through, eta2, step.dispersed, sample_.kept);
-        if (!(odds > 0)) return;
+        if (odds <= 0) return;
         if (i >= 2 && odds < 1) {
             if (number(from_eye, i, Dimension::kSurvival) >= odds) return;
             step.through *= 1 / odds;

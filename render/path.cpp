@@ -132,7 +132,7 @@ class Path {
         if (!scattering.in_medium()) medium_ = World::medium_beyond(surface_, d_, medium_);
 
         const float odds = survival_odds(beta_, eta2_, dispersed_, sample_.kept);
-        if (!(odds > 0)) return false;
+        if (odds <= 0) return false;
         if (depth_ >= 1 && odds < 1) {
             if (number(Dimension::kSurvival) >= odds) return false;
             beta_ *= 1 / odds;

@@ -4,6 +4,8 @@
 #include <thread>
 
 #include "color/observer.h"
+#include "render/records.h"
+#include "render/wavelengths.h"
 #include "tests/transport/world_builder.h"
 
 namespace latent::render::testing {
@@ -133,6 +135,33 @@ TEST(Integrator, DepthZeroSeesLightsOnly) {
         }
         EXPECT_GT(black, 40);
         EXPECT_LT(black, 400);  // the sphere, and nothing else
+    }
+}
+
+// Radiance that no light can have: counted by its cause, black in the camera image, absent from the light image.
+TEST(Records, FaultsAreCountedAndKeptOut) {
+    const sampledb::WavelengthDensity density = wavelength_density({});
+    const WavelengthSampler sampler(density, 28);
+    Wavelengths w;
+    sampler.draw(12345, w);
+    for (const sampledb::RecordKind kind : {sampledb::RecordKind::kSpectral, sampledb::RecordKind::kXyz}) {
+        const RecordMaker maker(kind);
+        sampledb::Records r;
+        RadianceFaults faults;
+        for (const float bad : {std::nanf(""), kInfinity, -1.0f}) {
+            Radiance radiance;
+            Batch value(1.0f);
+            value[7] = bad;
+            radiance.add(value, false, 0, 28);
+            maker.camera(1, 2, 3, radiance, w, 0, r, faults);
+            maker.light(1, 0.5f, 0.5f, radiance, w, 0, r, faults);
+        }
+        EXPECT_EQ(faults.nan, 2u);
+        EXPECT_EQ(faults.infinite, 2u);
+        EXPECT_EQ(faults.negative, 2u);
+        ASSERT_EQ(r.size(), 3u);
+        EXPECT_TRUE(r.power.empty());
+        EXPECT_TRUE(std::all_of(r.y.begin(), r.y.end(), [](float y) { return y == 0; }));
     }
 }
 
