@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cstdio>
 
+#include "base/printable.h"
 #include "base/size.h"
 
 namespace latent::cli {
@@ -35,9 +37,30 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
         return std::nullopt;
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        fmt::print(stderr, "{}: {} (--help explains)\n", program(), error.what());
+        // What is missing may be there, but misspelt: so what was not understood comes first.
+        const std::vector<std::string> unknown = app.remaining(true);
+        const bool misspelt = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty();
+        const std::string what = misspelt ? unknown.front() + " was not understood" : error.what();
+        fmt::print(stderr, "{}: {} (--help explains)\n", program(), printable(what));
         return kUsage;
     }
+}
+
+CLI::Validator ends_in(const std::string& extension) {
+    const auto check = [extension](const std::string& name) {
+        return name.ends_with(extension) ? std::string() : fmt::format("{}: the name must end in {}", name, extension);
+    };
+    return CLI::Validator(check, "");
+}
+
+CLI::Validator whole_number() {
+    const auto check = [](const std::string& text) {
+        std::uint64_t value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool good = error == std::errc() && end == text.data() + text.size();
+        return good ? std::string() : fmt::format("{}: should be a whole number from 0 to {}", text, ~std::uint64_t{0});
+    };
+    return CLI::Validator(check, "");
 }
 
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {
@@ -67,11 +90,11 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
 }
 
 int fail(const Error& error) {
-    fmt::print(stderr, "{}: {}\n", program(), error.message);
+    fmt::print(stderr, "{}: {}\n", program(), printable(error.message));
     if (error.code == ErrorCode::kUsage) return kUsage;
     return error.code == ErrorCode::kStopped ? kStopped : kFailed;
 }
 
-void warn(const std::string& message) { fmt::print(stderr, "{}: warning: {}\n", program(), message); }
+void warn(const std::string& message) { fmt::print(stderr, "{}: warning: {}\n", program(), printable(message)); }
 
 }  // namespace latent::cli

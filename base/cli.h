@@ -38,6 +38,10 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv);
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help);
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help);
 
+// Checks of an argument: the name of a file of the right kind (".latent"); a number that fits 64 bits, where CLI11 would wrap.
+CLI::Validator ends_in(const std::string& extension);
+CLI::Validator whole_number();
+
 // Prints "PROGRAM: MESSAGE" on stderr; returns kUsage for ErrorCode::kUsage, kStopped for kStopped, else kFailed.
 int fail(const Error& error);
 
