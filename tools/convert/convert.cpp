@@ -9,6 +9,7 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include "base/parallel.h"
 #include "color/adaptation.h"
@@ -154,7 +155,18 @@ Status print_all(const Source& source, const BandPlan& plan, const color::Print&
     return error.status();
 }
 
+Status check_outputs(const std::vector<std::filesystem::path>& outputs) {
+    std::set<std::filesystem::path> places;
+    for (const std::filesystem::path& path : outputs) {
+        std::error_code ignored;
+        if (!places.insert(std::filesystem::weakly_canonical(path, ignored)).second)
+            return Error{ErrorCode::kUsage, fmt::format("--output {}: is given twice", path.string())};
+    }
+    return {};
+}
+
 Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Watch& watch) {
+    if (Status s = check_outputs(options.outputs); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
     const Result<Display> display = display_from(options.profile, options.luminance_row);

@@ -31,7 +31,7 @@ Result<Display> display_from(const std::string& text, const std::optional<std::a
         matrix ? color::RgbSpace::from_matrix(text, *matrix, m, color::Transfer::srgb()) : color::RgbSpace::parse(text);
     if (space && m != nullptr && !matrix)
         space = color::RgbSpace::from_matrix(space->name, space->rgb_from_xyz, m, space->transfer);
-    if (!space) return space.error().at("--profile");
+    if (!space) return Error{ErrorCode::kUsage, space.error().message}.at("--profile");  // impossible numbers are wrong usage too
     Display display;
     display.space = *space;
     const bool invertible = space->rgb_from_xyz.invertible();

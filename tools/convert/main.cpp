@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <array>
 #include <atomic>
+#include <charconv>
 
 #include "base/cli.h"
 #include "tools/convert/convert.h"
@@ -25,14 +27,33 @@ Examples:
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
 )";
 
+// What is wrong with `text`, if it is not a number of the range: CLI::Range would let NaN pass.
+std::string check_number(const std::string& text, double least, double most, const char* range) {
+    double value = 0;
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+    return good ? std::string() : fmt::format("{}: should be a number {}", text, range);
+}
+
+latent::image::Rect parse_crop(const std::string& text) {
+    std::array<int, 4> c;
+    const char *at = text.data(), *end = at + text.size();
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto [next, error] = std::from_chars(at, end, c[i]);
+        if (error != std::errc{} || (i < 3 ? next == end || *next != ',' : next != end))
+            throw CLI::ValidationError("--crop " + text, "give X0,Y0,X1,Y1 in pixels, the end exclusive");
+        at = next + 1;
+    }
+    return {c[0], c[1], c[2], c[3]};
+}
+
 void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     using latent::convert::Depth;
     app.add_option("IMAGE", options.input, "EXR from latent-develop, or of linear RGB")->required();
     app.add_option("-o,--output", options.outputs, "what to write; may repeat")->required()->allow_extra_args(false);
-    auto* sensitivity = app.add_option("-s,--sensitivity", options.sensitivity, "sensitivity of the film: Y = 1/S prints at half")
-                            ->check(CLI::PositiveNumber);
+    auto* sensitivity = app.add_option("-s,--sensitivity", options.sensitivity, "sensitivity of the film: Y = 1/S prints at half");
+    sensitivity->check(CLI::Validator([](const std::string& s) { return check_number(s, 0x1p-512, 0x1p512, "above 0"); }, ""));
     app.add_option("--stops", options.stops, "push the sensitivity by so many stops")
-        ->check(CLI::Range(-100.0, 100.0))
+        ->check(CLI::Validator([](const std::string& s) { return check_number(s, -100, 100, "from -100 to 100"); }, ""))
         ->type_name("EV");
     app.add_flag("--auto", options.auto_exposure, "choose the sensitivity: the mean prints at 18 % grey")->excludes(sensitivity);
     app.add_option("--tone", options.tone, "film: 1 - 2^(-S Y); none: only converts")
@@ -52,14 +73,8 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_option_function<std::string>("--bits", depth, "8 by default, but float for EXR, where 16 means half")
         ->check(CLI::IsMember({"8", "16", "float"}));
     app.add_flag("--dither,!--no-dither", options.dither, "hide the steps of 8 bits in noise (default on)");
-    app.add_option_function<std::array<int, 4>>(
-           "--crop",
-           [&options](const std::array<int, 4>& c) {
-               options.crop = {c[0], c[1], c[2], c[3]};
-           },
-           "only these pixels: x0,y0,x1,y1 (x1, y1 excluded)")
-        ->delimiter(',')
-        ->type_name("X0,Y0,X1,Y1");
+    const auto crop = [&options](const std::string& text) { options.crop = parse_crop(text); };
+    app.add_option_function<std::string>("--crop", crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--level", options.level, "mip level of the input: 1 is half its size, ...")->check(CLI::Range(0, 31));
     app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles, 1..100")
         ->check(CLI::Range(1, 100))

@@ -27,7 +27,7 @@ struct ConvertOptions {
     std::string profile = "srgb";
     std::optional<std::array<double, 3>> luminance_row;
 
-    Depth depth = Depth::kDefault;    // 8 for display files, float for EXR; JPEG and Deep Zoom always have 8
+    Depth depth = Depth::kDefault;    // 8 for display files, float for EXR; only what the format holds is accepted
     bool dither = true;               // of 8 bits
     std::optional<image::Rect> crop;  // in the coordinates of the display window
     int level = 0;                    // mip level of the input

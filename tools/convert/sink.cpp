@@ -201,9 +201,11 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     if (!png && !tiff && !jpeg && type != ".exr" && type != ".dzi") {
         return Error{ErrorCode::kUsage, fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", path.string())};
     }
-    if (png && options.depth == Depth::kFloat) {
-        return Error{ErrorCode::kUsage, fmt::format("{}: PNG holds 8 or 16 bits; .tif and .exr hold floats", path.string())};
-    }
+    const auto wrong_bits = [&](const char* why) { return Error{ErrorCode::kUsage, fmt::format("{}: {}", path.string(), why)}; };
+    if (png && options.depth == Depth::kFloat) return wrong_bits("PNG holds 8 or 16 bits; .tif and .exr hold floats");
+    if (type == ".exr" && options.depth == Depth::k8) return wrong_bits("EXR holds floats or, with --bits 16, halves");
+    if ((jpeg || type == ".dzi") && (options.depth == Depth::k16 || options.depth == Depth::kFloat))
+        return wrong_bits("JPEG and Deep Zoom hold 8 bits; .png, .tif and .exr hold more");
     Encoder encoder{SampleType::kU8, display.space.transfer, options.dither};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
