@@ -47,6 +47,11 @@ Error out_of_range(std::string_view space, std::string_view what) {
 
 }  // namespace
 
+bool are_xyz(const Primaries& p) {
+    const auto near = [](Chromaticity c, double x, double y) { return std::abs(c.x - x) < 1e-4 && std::abs(c.y - y) < 1e-4; };
+    return near(p.red, 1, 0) && near(p.green, 0, 1) && near(p.blue, 0, 0) && near(p.white, 1.0 / 3, 1.0 / 3);
+}
+
 Result<RgbSpace> RgbSpace::parse(std::string_view text) {
     std::string choices;
     for (const KnownSpace& known : known_spaces()) {

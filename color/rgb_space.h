@@ -17,6 +17,9 @@ struct Primaries {
     bool operator==(const Primaries&) const = default;
 };
 
+// Whether they are the axes of XYZ, (1,0) (0,1) (0,0) with white (1/3,1/3): how EXR files say that R, G, B hold X, Y, Z.
+bool are_xyz(const Primaries& primaries);
+
 struct RgbSpace {
     std::string name;
     Primaries primaries;  // as given; for a bare matrix, what its columns are

@@ -81,7 +81,8 @@ int main(int argc, char** argv) {
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"
         "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2\n"
         "  latent-render scenes/cornell.pbrt -o half1.latent --spp 64 --shard 1/2\n"
-        "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 1024 --resolution 4096x4096 --dry-run");
+        "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 1024 --resolution 4096x4096 --dry-run\n\n"
+        "Exit status: 0 done; 1 failed; 2 wrong usage; 75 stopped with everything so far committed: run it again to go on");
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.output = output;

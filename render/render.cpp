@@ -81,7 +81,6 @@ class Work {
     double seconds() const { return seconds_since(begin_); }
     bool failed() const { return failed_; }
     const Error& error() const { return error_; }
-    bool exhausted() const { return range_ == ranges_.size(); }
     std::uint64_t samples() const { return samples_; }
     const RadianceFaults& faults() const { return faults_; }
 

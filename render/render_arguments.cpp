@@ -5,6 +5,8 @@
 #include <charconv>
 #include <optional>
 
+#include "sampledb/parse.h"
+
 namespace latent::render {
 
 namespace {
@@ -33,10 +35,9 @@ Error usage(std::string_view option, std::string_view text, std::string_view exa
 
 Status parse_ranges(const RangeArguments& arguments, RenderSettings& settings) {
     if (!arguments.samples.empty()) {
-        const auto range = parse_pair(arguments.samples, ':');
-        if (!range || range->first >= range->second || range->second > std::uint64_t{1} << 62)
-            return usage("--samples", arguments.samples, "0:1048576");
-        settings.samples = sampledb::SampleRange{range->first, range->second};
+        const Result<sampledb::SampleRange> range = sampledb::parse_sample_range(arguments.samples);
+        if (!range || range->end > std::uint64_t{1} << 62) return usage("--samples", arguments.samples, "0:1048576 or 0:1M");
+        settings.samples = *range;
     }
     if (!arguments.shard.empty()) {
         const auto shard = parse_pair(arguments.shard, '/');

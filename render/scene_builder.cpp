@@ -35,7 +35,7 @@ Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages)
-    : scene_(scene), files_(files), messages_(messages), spectra_(files, messages) {
+    : scene_(scene), files_(files), messages_(messages), spectra_(files) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
     interface_.push_back(false);
 }

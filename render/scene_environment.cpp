@@ -11,15 +11,17 @@ namespace latent::render {
 
 namespace {
 
-// Linear sRGB from what the file's channels are.
-color::Matrix3 srgb_from(const image::ExrImage& image) {
+// Linear sRGB from what the file's channels are. XYZ comes as X, Y, Z, or as R, G, B with primaries that are the axes of XYZ.
+Result<color::Matrix3> srgb_from(const image::ExrImage& image) {
     const color::RgbSpace& srgb = color::RgbSpace::srgb();
     if (image.xyz) return srgb.rgb_from_xyz;
-    if (!image.chromaticities) return {};
+    if (!image.chromaticities) return color::Matrix3{};
     const std::array<float, 8>& c = *image.chromaticities;
     const color::Primaries primaries{{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}};
+    if (color::are_xyz(primaries)) return srgb.rgb_from_xyz;
     const Result<color::RgbSpace> space = color::RgbSpace::from_primaries("file", primaries, srgb.transfer);
-    return space ? srgb.rgb_from_xyz * space->xyz_from_rgb : color::Matrix3{};
+    if (!space) return space.error();
+    return srgb.rgb_from_xyz * space->xyz_from_rgb;
 }
 
 }  // namespace
@@ -53,10 +55,14 @@ std::shared_ptr<const ImageDescription> read_environment(const ParameterList& li
     out->width = static_cast<std::uint32_t>(window.width());
     out->height = static_cast<std::uint32_t>(window.height());
     out->rgb.reserve(pixels * 3);
-    const color::Matrix3 matrix = srgb_from(reader->image());
+    const Result<color::Matrix3> matrix = srgb_from(reader->image());
+    if (!matrix) {
+        list.error(fmt::format("{}: {}", name, matrix.error().message));
+        return nullptr;
+    }
     std::size_t refused = 0;
     for (std::size_t i = 0; i < pixels; ++i) {
-        for (const double x : matrix* std::array<double, 3>{planes[0][i], planes[1][i], planes[2][i]}) {
+        for (const double x : *matrix* std::array<double, 3>{planes[0][i], planes[1][i], planes[2][i]}) {
             const bool good = std::isfinite(x) && x >= 0;
             refused += good ? 0 : 1;
             out->rgb.push_back(good ? static_cast<float>(x) : 0);

@@ -16,11 +16,10 @@ enum class SpectrumRole { kReflectance, kUnbounded };
 
 class SceneSpectra {
  public:
-    SceneSpectra(SceneFiles& files, Messages& messages) : files_(files), messages_(messages) {}
+    explicit SceneSpectra(SceneFiles& files) : files_(files) {}
 
     // The colour space that rgb parameters are in: pbrt's "srgb", "dci-p3" or "rec2020". False if there is no such space.
     bool set_color_space(const std::string& name);
-    const std::string& color_space() const { return color_space_; }
 
     // The spectrum of a parameter; nothing if it is not there or an error was reported.
     std::optional<color::Spectrum> find(const ParameterList& list, std::string_view name, SpectrumRole role);
@@ -35,7 +34,6 @@ class SceneSpectra {
     const color::RgbToSpectrum& rgb();
 
     SceneFiles& files_;
-    Messages& messages_;
     std::string color_space_ = "srgb";
     std::map<std::string, color::RgbToSpectrum> rgb_;
 };

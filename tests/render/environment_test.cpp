@@ -61,6 +61,20 @@ TEST(Environment, OtherPrimariesBecomeSrgbAndWhatIsNegativeThereIsTold) {
     EXPECT_NE(green->content, scene->content);
 }
 
+TEST(Environment, DevelopedPicturesAreXyz) {
+    const Folder folder;
+    image::ExrTags tags;
+    tags.chromaticities = std::array<float, 8>{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
+    write_exr(folder / "sky.exr", 1, 1, {0.9505f, 1, 1.089f}, tags);
+    const Result<LoadedScene> scene = load_sky(folder);
+    ASSERT_TRUE(scene) << scene.error().message;
+    for (const float value : scene->description.lights[0].image->rgb) EXPECT_NEAR(value, 1, 1e-3);
+
+    tags.chromaticities = std::array<float, 8>{0.6f, 0.3f, 0.6f, 0.3f, 0.6f, 0.3f, 0.3f, 0.3f};
+    write_exr(folder / "sky.exr", 1, 1, {1, 1, 1}, tags);
+    EXPECT_THAT(load_sky(folder).error().message, HasSubstr("primaries lie on a line"));
+}
+
 TEST(Environment, OnlySquaresAreEqualAreaMaps) {
     const Folder folder;
     write_exr(folder / "sky.exr", 2, 1, {1, 1, 1, 1, 1, 1}, {});

@@ -55,6 +55,8 @@ TEST(Arguments, AreReadOrRefusedWithAnExample) {
     RenderSettings settings;
     ASSERT_TRUE(parse_ranges({"65536:131072", "2/5", "640x480", "unlimited"}, settings));
     EXPECT_EQ(settings.samples, (SampleRange{65536, 131072}));
+    ASSERT_TRUE(parse_ranges({"64K:1M", "", "", ""}, settings));
+    EXPECT_EQ(settings.samples, (SampleRange{65536, 1048576}));
     EXPECT_EQ(settings.shard.index, 2u);
     EXPECT_EQ(settings.resolution->height, 480u);
     EXPECT_EQ(settings.max_depth, kUnlimited);
