@@ -41,7 +41,7 @@ struct FileContents {
 // Errors: kForeign (not a Latent file), kTruncated (ends inside its header), kUnsupported, kCorrupt (both headers), kIo.
 Result<FileContents> read_file(const ByteSource& source, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
 
-// Coverage and pages of a run (offsets absolute in the file). Errors: kCorrupt, kTruncated, kMismatch (the run's own header is not
+// Coverage and pages of a run (offsets absolute in the file). Errors: kCorrupt (the run's own header is damaged, or not
 // the one in `run`), kIo.
 Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job);
 

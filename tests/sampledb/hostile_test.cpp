@@ -272,7 +272,7 @@ TEST(Hostile, AFooterThatListsAnotherRunIsCaughtWhenTheRunIsUsed) {
     ASSERT_TRUE(contents && contents->finished);
     const Result<RunIndex> index = read_run_index(source, contents->runs[0], job);
     ASSERT_FALSE(index);
-    EXPECT_EQ(index.error().code, ErrorCode::kMismatch);
+    EXPECT_EQ(index.error().code, ErrorCode::kCorrupt);
     EXPECT_TRUE(read_file(source, VerifyLevel::kQuick)->runs.empty());
 }
 
