@@ -118,6 +118,7 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
                                                                                      {"--filter", "sinc"},
                                                                                      {"--filter", "quartic:-9"},
                                                                                      {"--observer", "cie1964"},
+                                                                                     {"--observer", "foo"},
                                                                                      {"--spectral-bins", "8"},
                                                                                      {"--simd", "abacus"},
                                                                                      {"--image", "half"},
@@ -128,6 +129,7 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
     }
     EXPECT_EQ(develop({in, "-o", out("bad.exr"), "--memory", "1M"}).status, 1);
     EXPECT_EQ(develop({out("none.latent"), "-o", out("bad.exr")}).status, 1);
+    EXPECT_EQ(develop({in, "-o", out("bad.png")}).status, 2);
     EXPECT_EQ(develop({"/dev/null", "-o", out("bad.exr")}).status, 1);
     EXPECT_EQ(develop({in, in, "-o", out("bad.exr")}).status, 1);
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"in.latent"});
@@ -172,6 +174,42 @@ TEST_F(Tool, SamplesDevelopAsIfTheOthersWereNotThere) {
     ASSERT_EQ(develop({one, "-o", out("b.exr"), "--size", "90"}).status, 0);
     EXPECT_TRUE(read_text(folder_ / "a.exr") == read_text(folder_ / "b.exr"));
     EXPECT_EQ(develop({three, "-o", out("c.exr"), "--size", "90", "--samples", "100:9000"}).status, 0);  // cuts two runs
+}
+
+TEST_F(Tool, ASliceReportsTheRecordsOfItsOwnSamples) {
+    const std::string two = file("two.latent", {0, 1});
+    const auto records = [&](const std::string& samples) {
+        const Outcome outcome = develop({two, "-o", out("slice.exr"), "--size", "90", "--json", "--force", "--samples", samples});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        const auto report = nlohmann::json::parse(outcome.out);
+        return std::array{report["camera_records"].get<std::uint64_t>(), report["light_records"].get<std::uint64_t>()};
+    };
+    const auto all = records("0:8192"), begin = records("0:1000"), middle = records("1000:5000"), end = records("5000:8192");
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_GT(begin[i], 0u);
+        EXPECT_LT(begin[i], all[i] / 4);
+        EXPECT_EQ(begin[i] + middle[i] + end[i], all[i]);
+    }
+}
+
+TEST_F(Tool, APictureWithoutRecordsIsBlackAndAWarningSaysWhy) {
+    job_.light_paths_per_sample = 0;
+    const sampledb::Records dark = synthetic::make_records(job_, {0, kRun}, {.light_per_sample = 0});
+    const Result<Bytes> run = sampledb::encode_run(job_, Coverage({0, kRun}), dark);
+    Result<Bytes> bytes = sampledb::encode_file_header({job_, ""});
+    ASSERT_TRUE(run && bytes);
+    synthetic::write_file(folder_ / "empty.latent", *bytes);
+    bytes->insert(bytes->end(), run->begin(), run->end());
+    synthetic::write_file(folder_ / "dark.latent", *bytes);
+    const auto warning = [&](const std::string& in, const std::vector<std::string>& more) {
+        const Outcome outcome = develop({out(in), "-o", out("black.exr"), "--size", "90", "--force"}, more);
+        EXPECT_EQ(outcome.status, 3) << outcome.err;  // the file has no footer, which is told too
+        return outcome.err;
+    };
+    EXPECT_NE(warning("dark.latent", {"--samples", "8192:9000"}).find("--samples"), std::string::npos);
+    EXPECT_NE(warning("dark.latent", {"--image", "light"}).find("no light records"), std::string::npos);
+    EXPECT_NE(warning("empty.latent", {}).find("no samples"), std::string::npos);
+    EXPECT_EQ(warning("dark.latent", {}).find("black"), std::string::npos);
 }
 
 TEST_F(Tool, DisksThatFailAreReportedAndLeaveNoHalfPicture) {

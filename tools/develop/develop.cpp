@@ -23,31 +23,52 @@ constexpr std::size_t kPagesAtOnce = 1 << 14;    // references to pages of a reg
 constexpr std::size_t kLeastBatch = 8 << 20;     // bytes
 constexpr std::uint64_t kThreadBytes = 2 << 20;  // a decoded page and what the decoder holds
 
-// Camera samples per pixel of the film.
-double camera_density(const sampledb::Gathering& gathering, double pixels) {
-    double records = 0;  // samples without a camera record thin the density out
-    for (const sampledb::SelectedRun& run : gathering.runs()) records += static_cast<double>(run.header.camera_records);
-    return std::min(static_cast<double>(gathering.coverage().size()), records) / pixels;
+struct RecordCounts {
+    std::uint64_t camera = 0, light = 0;
+};
+
+// Records of the selected samples. Runs that are taken whole know theirs; of the others, two at most in merged files, the sample
+// numbers are read.
+Result<RecordCounts> count_records(const sampledb::Gathering& gathering) {
+    RecordCounts counts;
+    sampledb::Page page;
+    const sampledb::ColumnSet numbers{.samples = true, .positions = false, .values = false, .share = false, .extra = false};
+    for (std::size_t i = 0; i < gathering.runs().size(); ++i) {
+        const sampledb::SelectedRun& run = gathering.runs()[i];
+        if (!run.cut) {
+            counts.camera += run.header.camera_records;
+            counts.light += run.header.light_records;
+            continue;
+        }
+        const auto pages = gathering.pages(i);
+        if (!pages) return pages.error();
+        for (const sampledb::PageInfo& info : **pages) {
+            if (Status s = gathering.read_page(i, info, numbers, page); !s) return s.error();
+            (info.record_class == RecordClass::kCamera ? counts.camera : counts.light) += page.count;
+        }
+    }
+    return counts;
 }
 
 class Engine {
  public:
-    Engine(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings, TileSink& sink)
+    Engine(const sampledb::Gathering& gathering, const RecordCounts& records, const Channels& channels, const Settings& settings,
+           TileSink& sink)
         : gathering_(gathering),
           channels_(channels),
           settings_(settings),
           grid_(settings.width, settings.height, settings.filter.reach()) {
-        for (const sampledb::SelectedRun& run : gathering.runs()) {
-            counts_.camera_records += run.header.camera_records;
-            counts_.light_records += run.header.light_records;
-        }
+        counts_.camera_records = records.camera;
+        counts_.light_records = records.light;
         counts_.light_paths = gathering.light_paths();
         classes_ = {.camera = settings.camera && counts_.camera_records > 0,
                     .light = settings.light && counts_.light_records > 0 && counts_.light_paths > 0};
         camera_ = {channels.lanes(), settings.filter.kernel().has_negative_lobes};
         light_ = {channels.lanes(), false};
         const double pixels = static_cast<double>(settings.width) * settings.height;
-        normalisation_ = {channels.count(), classes_.camera, classes_.light, camera_density(gathering, pixels),
+        // Samples without a camera record thin the density out.
+        const double camera_density = static_cast<double>(std::min(gathering.coverage().size(), records.camera)) / pixels;
+        normalisation_ = {channels.count(), classes_.camera, classes_.light, camera_density,
                           classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0};
         needed_ = grid_.cells_reaching(settings.crop);
         share_memory(sink);
@@ -249,7 +270,9 @@ class Engine {
 
 Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
                               TileSink& sink, const Progress& progress) {
-    return Engine(gathering, channels, settings, sink).run(progress);
+    const Result<RecordCounts> records = count_records(gathering);
+    if (!records) return records.error();
+    return Engine(gathering, *records, channels, settings, sink).run(progress);
 }
 
 }  // namespace latent::develop

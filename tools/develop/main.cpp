@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Develop records into an EXR of linear XYZ.", "latent-develop"};
     app.footer(kExamples);
     app.add_option("FILE", options.inputs, "files of one job, or folders that hold them, in any order")->required();
-    app.add_option("-o,--output", options.output, "the picture")->required()->type_name("IMAGE.exr");
+    app.add_option("-o,--output", options.output, "the picture")->required()->check(cli::ends_in(".exr"))->type_name("IMAGE.exr");
     app.add_option("--size", options.size, "pixels of the whole film; W alone derives the height")->type_name("W|WxH");
     app.add_option("--crop", options.crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter")->capture_default_str()->type_name("NAME[:params]");

@@ -50,7 +50,8 @@ Result<color::Observer> find_observer(const std::string& name) {
     if (name.empty()) return color::Observer::cie1931();
     Result<color::Observer> known = color::Observer::by_name(name);
     std::error_code ignored;
-    if (known || !std::filesystem::exists(name, ignored)) return known;
+    if (known) return known;
+    if (!std::filesystem::exists(name, ignored)) return usage(known.error().message);
     Result<File> file = File::open_read(name);
     if (!file) return file.error();
     const Result<std::uint64_t> size = file->size();
@@ -112,8 +113,17 @@ class ExrSink final : public TileSink {
 };
 static_assert(TileSink::kTile == image::ExrTileWriter::kTile);
 
-void advise(const PictureReport& report, std::vector<std::string>& warnings) {
+void advise(const PictureOptions& options, const PictureReport& report, std::vector<std::string>& warnings) {
     const DevelopCounts& counts = report.counts;
+    const bool camera = options.image != "light" && counts.camera_records > 0;
+    const bool light = options.image != "camera" && counts.light_records > 0 && counts.light_paths > 0;
+    if (report.coverage.size() == 0) {
+        warnings.push_back(options.samples ? "the files hold none of the samples that --samples asks for: the picture is black"
+                                           : "the files hold no samples: the picture is black");
+    } else if (!camera && !light) {
+        const std::string which = options.image == "both" ? "" : options.image + " ";
+        warnings.push_back(fmt::format("the samples have no {}records: the picture is black", which));
+    }
     if (counts.decode_factor() > 1.1) {
         warnings.push_back(
             fmt::format("pages were decoded {:.2f} times, for they are larger than what --memory holds at once; more memory, "
@@ -203,7 +213,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     report.counts = *counts;
     report.bytes_read = gathering.bytes_read();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    advise(report, report.warnings);
+    advise(options, report, report.warnings);
     return report;
 }
 
