@@ -48,7 +48,6 @@ class Channels {
 
     int count() const { return count_; }
     int lanes() const { return (count_ + 4) / 4 * 4; }  // channels and the share, a multiple of 4
-    bool is_spectrum() const { return bins_ > 0; }
     sampledb::ColumnSet columns() const;
 
     // For rows begin .. end-1: `lanes()` floats each: channels, share (light records: 0), zeros. Values that are not finite become

@@ -34,7 +34,6 @@ class FilmGrid {
     std::uint32_t width() const { return x_.pixels; }
     std::uint32_t height() const { return y_.pixels; }
     int level() const { return level_; }
-    std::uint32_t cells_per_side() const { return std::uint32_t{1} << level_; }
 
     // Pixels that records of cell (x, y) reach, beyond the film's border too.
     PixelRect window(std::uint32_t cell_x, std::uint32_t cell_y) const {
