@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Renders samples of a pbrt-v4 scene into one .latent part. The same command again goes on where it stopped.",
                  "latent-render"};
     app.add_option("SCENE", settings.scene, "the scene, a .pbrt file")->required();
-    app.add_option("-o,--output", output, "the part to write, NAME.latent")->required();
+    app.add_option("-o,--output", output, "the part to write, NAME.latent")->required()->check(cli::ends_in(".latent"));
     auto* spp =
         app.add_option("--spp", settings.spp, "samples per pixel of --resolution, or of the scene's film")->capture_default_str();
     app.add_option("--samples", samples, "sample numbers A:B instead (B not included); A begins a run")->excludes(spp);
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     app.add_option("--wavelengths", settings.wavelengths, "wavelengths of one sample")
         ->check(CLI::Range(4, 32))
         ->capture_default_str();
-    app.add_option("--seed", settings.seed, "another seed is another job: independent samples")->capture_default_str();
+    app.add_option("--seed", settings.seed, "another (not 0) is another job: independent samples")->check(cli::whole_number());
     app.add_option("--run-samples", settings.run_samples, "samples of a run, a power of two; default: runs near 64 MiB")
         ->check(CLI::Range(1024, 4194304));
     cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work at least this often (default 60s)");

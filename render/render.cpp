@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -169,10 +170,11 @@ Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& optio
     if (!report) return report.error();
     if (report->samples == 0) return Error{ErrorCode::kStopped, "no sample was finished in the time of a dry run"};
     const double factor = static_cast<double>(job.range.size()) / static_cast<double>(report->samples);
-    return RenderEstimate{.samples = job.range.size(),
-                          .bytes = static_cast<double>(report->written.bytes_written) * factor,
-                          .seconds = report->seconds * factor,
-                          .measured_samples = static_cast<double>(report->samples)};
+    return RenderEstimate{
+        .samples = job.range.size(),
+        .bytes = static_cast<std::uint64_t>(std::min(static_cast<double>(report->written.bytes_written) * factor, 0x1p63)),
+        .seconds = report->seconds * factor,
+        .measured_samples = report->samples};
 }
 
 }  // namespace latent::render

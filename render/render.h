@@ -39,9 +39,9 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
 
 // What the whole range would take, from a few seconds of it rendered into a temporary file that is gone afterwards.
 struct RenderEstimate {
-    std::uint64_t samples = 0;
-    double bytes = 0, seconds = 0;
-    double measured_samples = 0;
+    std::uint64_t samples = 0, bytes = 0;
+    double seconds = 0;
+    std::uint64_t measured_samples = 0;
 };
 Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop);
 

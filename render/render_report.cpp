@@ -54,8 +54,7 @@ std::string to_text(const RenderEstimate& estimate, bool json) {
         return out.dump() + "\n";
     }
     return fmt::format("{} samples would take {} and {} on disk (measured on {} samples)\n", estimate.samples,
-                       format_duration(estimate.seconds), format_size(static_cast<std::uint64_t>(estimate.bytes)),
-                       estimate.measured_samples);
+                       format_duration(estimate.seconds), format_size(estimate.bytes), estimate.measured_samples);
 }
 
 std::string provenance(const RenderJob& job, const RenderSettings& settings) {

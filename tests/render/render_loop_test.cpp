@@ -151,7 +151,7 @@ TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
     ASSERT_TRUE(estimated) << estimated.error().message;
     EXPECT_EQ(estimated->samples, std::uint64_t{1} << 30);
     EXPECT_GT(estimated->seconds, 1000);
-    EXPECT_GT(estimated->bytes, 1e9);  // a byte per record at the least
+    EXPECT_GT(estimated->bytes, 1'000'000'000u);  // a byte per record at the least
     EXPECT_TRUE(fake.folder.names().empty());
 }
 

@@ -158,6 +158,11 @@ TEST_F(Resume, WrongUsageIsStatus2) {
     EXPECT_EQ(latent::testing::run({tool("latent-render")}).status, 2);
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--shard", "4/4"})).status, 2);
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--simd", "mmx"})).status, 2);
+    EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--seed", "-1"})).status, 2);
+    EXPECT_EQ(latent::testing::run(command(folder_ / "x.foo")).status, 2);
+    const latent::testing::Outcome misspelt = latent::testing::run({tool("latent-render"), "--hlep"});
+    EXPECT_EQ(misspelt.status, 2);
+    EXPECT_THAT(misspelt.err, HasSubstr("--hlep"));
     EXPECT_EQ(latent::testing::run({tool("latent-render"), "/nonexistent.pbrt", "-o", (folder_ / "x.latent").string()}).status, 1);
     EXPECT_TRUE(folder_.names().empty());
 }
