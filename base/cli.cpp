@@ -1,9 +1,12 @@
 #include "base/cli.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstdlib>
 
 #include "base/printable.h"
 #include "base/size.h"
@@ -14,6 +17,18 @@ namespace {
 std::string& program_name() {
     static std::string name = "latent";
     return name;
+}
+
+bool failure_was_said = false;
+
+// Standard output holds back what is written to it; only when it is flushed does a full disk show.
+void flush_stdout_at_exit() {
+    errno = 0;
+    const bool failed_before = std::ferror(stdout) != 0;
+    if ((std::fflush(stdout) == 0 && !failed_before) || failure_was_said) return;
+    const Error error = errno != 0 ? error_from_errno(errno, "standard output", "cannot write")
+                                   : Error{ErrorCode::kIo, "standard output: cannot write"};
+    ::_exit(fail(error));
 }
 }  // namespace
 
@@ -31,6 +46,7 @@ void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool wi
 
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     program_name() = app.get_name();
+    std::atexit(flush_stdout_at_exit);
     app.get_formatter()->column_width(34);
     try {
         app.parse(argc, argv);
@@ -90,6 +106,7 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
 }
 
 int fail(const Error& error) {
+    failure_was_said = true;
     fmt::print(stderr, "{}: {}\n", program(), printable(error.message));
     if (error.code == ErrorCode::kUsage) return kUsage;
     return error.code == ErrorCode::kStopped ? kStopped : kFailed;

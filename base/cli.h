@@ -32,6 +32,7 @@ struct CommonOptions {
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force);
 
 // Parses; an exit status if the program should end now: --help and --version 0, misuse 2 (one line on stderr).
+// From here on, a program whose standard output cannot be written (disk full, say) says so when it ends, with status kFailed.
 std::optional<int> parse(CLI::App& app, int argc, char** argv);
 
 // An option that takes a size such as 512M, or a time such as 10m.

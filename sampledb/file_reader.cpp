@@ -36,11 +36,11 @@ Result<HeaderCopy> read_header_copy(const ByteSource& source, std::uint64_t offs
     }
 }
 
-// The header from its first copy, else from the second, which begins at its own size.
+// The header from its first copy, else from the second, which begins at its own size. `damaged`: one of them is no use.
 Result<HeaderCopy> read_header(const ByteSource& source, bool& damaged) {
     if (source.size() == 0) return Error{ErrorCode::kForeign, "is empty, not a Latent file"};
     Result<HeaderCopy> first = read_header_copy(source, 0);
-    damaged = !first;
+    damaged = !first || !read_header_copy(source, first->size);
     if (first || (first.error().code != ErrorCode::kCorrupt && first.error().code != ErrorCode::kForeign)) return first;
     for (std::uint64_t at = kBlock; at <= kMaxHeaderSize && at < source.size(); at += kBlock) {
         Result<HeaderCopy> second = read_header_copy(source, at);

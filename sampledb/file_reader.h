@@ -28,7 +28,7 @@ struct Damage {
 // A file as found. The runs are those that passed the level asked for; damage lists what did not.
 struct FileContents {
     FileHeader header;
-    bool header_damaged = false;        // the first of its two copies
+    bool header_damaged = false;        // one of its two copies; the other was read
     bool finished = false;              // has a footer that agrees with itself
     std::string footer_provenance;      // finished files
     std::vector<RunInfo> runs;          // ascending by offset

@@ -58,6 +58,7 @@ class OpenGathering final : public Gathering {
     std::vector<fs::path> files_;
     std::vector<Candidate> candidates_;  // until the selection is made
     std::map<JobId, std::string> jobs_;  // job -> a file of it
+    std::map<JobId, std::string> jobs_not_taken_;
     std::vector<Named> named_;
     std::vector<SelectedRun> runs_;
     Coverage coverage_;
@@ -95,6 +96,12 @@ Status OpenGathering::read_inputs(const std::vector<InputFile>& inputs) {
         if (Status s = take_file(input, source, std::move(*file)); !s) return s;
     }
     if (!files_.empty()) return {};
+    if (!jobs_not_taken_.empty()) {
+        std::string found;
+        for (const auto& [id, file] : jobs_not_taken_)
+            found += fmt::format("{}{} ({})", found.empty() ? "" : ", ", to_hex(id), file);
+        return Error{ErrorCode::kMismatch, fmt::format("no file is of job {}; found: {}", to_hex(*options_.job), found)};
+    }
     if (!report_.left_out.empty()) {
         return Error{ErrorCode::kForeign,
                      fmt::format("{}: {}; nothing is left to read", report_.left_out[0].place, report_.left_out[0].reason)};
@@ -126,6 +133,7 @@ Status OpenGathering::take_file(const InputFile& input, const std::shared_ptr<co
     const std::string name = input.path.string();
     const JobId id = file.header.job.id;
     if (options_.job && id != *options_.job) {
+        jobs_not_taken_.emplace(id, name);
         report_.notes.push_back(fmt::format("{}: is of job {}, not taken", name, to_hex(id)));
         return {};
     }
@@ -172,10 +180,8 @@ void OpenGathering::report_state(const InputFile& input, const FileContents& fil
             report_.notes.push_back(
                 fmt::format("{}: unfinished; {} bytes behind its last run are not read", name, file.unfinished_tail));
         }
-    } else {
-        report_.left_out.push_back(
-            {name,
-             fmt::format("truncated or damaged at its end: no footer, {} runs were found, others may be lost", file.runs.size())});
+    } else if (const auto end = damage_at_end(input.path, file)) {
+        report_.left_out.push_back({name + ": its end", end->reason});
     }
 }
 

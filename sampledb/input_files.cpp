@@ -1,5 +1,6 @@
 #include "sampledb/input_files.h"
 
+#include <fmt/format.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -40,6 +41,15 @@ std::vector<fs::path> files_matching(const fs::path& pattern) {
 }  // namespace
 
 bool is_attempt(const fs::path& path) { return path.filename().string().find(kAttempt) != std::string::npos; }
+
+std::optional<Damage> damage_at_end(const fs::path& path, const FileContents& file) {
+    if (file.finished || is_attempt(path)) return {};
+    const std::string not_read =
+        file.unfinished_tail > 0 ? fmt::format(", {} bytes from byte {} on are not read", file.unfinished_tail, file.end) : "";
+    return Damage{file.end, file.unfinished_tail,
+                  fmt::format("truncated or damaged at its end: no footer{}; {} run{} found, others may be lost", not_read,
+                              file.runs.size(), file.runs.size() == 1 ? " was" : "s were")};
+}
 
 Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inputs) {
     std::vector<InputFile> files;

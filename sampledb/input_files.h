@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
+#include "sampledb/file_reader.h"
 
 namespace latent::sampledb {
 
@@ -18,5 +20,9 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<std::filesyste
 
 // Whether the name is that of an attempt, NAME.latent.part.<nonce>: a file that may lack its footer.
 bool is_attempt(const std::filesystem::path& path);
+
+// What is wrong with the end of a file: a published name promises a footer, so what follows the last run was cut or damaged.
+// None for finished files and for attempts, whose last write may be unfinished.
+std::optional<Damage> damage_at_end(const std::filesystem::path& path, const FileContents& file);
 
 }  // namespace latent::sampledb

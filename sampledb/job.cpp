@@ -58,7 +58,8 @@ Status Job::validate() const {
 }
 
 Status same_job(const Job& a, const Job& b) {
-    if (a.id != b.id) return differs("the job id");
+    if (a.id != b.id)
+        return Error{ErrorCode::kMismatch, fmt::format("another job: its id is {}, not {}", to_hex(a.id), to_hex(b.id))};
     if (a.aspect_width != b.aspect_width || a.aspect_height != b.aspect_height) return differs("the film aspect");
     if (a.kind != b.kind) return differs("the record kind");
     if (a.batch != b.batch) return differs("the number of wavelengths");

@@ -25,9 +25,8 @@ Result<FoundFile> open_file(const fs::path& path) {
 Status check_same_job(const FoundFile& file, const Job& job) {
     const Status same = same_job(file.contents.header.job, job);
     if (same) return same;
-    return Error{ErrorCode::kMismatch,
-                 fmt::format("{}: holds another job than {}: {}; choose another name for the output, or start over with --force",
-                             file.source->name(), to_hex(job.id), same.error().message)};
+    return Error{ErrorCode::kMismatch, fmt::format("{}: holds {}; choose another name for the output, or start over with --force",
+                                                   file.source->name(), same.error().message)};
 }
 
 std::vector<fs::path> attempts_of(const fs::path& name) {

@@ -87,9 +87,44 @@ TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
     for (const json& column : info["columns"]) stored += column["stored_bytes_per_record"].get<double>();
     const double records =
         static_cast<double>(info["camera_records"].get<std::uint64_t>() + info["light_records"].get<std::uint64_t>());
-    EXPECT_LT(stored * records, info["stored_bytes"].get<double>());  // the rest is headers, indexes and padding
+    EXPECT_EQ(info["columns_estimated"], false);
+    EXPECT_NEAR(stored * records + info["frame_bytes"].get<double>(), info["stored_bytes"].get<double>(), 0.5);
     EXPECT_GT(stored * records, 0.9 * (info["stored_bytes"].get<double>() - 4 * 5000));
     EXPECT_NE(inspect({"info", file}).out.find(to_hex(job.id)), std::string::npos);
+    const auto selected = gather(file);
+    ASSERT_EQ(info["run_list"].size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const SampleRange range = selected->runs()[i].coverage.ranges().front();
+        EXPECT_EQ(info["run_list"][i]["samples"], (json{{range.first, range.end}}));
+        EXPECT_EQ(info["run_list"][i]["content_hash"], to_hex(selected->runs()[i].header.content_hash));
+    }
+}
+
+TEST_F(InspectTest, ColumnsOfManyPagesAreEstimatedFromSome) {
+    ASSERT_EQ(inspect({"gen", "-o", folder_ / "a.latent", "--records", "400k", "--light", "0.3", "--run-samples", "1024"}).status,
+              0);
+    const json info = json::parse(inspect({"info", "--json", folder_ / "a.latent"}).out);
+    EXPECT_GT(info["pages"], 256);
+    EXPECT_EQ(info["columns_estimated"], true);
+    const double records =
+        static_cast<double>(info["camera_records"].get<std::uint64_t>() + info["light_records"].get<std::uint64_t>());
+    double stored = info["frame_bytes"].get<double>() / records;
+    for (const json& column : info["columns"]) stored += column["stored_bytes_per_record"].get<double>();
+    EXPECT_NEAR(stored, info["stored_bytes"].get<double>() / records, 1e-3);
+    // Every record has a Y of 4 bytes; 256 pages of two kinds tell their share of the records to a few percent.
+    EXPECT_NEAR(info["columns"]["y"]["decoded_bytes_per_record"].get<double>(), 4, 1e-3);
+}
+
+TEST_F(InspectTest, VerifyNoticesDamageToEitherCopyOfTheHeaderThoughNoRunIsLost) {
+    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    for (const std::size_t at : {std::size_t{45}, sound.header_size / 2 - 1, sound.header_size / 2 + 45, sound.header_size - 1}) {
+        Bytes broken = sound.bytes;
+        broken[at] ^= std::byte{1};
+        const Outcome outcome = inspect({"verify", write("a.latent", broken)});
+        EXPECT_EQ(outcome.status, 4) << at;
+        EXPECT_NE(outcome.out.find("header: one of its two copies is damaged"), std::string::npos) << outcome.out;
+        EXPECT_EQ(gather(folder_ / "a.latent")->runs().size(), 4u);
+    }
 }
 
 TEST_F(InspectTest, VerifyNamesTheRunThatIsDamaged) {
@@ -119,6 +154,60 @@ TEST_F(InspectTest, AnUnfinishedFileIsSoundAndOneThatIsNoLatentFileIsAnError) {
         EXPECT_NE(text.err.find("text"), std::string::npos) << text.err;
         EXPECT_EQ(inspect({command, folder_ / "nowhere"}).status, 1);
     }
+}
+
+TEST_F(InspectTest, APublishedNameWithoutItsFooterIsDamagedHoweverItsEndWasSpoiled) {
+    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const ByteSpan bytes(sound.bytes);
+    Bytes flipped = sound.bytes, longer = sound.bytes;
+    flipped[flipped.size() - 20] ^= std::byte{1};
+    longer.resize(longer.size() + 1000, std::byte{'x'});
+    for (const ByteSpan spoiled : {bytes.first(sound.run_ends[3]), bytes.first(sound.run_ends[1] + 700),
+                                   bytes.first(sound.run_ends[1]), ByteSpan(flipped), ByteSpan(longer)}) {
+        const fs::path file = write("a.latent", spoiled);
+        const Outcome verified = inspect({"verify", file});
+        EXPECT_EQ(verified.status, 4) << verified.out;
+        EXPECT_NE(verified.out.find("a.latent: truncated or damaged at its end"), std::string::npos) << verified.out;
+        const Outcome recovered = inspect({"recover", file, "-o", folder_ / "b.latent", "--force"});
+        EXPECT_EQ(recovered.status, 3) << recovered.out;
+        EXPECT_NE(recovered.out.find("lost: "), std::string::npos) << recovered.out;
+        EXPECT_EQ(inspect({"verify", folder_ / "b.latent"}).status, 0);
+        EXPECT_NE(inspect({"info", file}).out.find("truncated or damaged"), std::string::npos);
+    }
+}
+
+TEST_F(InspectTest, OneBadFileDoesNotKeepTheOthersFromBeingLookedAt) {
+    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const fs::path good = write("good.latent", sound.bytes);
+    const fs::path cut = write("cut.latent", ByteSpan(sound.bytes).first(sound.run_ends[2]));
+    const fs::path text = folder_ / "text.latent";
+    std::ofstream(text) << "nothing of the kind";
+    for (const auto& [command, status] : {std::pair("info", 1), std::pair("verify", 4)}) {
+        const Outcome outcome = inspect({command, text, folder_ / "nowhere.latent", cut, good, "--json"});
+        EXPECT_EQ(outcome.status, status) << outcome.err;
+        const json reports = json::parse(outcome.out);
+        ASSERT_EQ(reports.size(), 4u);
+        EXPECT_TRUE(reports[0].contains("error"));
+        EXPECT_TRUE(reports[1].contains("error"));
+        EXPECT_EQ(reports[2]["finished"], false);
+        EXPECT_EQ(reports[3]["file"], good.string());
+        EXPECT_EQ(json::parse(inspect({command, good, "--json"}).out), reports[3]);
+    }
+    EXPECT_EQ(inspect({"verify", text, good}).status, 1);
+}
+
+TEST_F(InspectTest, CatLeavesOutDamagedPagesAndSaysSo) {
+    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const Outcome all = inspect({"cat", write("a.latent", sound.bytes)});
+    Bytes broken = sound.bytes;
+    broken[sound.run_ends[0] + 3000] ^= std::byte{1};
+    const Outcome outcome = inspect({"cat", write("b.latent", broken)});
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_NE(outcome.err.find("b.latent: left out: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("checksum mismatch"), std::string::npos) << outcome.err;
+    EXPECT_LT(outcome.out.size(), all.out.size());
+    const std::string last = all.out.substr(all.out.rfind('\n', all.out.size() - 2));
+    EXPECT_TRUE(outcome.out.ends_with(last));  // runs behind the damage are still there
 }
 
 TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
@@ -196,6 +285,18 @@ TEST_F(InspectTest, CatSaysWhenItsOutputIsFull) {
     const Outcome outcome = run({"/bin/sh", "-c", "exec \"$0\" cat \"$1\" > /dev/full", tool("latent-inspect"), file});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+}
+
+TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailure) {
+    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    for (const std::string command :
+         {"latent-inspect info", "latent-inspect verify --json", "latent-merge -o b.latent --json", "latent-inspect --help"}) {
+        const Outcome outcome =
+            run({"/bin/sh", "-c", "cd " + folder_.path().string() + "; " LATENT_BIN_DIR "/" + command + " a.latent > /dev/full"});
+        EXPECT_EQ(outcome.status, 1) << command;
+        EXPECT_NE(outcome.err.find("standard output: cannot write"), std::string::npos) << outcome.err;
+    }
 }
 
 TEST_F(InspectTest, CatPrintsEveryRecordExactly) {
@@ -292,9 +393,9 @@ TEST(Synthetic, ExpectedLuminanceIsTheSameForBothKinds) {
     EXPECT_NEAR(sum / 1024, 470 / 106.856895, 0.01 * 470 / 106.856895);
 }
 
-// The commands that a help text shows work as they stand.
+// The commands that a help text shows work as they stand, one after the other.
 TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
-    for (const char* name : {"night.latent", "night-0.latent", "night-1.latent", "broken.latent"}) {
+    for (const char* name : {"night-0.latent", "night-1.latent", "broken.latent"}) {
         const bool second = std::string(name) == "night-1.latent";
         const std::vector<Coverage> runs = {second ? Coverage(SampleRange{kS, 2 * kS}) : Coverage(SampleRange{0, kS})};
         write(name, synthetic::make_file(small_job(), runs).bytes);
@@ -314,9 +415,9 @@ TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
             std::string example = line.substr(2, line.find("   ", 2) - 2);
             example = std::regex_replace(example, std::regex("1\\.07G|10M|1M"), "10k");  // the same, but small
             example = std::regex_replace(example, std::regex("0:16777216"), "0:8192");
-            example = std::regex_replace(example, std::regex("-o (\\S+)"), "-o out-" + std::to_string(tried) + ".latent");
             const Outcome outcome = run({"/bin/sh", "-c", path + example});
             EXPECT_EQ(outcome.status, 0) << example << "\n" << outcome.err;
+            EXPECT_TRUE(!example.ends_with("--json") || json::accept(outcome.out)) << example;
             ++tried;
         }
     }

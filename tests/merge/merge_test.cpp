@@ -160,6 +160,7 @@ TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
     expect_refusal({a, "/dev/null"}, {"/dev/null"});
     expect_refusal({a, folder_ / "nowhere.latent"}, {"nowhere.latent"});
     expect_refusal({folder_ / "text.latent"}, {"text.latent"});
+    expect_refusal({a}, {"no file is of job", to_hex(job.id)}, {"--job", std::string(32, '7')});
 }
 
 TEST_F(MergeTest, ATruncatedPartYieldsItsGoodRunsAndExitStatusThree) {

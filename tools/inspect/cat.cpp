@@ -154,14 +154,28 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
     };
     const std::array<double, 4> region = options.region.value_or(std::array<double, 4>{0, 0, 1, 1});
     Page page;
+    GatherReport report = gathering.report();
+    // Damage costs the page or the run that it is in.
+    const auto left_out = [&](std::size_t run, const Error& error) {
+        if (error.code != ErrorCode::kCorrupt && error.code != ErrorCode::kTruncated) return false;
+        const std::string name = gathering.files()[gathering.runs()[run].file].string();
+        report.left_out.push_back({name, error.message.substr(name.size() + 2)});
+        return true;
+    };
     std::uint64_t left = options.limit;
     for (std::size_t run = 0; run < gathering.runs().size() && left > 0; ++run) {
         const auto pages = gathering.pages(run);
-        if (!pages) return pages.error();
+        if (!pages) {
+            if (left_out(run, pages.error())) continue;
+            return pages.error();
+        }
         for (const PageInfo& info : **pages) {
             if (left == 0) break;
             if (!touches(info.node, region)) continue;
-            if (Status s = gathering.read_page(run, info, ColumnSet{}, page); !s) return s.error();
+            if (Status s = gathering.read_page(run, info, ColumnSet{}, page); !s) {
+                if (left_out(run, s.error())) continue;
+                return s.error();
+            }
             for (std::size_t row = 0; row < page.count && left > 0; ++row) {
                 const double u = page.u[row] * 0x1p-32, v = page.v[row] * 0x1p-32;
                 if (u < region[0] || v < region[1] || u >= region[2] || v >= region[3]) continue;
@@ -173,7 +187,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
         }
     }
     if (Status s = flush(); !s) return s.error();
-    return gathering.report();
+    return report;
 }
 
 }  // namespace latent::inspect

@@ -9,15 +9,16 @@ latent-inspect COMMAND --help explains each command, with examples.
 Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but something was lost; 4 verify found damage.)";
 
 inline constexpr const char* kInfo = R"(
-Job, film, samples, runs, and what each column costs. Reads headers, indexes and a few pages: fast at any size.
+Job, film, samples, runs, and what each column costs (estimated if there are many pages: fast at any size).
+--json lists the runs that count, with the samples and the content hash of each.
 
 Examples:
   latent-inspect info night.latent
-  latent-inspect info night-*.latent --json)";
+  latent-inspect info night-*.latent --json              one object for a file, an array for several)";
 
 inline constexpr const char* kVerify = R"(
-Every stored byte is compared with its checksum; the first thing wrong is named first. An unfinished file is sound if all of its
-complete runs are. Exit status 4 if anything is damaged.
+Every stored byte is compared with its checksum; the first thing wrong is named first. An attempt (NAME.latent.part.*) is sound
+if all of its complete runs are; a published name that lacks its footer is damaged. Exit status 4 if anything is damaged.
 
 Examples:
   latent-inspect verify night.latent
@@ -30,7 +31,7 @@ ledger of byte and sample ranges, so that exactly these can be rendered again. E
 
 Examples:
   latent-inspect recover broken.latent -o saved.latent
-  latent-inspect recover broken.latent -o saved.latent --json)";
+  latent-inspect recover broken.latent -o saved-too.latent --json)";
 
 inline constexpr const char* kCat = R"(
 One record a line, in the order of the file. CSV columns: sample, class, u, v, share, then x, y, z, or the wavelengths [nm] and their

@@ -7,6 +7,7 @@
 
 #include "base/size.h"
 #include "sampledb/byte_source.h"
+#include "sampledb/input_files.h"
 #include "sampledb/page_codec.h"
 #include "sampledb/selection.h"
 
@@ -16,7 +17,7 @@ using namespace sampledb;
 
 namespace {
 
-constexpr std::size_t kPagesLookedAt = 256;  // enough for the cost of each column within a percent or two
+constexpr std::uint64_t kPagesLookedAt = 256;  // at most: enough for the cost of each column within a percent or two
 constexpr std::uint64_t kManyRuns = 1000;
 
 // Adds the columns of a page to the sums.
@@ -31,23 +32,41 @@ Status look_at(const ByteSource& source, const PageInfo& page, FileInfo& info) {
         known->stored += column.stored;
         known->decoded += column.decoded;
     }
-    ++info.pages_looked_at;
-    info.records_looked_at += page.record_count;
     return {};
 }
 
-// What the columns cost, from pages spread evenly over the chosen runs. Damaged runs are left out: `verify` is for these.
+// What the columns cost: exact if every page is looked at; else one page of every `step`, scaled so that the bytes of all pages
+// come out right. Damaged runs are left out: `verify` is for these.
 void look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs, FileInfo& info) {
-    const std::size_t step = std::max<std::size_t>(1, runs.size() / kPagesLookedAt);
-    const std::size_t looked_at = (runs.size() + step - 1) / step;
-    for (std::size_t i = 0; i < runs.size(); i += step) {
-        const Result<RunIndex> index = read_run_index(source, runs[i], info.contents.header.job);
-        if (!index || index->pages.empty()) continue;
-        const std::size_t wanted = std::max<std::size_t>(1, kPagesLookedAt / looked_at);
-        const std::size_t page_step = std::max<std::size_t>(1, index->pages.size() / wanted);
-        for (std::size_t page = page_step / 2; page < index->pages.size(); page += page_step) {
-            if (!look_at(source, index->pages[page], info)) break;
+    const std::uint64_t step = info.pages / kPagesLookedAt + 1;
+    // The k-th page looked at, anywhere within its step: runs of equal layout must not be met at the same place each time.
+    const auto page_number = [step](std::uint64_t k) { return k * step + ((((k * 0x9e3779b9u) & 0xffffffffu) * step) >> 32); };
+    std::uint64_t k = 0, first = 0;  // `first`: number of the run's first page
+    std::uint64_t pages_seen = 0, bytes_seen = 0, bytes = 0, records_seen = 0;
+    for (const RunInfo& run : runs) {
+        const std::uint64_t end = first + run.header.page_count;
+        bytes += run.header.pages_size;
+        if (page_number(k) < end) {
+            const Result<RunIndex> index = read_run_index(source, run, info.contents.header.job);
+            for (; page_number(k) < end; ++k) {
+                if (!index) continue;
+                const PageInfo& page = index->pages[page_number(k) - first];
+                if (!look_at(source, page, info)) continue;
+                ++pages_seen;
+                bytes_seen += page.stored_size;
+                records_seen += page.record_count;
+            }
         }
+        first = end;
+    }
+    info.columns_estimated = pages_seen < info.pages;
+    if (!info.columns_estimated) return;
+    const auto scaled = [](std::uint64_t part, std::uint64_t whole, std::uint64_t of) {
+        return static_cast<std::uint64_t>(static_cast<double>(part) * static_cast<double>(whole) / static_cast<double>(of));
+    };
+    for (ColumnCost& column : info.columns) {
+        column.stored = scaled(column.stored, bytes, bytes_seen);
+        column.decoded = scaled(column.decoded, info.camera_records + info.light_records, records_seen);
     }
 }
 
@@ -87,6 +106,7 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
     for (const std::size_t i : selection.chosen) {
         const RunHeader& header = candidates[i].run.header;
         chosen.push_back(candidates[i].run);
+        info.run_list.push_back({candidates[i].coverage, header.content_hash});
         if (header.samples.end % job.run_samples != 0) ++info.open_runs;
         info.pages += header.page_count;
         info.camera_records += header.camera_records;
@@ -97,12 +117,20 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
     return info;
 }
 
+std::uint64_t FileInfo::frame_bytes() const {
+    std::uint64_t bytes = stored_bytes;
+    for (const ColumnCost& column : columns) bytes -= std::min(bytes, column.stored);
+    return bytes;
+}
+
 std::vector<std::string> FileInfo::remarks() const {
     std::vector<std::string> remarks;
-    if (contents.header_damaged) remarks.push_back("the first copy of the header is damaged; the second is used");
+    if (contents.header_damaged) remarks.push_back("one copy of the header is damaged; the other is used");
     for (const Damage& damage : contents.damage) remarks.push_back(damage.reason);
-    if (!contents.finished) remarks.push_back("not finished: rendering goes on, or was interrupted");
-    if (contents.unfinished_tail > 0) {
+    const auto end = damage_at_end(path, contents);
+    if (end) remarks.push_back(end->reason);
+    if (!end && !contents.finished) remarks.push_back("not finished: rendering goes on, or was interrupted");
+    if (!end && contents.unfinished_tail > 0) {
         remarks.push_back(fmt::format("{} at the end are a write that was cut short", format_size(contents.unfinished_tail)));
     }
     if (runs > kManyRuns) {
@@ -139,12 +167,13 @@ std::string to_text(const FileInfo& info) {
     line("size", records == 0 ? format_size(info.size)
                               : fmt::format("{}, {:.2f} bytes a record", format_size(info.size),
                                             static_cast<double>(info.stored_bytes) / static_cast<double>(records)));
+    const auto per_record = [&](std::uint64_t bytes) { return static_cast<double>(bytes) / static_cast<double>(records); };
     for (const ColumnCost& column : info.columns) {
-        const auto per_record = [&](std::uint64_t bytes) {
-            return static_cast<double>(bytes) / static_cast<double>(info.records_looked_at);
-        };
-        line("", fmt::format("{:<10}{:7.3f} bytes a record, of {:.0f}", column.name, per_record(column.stored),
-                             per_record(column.decoded)));
+        line("", fmt::format("{:<10}{:7.3f} bytes a record, of {:.0f}{}", column.name, per_record(column.stored),
+                             per_record(column.decoded), info.columns_estimated ? " (estimated)" : ""));
+    }
+    if (!info.columns.empty()) {
+        line("", fmt::format("{:<10}{:7.3f} bytes a record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
     if (!info.contents.header.provenance_json.empty()) line("origin", info.contents.header.provenance_json);
     if (!info.contents.footer_provenance.empty()) {
@@ -164,13 +193,19 @@ nlohmann::json to_json(const FileInfo& info) {
         json value = json::parse(text, nullptr, false);
         return value.is_discarded() ? json(text) : value;
     };
-    json samples = json::array(), columns = json::object(), extra = json::array();
-    for (const SampleRange& range : info.coverage.ranges()) samples.push_back({range.first, range.end});
+    const auto ranges = [](const Coverage& coverage) {
+        json list = json::array();
+        for (const SampleRange& range : coverage.ranges()) list.push_back({range.first, range.end});
+        return list;
+    };
+    json columns = json::object(), extra = json::array(), runs = json::array();
+    const double records = static_cast<double>(info.camera_records + info.light_records);
     for (const ColumnCost& column : info.columns) {
-        columns[column.name] = {
-            {"stored_bytes_per_record", static_cast<double>(column.stored) / static_cast<double>(info.records_looked_at)},
-            {"decoded_bytes_per_record", static_cast<double>(column.decoded) / static_cast<double>(info.records_looked_at)}};
+        columns[column.name] = {{"stored_bytes_per_record", static_cast<double>(column.stored) / records},
+                                {"decoded_bytes_per_record", static_cast<double>(column.decoded) / records}};
     }
+    for (const ListedRun& run : info.run_list)
+        runs.push_back({{"samples", ranges(run.coverage)}, {"content_hash", to_hex(run.content_hash)}});
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
     return {{"file", info.path.string()},
             {"size", info.size},
@@ -185,7 +220,7 @@ nlohmann::json to_json(const FileInfo& info) {
             {"run_samples", job.run_samples},
             {"run_bytes", job.run_bytes},
             {"extra_columns", extra},
-            {"samples", samples},
+            {"samples", ranges(info.coverage)},
             {"sample_count", info.coverage.size()},
             {"light_paths", info.light_paths()},
             {"camera_records", info.camera_records},
@@ -196,6 +231,9 @@ nlohmann::json to_json(const FileInfo& info) {
             {"pages", info.pages},
             {"stored_bytes", info.stored_bytes},
             {"columns", columns},
+            {"columns_estimated", info.columns_estimated},
+            {"frame_bytes", info.frame_bytes()},
+            {"run_list", runs},
             {"unfinished_tail", info.contents.unfinished_tail},
             {"origin", parsed(info.contents.header.provenance_json)},
             {"merged_from", parsed(info.contents.footer_provenance)},

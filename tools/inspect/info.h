@@ -13,10 +13,15 @@
 
 namespace latent::inspect {
 
-// Stored bytes of one column, over the pages that were looked at.
+// Bytes of one column, in all pages of the runs that count.
 struct ColumnCost {
     std::string name;
     std::uint64_t stored = 0, decoded = 0;
+};
+
+struct ListedRun {
+    sampledb::Coverage coverage;
+    Hash128 content_hash;
 };
 
 struct FileInfo {
@@ -28,11 +33,14 @@ struct FileInfo {
     std::uint64_t open_runs = 0;                  // of those that count: checkpoints, closing runs, runs that were cut at R
     std::uint64_t pages = 0, camera_records = 0, light_records = 0;  // of the runs that count
     std::uint64_t stored_bytes = 0;                                  // of these
-    std::uint64_t pages_looked_at = 0, records_looked_at = 0;
+    std::vector<ListedRun> run_list;                                 // the runs that count, ascending by first sample
     std::vector<ColumnCost> columns;
+    bool columns_estimated = false;  // from some of the pages: there are too many, or some are damaged
 
     // N: light paths behind the light image.
     std::uint64_t light_paths() const { return coverage.size() * contents.header.job.light_paths_per_sample; }
+    // Of stored_bytes, what is in no column: headers, indexes, padding.
+    std::uint64_t frame_bytes() const;
     // Why this file would develop slowly, or be read only in part; empty if all is well.
     std::vector<std::string> remarks() const;
 };

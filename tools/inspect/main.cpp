@@ -1,15 +1,13 @@
 // latent-inspect: what is in a file, whether it is sound, what can be saved of it, its records as text, synthetic files.
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "base/cli.h"
-#include "sampledb/input_files.h"
 #include "tools/inspect/arguments.h"
 #include "tools/inspect/cat.h"
 #include "tools/inspect/gen.h"
 #include "tools/inspect/help.h"
 #include "tools/inspect/info.h"
+#include "tools/inspect/print.h"
 #include "tools/inspect/recover.h"
 #include "tools/inspect/verify.h"
 
@@ -21,40 +19,20 @@ using Paths = std::vector<std::filesystem::path>;
 
 cli::CommonOptions common;
 
-// Prints a report as text, or as JSON.
-template <class Report>
-void print(const Report& report) {
-    fmt::print("{}", common.json ? to_json(report).dump(2) + "\n" : to_text(report));
-}
-
 int run_info(const Paths& named) {
-    const Result<std::vector<sampledb::InputFile>> files = sampledb::list_input_files(named);
-    if (!files) return cli::fail(files.error());
-    for (const sampledb::InputFile& file : *files) {
-        const Result<FileInfo> info = read_info(file.path);
-        if (!info) return cli::fail(info.error());
-        print(*info);
-    }
-    return cli::kDone;
+    return print_each(named, common.json, [](const std::filesystem::path& path) { return read_info(path); });
 }
 
 int run_verify(const Paths& named, Depth depth) {
-    const Result<std::vector<sampledb::InputFile>> files = sampledb::list_input_files(named);
-    if (!files) return cli::fail(files.error());
-    bool sound = true;
-    for (const sampledb::InputFile& file : *files) {
-        const Result<VerifyReport> report = verify(file.path, depth, cli::progress_to_stderr("verifying"));
-        if (!report) return cli::fail(report.error());
-        print(*report);
-        sound = sound && report->damage.empty();
-    }
-    return sound ? cli::kDone : cli::kDamaged;
+    return print_each(named, common.json, [depth](const std::filesystem::path& path) {
+        return verify(path, depth, cli::progress_to_stderr("verifying"));
+    });
 }
 
 int run_recover(const std::filesystem::path& input, const std::filesystem::path& output) {
     const Result<RecoverReport> report = recover(input, output, common.force, cli::progress_to_stderr("recovering"));
     if (!report) return cli::fail(report.error());
-    print(*report);
+    print(*report, common.json);
     return report->lost_anything() ? cli::kDoneWithLosses : cli::kDone;
 }
 
@@ -70,7 +48,7 @@ int run_gen(GenOptions options) {
     options.threads = common.threads;
     const Result<GenReport> report = generate(options, cli::progress_to_stderr("generating"));
     if (!report) return cli::fail(report.error());
-    print(*report);
+    print(*report, common.json);
     return cli::kDone;
 }
 

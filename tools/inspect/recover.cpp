@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/size.h"
 #include "sampledb/byte_source.h"
+#include "sampledb/input_files.h"
 
 namespace latent::inspect {
 
@@ -68,6 +69,11 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     for (const RunInfo& run : *beheaded) {
         promised.add(run.header.samples);
         if (!lies_in(report.damage, run.offset)) report.damage.push_back(lost_with_its_header(run));
+    }
+
+    if (const auto cut = damage_at_end(input, *file)) {
+        report.damage.push_back(*cut);
+        report.unfinished_tail = 0;
     }
 
     const Result<Bytes> header = encode_file_header(file->header);

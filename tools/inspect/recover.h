@@ -20,7 +20,7 @@ struct RecoverReport {
     sampledb::Coverage kept;
     sampledb::Coverage lost;  // as far as headers and footer still tell
     std::vector<sampledb::Damage> damage;
-    std::uint64_t unfinished_tail = 0;  // bytes of a write that was cut short: no loss of anything committed
+    std::uint64_t unfinished_tail = 0;  // of an attempt, a write that was cut short: no loss of anything committed
     bool lost_anything() const { return !damage.empty(); }
 };
 

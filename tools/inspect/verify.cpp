@@ -8,6 +8,7 @@
 
 #include "base/size.h"
 #include "sampledb/byte_source.h"
+#include "sampledb/input_files.h"
 #include "tools/inspect/recover.h"
 
 namespace latent::inspect {
@@ -66,7 +67,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, cons
     const Job& job = file->header.job;
     report.finished = file->finished;
     report.unfinished_tail = file->unfinished_tail;
-    if (file->header_damaged) report.damage.push_back("header: the first of its two copies is damaged");
+    if (file->header_damaged) report.damage.push_back("header: one of its two copies is damaged");
     for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
     for (std::size_t i = 0; i < file->runs.size(); ++i) {
         const RunInfo& run = file->runs[i];
@@ -94,6 +95,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, cons
     const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(*source, *file);
     if (!beheaded) return beheaded.error().at(path.string());
     for (const RunInfo& run : *beheaded) report.damage.push_back(lost_with_its_header(run).reason);
+    if (const auto end = damage_at_end(path, *file)) report.damage.push_back(end->reason);
     return report;
 }
 
@@ -104,7 +106,7 @@ std::string to_text(const VerifyReport& report) {
     text += fmt::format("{}: {}: {} run{}, {} pages, {} records, {} ({} checked)\n", report.path.string(),
                         report.damage.empty() ? "sound" : "DAMAGED", report.runs, report.runs == 1 ? "" : "s", report.pages,
                         report.records, format_size(report.size), kLooked[static_cast<int>(report.depth)]);
-    if (!report.finished) {
+    if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", report.path.string());
         text += report.unfinished_tail > 0
                     ? fmt::format("; {} at its end are a write that was cut short\n", format_size(report.unfinished_tail))

@@ -14,14 +14,15 @@ using namespace latent;
 using nlohmann::json;
 
 constexpr const char* kExamples = R"(
-Runs are copied as they are, so merging is as fast as copying; what was written is read again before the output gets its name.
+Runs are copied as they are, so merging is as fast as copying. Before the output gets its name, the header, the
+index and one page of every run are checked, in the inputs and again in the output; --verify full reads and decodes every page.
 The parts may come in any order: the output is the same to the last byte. No sample can be counted twice: a part that is named
 twice, or parts that overlap, are refused. Parts found in a folder are simply kept once.
 
 Examples:
   latent-merge night-0.latent night-1.latent -o night.latent       two parts
-  latent-merge parts/ -o night.latent                              all parts in a folder, unfinished ones too
-  latent-merge parts/ -o night.latent --require 0:16777216         fail if any of these samples is missing
+  latent-merge parts/ -o all.latent                                all parts in a folder, unfinished ones too
+  latent-merge parts/ -o complete.latent --require 0:16777216      fail if any of these samples is missing
   latent-merge night.latent -o night-large.latent --compact        many small runs become few large ones: develops faster
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed.)";
@@ -45,11 +46,13 @@ json to_json(const merge::MergeReport& report) {
             {"notes", report.gathering.notes}};
 }
 
-void print(const merge::MergeReport& report, const merge::MergeOptions& options) {
-    fmt::print("{}: {} run{} from {} file{}, samples {}, {} camera and {} light records, {}\n", options.output.string(),
-               report.runs_out, report.runs_out == 1 ? "" : "s", report.files, report.files == 1 ? "" : "s",
-               to_string(report.coverage), report.camera_records, report.light_records, format_size(report.bytes));
-    if (options.compact) fmt::print("compacted {} runs into {}\n", report.runs_in, report.runs_out);
+std::string to_text(const merge::MergeReport& report, const merge::MergeOptions& options) {
+    std::string text =
+        fmt::format("{}: {} run{} from {} file{}, samples {}, {} camera and {} light records, {}\n", options.output.string(),
+                    report.runs_out, report.runs_out == 1 ? "" : "s", report.files, report.files == 1 ? "" : "s",
+                    to_string(report.coverage), report.camera_records, report.light_records, format_size(report.bytes));
+    if (options.compact) text += fmt::format("compacted {} runs into {}\n", report.runs_in, report.runs_out);
+    return text;
 }
 
 }  // namespace
@@ -67,7 +70,7 @@ int main(int argc, char** argv) {
         ->type_name("OUT.latent");
     app.add_option("--require", require, "fail unless samples A .. B-1 are all there")->type_name("A:B");
     app.add_option("--verify", verify,
-                   "what is checked before and after copying: every index and one page of each run, or every byte")
+                   "quick: headers, indexes and one page of every run, before and after copying; full: every page")
         ->check(CLI::IsMember({"quick", "full"}))
         ->capture_default_str();
     app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
@@ -94,10 +97,6 @@ int main(int argc, char** argv) {
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) fmt::print(stderr, "{}: note: {}\n", cli::program(), note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
-    if (common.json) {
-        fmt::print("{}\n", to_json(*report).dump(2));
-    } else {
-        print(*report, options);
-    }
+    std::fputs((common.json ? to_json(*report).dump(2) + "\n" : to_text(*report, options)).c_str(), stdout);
     return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
 }
