@@ -16,7 +16,9 @@ using Bytes = std::vector<std::byte>;
 using ByteSpan = std::span<const std::byte>;
 
 template <class T>
-    requires std::is_arithmetic_v<T>
+concept Number = std::is_arithmetic_v<T>;
+
+template <Number T>
 T load_le(const std::byte* from) {
     T value;
     if constexpr (std::endian::native == std::endian::little) {
@@ -29,8 +31,7 @@ T load_le(const std::byte* from) {
     return value;
 }
 
-template <class T>
-    requires std::is_arithmetic_v<T>
+template <Number T>
 void store_le(std::byte* to, T value) {
     std::memcpy(to, &value, sizeof(T));
     if constexpr (std::endian::native != std::endian::little) {
@@ -40,11 +41,10 @@ void store_le(std::byte* to, T value) {
 
 // Appends fields one after another to a growing byte array.
 class ByteWriter {
-   public:
+ public:
     explicit ByteWriter(Bytes& out) : out_(out) {}
 
-    template <class T>
-        requires std::is_arithmetic_v<T>
+    template <Number T>
     void put(T value) {
         const std::size_t at = out_.size();
         out_.resize(at + sizeof(T));
@@ -54,17 +54,16 @@ class ByteWriter {
     void put_zeros(std::size_t count) { out_.resize(out_.size() + count); }
     std::size_t size() const { return out_.size(); }
 
-   private:
+ private:
     Bytes& out_;
 };
 
 // Takes fields off the front of a byte array. Reading past the end yields zeros and clears `ok()`: check it once, at the end.
 class ByteReader {
-   public:
+ public:
     explicit ByteReader(ByteSpan bytes) : bytes_(bytes) {}
 
-    template <class T>
-        requires std::is_arithmetic_v<T>
+    template <Number T>
     T get() {
         const ByteSpan field = take(sizeof(T));
         return field.empty() ? T{} : load_le<T>(field.data());
@@ -82,7 +81,7 @@ class ByteReader {
     std::size_t remaining() const { return bytes_.size() - at_; }
     std::size_t position() const { return at_; }
 
-   private:
+ private:
     ByteSpan bytes_;
     std::size_t at_ = 0;
     bool ok_ = true;

@@ -35,7 +35,7 @@ void flush_stdout_at_exit() {
 const std::string& program() { return program_name(); }
 
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force) {
-    app.add_option("--threads", options.threads, "worker threads; 0 means one for each processor")
+    app.add_option("--threads", options.threads, "at most so many worker threads; 0: one for each processor")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
     if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within (K, M, G are binary)")->default_str("1G");

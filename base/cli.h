@@ -1,4 +1,4 @@
-// base/cli.h: the one grammar of all command lines (README.md, "The tools in five lines"). Only main.cpp files include this.
+// base/cli.h: the one grammar of all command lines (README.md, "The tools in five lines"). For what reads arguments, no engine.
 #pragma once
 
 #include <CLI/CLI.hpp>

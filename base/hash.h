@@ -25,13 +25,13 @@ std::string to_hex(const Hash128& hash);
 
 // XXH3-128 of pieces that arrive one after another; equal to `hash128` of their concatenation.
 class Hasher128 {
-   public:
+ public:
     Hasher128();
     ~Hasher128();
     void update(ByteSpan bytes);
     Hash128 digest() const;
 
-   private:
+ private:
     struct State;
     std::unique_ptr<State> state_;
 };

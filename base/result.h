@@ -37,7 +37,7 @@ Error error_from_errno(int errno_value, std::string_view path, std::string_view 
 
 template <class T>
 class [[nodiscard]] Result : public tl::expected<T, Error> {
-   public:
+ public:
     using tl::expected<T, Error>::expected;
     Result(Error error) : tl::expected<T, Error>(tl::unexpect, std::move(error)) {}  // NOLINT: `return Error{...}` reads well
 };

@@ -9,7 +9,7 @@
 
 namespace latent {
 
-// "512M" -> 536870912: digits, then nothing or one of K, M, G, T (binary, either case). Errors: kUsage (signs, fractions, overflow).
+// "512M" -> 536870912: digits, then nothing or K, M, G, T (binary, either case). Errors: kUsage (a sign, a fraction, too much).
 Result<std::uint64_t> parse_size(std::string_view text);
 
 // "90s", "10m", "2h", "1.5h" or plain seconds -> seconds. Errors: kUsage.
