@@ -4,45 +4,17 @@
 
 #include <exception>
 
-#include "image/exr_reader.h"
-#include "tests/transport/comparison.h"
+#include "bench/picture.h"
 
-namespace {
-
-using namespace latent;
+using namespace latent::bench;
 using namespace latent::render::testing;
-
-constexpr int kSize = 256;
-
-Blocks read_blocks(const std::string& path) {
-    const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": " + why); };
-    Result<image::ExrReader> reader = image::ExrReader::open(path);
-    if (!reader) fail(reader.error().message);
-    const auto primaries = reader->image().chromaticities;  // of R, G, B that hold X, Y, Z
-    if (!reader->image().xyz && !(primaries && (*primaries)[0] == 1 && (*primaries)[3] == 1 && (*primaries)[4] == 0))
-        fail("not XYZ");
-    std::vector<float> planes[3];
-    for (auto& p : planes) p.resize(kSize * kSize);
-    image::ExrReader::Scratch scratch;
-    const Status read =
-        reader->read(reader->image().data_window, {planes[0].data(), planes[1].data(), planes[2].data()}, kSize, scratch);
-    if (!read) fail(read.error().message);
-    Blocks blocks{8, std::vector<std::array<double, 3>>(64)};
-    for (std::size_t i = 0; i < kSize * kSize; ++i) {
-        for (std::size_t c = 0; c < 3; ++c)
-            blocks.xyz[i / kSize / 32 * 8 + i % kSize / 32][c] += static_cast<double>(planes[c][i]) / 1024;
-    }
-    return blocks;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
     if (argc < 5) return fmt::print(stderr, "usage: validate_blocks NAME REF.csv SEED.exr SEED.exr...\n"), 2;
     try {
         const Estimate reference = read_reference(argv[2]);
         std::vector<Blocks> pictures;
-        for (int i = 3; i < argc; ++i) pictures.push_back(read_blocks(argv[i]));
+        for (int i = 3; i < argc; ++i) pictures.push_back(blocks_of(read_picture(argv[i])));
         const Estimate ours = mean_of(pictures);
         std::vector<double> errors;
         for (std::size_t b = 0; b < 64; ++b) {
