@@ -31,16 +31,6 @@ struct alignas(64) Batch {
         for (std::uint32_t i = 0; i < kLanes; ++i) v[i] += b.v[i];
         return *this;
     }
-    // += a b s
-    void add_product(const Batch& a, const Batch& b, float s) {
-        for (std::uint32_t i = 0; i < kLanes; ++i) v[i] += a.v[i] * b.v[i] * s;
-    }
-    // Keeps lane i alone, times `factor`.
-    void keep_only(std::uint32_t i, float factor) {
-        const float kept = v[i] * factor;
-        for (float& lane : v) lane = 0;
-        v[i] = kept;
-    }
     float max() const {
         float part[4] = {v[0], v[1], v[2], v[3]};
         for (std::uint32_t i = 4; i < kLanes; i += 4) {

@@ -43,8 +43,9 @@ void Bidirectional::trace_light() {
     step.pdf = light.is_infinite() ? ray.pdf_position : ray.pdf_direction;
     step.parallel = light.is_infinite();
     step.before = x.open;
-    step.medium = ray.medium;
+    step.medium = light.is_infinite() ? kNone : ray.medium;
     if (!(ray.pdf_direction > 0)) return;
+    if (light.is_infinite() && world_.medium_at_infinity() != kNone) return;  // nothing comes through
     step.beta = Batch(ray.cosine * ray.profile / (odds * ray.pdf_position * ray.pdf_direction));
     lights_.multiply_emission(chosen_, ray.anchor.ng, ray.d, sample_.spectra, step.beta);
     if (!step.beta.is_black()) walk(light_, false, step);
@@ -65,7 +66,7 @@ void Bidirectional::walk(Subpath& path, bool from_eye, Step& step) {
         step.beta *= weight;
         step.dispersed = x.dispersed || x.scattering.disperses(x.wo, next.wi);
         if (from_eye) eta2 *= next.eta2;
-        const float odds = survival_odds(step.through, eta2, step.dispersed, sample_.kept);
+        const float odds = survival_odds(step.through, eta2, step.dispersed, sample_.kept, i);
         if (odds <= 0) return;
         if (i >= 2 && odds < 1) {
             if (number(from_eye, i, Dimension::kSurvival) >= odds) return;

@@ -34,9 +34,7 @@ struct SurfaceHit {
     Vec3f ng;    // geometric normal, unit: outside is where it points (pbrt's orientation rules, ReverseOrientation included)
     Vec3f ns;    // shading normal, unit, in the hemisphere of ng
     Vec3f dpdu;  // never parallel to ng, of any length: orients anisotropic materials
-    Vec2f uv;
     std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
-    std::uint32_t area_light;                     // index into SceneDescription::area_lights, or kNone
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
 

@@ -131,7 +131,7 @@ class Path {
         d_ = next.wi;
         if (!scattering.in_medium()) medium_ = World::medium_beyond(surface_, d_, medium_);
 
-        const float odds = survival_odds(beta_, eta2_, dispersed_, sample_.kept);
+        const float odds = survival_odds(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
         if (odds <= 0) return false;
         if (depth_ >= 1 && odds < 1) {
             if (number(Dimension::kSurvival) >= odds) return false;

@@ -11,12 +11,11 @@ namespace latent::render {
 // counts k times, as that one was drawn out of k.
 struct Radiance {
     Batch sum{0.0f};
-    bool has_all = false, has_kept = false;
+    bool has_all = false;  // some path was not dispersed
 
     void add(const Batch& value, bool dispersed, std::uint32_t kept, std::uint32_t k) {
         if (dispersed) {
             sum[kept] += static_cast<float>(k) * value[kept];
-            has_kept = true;
         } else {
             sum += value;
             has_all = true;

@@ -61,8 +61,8 @@ Scattering Scattering::dielectric(const Frame& frame, const Vec3f& ng, const Bat
     return s;
 }
 
-Scattering Scattering::thin_dielectric(const Frame& frame, const Vec3f& ng, const Batch& eta) {
-    Scattering s = dielectric(frame, ng, eta, false, 0, 0, 0);
+Scattering Scattering::thin_dielectric(const Frame& frame, const Vec3f& ng, const Batch& eta, bool dispersive, std::uint32_t kept) {
+    Scattering s = dielectric(frame, ng, eta, dispersive, kept, 0, 0);
     s.kind_ = Kind::kThinDielectric;
     return s;
 }
@@ -74,13 +74,17 @@ Scattering Scattering::phase(float g) {
     return s;
 }
 
-// F in every wavelength for light that meets a facet at `cosine` from the side of local direction w.
-Batch Scattering::fresnel_batch(const Vec3f& w, float cosine) const {
-    if (kind_ == Kind::kConductor) return fresnel_conductor(cosine, *first_, *second_);
-    if (!dispersive_) return Batch(fresnel_dielectric(cosine, eta_across(w)));
-    const Batch& eta = *first_;
-    const bool outside = w.z > 0;
-    return batch_of([&](std::uint32_t i) { return fresnel_dielectric(cosine, outside ? eta[i] : 1 / eta[i]); });
+// Odds of reflection at cosine c; of a pane after all bounces between its two faces: F + (1 - F)^2 F / (1 - F^2).
+float Scattering::reflectance(float c, float eta) const {
+    const float f = fresnel_dielectric(c, eta);
+    return kind_ == Kind::kThinDielectric ? 2 * f / (1 + f) : f;
+}
+
+// The same in every wavelength, for light that meets a facet from the side of local direction w.
+Batch Scattering::reflectance_batch(const Vec3f& w, float c) const {
+    if (kind_ == Kind::kConductor) return fresnel_conductor(c, *first_, *second_);
+    if (!dispersive_) return Batch(reflectance(c, across(w, eta_)));
+    return batch_of([&](std::uint32_t i) { return reflectance(c, across(w, (*first_)[i])); });
 }
 
 void Scattering::multiply_f_cos(const Vec3f& w_eye, const Vec3f& w_light, Batch& value) const {
@@ -105,7 +109,7 @@ void Scattering::multiply_f_cos(const Vec3f& w_eye, const Vec3f& w_light, Batch&
             value = Batch(0.0f);
             return;
         }
-        value *= fresnel_batch(eye, abs_dot(eye, m));
+        value *= reflectance_batch(eye, abs_dot(eye, m));
         value *= facets_.density(m) * facets_.masking_shadowing(eye, light) / (4 * std::abs(eye.z));
     }
 }
@@ -114,7 +118,7 @@ void Scattering::multiply_f_cos(const Vec3f& w_eye, const Vec3f& w_light, Batch&
 // index on light's side over that on eye's [WMLT07]; the last factor is the compression of radiance.
 void Scattering::multiply_rough_dielectric(const Vec3f& eye, const Vec3f& light, Batch& value) const {
     const bool same_side = eye.z * light.z > 0;
-    const float eta = same_side ? 1 : eta_across(eye);
+    const float eta = same_side ? 1 : across(eye, eta_);
     Vec3f m;
     if (!half_vector(eye, light, eta, m)) {
         value = Batch(0.0f);
@@ -123,7 +127,7 @@ void Scattering::multiply_rough_dielectric(const Vec3f& eye, const Vec3f& light,
     const float dg = facets_.density(m) * facets_.masking_shadowing(eye, light);
     const float cosine = abs_dot(eye, m);
     if (same_side) {
-        value *= fresnel_batch(eye, cosine);
+        value *= reflectance_batch(eye, cosine);
         value *= dg / (4 * std::abs(eye.z));
     } else {
         const float t = 1 - fresnel_dielectric(cosine, eta);
@@ -133,7 +137,7 @@ void Scattering::multiply_rough_dielectric(const Vec3f& eye, const Vec3f& light,
 
 float Scattering::pdf_rough_dielectric(const Vec3f& wo, const Vec3f& wi) const {
     const bool same_side = wo.z * wi.z > 0;
-    const float eta = eta_across(wo);
+    const float eta = across(wo, eta_);
     Vec3f m;
     if (!half_vector(wo, wi, same_side ? 1 : eta, m)) return 0;
     const float f = fresnel_dielectric(abs_dot(wo, m), eta);
@@ -175,7 +179,7 @@ bool Scattering::sample(const Vec3f& wo, bool from_eye, float u_lobe, float u, f
         if (local.z < 0) wi.z = -wi.z;
     } else {
         const Vec3f m = facets_.sample_visible(local, u, v);
-        const float eta = eta_across(local);
+        const float eta = across(local, eta_);
         const bool reflected = kind_ == Kind::kConductor || u_lobe < fresnel_dielectric(abs_dot(local, m), eta);
         if (reflected) {
             wi = m * (2 * dot(local, m)) - local;
@@ -206,20 +210,22 @@ bool Scattering::sample_smooth(const Vec3f& world_wo, bool from_eye, float u_lob
     Vec3f wi{-wo.x, -wo.y, wo.z};
     if (kind_ == Kind::kConductor) {
         out.pdf = out.pdf_reverse = 1;
-        beta *= fresnel_batch(wo, c);
+        beta *= reflectance_batch(wo, c);
     } else {
-        const float eta = kind_ == Kind::kThinDielectric ? eta_ : eta_across(wo);
-        float f = fresnel_dielectric(c, eta);
-        if (kind_ == Kind::kThinDielectric && f < 1) f += (1 - f) * (1 - f) * f / (1 - f * f);  // all bounces between the two faces
+        const float eta = across(wo, eta_), f = reflectance(c, eta);
         if (u_lobe < f) {
             out.pdf = out.pdf_reverse = f;
             if (dispersive_) {
-                beta *= fresnel_batch(wo, c);
+                beta *= reflectance_batch(wo, c);
                 beta *= 1 / f;
             }
         } else if (kind_ == Kind::kThinDielectric) {
             out.pdf = out.pdf_reverse = 1 - f;
             wi = -wo;
+            if (dispersive_) {
+                const Batch r = reflectance_batch(wo, c);
+                beta *= batch_of([&](std::uint32_t i) { return (1 - r[i]) / (1 - f); });
+            }
         } else {
             if (!refract(wo, Vec3f{0, 0, wo.z > 0 ? 1.0f : -1.0f}, eta, wi)) return false;
             out.eta2 = eta * eta;

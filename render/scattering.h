@@ -28,7 +28,8 @@ class Scattering {
     // `eta` per wavelength; transmission of a `dispersive` one follows lane `kept` alone, and so do the odds of its lobes.
     static Scattering dielectric(const Frame& frame, const Vec3f& ng, const Batch& eta, bool dispersive, std::uint32_t kept,
                                  float alpha_x, float alpha_y);
-    static Scattering thin_dielectric(const Frame& frame, const Vec3f& ng, const Batch& eta);
+    // Nothing is refracted: all lanes go on together, with the odds of lane `kept`.
+    static Scattering thin_dielectric(const Frame& frame, const Vec3f& ng, const Batch& eta, bool dispersive, std::uint32_t kept);
     static Scattering phase(float g);
 
     // Directions come from a delta function: nothing can be connected to this vertex.
@@ -39,8 +40,6 @@ class Scattering {
         if (in_medium()) return {};
         return {face_forward(frame_.z, wo), kind_ == Kind::kDielectric};
     }
-    // |w.ng|; 1 in a medium.
-    float geometric_cosine(const Vec3f& w) const { return in_medium() ? 1 : abs_dot(w, ng_); }
 
     // value *= f |w_light.ns|. Nothing but zero if is_delta().
     void multiply_f_cos(const Vec3f& w_eye, const Vec3f& w_light, Batch& value) const;
@@ -48,7 +47,7 @@ class Scattering {
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
     // What passes from w_light to w_eye is refracted by an index that varies with wavelength: only lane `kept` is right.
     bool disperses(const Vec3f& w_eye, const Vec3f& w_light) const {
-        return dispersive_ && dot(w_eye, frame_.z) * dot(w_light, frame_.z) < 0;
+        return dispersive_ && kind_ == Kind::kDielectric && dot(w_eye, frame_.z) * dot(w_light, frame_.z) < 0;
     }
 
     struct Sample {
@@ -63,9 +62,10 @@ class Scattering {
  private:
     bool reflects(const Vec3f& a, const Vec3f& b) const { return dot(a, ng_) * dot(b, ng_) > 0; }
     bool sample_smooth(const Vec3f& wo, bool from_eye, float u_lobe, Sample& out, Batch& beta) const;
-    // Index of the side that local direction `w` does not lie on over that of its side, at the kept wavelength or in all.
-    float eta_across(const Vec3f& w) const { return w.z > 0 ? eta_ : 1 / eta_; }
-    Batch fresnel_batch(const Vec3f& w, float cosine) const;
+    // Index of the side that local direction `w` does not lie on over that of its side; of a pane that of its glass.
+    float across(const Vec3f& w, float eta) const { return w.z > 0 || kind_ == Kind::kThinDielectric ? eta : 1 / eta; }
+    float reflectance(float c, float eta) const;
+    Batch reflectance_batch(const Vec3f& w, float c) const;
     void multiply_rough_dielectric(const Vec3f& eye, const Vec3f& light, Batch& value) const;
     float pdf_rough_dielectric(const Vec3f& wo, const Vec3f& wi) const;
 

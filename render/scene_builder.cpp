@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/camera.h"
 #include "render/scene_entities.h"
 
 namespace latent::render {
@@ -184,6 +185,7 @@ void SceneBuilder::place_camera() {
     scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, messages_), scene_.film);
     scene_.camera.world_from_camera = *inverse;
     scene_.camera.medium = state.outside_medium;
+    if (const Result<Camera> camera = Camera::make(scene_.camera); !camera) messages_.error(d.where, camera.error().message);
 }
 
 bool SceneBuilder::apply_state(const Directive& d) {

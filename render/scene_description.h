@@ -48,7 +48,7 @@ struct MaterialDescription {
     color::Spectrum reflectance{};   // diffuse
     color::Spectrum eta{}, k{};      // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
                                      // dielectric, thindielectric: eta
-    bool dispersive = false;         // eta of a dielectric varies with wavelength
+    bool dispersive = false;         // eta of a dielectric or thindielectric varies with wavelength
     float alpha_x = 0, alpha_y = 0;  // GGX alpha, remapped already where the scene asks for it; 0: smooth
     SourceLocation location{};
 };

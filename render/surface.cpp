@@ -12,7 +12,6 @@ constexpr float kPlaneError = 0x1p-21f;  // of Embree's distance to a triangle's
 SurfaceHit common_hit(const ShapeDescription& shape) {
     SurfaceHit hit{};
     hit.material = shape.material;
-    hit.area_light = shape.area_light;
     hit.emitter = kNone;
     hit.inside_medium = shape.inside_medium;
     hit.outside_medium = shape.outside_medium;
@@ -43,11 +42,8 @@ SurfaceHit triangle(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv
     hit.ng = normalize(cross(e1, e2)) * (shape.flip_normal ? -1.0f : 1.0f);
     hit.ns = hit.ng;
     hit.dpdu = e1;
-    hit.uv = {uv.x + uv.y, uv.y};  // of the corners (0,0), (1,0), (1,1)
     if (!mesh.uvs.empty()) {
         const Vec2f &t0 = mesh.uvs[v[0]], &t1 = mesh.uvs[v[1]], &t2 = mesh.uvs[v[2]];
-        const auto mix = [&](float a, float b, float c) { return static_cast<float>(w[0] * a + w[1] * b + w[2] * c); };
-        hit.uv = {mix(t0.x, t1.x, t2.x), mix(t0.y, t1.y, t2.y)};
         const float determinant = (t1.x - t0.x) * (t2.y - t0.y) - (t1.y - t0.y) * (t2.x - t0.x);
         const Vec3f dpdu = (e1 * (t2.y - t0.y) - e2 * (t1.y - t0.y)) / determinant;
         if (determinant != 0 && max_abs(dpdu) < kInfinity) hit.dpdu = dpdu;
@@ -70,13 +66,7 @@ SurfaceHit patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv) {
     hit.ng = Vec3f(n / length(n)) * (shape.flip_normal ? -1.0f : 1.0f);
     hit.ns = hit.ng;
     hit.dpdu = Vec3f(dpdu);
-    hit.uv = uv;
     const double w[4] = {(1.0 - uv.x) * (1.0 - uv.y), uv.x * (1.0 - uv.y), (1.0 - uv.x) * uv.y, 1.0 * uv.x * uv.y};
-    if (!mesh.uvs.empty()) {
-        double s = 0, t = 0;
-        for (int i = 0; i < 4; ++i) s += w[i] * mesh.uvs[v[i]].x, t += w[i] * mesh.uvs[v[i]].y;
-        hit.uv = {static_cast<float>(s), static_cast<float>(t)};
-    }
     if (!mesh.normals.empty()) shade(mesh, v, w, hit);
     return hit;
 }
@@ -86,7 +76,6 @@ SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
     const ShapeDescription& shape = placed.shape;
     const Vec3d local = placed.from_world.point(p);
     const bool sphere = shape.kind == ShapeKind::kSphere;
-    const double rho = std::hypot(local.x, local.y), phi = std::atan2(local.y, local.x) / (2 * std::numbers::pi);
     const Vec3d on = sphere ? local * (shape.radius / length(local)) : Vec3d(local.x, local.y, shape.height);
 
     SurfaceHit hit = common_hit(shape);
@@ -95,10 +84,7 @@ SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
     const Vec3d n = shape.to_world.normal(sphere ? on : Vec3d(0, 0, 1));
     hit.ng = Vec3f(n * ((shape.flip_normal ? -1 : 1) / length(n)));
     hit.ns = hit.ng;
-    hit.dpdu = Vec3f(shape.to_world.vector(rho > 0 ? Vec3d(-on.y, on.x, 0) : Vec3d(1, 0, 0)));
-    const double v = sphere ? 1 - std::acos(std::clamp(on.z / shape.radius, -1.0, 1.0)) / std::numbers::pi
-                            : (shape.radius - rho) / (shape.radius - shape.inner_radius);
-    hit.uv = {static_cast<float>(phi < 0 ? phi + 1 : phi), static_cast<float>(v)};
+    hit.dpdu = Vec3f(shape.to_world.vector(on.x != 0 || on.y != 0 ? Vec3d(-on.y, on.x, 0) : Vec3d(1, 0, 0)));
     return hit;
 }
 

@@ -23,9 +23,11 @@ struct SampleState {
 };
 
 // Odds of a path to go on, of its throughput since it left the eye or the light. The eta^2 of radiance in denser media is no loss.
-// A dispersed path is judged by the wavelength that it keeps.
-inline float survival_odds(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept) {
-    return (dispersed ? beta[kept] : beta.max()) * eta2;
+// A dispersed path is judged by the wavelength that it keeps. After `scatterings` without number light that nothing absorbs and
+// that finds no way out, total reflection in a block of glass, must end too.
+inline float survival_odds(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept, std::size_t scatterings) {
+    const float odds = (dispersed ? beta[kept] : beta.max()) * eta2;
+    return scatterings < 64 || odds < 0.95f ? odds : 0.95f;
 }
 
 class Transport : public Integrator {

@@ -25,7 +25,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         Material m{d.kind};
         m.alpha_x = d.alpha_x;
         m.alpha_y = d.alpha_y;
-        m.dispersive = d.dispersive && d.kind == MaterialKind::kDielectric;
+        m.dispersive = d.dispersive;
         m.first = world->library_.add(d.kind == MaterialKind::kDiffuse ? d.reflectance : d.eta, Lookup::kLinear);
         if (d.kind == MaterialKind::kConductor) m.second = world->library_.add(d.k, Lookup::kLinear);
         world->has_dispersion_ |= m.dispersive;
@@ -45,6 +45,8 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         has_interface(scene.shapes) || std::any_of(scene.objects.begin(), scene.objects.end(),
                                                    [&](const ObjectDescription& o) { return has_interface(o.shapes); });
 
+    if (world->has_media()) world->medium_at_infinity_ = world->find_medium_at_infinity();
+
     // The sky's disk covers the camera too, so that its light can fall on a lens.
     const float radius =
         std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
@@ -52,6 +54,17 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         std::make_unique<Lights>(Lights::build(scene, geometry, geometry.center(), std::max(radius, 1e-6f), world->library_));
     if (world->lights_->size() == 0) return Error{ErrorCode::kOutOfRange, "the scene has no light: every picture of it is black"};
     return world;
+}
+
+// Where a straight line from the camera, through everything, ends.
+std::uint32_t World::find_medium_at_infinity() const {
+    std::uint32_t medium = camera_.medium();
+    Ray ray{camera_.center(), camera_.axis()};
+    while (const std::optional<SurfaceHit> hit = geometry_->intersect(ray)) {
+        medium = medium_beyond(*hit, ray.d, medium);
+        ray = spawn_ray(hit->anchor(), ray.d);
+    }
+    return medium;
 }
 
 Scattering World::scattering(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
@@ -64,7 +77,7 @@ Scattering World::scattering(const SurfaceHit& hit, SampledSpectra& spectra, std
         case MaterialKind::kDielectric:
             return Scattering::dielectric(frame, hit.ng, first, m.dispersive, kept, m.alpha_x, m.alpha_y);
         case MaterialKind::kThinDielectric:
-            return Scattering::thin_dielectric(frame, hit.ng, first);
+            return Scattering::thin_dielectric(frame, hit.ng, first, m.dispersive, kept);
         case MaterialKind::kDiffuse:
             break;
     }

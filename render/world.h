@@ -28,6 +28,8 @@ class World {
     const Medium& medium(std::uint32_t i) const { return media_[i]; }
     bool has_media() const { return !media_.empty(); }
     bool has_dispersion() const { return has_dispersion_; }
+    // What is beyond everything: light from infinity comes through no medium.
+    std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
 
     static bool is_interface(std::uint32_t material) { return material == kNone; }
     // What the surface at `hit` does; valid for as long as `spectra` stays at this sample.
@@ -53,6 +55,7 @@ class World {
         float alpha_x = 0, alpha_y = 0;
     };
     World(const Geometry& geometry, Camera camera) : geometry_(&geometry), camera_(camera) {}
+    std::uint32_t find_medium_at_infinity() const;
     bool walk(Ray ray, float length, std::uint32_t medium, SampledSpectra& spectra, Batch& value, Line& line) const;
 
     const Geometry* geometry_;
@@ -61,6 +64,7 @@ class World {
     std::vector<Material> materials_;
     std::vector<Medium> media_;
     std::unique_ptr<Lights> lights_;
+    std::uint32_t medium_at_infinity_ = kNone;
     bool has_dispersion_ = false, has_interfaces_ = false;
 };
 

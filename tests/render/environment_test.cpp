@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include "color/rgb_space.h"
-#include "image/exr_writer.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {
@@ -10,15 +9,7 @@ namespace {
 
 using testing::Folder;
 using ::testing::HasSubstr;
-
-void write_exr(const std::filesystem::path& path, int width, int height, const std::vector<float>& rgb,
-               const image::ExrTags& tags) {
-    Result<OutputFile> out = OutputFile::create(path, true);
-    ASSERT_TRUE(out);
-    const image::Rect window{0, 0, width, height};
-    Result<std::unique_ptr<image::RowWriter>> writer = image::create_exr(std::move(*out), window, window, false, tags, 1);
-    ASSERT_TRUE(writer && (*writer)->write_rows(std::as_bytes(std::span(rgb))) && (*writer)->finish() && (*writer)->publish());
-}
+using testing::write_exr;
 
 Result<LoadedScene> load_sky(const Folder& folder) {
     return load_scene(

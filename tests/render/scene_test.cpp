@@ -226,16 +226,24 @@ TEST(Scene, CamerasResolveTheirWindow) {
     const CameraDescription wide = camera("Camera \"perspective\" \"float fov\" 90");
     EXPECT_NEAR(wide.y1, 1, 1e-12);  // fov spans the shorter axis
     EXPECT_NEAR(wide.x1, 2, 1e-12);
-    const CameraDescription window =
-        camera("Camera \"orthographic\" \"float screenwindow\" [ -1 3 -2 2 ] \"float lensradius\" .1 \"float focaldistance\" 4");
+    const CameraDescription lens = camera("Camera \"perspective\" \"float lensradius\" .1 \"float focaldistance\" 4");
+    EXPECT_EQ(lens.lens_radius, .1);
+    EXPECT_EQ(lens.focal_distance, 4);
+    const CameraDescription window = camera("Camera \"orthographic\" \"float screenwindow\" [ -1 3 -2 2 ]");
     EXPECT_EQ(window.kind, CameraKind::kOrthographic);
     EXPECT_EQ(window.x1, 3);
     EXPECT_EQ(window.y0, -2);
-    EXPECT_EQ(window.lens_radius, .1);
-    EXPECT_EQ(window.focal_distance, 4);
     EXPECT_EQ(camera("Camera \"spherical\"").mapping, SphericalMapping::kEqualArea);
     EXPECT_EQ(camera("Camera \"spherical\" \"string mapping\" \"equirectangular\"").mapping, SphericalMapping::kEquirectangular);
     EXPECT_NEAR(camera("").x1, 2, 1e-12);  // no Camera: perspective, 90 degrees
+}
+
+TEST(Scene, CamerasThatCannotBeMappedAreRefusedWhereTheyStand) {
+    EXPECT_THAT(refusal("Scale 1 2 1\n\n  Camera \"perspective\"\nWorldBegin"),
+                AllOf(HasSubstr("room.pbrt:3:3: "), HasSubstr("skews or stretches")));
+    EXPECT_THAT(refusal("Camera \"orthographic\" \"float lensradius\" .1\nWorldBegin"),
+                AllOf(HasSubstr("room.pbrt:1:1: "), HasSubstr("lensradius")));
+    EXPECT_THAT(refusal("\nCamera \"spherical\" \"string mapping\" \"mercator\"\nWorldBegin"), HasSubstr("room.pbrt:2:1: "));
 }
 
 TEST(Scene, CameraLiesInTheMediumOutsideAtItsDirective) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "image/exr_writer.h"
 #include "render/load_scene.h"
 #include "tests/faults/process.h"
 
@@ -19,6 +20,16 @@ struct Folder : latent::testing::TemporaryFolder {
         return *this / file;
     }
 };
+
+// A picture of linear rgb.
+inline void write_exr(const std::filesystem::path& path, int width, int height, const std::vector<float>& rgb,
+                      const image::ExrTags& tags = {}) {
+    Result<OutputFile> out = OutputFile::create(path, true);
+    ASSERT_TRUE(out);
+    const image::Rect window{0, 0, width, height};
+    Result<std::unique_ptr<image::RowWriter>> writer = image::create_exr(std::move(*out), window, window, false, tags, 1);
+    ASSERT_TRUE(writer && (*writer)->write_rows(std::as_bytes(std::span(rgb))) && (*writer)->finish() && (*writer)->publish());
+}
 
 // Loads `text` as room.pbrt.
 inline Result<LoadedScene> load(const std::string& text) {

@@ -1,5 +1,5 @@
 // `path` and `bdpt` estimate the same integral by other means: they must agree wherever light, material, camera and medium meet.
-// A pairwise covering design: every pair of choices of two of the four factors occurs in some scene, but for light of a point or of
+// A pairwise covering design: every pair of choices of two of the five factors occurs in some scene, but for light of a point or of
 // one direction on smooth mirrors and glass: no path from the eye finds the caustics of those. Small pictures, fixed seeds; every
 // scene is compared, and every choice over all its scenes together; over all comparisons the false discovery rate is held at 1 %
 // [BH95].
@@ -35,14 +35,23 @@ const std::vector<Choice> kLights = {
      " 0.4 0.4 0] \"integer "
      "indices\" [0 1 2] AttributeEnd\n"},
     {"sphere",
-     "AttributeBegin Translate -0.5 1.2 -0.2 AreaLightSource \"diffuse\" \"blackbody L\" 3000 \"float scale\" 8 Material "
+     "AttributeBegin Translate -0.5 1.2 -0.2 AreaLightSource \"diffuse\" \"blackbody L\" 3000 \"float power\" 20 Material "
      "\"diffuse\" \"spectrum reflectance\" "
      "[360 0.1 830 0.1] Shape \"sphere\" \"float radius\" 0.25 AttributeEnd\n"},
-    {"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"float scale\" 4 \"point3 from\" [0.4 1.4 -0.3]\n"},
+    {"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"float power\" 50 \"point3 from\" [0.4 1.4 -0.3]\n"},
     {"spot",
      "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"float scale\" 9 \"point3 from\" [0.2 1.7 -0.6] \"point3 to\" [0 0 "
      "0.1] \"float coneangle\" 45\n"},
-    {"distant", "LightSource \"distant\" \"blackbody L\" 5500 \"float scale\" 3 \"point3 from\" [1 2 -2] \"point3 to\" [0 0 0]\n"},
+    {"distant",
+     "LightSource \"distant\" \"blackbody L\" 5500 \"float illuminance\" 3 \"point3 from\" [1 2 -2] \"point3 to\" [0 0 0]\n"},
+    {"image sky",
+     "AttributeBegin Rotate 30 0 1 0 Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float "
+     "illuminance\" 2 "
+     "AttributeEnd\n"},
+    {"shell",
+     "AttributeBegin ReverseOrientation AreaLightSource \"diffuse\" \"rgb L\" [0.3 0.5 0.8] Material \"diffuse\" \"rgb "
+     "reflectance\" "
+     "[0.1 0.1 0.1] Shape \"sphere\" \"float radius\" 6 AttributeEnd\n"},
     {"sky", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" \"float scale\" 0.6\n"},
     {"sky and lines",
      "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" \"float scale\" 0.2\nAttributeBegin Translate -0.6 1.3 -0.5 "
@@ -75,6 +84,14 @@ const std::vector<Choice> kCameras = {
     {"equal-area", "LookAt 0.2 0.7 -0.9  0 0.5 0  0 1 0\nCamera \"spherical\"\n"},
     {"equirectangular", "LookAt 0.2 0.7 -0.9  0 0.5 0  0 1 0\nCamera \"spherical\" \"string mapping\" \"equirectangular\"\n"},
 };
+// What the material covers, at the room's centre: the octahedron's normals are those of a sphere, far from its faces'.
+const std::vector<Choice> kShapes = {
+    {"sphere", "Shape \"sphere\" \"float radius\" 0.5\n"},
+    {"shaded octahedron",
+     "Shape \"trianglemesh\" \"point3 P\" [0.6 0 0  -0.6 0 0  0 0.5 0  0 -0.5 0  0 0 0.6  0 0 -0.6] \"normal N\" [1 0 0  -1 0 0  0 "
+     "1 0  0 "
+     "-1 0  0 0 1  0 0 -1] \"integer indices\" [0 2 4  4 2 1  1 2 5  5 2 0  4 3 0  1 3 4  5 3 1  0 3 5]\n"},
+};
 constexpr const char* kFog =
     "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0.05 830 0.02] \"spectrum sigma_s\" [360 "
     "0.5 830 0.2] \"float g\" 0.3\n";
@@ -93,29 +110,30 @@ constexpr const char* kLid =
     "Shape \"trianglemesh\" \"point3 P\" [2 0 -3  2 0 2  2 2 2  2 2 -3] \"integer indices\" [0 1 2 0 2 3]\n"
     "Shape \"trianglemesh\" \"point3 P\" [-2 0 -3  2 0 -3  2 2 -3  -2 2 -3] \"integer indices\" [0 1 2 0 2 3]\n";
 
-using Design = std::array<std::size_t, 4>;  // light, material, camera, medium
-const std::vector<Choice>* const kFactors[4] = {&kLights, &kMaterials, &kCameras, &kMedia};
+enum { kLight, kMaterial, kCamera, kMedium, kShape, kFactorCount };
+using Design = std::array<std::size_t, kFactorCount>;
+const std::vector<Choice>* const kFactors[kFactorCount] = {&kLights, &kMaterials, &kCameras, &kMedia, &kShapes};
 
 bool is_one_of(const char* name, std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(), [&](const char* n) { return std::string(n) == name; });
 }
 // No caustics that only a path from the light finds, no light from infinity through a medium without end.
 bool is_possible(const Design& d) {
-    const bool delta_light = is_one_of(kLights[d[0]].name, {"point", "spot", "distant"});
-    const bool smooth = is_one_of(kMaterials[d[1]].name, {"mirror", "glass", "dispersive glass", "pane"});
-    const bool infinite = is_one_of(kLights[d[0]].name, {"distant", "sky", "sky and lines"});
-    return !(delta_light && smooth) && !(infinite && d[3] == kEverywhere);
+    const bool delta_light = is_one_of(kLights[d[kLight]].name, {"point", "spot", "distant"});
+    const bool smooth = is_one_of(kMaterials[d[kMaterial]].name, {"mirror", "glass", "dispersive glass", "pane"});
+    const bool infinite = is_one_of(kLights[d[kLight]].name, {"distant", "image sky", "shell", "sky", "sky and lines"});
+    return !(delta_light && smooth) && !(infinite && d[kMedium] == kEverywhere);
 }
 
 // Greedy: of many random scenes always the one that covers most pairs not yet met, until none is left.
 std::vector<Design> covering_design() {
     std::vector<std::array<std::size_t, 4>> open;  // factors a and b, their choices i and j
     const auto covers = [](const Design& d, const auto& pair) { return d[pair[0]] == pair[2] && d[pair[1]] == pair[3]; };
-    for (std::size_t a = 0; a < 4; ++a) {
-        for (std::size_t b = a + 1; b < 4; ++b) {
+    for (std::size_t a = 0; a < kFactorCount; ++a) {
+        for (std::size_t b = a + 1; b < kFactorCount; ++b) {
             for (std::size_t i = 0; i < kFactors[a]->size(); ++i) {
                 for (std::size_t j = 0; j < kFactors[b]->size(); ++j) {
-                    Design d{0, 0, 0, 0};
+                    Design d{};
                     d[a] = i;
                     d[b] = j;
                     if (is_possible(d)) open.push_back({a, b, i, j});
@@ -134,7 +152,8 @@ std::vector<Design> covering_design() {
         std::ptrdiff_t most = 0;
         while (most == 0) {
             for (int trial = 0; trial < 300; ++trial) {
-                const Design d{draw(kLights.size()), draw(kMaterials.size()), draw(kCameras.size()), draw(kMedia.size())};
+                Design d;
+                for (std::size_t f = 0; f < kFactorCount; ++f) d[f] = draw(kFactors[f]->size());
                 const auto count =
                     is_possible(d) ? std::count_if(open.begin(), open.end(), [&](const auto& pair) { return covers(d, pair); }) : 0;
                 if (count > most) {
@@ -150,15 +169,15 @@ std::vector<Design> covering_design() {
 }
 
 std::string text_of(const Design& d) {
-    const bool fog = d[3] == kEverywhere;
+    const bool fog = d[kMedium] == kEverywhere;
     const std::string around = fog ? "MediumInterface \"fog\" \"fog\"\n" : "";
-    std::string text = kMedia[d[3]].text;
+    std::string text = kMedia[d[kMedium]].text;
     text += "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nIntegrator \"path\" \"integer maxdepth\" 4\n";
-    text += around + kCameras[d[2]].text + "WorldBegin\n" + around + kLights[d[0]].text + kRoom + (fog ? kLid : "");
+    text += around + kCameras[d[kCamera]].text + "WorldBegin\n" + around + kLights[d[kLight]].text + kRoom + (fog ? kLid : "");
     if (fog) text += "MediumInterface \"\" \"fog\"\n";  // clear air inside the object
-    if (d[3] == kInside) text += "MediumInterface \"fog\" \"\"\n";
-    return text + kMaterials[d[1]].text +
-           "AttributeBegin Translate 0 0.55 0.1 Shape \"sphere\" \"float radius\" 0.5 AttributeEnd\n";
+    if (d[kMedium] == kInside) text += "MediumInterface \"fog\" \"\"\n";
+    return text + kMaterials[d[kMaterial]].text + "AttributeBegin Translate 0 0.55 0.1 " + kShapes[d[kShape]].text +
+           "AttributeEnd\n";
 }
 
 struct Mean {
@@ -199,16 +218,17 @@ Comparison judged(const std::string& name, double difference, double error) {
 
 TEST(Agreement, PathAndBdptMakeOnePictureWhateverMeets) {
     std::vector<Comparison> comparisons;
-    std::array<std::vector<std::array<double, 2>>, 4> levels;  // of each choice: sum of difference / error^2, sum of 1 / error^2
-    for (std::size_t f = 0; f < 4; ++f) levels[f].resize(kFactors[f]->size());
+    std::array<std::vector<std::array<double, 2>>, kFactorCount>
+        levels;  // of each choice: sum of difference / error^2, sum of 1 / error^2
+    for (std::size_t f = 0; f < kFactorCount; ++f) levels[f].resize(kFactors[f]->size());
     std::vector<double> errors;
     const std::vector<Design> designs = covering_design();
     for (std::size_t i = 0; i < designs.size(); ++i) {
         const Design& d = designs[i];
-        const std::string name =
-            fmt::format("{} / {} / {} / {}", kLights[d[0]].name, kMaterials[d[1]].name, kCameras[d[2]].name, kMedia[d[3]].name);
+        const std::string name = fmt::format("{} / {} / {} / {} / {}", kLights[d[kLight]].name, kMaterials[d[kMaterial]].name,
+                                             kCameras[d[kCamera]].name, kMedia[d[kMedium]].name, kShapes[d[kShape]].name);
         SCOPED_TRACE(name);
-        const Scene scene = scene_from(text_of(d));
+        const Scene scene = scene_under_sky(text_of(d));
         const auto with = [&](IntegratorKind kind, std::uint32_t first_seed) {
             return [&scene, kind, first_seed, i](std::uint32_t seed) {
                 return scene.integrator({.kind = kind,
@@ -218,19 +238,19 @@ TEST(Agreement, PathAndBdptMakeOnePictureWhateverMeets) {
                                          .seed = first_seed + seed});
             };
         };
-        const Mean path = mean_luminance(with(IntegratorKind::kPath, 0), 16384);
-        const Mean bdpt = mean_luminance(with(IntegratorKind::kBdpt, 1000), 8192);
+        const Mean path = mean_luminance(with(IntegratorKind::kPath, 0), 20480);
+        const Mean bdpt = mean_luminance(with(IntegratorKind::kBdpt, 1000), 10240);
         ASSERT_GT(path.value, 0);
         const double difference = bdpt.value / path.value - 1, error = std::hypot(path.error, bdpt.error) / path.value;
         comparisons.push_back(judged(name, difference, error));
         errors.push_back(error);
-        for (std::size_t f = 0; f < 4; ++f) {
+        for (std::size_t f = 0; f < kFactorCount; ++f) {
             levels[f][d[f]][0] += difference / (error * error);
             levels[f][d[f]][1] += 1 / (error * error);
         }
     }
     double detectable = 0;
-    for (std::size_t f = 0; f < 4; ++f) {
+    for (std::size_t f = 0; f < kFactorCount; ++f) {
         for (std::size_t c = 0; c < levels[f].size(); ++c) {
             const double error = 1 / std::sqrt(levels[f][c][1]);
             comparisons.push_back(
@@ -256,7 +276,7 @@ TEST(Agreement, PathAndBdptMakeOnePictureWhateverMeets) {
 
 // One strategy's weight wrong by 2 %: weights no longer add up to one, and the picture no longer agrees with that of `path`.
 TEST(Agreement, AStrategyWeighedWrongBy2PercentIsCaught) {
-    const Scene scene = scene_from(text_of({0, 0, 1, kVacuum}));
+    const Scene scene = scene_under_sky(text_of({0, 0, 1, kVacuum, 0}));
     const auto settings = [&](IntegratorKind kind, std::uint32_t seed) {
         return IntegratorSettings{.kind = kind,
                                   .connections = Connections::kAll,

@@ -1,5 +1,7 @@
 // Light where the answer is known: closed diffuse boxes, and lights seen directly.
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
@@ -61,12 +63,12 @@ std::vector<double> furnace(const std::string& reflectance, IntegratorKind kind,
 TEST(Furnace, AClosedDiffuseBoxShinesByTheGeometricSeries) {
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
         for (const double rho : {0.5, 0.9}) {
-            for (const std::uint32_t depth : {1u, 2u, 5u}) {
+            for (const std::uint32_t depth : {1u, 2u, 5u, kUnlimited}) {
                 SCOPED_TRACE(std::to_string(rho) + (kind == IntegratorKind::kPath ? " path " : " bdpt ") + std::to_string(depth));
                 double error = 0;
                 const std::vector<double> mean =
                     furnace("[360 " + std::to_string(rho) + " 830 " + std::to_string(rho) + "]", kind, depth, 30'000, error);
-                const double expected = (1 - std::pow(rho, depth + 1)) / (1 - rho);
+                const double expected = (1 - std::pow(rho, static_cast<double>(depth) + 1)) / (1 - rho);
                 EXPECT_LT(error, 0.01 * expected);
                 for (const double m : mean) EXPECT_NEAR(m, expected, 4 * error + 1e-4 * expected);
             }
@@ -82,6 +84,107 @@ TEST(Furnace, HoldsWavelengthByWavelength) {
     // Ends of the range: between the values at the wavelengths that the first and the last lane can have.
     EXPECT_LT(mean.front(), (1 - std::pow(0.9, 4)) / 0.1);
     EXPECT_GT(mean.back(), 1 + 0.1);
+}
+
+struct Mean {
+    std::array<double, 3> xyz{}, error{};
+};
+// Of the whole picture.
+Mean mean_of_picture(const Scene& scene, IntegratorSettings settings, std::uint64_t samples) {
+    settings.record = sampledb::RecordKind::kXyz;
+    const std::unique_ptr<Integrator> integrator = scene.integrator(settings);
+    Mean mean;
+    sampledb::Records r;
+    RadianceFaults faults;
+    for (std::uint64_t n = 0; n < samples; ++n) {
+        r.clear();
+        integrator->trace(n, r, faults);
+        std::array<double, 3> sum{};
+        for (std::size_t i = 0; i < r.size(); ++i) {
+            sum[0] += static_cast<double>(r.x[i]);
+            sum[1] += static_cast<double>(r.y[i]);
+            sum[2] += static_cast<double>(r.z[i]);
+        }
+        for (std::size_t c = 0; c < 3; ++c) mean.xyz[c] += sum[c], mean.error[c] += sum[c] * sum[c];
+    }
+    EXPECT_EQ(faults.total(), 0u);
+    const double count = static_cast<double>(samples);
+    for (std::size_t c = 0; c < 3; ++c) {
+        mean.xyz[c] /= count;
+        mean.error[c] = std::sqrt(std::max(0.0, mean.error[c] / count - mean.xyz[c] * mean.xyz[c]) / count);
+    }
+    return mean;
+}
+
+// What absorbs nothing cannot be seen before a sky that is everywhere the same: glass, panes, fog.
+TEST(Furnace, NothingThatAbsorbsNothingShowsBeforeAnEvenSky) {
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0 830 0] \"spectrum sigma_s\" [360 3 "
+        "830 1] "
+        "\"float g\" 0.4\nMediumInterface \"fog\" \"\"\n";
+    const std::vector<std::pair<std::string, std::string>> cases = {
+        {"glass", "Material \"dielectric\" \"float eta\" 1.5\n"},
+        {"dispersive glass", "Material \"dielectric\" \"spectrum eta\" \"glass-SF11\"\n"},
+        {"pane", "Material \"thindielectric\" \"float eta\" 1.5\n"},
+        {"dispersive pane", "Material \"thindielectric\" \"spectrum eta\" \"glass-SF11\"\n"},
+        {"fog", fog + "Material \"interface\"\n"},
+        {"fog in glass", fog + "Material \"dielectric\" \"float eta\" 1.5\n"},
+    };
+    const color::Xyz white = xyz_from_spectrum(color::illuminant_d65(), color::Observer::cie1931());
+    for (const auto& [name, text] : cases) {
+        const Scene scene = scene_from(
+            "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nLookAt 0 0 -3  0 0 0  0 1 0\nCamera "
+            "\"perspective\" "
+            "\"float fov\" 40\nWorldBegin\nLightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n" +
+            text + "Shape \"sphere\"\n");
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            SCOPED_TRACE(name + (kind == IntegratorKind::kPath ? ", path" : ", bdpt"));
+            const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = kUnlimited, .seed = 7}, 40'000);
+            const double expected[3] = {white.x / white.y, 1, white.z / white.y};
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_LT(mean.error[c], 0.02);
+                EXPECT_NEAR(mean.xyz[c], expected[c], 4 * mean.error[c] + 2e-4);
+            }
+        }
+    }
+}
+
+// A grey floor in z = 0 at the origin under one light: Y = rho / pi E, E the illuminance by `power` or `illuminance` of the scene.
+TEST(DirectLight, HasThePowerOrIlluminanceThatTheSceneSays) {
+    const double pi = std::numbers::pi, degree = pi / 180;
+    const double spot = 2 * pi * (1 - 0.5 * (std::cos(25 * degree) + std::cos(30 * degree)));  // solid angle that counts whole
+    const std::string
+        above = "AttributeBegin Translate 0 0 2 ",
+        area = "AreaLightSource \"diffuse\" \"blackbody L\" 4000 \"float power\" 7 ",
+        tiny =
+            "Shape \"trianglemesh\" \"point3 P\" [-.01 -.01 0  -.01 .02 0  .02 -.01 0] \"integer indices\" [0 1 2] AttributeEnd\n";
+    const std::vector<std::pair<std::string, double>> cases = {
+        {"LightSource \"distant\" \"blackbody L\" 4000 \"float illuminance\" 7 \"point3 from\" [1 0 1] \"point3 to\" [0 0 0]\n",
+         7 * std::sqrt(0.5)},
+        {"LightSource \"infinite\" \"blackbody L\" 4000 \"float illuminance\" 7\n", 7},
+        {"LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float illuminance\" 7\n", 7},
+        {"LightSource \"point\" \"blackbody I\" 4000 \"float power\" 7 \"point3 from\" [0 0 2]\n", 7 / (4 * pi) / 4},
+        {"LightSource \"spot\" \"blackbody I\" 4000 \"float power\" 7 \"point3 from\" [0 0 2] \"point3 to\" [0 0 0]\n",
+         7 / spot / 4},
+        {above + area + "Shape \"sphere\" \"float radius\" 0.4 AttributeEnd\n", 7 / (4 * pi) / 4},
+        {above + area + tiny, 7 / pi / 4},
+        {above + area + "\"bool twosided\" true " + tiny, 7 / (2 * pi) / 4},
+        {above + area + "\"float scale\" 3 " + tiny, 3 * 7 / pi / 4},
+    };
+    for (const auto& [light, illuminance] : cases) {
+        const Scene scene = scene_under_sky(
+            "LookAt 3 0 3  0 0 0  0 0 1\nCamera \"orthographic\" \"float screenwindow\" [-.01 .01 -.01 .01]\nWorldBegin\n" + light +
+            "Material \"diffuse\" \"spectrum reflectance\" [360 .5 830 .5]\nShape \"trianglemesh\" \"point3 P\" [-9 -9 0  9 -9 0  "
+            "0 9 0] "
+            "\"integer indices\" [0 1 2]\n");
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            SCOPED_TRACE(light + (kind == IntegratorKind::kPath ? ", path" : ", bdpt"));
+            const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = 1, .seed = 9}, 20'000);
+            const double expected = 0.5 / pi * illuminance;
+            EXPECT_LT(mean.error[1], 0.01 * expected);
+            EXPECT_NEAR(mean.xyz[1], expected, 4 * mean.error[1] + 1e-3 * expected);  // lights and window have an extent
+        }
+    }
 }
 
 // Mean XYZ of a picture that a light fills.

@@ -138,6 +138,39 @@ TEST(Integrator, DepthZeroSeesLightsOnly) {
     }
 }
 
+// No bound on depth, and nothing that absorbs: light inside a block of glass that is always reflected totally must end all the
+// same.
+TEST(Integrator, PathsWithoutABoundEnd) {
+    const Scene scene = scene_from(
+        "LookAt 0 0 -5  0 0 0  0 1 0\nCamera \"perspective\"\nWorldBegin\nLightSource \"point\" \"spectrum I\" \"stdillum-D65\"\n"
+        "Material \"dielectric\" \"float eta\" 1.5\nShape \"trianglemesh\" \"point3 P\" [-1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1  -1 -1 "
+        "1  1 -1 1  1 1 1 "
+        " -1 1 1] \"integer indices\" [0 2 1 0 3 2  4 5 6 4 6 7  0 1 5 0 5 4  3 6 2 3 7 6  0 4 7 0 7 3  1 2 6 1 6 5]\n");
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        IntegratorSettings settings = bdpt(sampledb::RecordKind::kXyz);
+        settings.kind = kind;
+        settings.max_depth = kUnlimited;
+        EXPECT_GE(trace(*scene.integrator(settings), 0, 3000).size(), 3000u);
+    }
+}
+
+// Fog without end, and light from infinity: nothing comes through, from either side.
+TEST(Integrator, LightFromInfinityDoesNotComeThroughEndlessFog) {
+    const std::string inside = "MediumInterface \"fog\" \"fog\"\n";
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .1 .1] \"rgb sigma_s\" [.2 .2 .2]\n" + inside;
+    for (const std::string light : {"LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n", "LightSource \"distant\"\n"}) {
+        const Scene scene = scene_from(fog + "LookAt 0 1 -5  0 0 0  0 1 0\nCamera \"perspective\"\nWorldBegin\n" + inside + light +
+                                       "Material \"diffuse\"\nShape \"sphere\"\n");
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            IntegratorSettings settings = bdpt(sampledb::RecordKind::kXyz);
+            settings.kind = kind;
+            const sampledb::Records r = trace(*scene.integrator(settings), 0, 4000);
+            EXPECT_TRUE(std::all_of(r.y.begin(), r.y.end(), [](float y) { return y < 1e-30f; }));
+        }
+    }
+}
+
 // Radiance that no light can have: counted by its cause, black in the camera image, absent from the light image.
 TEST(Records, FaultsAreCountedAndKeptOut) {
     const sampledb::WavelengthDensity density = wavelength_density({});

@@ -73,27 +73,96 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
          "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 1 0] \"point3 to\" [1 -1 0.5] \"float "
          "coneangle\" 40\n"},
         {"constant sky", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n"},
-        kAreas[0],
-        kAreas[1],
+        {"image sky", "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"},
     };
+    cases.insert(cases.end(), kAreas.begin(), kAreas.end());
     for (const Case& c : cases) {
         SCOPED_TRACE(c.name);
-        const Scene scene = with_light(c.text);
+        const Scene scene = scene_under_sky("WorldBegin\nAttributeBegin\n" + c.text + "AttributeEnd\n" + kFloor);
         const std::unique_ptr<World> world = scene.world();
         const Lights& lights = world->lights();
         Numbers u(4);
-        const Vec3f ng = lights[0].n;
-        expect_directions_follow(
-            {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
-                 LightRay ray;
-                 const float a = u(), b = u(), d = u(), e = u();
-                 lights.sample_ray(0, a, b, d, e, ray);
-                 EXPECT_FLOAT_EQ(ray.pdf_direction, lights.pdf_of_emission(0, ray.anchor.ng, ray.d));
-                 return ray.d;
-             },
-             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(lights.pdf_of_emission(0, ng, w)); },
-             .count = 60'000});
+        const Vec3f z = lights[0].has_area() ? Vec3f{0, 0, 1} : Vec3f{};  // directions from an area are looked at about its normal
+        expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
+                                      LightRay ray;
+                                      const float a = u(), b = u(), d = u(), e = u();
+                                      lights.sample_ray(0, a, b, d, e, ray);
+                                      EXPECT_FLOAT_EQ(ray.pdf_direction, lights.pdf_of_emission(0, ray.anchor.ng, ray.d));
+                                      return lights[0].has_area() ? Frame::from_z(ray.anchor.ng).to_local(ray.d) : ray.d;
+                                  },
+                                  .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(lights.pdf_of_emission(0, z, w)); },
+                                  .count = 60'000});
     }
+}
+
+// Where rays start: evenly on triangles, spheres, and the disk across which a light at infinity shines. Each point becomes two
+// numbers that are then even in [0, 1): counts of a 16 x 16 grid of them.
+TEST(Lights, RaysStartEvenlyOnTheirLight) {
+    struct StartCase {
+        Case light;
+        std::function<Vec2f(const Light&, const Vec3f& p, const Geometry&)> even;
+    };
+    const auto turns = [](float y, float x) { return std::atan2(y, x) / (2 * kPi) + 0.5f; };
+    const auto on_triangle = [](const Light& light, const Vec3f& p, const Geometry&) {
+        const Vec3f n = cross(light.e1, light.e2), d = p - light.p;
+        const float b1 = dot(cross(d, light.e2), n) / length_squared(n), b2 = dot(cross(light.e1, d), n) / length_squared(n);
+        return Vec2f{(b1 + b2) * (b1 + b2), b2 / (b1 + b2)};
+    };
+    const auto on_sphere = [&](const Light& light, const Vec3f& p, const Geometry&) {
+        const Vec3f d = (p - light.p) / light.radius;
+        return Vec2f{0.5f * (1 + d.z), turns(d.y, d.x)};
+    };
+    const std::vector<StartCase> cases = {
+        {kAreas[0], on_triangle},
+        {kAreas[1], on_triangle},
+        {kAreas[2], on_sphere},
+        {kAreas[3], on_sphere},
+        {{"distant", "LightSource \"distant\" \"point3 from\" [1 2 3] \"point3 to\" [0 0 0]\n"},
+         [&](const Light& light, const Vec3f& p, const Geometry& geometry) {
+             const Vec3f d = Frame::from_z(light.n).to_local(p - geometry.center());
+             return Vec2f{(d.x * d.x + d.y * d.y) / (geometry.radius() * geometry.radius()), turns(d.y, d.x)};
+         }},
+    };
+    for (const StartCase& c : cases) {
+        SCOPED_TRACE(c.light.name);
+        const Scene scene = with_light(c.light.text);
+        const std::unique_ptr<World> world = scene.world();
+        const Lights& lights = world->lights();
+        constexpr int kSide = 16, kCount = 100'000;
+        std::vector<double> counted(kSide * kSide);
+        Numbers u(5);
+        for (int n = 0; n < kCount; ++n) {
+            LightRay ray;
+            const float a = u(), b = u(), d = u(), e = u();
+            lights.sample_ray(0, a, b, d, e, ray);
+            ASSERT_EQ(ray.pdf_position, lights.pdf_of_position(0));
+            const Vec2f cell = c.even(lights[0], ray.anchor.p, *scene.geometry);
+            const auto index = [](float x) { return static_cast<std::size_t>(std::clamp(x * kSide, 0.0f, kSide - 1.0f)); };
+            ++counted[index(cell.x) * kSide + index(cell.y)];
+        }
+        double chi2 = 0;
+        constexpr double kExpected = static_cast<double>(kCount) / (kSide * kSide);
+        for (const double n : counted) chi2 += (n - kExpected) * (n - kExpected) / kExpected;
+        EXPECT_GT(chi_square_tail(chi2, kSide * kSide - 1), 1e-4) << chi2;
+    }
+}
+
+TEST(Lights, AreChosenAsOftenAsTheirProbabilitySays) {
+    std::vector<double> weight;
+    Numbers u(14);
+    for (int i = 0; i < 37; ++i) weight.push_back(i % 5 == 0 ? 0.01 : static_cast<double>(u() * u()));
+    const Choice choice(weight);
+    constexpr int kCount = 200'000;
+    std::vector<double> counted(weight.size());
+    for (int n = 0; n < kCount; ++n) ++counted[choice.sample(u())];
+    double chi2 = 0, whole = 0;
+    for (std::uint32_t i = 0; i < weight.size(); ++i) {
+        const double expected = kCount * static_cast<double>(choice.probability(i));
+        chi2 += (counted[i] - expected) * (counted[i] - expected) / expected;
+        whole += static_cast<double>(choice.probability(i));
+    }
+    EXPECT_NEAR(whole, 1, 1e-5);
+    EXPECT_GT(chi_square_tail(chi2, static_cast<double>(weight.size() - 1)), 1e-4) << chi2;
 }
 
 // The sum over rays of emission x cosine / density is the light's power, known in closed form.

@@ -44,6 +44,19 @@ inline Scene scene_of(Result<LoadedScene> loaded) {
 }
 // `text` is a whole .pbrt file.
 inline Scene scene_from(const std::string& text) { return scene_of(load(text)); }
+// The same beside "sky.exr", 8 x 8 pixels: a coloured sky with a warm sun about its +z.
+inline Scene scene_under_sky(const std::string& text) {
+    const Folder folder;
+    std::vector<float> rgb;
+    for (int i = 0; i < 64; ++i) {
+        const int x = i % 8, y = i / 8;
+        const bool sun = (x == 3 || x == 4) && y == 4;
+        const float blue = 0.3f + 0.1f * static_cast<float>(x), green = 0.2f + 0.05f * static_cast<float>(y);
+        rgb.insert(rgb.end(), {sun ? 12.0f : 0.2f, sun ? 9.0f : green, sun ? 6.0f : blue});
+    }
+    write_exr(folder / "sky.exr", 8, 8, rgb);
+    return scene_of(load_scene(folder.write("room.pbrt", text)));
+}
 // A file of the project's scenes/.
 inline Scene scene_named(const std::string& name) {
     return scene_of(load_scene(std::string(LATENT_SOURCE_DIR) + "/scenes/" + name));

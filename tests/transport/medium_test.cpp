@@ -1,0 +1,98 @@
+// Laws of media: distances are drawn as their density says, and the weights of a step add up to transmittance and single scattering
+// in every wavelength, however differently these are absorbed.
+#include "render/medium.h"
+
+#include <cmath>
+
+#include "render/wavelengths.h"
+#include "tests/transport/chi_square.h"
+#include "tests/transport/numbers.h"
+
+namespace latent::render::testing {
+namespace {
+
+class Steps : public ::testing::Test {
+ protected:
+    static color::Spectrum line(double at_360, double at_830) {
+        std::vector<double> nm, value;
+        for (double x = 360; x <= 830; ++x) {
+            nm.push_back(x);
+            value.push_back(at_360 + (at_830 - at_360) * (x - 360) / 470);
+        }
+        return *color::Spectrum::from_samples(std::move(nm), std::move(value), color::Outside::kZero);
+    }
+    Steps() {
+        fog_.sigma_t = library_.add(line(4, 0.05), Lookup::kNearestNm);  // red light hardly is
+        fog_.sigma_s = library_.add(line(3, 0.02), Lookup::kNearestNm);
+        spectra_.emplace(library_);
+        WavelengthSampler(wavelength_density({}), 28).draw(123456789, spectra_->wavelengths);
+        spectra_->start_sample();
+    }
+    SpectrumLibrary library_;
+    Medium fog_;
+    std::optional<SampledSpectra> spectra_;
+};
+
+TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
+    constexpr int kBins = 40, kCount = 200'000;
+    constexpr double kLength = 1.5;
+    const Batch& sigma = (*spectra_)[fog_.sigma_t];
+    const auto passing = [&](double t) {
+        double sum = 0;
+        for (std::uint32_t i = 0; i < 28; ++i) sum += std::exp(-static_cast<double>(sigma[i]) * t) / 28;
+        return sum;
+    };
+    std::vector<double> counted(kBins + 1);
+    Numbers u(12);
+    for (int n = 0; n < kCount; ++n) {
+        Batch value(1.0f);
+        const float channel = u(), x = u();
+        const MediumStep step = sample_step(fog_, kLength, channel, x, *spectra_, value);
+        const double t = static_cast<double>(step.t);
+        ++counted[step.scattered ? static_cast<std::size_t>(t / kLength * kBins) : kBins];
+        ASSERT_NEAR(step.passing, passing(t), 1e-5);
+        if (!step.scattered) {
+            ASSERT_EQ(step.density, step.passing);
+            continue;
+        }
+        ASSERT_NEAR(step.density, (passing(t - 1e-4) - passing(t + 1e-4)) / 2e-4, 1e-4);
+        ASSERT_NEAR(scattering_over_passing(fog_, step.t, *spectra_), step.density / step.passing, 1e-4);
+    }
+    double chi2 = 0;
+    for (int b = 0; b <= kBins; ++b) {
+        const double from = passing(b * kLength / kBins), to = b == kBins ? 0 : passing((b + 1) * kLength / kBins);
+        const double expected = kCount * (from - to);
+        chi2 += (counted[static_cast<std::size_t>(b)] - expected) * (counted[static_cast<std::size_t>(b)] - expected) / expected;
+    }
+    EXPECT_GT(chi_square_tail(chi2, kBins), 1e-4) << chi2;
+}
+
+// Means of the weights: e^(-sigma_t d) of what passes, sigma_s / sigma_t (1 - e^(-sigma_t d)) of what is scattered.
+TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
+    const Batch &sigma_t = (*spectra_)[fog_.sigma_t], &sigma_s = (*spectra_)[fog_.sigma_s];
+    constexpr int kCount = 400'000;
+    constexpr float kLength = 0.7f;
+    std::array<std::array<double, 2>, 28> passed{}, scattered{};  // sum and sum of squares
+    Numbers u(13);
+    for (int n = 0; n < kCount; ++n) {
+        Batch value(1.0f);
+        const float channel = u(), x = u();
+        auto& sums = sample_step(fog_, kLength, channel, x, *spectra_, value).scattered ? scattered : passed;
+        for (std::uint32_t i = 0; i < 28; ++i) {
+            sums[i][0] += static_cast<double>(value[i]);
+            sums[i][1] += static_cast<double>(value[i]) * static_cast<double>(value[i]);
+        }
+    }
+    const auto expect_mean = [](const std::array<double, 2>& sums, double expected) {
+        const double mean = sums[0] / kCount;
+        EXPECT_NEAR(mean, expected, 5 * std::sqrt((sums[1] / kCount - mean * mean) / kCount) + 1e-6);
+    };
+    for (std::uint32_t i = 0; i < 28; ++i) {
+        const double t = static_cast<double>(sigma_t[i]), transmittance = std::exp(-t * static_cast<double>(kLength));
+        expect_mean(passed[i], transmittance);
+        expect_mean(scattered[i], static_cast<double>(sigma_s[i]) / t * (1 - transmittance));
+    }
+}
+
+}  // namespace
+}  // namespace latent::render::testing
