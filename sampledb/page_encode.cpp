@@ -57,52 +57,55 @@ void encode_plain(Column column, std::span<const T> values) {
         store_planes(scratch.table.back(), std::as_bytes(values), sizeof(T));
 }
 
+// Where the job's sampler puts the samples of a camera page, in scratch.u and scratch.v; false if the job has none.
+bool sample_positions(const Job& job, const Page& page) {
+    if (page.record_class != RecordClass::kCamera || job.positions.sampler != PositionSampler::kHalton23) return false;
+    halton23(rows(page.sample, page.count), job.positions, at_least(scratch.u, page.count), at_least(scratch.v, page.count));
+    return true;
+}
+
 // Sample numbers within a node differ where u does: their reversed low bits are near each other. n = h 2^s + rev_s(f), and
-// f - f0 (mod 2^s) takes about s - level bits, against s for n itself.
-void encode_samples(std::span<const std::uint64_t> n, bool lattice) {
+// f - f0 (mod 2^s) takes about s - level bits, against s for n itself. `u`: where a sampler puts these samples, or empty; without
+// its shift that is n reversed, of which the 32 - s low bits are the same for all.
+void encode_samples(std::span<const std::uint64_t> n, std::span<const std::uint32_t> u, std::uint32_t shift_u) {
     if (begin_column(Column::kSample, std::as_bytes(n), 8)) return;
     ColumnEntry& entry = scratch.table.back();
-    const auto [low, high] = std::minmax_element(n.begin(), n.end());
+    std::uint64_t low = n[0], high = n[0];
+    for (const std::uint64_t value : n) low = std::min(low, value), high = std::max(high, value);
     const std::span<std::uint64_t> numbers = at_least(scratch.numbers, n.size());
-    const int s = std::bit_width(*low ^ *high);
-    if (lattice && s <= 32) {
-        const auto f = [s](std::uint64_t value) { return reverse_bits(static_cast<std::uint32_t>(value)) >> (32 - s); };
-        const std::uint32_t reference = f(n[0]) << (32 - s);
+    const int s = std::bit_width(low ^ high);
+    if (!u.empty() && s <= 32) {
         std::int32_t least = 0, most = 0;
-        for (const std::uint64_t value : n) {
-            const std::int32_t d = static_cast<std::int32_t>((f(value) << (32 - s)) - reference) >> (32 - s);
+        for (const std::uint32_t at : u) {
+            const std::int32_t d = static_cast<std::int32_t>(at - u[0]);
             least = std::min(least, d), most = std::max(most, d);
         }
-        const std::uint64_t bits = std::bit_width(static_cast<std::uint64_t>(std::int64_t{most} - least));
-        if (bits < std::bit_width(*high - *low)) {
-            const std::uint64_t mask = (std::uint64_t{1} << s) - 1;
-            const std::uint64_t f0 = (f(n[0]) + static_cast<std::uint64_t>(std::int64_t{least})) & mask;
-            for (std::size_t i = 0; i < n.size(); ++i) numbers[i] = (f(n[i]) - f0) & mask;
+        const unsigned bits =
+            static_cast<unsigned>(std::bit_width(static_cast<std::uint64_t>(std::int64_t{most} - least) >> (32 - s)));
+        if (bits < static_cast<unsigned>(std::bit_width(high - low))) {
+            const std::uint32_t f0 = u[0] + static_cast<std::uint32_t>(least);
+            for (std::size_t i = 0; i < n.size(); ++i) numbers[i] = (u[i] - f0) >> (32 - s);
             entry.transform = Transform::kLattice;
             entry.lattice_bits = static_cast<std::uint8_t>(s);
-            entry.base = (n[0] & ~mask) | reverse_bits(static_cast<std::uint32_t>(f0 << (32 - s)));
-            return store_packed(entry, numbers, static_cast<unsigned>(bits));
+            entry.base = n[0] >> s << s | (reverse_bits(f0 - shift_u) & ((std::uint64_t{1} << s) - 1));
+            return store_packed(entry, numbers, bits);
         }
     }
     entry.transform = Transform::kPacked;
-    entry.base = *low;
-    for (std::size_t i = 0; i < n.size(); ++i) numbers[i] = n[i] - *low;
-    store_packed(entry, numbers, static_cast<unsigned>(std::bit_width(*high - *low)));
+    entry.base = low;
+    for (std::size_t i = 0; i < n.size(); ++i) numbers[i] = n[i] - low;
+    store_packed(entry, numbers, static_cast<unsigned>(std::bit_width(high - low)));
 }
 
-void encode_positions(const Job& job, const Page& page) {
-    const std::span<const std::uint32_t> u = rows(page.u, page.count), v = rows(page.v, page.count);
-    if (page.record_class == RecordClass::kCamera && job.positions.sampler == PositionSampler::kHalton23) {
-        const std::span<std::uint32_t> du = at_least(scratch.u, page.count), dv = at_least(scratch.v, page.count);
-        halton23(rows(page.sample, page.count), job.positions, du, dv);
-        if (std::ranges::equal(u, du) && std::ranges::equal(v, dv)) {
-            scratch.table.push_back({.column = Column::kU, .transform = Transform::kSampler, .hash = hash64(std::as_bytes(u))});
-            scratch.table.push_back({.column = Column::kV, .transform = Transform::kSampler, .hash = hash64(std::as_bytes(v))});
-            return;
+void encode_positions(const Page& page, bool follow) {
+    for (const auto& [column, values] : {std::pair{Column::kU, &page.u}, std::pair{Column::kV, &page.v}}) {
+        const std::span<const std::uint32_t> positions = rows(*values, page.count);
+        if (follow) {
+            scratch.table.push_back({.column = column, .transform = Transform::kSampler, .hash = hash64(std::as_bytes(positions))});
+        } else {
+            encode_plain(column, positions);
         }
     }
-    encode_plain(Column::kU, u);
-    encode_plain(Column::kV, v);
 }
 
 void encode_crossed(Column column, std::span<const float> values, std::span<const float> y) {
@@ -155,8 +158,10 @@ PageInfo encode_page(const Job& job, const Page& page, Bytes& out) {
     scratch.table.clear();
     scratch.payload.clear();
     const bool camera = page.record_class == RecordClass::kCamera;
-    encode_samples(rows(page.sample, page.count), camera && job.positions.sampler == PositionSampler::kHalton23);
-    encode_positions(job, page);
+    const bool sampled = sample_positions(job, page);
+    const std::span<const std::uint32_t> u = rows(scratch.u, sampled ? page.count : 0), v = rows(scratch.v, u.size());
+    encode_samples(rows(page.sample, page.count), u, job.positions.shift_u);
+    encode_positions(page, std::ranges::equal(rows(page.u, page.count), u) && std::ranges::equal(rows(page.v, page.count), v));
     if (camera && page.unit_share) {
         const std::span<std::uint32_t> ones = at_least(scratch.words, page.count);
         std::ranges::fill(ones, std::bit_cast<std::uint32_t>(1.0f));

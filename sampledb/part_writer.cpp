@@ -61,8 +61,7 @@ class Writer final : public PartWriter {
     const Job job_;
     Coverage missing_;
     std::optional<PartAttempt> attempt_;  // the committer's, then finish's
-    Records joined_;                      // the committer's
-    Bytes encoded_;                       // the run that was written last; its memory serves the next
+    Bytes encoded_;                       // the committer's: the run that was written last; its memory serves the next
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
@@ -233,8 +232,12 @@ void Writer::commit_until_stopped() {
 
 // Encodes a run, and returns when it is on disk under a name that others can find.
 Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
-    join(std::move(grains), joined_);
-    Result<Bytes> run = encode_run(job_, coverage, joined_, std::move(encoded_));
+    Pieces pieces;
+    for (GrainPtr& grain : grains) {
+        const Records* const records = &grain->records;
+        pieces.emplace_back(std::move(grain), records);
+    }
+    Result<Bytes> run = encode_run(job_, coverage, std::move(pieces), std::move(encoded_));
     if (!run) return run.error();
     encoded_ = std::move(*run);
     if (Status s = attempt_->append(encoded_); !s) {

@@ -11,11 +11,18 @@ namespace latent::sampledb {
 
 namespace {
 
-// Rows left free between buckets. A low-discrepancy sequence makes buckets of equal size, whose ends would otherwise fall on the
-// same sets of the cache.
-constexpr std::size_t kSkew = 10;
 constexpr std::size_t kBlock = 256;  // rows that are loaded together
 constexpr std::size_t kAhead = 16;   // rows on their way from memory while one is copied
+
+// The leading 8 bits of the Z prefix.
+std::size_t leading_z(std::uint32_t u, std::uint32_t v) {
+    static constexpr auto kSpread = [] {
+        std::array<std::uint8_t, 16> spread{};
+        for (std::uint32_t i = 0; i < 16; ++i) spread[i] = static_cast<std::uint8_t>(z_prefix(i << 28, 0) >> 24);
+        return spread;
+    }();
+    return static_cast<std::size_t>(kSpread[v >> 28] << 1 | kSpread[u >> 28]);
+}
 
 }  // namespace
 
@@ -27,112 +34,136 @@ std::vector<std::uint32_t> order_by_sample(const Records& records) {
     return rows;
 }
 
-// A block of rows, one column after another: large columns begin at the same place of a memory page, and eight of them read in
-// step would push each other out of the cache.
-template <class RowAt>
-void RowSorter::load_rows(const RowAt& row_at, std::span<const std::uint32_t> first_pair, std::span<Row> rows) const {
-    const Records& r = *records_;
-    const auto load = [&](const auto& column, auto at) {
-        for (std::size_t i = 0; i < rows.size(); ++i) std::invoke(at, rows[i]) = column[row_at(i)];
-    };
-    load(r.sample, &Row::sample);
-    load(r.u, &Row::u);
-    load(r.v, &Row::v);
-    load(r.share, &Row::share);
-    if (job_->kind == RecordKind::kXyz) {
-        load(r.x, [](Row& row) -> float& { return row.xyz.x; });
-        load(r.y, [](Row& row) -> float& { return row.xyz.y; });
-        load(r.z, [](Row& row) -> float& { return row.xyz.z; });
-        return;
-    }
-    load(r.pairs, [](Row& row) -> std::uint16_t& { return row.spectral.pairs; });
-    load(first_pair, [](Row& row) -> std::uint32_t& { return row.spectral.first_pair; });
-    if (job_->density.empty()) return;
-    load(r.xi, [](Row& row) -> std::uint32_t& { return row.spectral.xi; });
-    load(r.index, [](Row& row) -> std::uint16_t& { return row.spectral.index; });
+void RowSorter::begin(const Job& job, std::size_t rows) {
+    job_ = &job;
+    buckets_ = {};
+    count_ = {};
+    chunks_ = 0;
+    sorted_buckets_ = first_rank_ = 0;
+    z_.clear(), order_.clear();
+    const std::size_t chunks = rows / kChunk + buckets_.size();
+    next_chunk_.reserve(chunks);
+    rows_.reserve(chunks * kChunk);
+    if (!job.extra.empty()) sources_.reserve(chunks * kChunk);
+    power_.clear(), lambda_nm_.clear();
+    extra_.resize(job.extra.size());
+    for (std::vector<std::byte>& column : extra_) column.clear();
 }
 
-// Two steps, so that neither jumps about in memory: rows go to buckets by class and the leading bits of z, which fills a few
-// hundred streams; each bucket is sorted where it lies, just before its pages are made.
-void RowSorter::sort(const Job& job, const Records& records) {
-    job_ = &job;
-    records_ = &records;
-    sorted_buckets_ = 0;
-    const std::size_t n = records.size();
-    const std::vector<std::uint32_t> by_sample = order_by_sample(records);
-    std::vector<std::uint32_t> first_pair(records.pairs.size());
-    std::exclusive_scan(records.pairs.begin(), records.pairs.end(), first_pair.begin(), 0u);
-    const auto bucket_of = [&](std::size_t row) {
-        const std::uint32_t z = z_prefix(records.u[row], records.v[row]);
-        return static_cast<std::size_t>(records.record_class[row]) * kBuckets + (z >> (32 - kBucketBits));
+// A block of rows, one column after another: columns tend to begin at the same place of a memory page, and eight of them read in
+// step would push each other out of the cache.
+void RowSorter::load_rows(const Records& piece, std::span<const std::uint32_t> by_sample, std::size_t first,
+                          std::span<Row> rows) const {
+    const auto load = [&](const auto& column, auto at) {
+        if (by_sample.empty()) {
+            for (std::size_t i = 0; i < rows.size(); ++i) std::invoke(at, rows[i]) = column[first + i];
+        } else {
+            for (std::size_t i = 0; i < rows.size(); ++i) std::invoke(at, rows[i]) = column[by_sample[first + i]];
+        }
     };
+    load(piece.sample, &Row::sample);
+    load(piece.u, &Row::u);
+    load(piece.v, &Row::v);
+    load(piece.share, &Row::share);
+    if (job_->kind == RecordKind::kXyz) {
+        load(piece.x, [](Row& row) -> float& { return row.xyz.x; });
+        load(piece.y, [](Row& row) -> float& { return row.xyz.y; });
+        load(piece.z, [](Row& row) -> float& { return row.xyz.z; });
+        return;
+    }
+    load(piece.pairs, [](Row& row) -> std::uint16_t& { return row.spectral.pairs; });
+    load(first_pair_, [](Row& row) -> std::uint32_t& { return row.spectral.first_pair; });
+    if (job_->density.empty()) return;
+    load(piece.xi, [](Row& row) -> std::uint32_t& { return row.spectral.xi; });
+    load(piece.index, [](Row& row) -> std::uint16_t& { return row.spectral.index; });
+}
 
-    begin_ = {};
-    for (std::size_t row = 0; row < n; ++row) ++begin_[bucket_of(row) + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    Bounds next;
-    for (std::size_t bucket = 0; bucket < next.size(); ++bucket) next[bucket] = static_cast<std::uint32_t>(slot(bucket));
-    const std::size_t slots = next.back();
-    if (rows_.size() < slots) rows_.resize(slots), z_.resize(slots), order_.resize(slots);
-    sources_.resize(job.extra.empty() ? 0 : slots);
+void RowSorter::add(const Records& piece) {
+    const std::vector<std::uint32_t> by_sample = order_by_sample(piece);
+    const std::uint32_t rows_before = static_cast<std::uint32_t>(count_[0] + count_[1]);
+    first_pair_.resize(piece.pairs.size());
+    std::exclusive_scan(piece.pairs.begin(), piece.pairs.end(), first_pair_.begin(), static_cast<std::uint32_t>(power_.size()));
+    power_.insert(power_.end(), piece.power.begin(), piece.power.end());
+    lambda_nm_.insert(lambda_nm_.end(), piece.lambda_nm.begin(), piece.lambda_nm.end());
+    for (std::size_t c = 0; c < extra_.size(); ++c) {
+        extra_[c].insert(extra_[c].end(), piece.extra[c].values.begin(), piece.extra[c].values.end());
+    }
 
     std::array<Row, kBlock> block;
-    for (std::size_t first = 0; first < n; first += kBlock) {
-        const std::size_t count = std::min(kBlock, n - first);
-        const auto row_at = [&](std::size_t i) { return by_sample.empty() ? first + i : by_sample[first + i]; };
-        load_rows(row_at, first_pair, std::span(block).first(count));
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::uint32_t to = next[bucket_of(row_at(i))]++;
-            rows_[to] = block[i];
-            if (!sources_.empty()) sources_[to] = static_cast<std::uint32_t>(row_at(i));
+    for (std::size_t first = 0; first < piece.size(); first += kBlock) {
+        const std::size_t n = std::min(kBlock, piece.size() - first);
+        load_rows(piece, by_sample, first, std::span(block).first(n));
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::size_t row = by_sample.empty() ? first + i : by_sample[first + i];
+            const std::size_t record_class = static_cast<std::size_t>(piece.record_class[row]);
+            const std::uint32_t place = place_for(record_class * kBuckets + leading_z(block[i].u, block[i].v));
+            __builtin_prefetch(&rows_[place] + 2, 1);  // the next line of this bucket
+            rows_[place] = block[i];
+            if (!extra_.empty()) sources_[place] = rows_before + static_cast<std::uint32_t>(row);
+            ++count_[record_class];
         }
     }
 }
 
-std::size_t RowSorter::slot(std::size_t bucket) const { return begin_[bucket] + bucket * kSkew; }
+std::uint32_t RowSorter::place_for(std::size_t bucket_number) {
+    Bucket& bucket = buckets_[bucket_number];
+    if (bucket.next == bucket.end) {
+        (bucket.count == 0 ? bucket.first_chunk : next_chunk_[bucket.last_chunk]) = chunks_;
+        bucket.last_chunk = chunks_;
+        bucket.next = chunks_ * kChunk;
+        bucket.end = bucket.next + kChunk;
+        ++chunks_;
+    }
+    ++bucket.count;
+    return bucket.next++;
+}
 
 // Stable, by the bits of z that the bucket leaves open: three passes of 8 bits, the least significant first.
-void RowSorter::sort_bucket(std::size_t bucket) {
+void RowSorter::sort_bucket(const Bucket& bucket) {
     constexpr int kPasses = (32 - kBucketBits) / 8;
-    const std::size_t n = begin_[bucket + 1] - begin_[bucket];
+    const std::size_t n = bucket.count;
     if (keys_.size() < n) keys_.resize(n), sorted_.resize(n);
     std::span<std::uint64_t> from(keys_.data(), n), to(sorted_.data(), n);  // Z prefix above, place in rows_ below
     std::array<std::array<std::uint32_t, 256>, kPasses> next{};
-    for (std::size_t i = 0; i < n; ++i) {
-        const Row& row = rows_[slot(bucket) + i];
-        const std::uint32_t z = z_prefix(row.u, row.v);
-        from[i] = std::uint64_t{z} << 32 | (slot(bucket) + i);
-        for (int pass = 0; pass < kPasses; ++pass) ++next[pass][z >> 8 * pass & 0xFF];
+    std::uint32_t chunk = bucket.first_chunk;
+    for (std::size_t first = 0; first < n; first += kChunk) {
+        const std::size_t end = std::min<std::size_t>(n, first + kChunk);
+        const std::uint32_t next_chunk = end < n ? next_chunk_[chunk] : chunk;
+        std::uint32_t place = chunk * kChunk;
+        for (std::size_t i = first; i < end; ++i, ++place) {
+            __builtin_prefetch(&rows_[next_chunk * kChunk + (i - first)]);
+            const std::uint32_t z = z_prefix(rows_[place].u, rows_[place].v);
+            from[i] = std::uint64_t{z} << 32 | place;
+            for (int pass = 0; pass < kPasses; ++pass) ++next[pass][z >> 8 * pass & 0xFF];
+        }
+        chunk = next_chunk;
     }
     for (int pass = 0; pass < kPasses && n > 1; ++pass) {
         std::exclusive_scan(next[pass].begin(), next[pass].end(), next[pass].begin(), 0u);
         for (const std::uint64_t key : from) to[next[pass][key >> (32 + 8 * pass) & 0xFF]++] = key;
         std::swap(from, to);
     }
-    for (std::size_t i = 0; i < n; ++i) {
-        z_[begin_[bucket] + i] = static_cast<std::uint32_t>(from[i] >> 32);
-        order_[begin_[bucket] + i] = static_cast<std::uint32_t>(from[i]);
+    for (const std::uint64_t key : from) {
+        z_.push_back(static_cast<std::uint32_t>(key >> 32));
+        order_.push_back(static_cast<std::uint32_t>(key));
     }
 }
 
-std::size_t RowSorter::first_row(RecordClass record_class) const {
-    return record_class == RecordClass::kCamera ? 0 : begin_[kBuckets];
-}
-
-std::size_t RowSorter::count(RecordClass record_class) const {
-    return (record_class == RecordClass::kCamera ? begin_[kBuckets] : begin_.back()) - first_row(record_class);
-}
-
-std::span<const std::uint32_t> RowSorter::z(RecordClass record_class, std::size_t most) {
-    const std::size_t first = first_row(record_class);
-    const std::size_t wanted = first + std::min(most, count(record_class));
-    while (begin_[sorted_buckets_] < wanted) sort_bucket(sorted_buckets_++);
-    const std::size_t sorted = std::min<std::size_t>(begin_[sorted_buckets_], first + count(record_class));
-    return {z_.data() + first, sorted - first};
+std::span<const std::uint32_t> RowSorter::z(RecordClass record_class, std::size_t begin, std::size_t most) {
+    const std::size_t class_begin = first_row(record_class), class_end = class_begin + count(record_class);
+    begin += class_begin;
+    if (const std::size_t done = begin - first_rank_; done > z_.size() / 2) {
+        z_.erase(z_.begin(), z_.begin() + static_cast<std::ptrdiff_t>(done));
+        order_.erase(order_.begin(), order_.begin() + static_cast<std::ptrdiff_t>(done));
+        first_rank_ = begin;
+    }
+    while (first_rank_ + z_.size() < std::min(begin + most, class_end)) sort_bucket(buckets_[sorted_buckets_++]);
+    const std::size_t end = std::min(first_rank_ + z_.size(), class_end);
+    return std::span(z_).subspan(begin - first_rank_, end - begin);
 }
 
 void RowSorter::gather(RecordClass record_class, std::size_t begin, std::size_t end, Page& page) const {
-    const std::span<const std::uint32_t> rows(order_.data() + first_row(record_class) + begin, end - begin);
+    const std::span<const std::uint32_t> rows(order_.data() + (first_row(record_class) + begin - first_rank_), end - begin);
     const std::size_t n = rows.size();
     const bool xyz = job_->kind == RecordKind::kXyz;
     page.record_class = record_class;
@@ -164,13 +195,13 @@ void RowSorter::gather(RecordClass record_class, std::size_t begin, std::size_t 
             const auto first = from.begin() + row.spectral.first_pair;
             to.insert(to.end(), first, first + row.spectral.pairs);
         };
-        take(records_->power, page.power);
-        take(records_->lambda_nm, page.lambda_nm);
+        take(power_, page.power);
+        take(lambda_nm_, page.lambda_nm);
     }
     page.extra.resize(job_->extra.size());
     for (std::size_t c = 0; c < page.extra.size(); ++c) {
         const std::size_t bytes = width(job_->extra[c].type);
-        const std::vector<std::byte>& from = records_->extra[c].values;
+        const std::vector<std::byte>& from = extra_[c];
         page.extra[c].values.resize(n * bytes);
         for (std::size_t i = 0; i < n; ++i) std::copy_n(&from[sources_[rows[i]] * bytes], bytes, &page.extra[c].values[i * bytes]);
     }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sampledb/big_buffer.h"
 #include "sampledb/job.h"
 #include "sampledb/page.h"
 #include "sampledb/record.h"
@@ -15,15 +16,18 @@ namespace latent::sampledb {
 // Row numbers in ascending order of sample, rows of one sample as they came; empty if they are in that order already.
 std::vector<std::uint32_t> order_by_sample(const Records& records);
 
-// Sorts the rows of one run after another; its memory (about 40 bytes per record) is kept for the next.
+// Sorts the rows of one run after another; its memory (about 35 bytes per record) is kept for the next.
 class RowSorter {
  public:
-    // `records` fit the job, are fewer than 2^32, and stay as they are until all pages have been gathered.
-    void sort(const Job& job, const Records& records);
+    // Forgets the last run. At most `rows` rows will be added.
+    void begin(const Job& job, std::size_t rows);
+    // Records that fit the job, in any order; their samples come after those of earlier pieces. They are copied.
+    void add(const Records& piece);
 
-    std::size_t count(RecordClass record_class) const;
-    // Z prefixes of the rows of a class, ascending: the first `most` of them at least, or all.
-    std::span<const std::uint32_t> z(RecordClass record_class, std::size_t most);
+    std::size_t count(RecordClass record_class) const { return count_[static_cast<std::size_t>(record_class)]; }
+    // Z prefixes of the rows of a class from the `begin`th on, ascending: `most` of them at least, or all. Neither class nor begin
+    // go back: what lies before is forgotten.
+    std::span<const std::uint32_t> z(RecordClass record_class, std::size_t begin, std::size_t most);
     // Copies rows begin .. end-1 of a class, in canonical order, into the columns of a page; they are among those that z() gave.
     void gather(RecordClass record_class, std::size_t begin, std::size_t end, Page& page) const;
 
@@ -40,28 +44,43 @@ class RowSorter {
             struct {
                 std::uint32_t xi;
                 std::uint16_t pairs, index;
-                std::uint32_t first_pair;  // in the run
+                std::uint32_t first_pair;  // in power_
             } spectral;
         };
     };
     static_assert(sizeof(Row) == 32);
 
+    // Rows go to buckets by class and the leading bits of z. A bucket is a list of chunks. Low-discrepancy positions fill all
+    // buckets at the same pace: a chunk is an odd number of cache lines, so that the ends of the buckets fall on different sets
+    // of the cache.
     static constexpr int kBucketBits = 8;  // of z: a bucket of a large run fits the second-level cache
     static constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
-    using Bounds = std::array<std::uint32_t, 2 * kBuckets + 1>;
+    static constexpr std::uint32_t kChunk = 66;
+    struct Bucket {
+        std::uint32_t count = 0;
+        std::uint32_t next = 0, end = 0;  // places in rows_: of the next row, of the end of the last chunk
+        std::uint32_t first_chunk = 0, last_chunk = 0;
+    };
 
-    template <class RowAt>
-    void load_rows(const RowAt& row_at, std::span<const std::uint32_t> first_pair, std::span<Row> rows) const;
-    std::size_t slot(std::size_t bucket) const;
-    void sort_bucket(std::size_t bucket);
-    std::size_t first_row(RecordClass record_class) const;
+    void load_rows(const Records& piece, std::span<const std::uint32_t> by_sample, std::size_t first, std::span<Row> rows) const;
+    std::uint32_t place_for(std::size_t bucket);
+    void sort_bucket(const Bucket& bucket);
+
+    std::size_t first_row(RecordClass record_class) const { return record_class == RecordClass::kCamera ? 0 : count_[0]; }
 
     const Job* job_ = nullptr;
-    const Records* records_ = nullptr;
-    Bounds begin_{};                            // first rank of each bucket: camera, then light, by the leading bits of z
+    std::array<Bucket, 2 * kBuckets> buckets_{};  // camera, then light, by the leading bits of z
+    std::array<std::size_t, 2> count_{};          // by class
+    std::uint32_t chunks_ = 0;                    // in use
+    BigBuffer<std::uint32_t> next_chunk_;         // of the same bucket
+    BigBuffer<Row> rows_;                         // by chunk
+    BigBuffer<std::uint32_t> sources_;            // of each row, in extra_; only if there are extra columns
+    std::vector<float> power_, lambda_nm_;        // as they came
+    std::vector<std::vector<std::byte>> extra_;
+    std::vector<std::uint32_t> first_pair_;  // of a piece
+
     std::size_t sorted_buckets_ = 0;            // buckets before this one are in order
-    std::vector<Row> rows_;                     // by bucket
-    std::vector<std::uint32_t> sources_;        // of each row, in `records`; only if there are extra columns
+    std::size_t first_rank_ = 0;                // of what follows
     std::vector<std::uint32_t> z_, order_;      // by rank: Z prefix, place in rows_
     std::vector<std::uint64_t> keys_, sorted_;  // of a bucket
 };

@@ -35,56 +35,9 @@ void RunAssembler::close(std::vector<AssembledRun>& closed) {
     bytes_ = 0;
 }
 
-namespace {
-
-// Calls visit(to's column, from's column) for every column.
-template <class Visit>
-void for_columns(Records& to, const Records& from, const Visit& visit) {
-    visit(to.sample, from.sample);
-    visit(to.record_class, from.record_class);
-    visit(to.u, from.u);
-    visit(to.v, from.v);
-    visit(to.share, from.share);
-    visit(to.x, from.x);
-    visit(to.y, from.y);
-    visit(to.z, from.z);
-    visit(to.pairs, from.pairs);
-    visit(to.xi, from.xi);
-    visit(to.index, from.index);
-    visit(to.power, from.power);
-    visit(to.lambda_nm, from.lambda_nm);
-    for (std::size_t i = 0; i < from.extra.size(); ++i) {
-        if (to.extra.size() == i) to.extra.push_back({from.extra[i].name, from.extra[i].type, {}});
-        visit(to.extra[i].values, from.extra[i].values);
-    }
-}
-
-}  // namespace
-
 SampleRange grain_range(std::uint64_t sample, SampleRange range) {
     const std::uint64_t first = sample - sample % kGrainSamples;
     return {std::max(first, range.first), range.end - first > kGrainSamples ? first + kGrainSamples : range.end};
-}
-
-void join(std::vector<GrainPtr> grains, Records& all) {
-    all.clear();
-    std::vector<std::size_t> rows;
-    std::size_t column;
-    for (const GrainPtr& grain : grains) {
-        column = 0;
-        for_columns(all, grain->records, [&](auto&, const auto& from) {
-            if (rows.size() == column) rows.push_back(0);
-            rows[column++] += from.size();
-        });
-    }
-    for (GrainPtr& grain : grains) {
-        column = 0;
-        for_columns(all, grain->records, [&](auto& to, const auto& from) {
-            to.reserve(rows[column++]);
-            to.insert(to.end(), from.begin(), from.end());
-        });
-        grain.reset();
-    }
 }
 
 std::vector<GrainPtr> split(const Records& records, const Coverage& coverage, SampleRange range) {

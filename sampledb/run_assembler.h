@@ -51,11 +51,7 @@ class RunAssembler {
 // The grain of `range` that holds sample `sample`.
 SampleRange grain_range(std::uint64_t sample, SampleRange range);
 
-// Fills `all`, whose memory is used again, with the records of these grains, one grain after another. Grains are let go as they are
-// copied.
-void join(std::vector<GrainPtr> grains, Records& all);
-
-// The grains of `range` that `coverage` holds completely, cut out of `records`, which ascend by sample: join() undone.
+// The grains of `range` that `coverage` holds completely, cut out of `records`, which ascend by sample.
 std::vector<GrainPtr> split(const Records& records, const Coverage& coverage, SampleRange range);
 
 }  // namespace latent::sampledb

@@ -14,6 +14,8 @@ namespace latent::sampledb {
 
 namespace {
 
+constexpr std::uint64_t kMostRecords = std::uint64_t{1} << 31;
+
 // The first row, if any, that does not fit the job or the coverage.
 Status check_records(const Job& job, const Coverage& coverage, const Records& r) {
     const std::size_t n = r.size();
@@ -31,8 +33,6 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
     for (std::size_t i = 0; columns_fit && i < r.extra.size(); ++i)
         columns_fit = r.extra[i].values.size() == n * width(job.extra[i].type);
     if (!columns_fit) return Error{ErrorCode::kOutOfRange, "records without the columns that the job asks for"};
-    if (std::max<std::uint64_t>(n, pair_sum) > ~std::uint32_t{0})
-        return Error{ErrorCode::kOutOfRange, "more than 2^32 records or pairs in a run"};
 
     const bool one_interval = coverage.ranges().size() == 1;
     for (std::size_t i = 0; i < n; ++i) {
@@ -86,22 +86,35 @@ RunEncoder::Tail RunEncoder::finish() {
 }
 
 Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records, Bytes memory) {
+    return encode_run(job, coverage, {std::shared_ptr<const Records>(std::shared_ptr<const Records>(), &records)},
+                      std::move(memory));
+}
+
+Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces, Bytes memory) {
     if (coverage.empty()) return Error{ErrorCode::kOutOfRange, "a run that covers no sample"};
     if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run of too many intervals"};
-    if (Status s = check_records(job, coverage, records); !s) return s.error();
+    std::uint64_t records = 0, pairs = 0, raw_bytes = 0;
+    for (const auto& piece : pieces) records += piece->size(), pairs += piece->power.size(), raw_bytes += piece->raw_bytes();
+    if (std::max(records, pairs) > kMostRecords) return Error{ErrorCode::kOutOfRange, "more than 2^31 records or pairs in a run"};
 
     thread_local RowSorter rows;
-    rows.sort(job, records);
+    rows.begin(job, records);
+    for (std::shared_ptr<const Records>& piece : pieces) {
+        if (Status s = check_records(job, coverage, *piece); !s) return s.error();
+        rows.add(*piece);
+        piece.reset();
+    }
     const std::size_t most = max_page_records(job);
     RunEncoder encoder(job, coverage);
     Bytes run = std::move(memory);
     run.clear();
-    run.reserve(records.raw_bytes() + kBlock);  // untouched pages cost nothing; growing would copy
+    if (run.capacity() < raw_bytes + kBlock) run.reserve(raw_bytes + raw_bytes / 4 + kBlock);  // untouched, it costs nothing
     run.resize(kRunHeaderSize);
     Page page;
     for (const RecordClass record_class : {RecordClass::kCamera, RecordClass::kLight}) {
         for (std::size_t begin = 0, end = 0; begin < rows.count(record_class); begin = end) {
-            end = page_end(rows.z(record_class, begin + most + 1), begin, most);
+            const std::size_t before = begin > 0 ? 1 : 0;
+            end = begin - before + page_end(rows.z(record_class, begin - before, before + most + 1), before, most);
             rows.gather(record_class, begin, end, page);
             encoder.add_page(page, run);
         }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "base/bytes.h"
 #include "base/result.h"
@@ -12,10 +14,14 @@
 
 namespace latent::sampledb {
 
-// One run, ready to be written at a multiple of kBlock. The same bytes whatever order the grains came in, as long as the records
-// of one sample are in their order of emission. All records belong to samples of `coverage`; samples may be without records.
+// Records of a run, piece by piece, ascending by sample from piece to piece; within one in any order, those of a sample as emitted.
+using Pieces = std::vector<std::shared_ptr<const Records>>;
+
+// One run, ready to be written at a multiple of kBlock. The same bytes however the records are cut into pieces. They belong to
+// samples of `coverage`; samples may be without records. Pieces are let go as they are taken up.
 // `memory`: bytes that are no longer needed, whose memory the run is built in.
 // Errors: kOutOfRange, naming the sample whose record does not fit the job (kind, pairs, index, share, coverage).
+Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces, Bytes memory = {});
 Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records, Bytes memory = {});
 
 struct DecodedRun {

@@ -69,6 +69,16 @@ TEST(Planes, EveryCodecComesBackAndIsUsedWhereItPays) {
     EXPECT_EQ(codec_of(noise(5000, 256, 1)), PlaneCodec::kRaw);
     EXPECT_EQ(codec_of(noise(20, 2, 1)), PlaneCodec::kRaw);
     EXPECT_EQ(codec_of(noise(5000, 16, 1)), PlaneCodec::kZstd);
+    // Noise of which a share p is black has an entropy of H(p) + 8 (1 - p) bits: 4 % less at p = 0.1, 28 % at 0.4.
+    const auto with_black = [](std::size_t blacks_of_ten) {
+        Bytes plane = noise(5000, 256, 2);
+        for (std::size_t i = 0; i < plane.size(); ++i) {
+            if (i * 7 % 10 < blacks_of_ten) plane[i] = std::byte{0};
+        }
+        return plane;
+    };
+    EXPECT_EQ(codec_of(with_black(1)), PlaneCodec::kRaw);
+    EXPECT_EQ(codec_of(with_black(4)), PlaneCodec::kZstd);
 }
 
 TEST(Planes, StoredPlanesThatMisleadAreRefused) {
