@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <ctime>
-#include <nlohmann/json.hpp>
 
 #include "base/hash.h"
+#include "base/json.h"
 #include "base/size.h"
 
 namespace latent::render {
@@ -38,7 +38,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"nan", report.faults.nan},
                           {"infinite", report.faults.infinite},
                           {"negative", report.faults.negative}};
-        return out.dump() + "\n";
+        return json_text(out) + "\n";
     }
     return fmt::format("job {}\nsamples {}:{}, {} rendered in {} ({:.3f} M samples/s), {} written\n", to_hex(job.job.id),
                        job.range.first, job.range.end, report.samples, format_duration(report.seconds), rate / 1e6,
@@ -51,7 +51,7 @@ std::string to_text(const RenderEstimate& estimate, bool json) {
                           {"bytes", estimate.bytes},
                           {"seconds", estimate.seconds},
                           {"measured_samples", estimate.measured_samples}};
-        return out.dump() + "\n";
+        return json_text(out) + "\n";
     }
     return fmt::format("{} samples would take {} and {} on disk (measured on {} samples)\n", estimate.samples,
                        format_duration(estimate.seconds), format_size(estimate.bytes), estimate.measured_samples);
@@ -67,7 +67,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings) {
                       {"seed", settings.seed},
                       {"host", host},
                       {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
-    return out.dump();
+    return json_text(out, -1);
 }
 
 }  // namespace latent::render

@@ -18,13 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace sampledb;
-using latent::testing::FaultOutcome;
-using latent::testing::Outcome;
-using latent::testing::read_text;
-using latent::testing::run;
-using latent::testing::run_with_fault;
-using latent::testing::TemporaryFolder;
-using latent::testing::tool;
+using namespace latent::testing;
 using nlohmann::json;
 
 constexpr std::uint64_t kS = 4096;
@@ -131,6 +125,7 @@ TEST_F(InspectTest, VerifyNamesTheRunThatIsDamaged) {
     const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
     const fs::path file = write("a.latent", sound.bytes);
     for (const char* depth : {"--quick", "--json", "--deep"}) EXPECT_EQ(inspect({"verify", depth, file}).status, 0) << depth;
+    EXPECT_EQ(inspect({"verify", file, "--threads", "1"}).out, inspect({"verify", file, "--threads", "3"}).out);
     Bytes broken = sound.bytes;
     broken[sound.run_ends[0] + 3000] ^= std::byte{1};
     const Outcome outcome = inspect({"verify", write("b.latent", broken)});
@@ -172,8 +167,41 @@ TEST_F(InspectTest, APublishedNameWithoutItsFooterIsDamagedHoweverItsEndWasSpoil
         EXPECT_EQ(recovered.status, 3) << recovered.out;
         EXPECT_NE(recovered.out.find("lost: "), std::string::npos) << recovered.out;
         EXPECT_EQ(inspect({"verify", folder_ / "b.latent"}).status, 0);
-        EXPECT_NE(inspect({"info", file}).out.find("truncated or damaged"), std::string::npos);
+        const Outcome info = inspect({"info", file});
+        EXPECT_EQ(info.status, 3);
+        EXPECT_NE(info.out.find("truncated or damaged"), std::string::npos) << info.out;
     }
+}
+
+TEST_F(InspectTest, InfoListsTheDamageThatItMeets) {
+    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    for (const std::size_t into : {std::size_t{100}, std::size_t{2000}}) {  // of run 1: its header; its pages
+        Bytes bytes = sound.bytes;
+        bytes[sound.run_ends[0] + into] ^= std::byte{1};
+        const Outcome outcome = inspect({"info", "--json", write("a.latent", bytes)});
+        EXPECT_EQ(outcome.status, 3);
+        EXPECT_EQ(json::parse(outcome.out)["damage"].size(), 1u) << outcome.out;
+    }
+}
+
+TEST_F(InspectTest, AFileMayHaveAnyName) {
+    const fs::path file = write("\xff.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    for (const std::string command : {"info", "verify"}) {
+        const Outcome outcome = inspect({command, "--json", file});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_TRUE(json::accept(outcome.out)) << outcome.out;
+    }
+}
+
+TEST_F(InspectTest, NumbersThatAreNoneAndNamesOfAnotherKindAreWrongUsage) {
+    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    EXPECT_EQ(inspect({"cat", file, "--limit", "-1"}).status, 2);
+    for (const char* option : {"--records", "--first", "--seed", "--run-samples", "--run-bytes", "--every", "--checkpoint"}) {
+        EXPECT_EQ(inspect({"gen", "-o", folder_ / "b.latent", option, "-1"}).status, 2) << option;
+    }
+    EXPECT_EQ(inspect({"gen", "-o", folder_ / "b.txt"}).status, 2);
+    EXPECT_EQ(inspect({"recover", file, "-o", folder_ / "b.txt"}).status, 2);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.latent"});
 }
 
 TEST_F(InspectTest, OneBadFileDoesNotKeepTheOthersFromBeingLookedAt) {
@@ -240,6 +268,14 @@ TEST_F(InspectTest, RecoverNeverTouchesItsInputOrAnOutputThatExists) {
     const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
     const std::string before = read_text(file);
     EXPECT_EQ(inspect({"recover", file, "-o", file}).status, 1);
+    fs::create_hard_link(file, folder_ / "hard.latent");
+    fs::create_symlink(file, folder_ / "soft.latent");
+    for (const char* name : {"a.latent", "./a.latent", "hard.latent", "soft.latent"}) {
+        const Outcome outcome = inspect({"recover", file, "-o", folder_ / name, "--force"});
+        EXPECT_EQ(outcome.status, 1) << name;
+        EXPECT_NE(outcome.err.find("the damaged file itself"), std::string::npos) << outcome.err;
+    }
+    EXPECT_TRUE(fs::is_symlink(folder_ / "soft.latent"));
     std::ofstream(folder_ / "b.latent") << "precious";
     EXPECT_EQ(inspect({"recover", file, "-o", folder_ / "b.latent"}).status, 1);
     EXPECT_EQ(read_text(folder_ / "b.latent"), "precious");

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include "base/json.h"
 
 namespace latent::convert {
 
@@ -41,7 +41,7 @@ std::string report_json(const ConvertReport& r) {
                                       {"colourless", r.print.colourless},
                                       {"seconds", r.seconds},
                                       {"outputs", r.outputs}};
-    return json.dump() + "\n";
+    return json_text(json) + "\n";
 }
 
 }  // namespace latent::convert

@@ -2,49 +2,44 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "base/json.h"
 #include "base/size.h"
+#include "sampledb/report_json.h"
 
 namespace latent::develop {
 
-using nlohmann::json;
-
 std::string to_json(const PictureReport& r) {
-    json samples = json::array(), left_out = json::array();
-    for (const sampledb::SampleRange& range : r.coverage.ranges()) samples.push_back({range.first, range.end});
-    for (const sampledb::LeftOut& item : r.gathering.left_out) left_out.push_back({{"place", item.place}, {"reason", item.reason}});
     const DevelopCounts& c = r.counts;
-    const json report = {{"output", r.output},
-                         {"width", r.width},
-                         {"height", r.height},
-                         {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
-                         {"filter", r.filter},
-                         {"observer", r.observer},
-                         {"job", to_hex(r.job)},
-                         {"files", r.files},
-                         {"runs", r.runs},
-                         {"samples", samples},
-                         {"light_paths", c.light_paths},
-                         {"camera_records", c.camera_records},
-                         {"light_records", c.light_records},
-                         {"bytes_stored", r.bytes_stored},
-                         {"bytes_read", r.bytes_read},
-                         {"pages", c.pages},
-                         {"decode_factor", c.decode_factor()},
-                         {"regions", c.regions},
-                         {"temporary_bytes", c.temporary_bytes},
-                         {"fallback_pixels", c.fallback_pixels},
-                         {"empty_pixels", c.empty_pixels},
-                         {"camera_not_finite", c.camera_not_finite},
-                         {"light_not_finite", c.light_not_finite},
-                         {"superseded_runs", r.gathering.superseded_runs},
-                         {"repeated_runs", r.gathering.repeated_runs},
-                         {"seconds", r.seconds},
-                         {"left_out", left_out},
-                         {"notes", r.gathering.notes},
-                         {"warnings", r.warnings}};
-    return report.dump(2) + "\n";
+    const nlohmann::json report = {{"output", r.output},
+                                   {"width", r.width},
+                                   {"height", r.height},
+                                   {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
+                                   {"filter", r.filter},
+                                   {"observer", r.observer},
+                                   {"job", to_hex(r.job)},
+                                   {"files", r.files},
+                                   {"runs", r.runs},
+                                   {"samples", r.coverage},
+                                   {"light_paths", c.light_paths},
+                                   {"camera_records", c.camera_records},
+                                   {"light_records", c.light_records},
+                                   {"bytes_stored", r.bytes_stored},
+                                   {"bytes_read", r.bytes_read},
+                                   {"pages", c.pages},
+                                   {"decode_factor", c.decode_factor()},
+                                   {"regions", c.regions},
+                                   {"temporary_bytes", c.temporary_bytes},
+                                   {"fallback_pixels", c.fallback_pixels},
+                                   {"empty_pixels", c.empty_pixels},
+                                   {"camera_not_finite", c.camera_not_finite},
+                                   {"light_not_finite", c.light_not_finite},
+                                   {"superseded_runs", r.gathering.superseded_runs},
+                                   {"repeated_runs", r.gathering.repeated_runs},
+                                   {"seconds", r.seconds},
+                                   {"left_out", r.gathering.left_out},
+                                   {"notes", r.gathering.notes},
+                                   {"warnings", r.warnings}};
+    return json_text(report) + "\n";
 }
 
 std::string to_text(const PictureReport& r) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/cli.h"
 #include "base/size.h"
 #include "sampledb/parse.h"
 
@@ -37,13 +38,11 @@ Status TextArguments::apply(CatOptions& cat, GenOptions& gen) const {
     if (region.size() == 4) cat.region = {region[0], region[1], region[2], region[3]};
     cat.format = format == "csv" ? TextFormat::kCsv : TextFormat::kJsonLines;
 
-    const Result<std::uint64_t> count = parse_count(records), bytes = parse_size(run_bytes);
+    const Result<std::uint64_t> count = parse_count(records);
     if (!count) return count.error().at("--records");
-    if (!bytes) return bytes.error().at("--run-bytes");
     if (*count > (~std::uint64_t{0} - first) / gen.scene.every)
         return Error{ErrorCode::kUsage, "--records: beyond the last sample number"};
     gen.samples = {first, first + *count * gen.scene.every};
-    gen.scene.run_bytes = *bytes;
     gen.scene.kind = kind == "xyz" ? RecordKind::kXyz : RecordKind::kSpectral;
     gen.scene.texture = texture == "uniform" ? Texture::kUniform : texture == "black" ? Texture::kBlack : Texture::kTextured;
     return parse_aspect(aspect, gen.scene);
@@ -56,7 +55,7 @@ void add_cat_options(CLI::App& cat, CatOptions& options, TextArguments& text) {
         ->type_name("U0,V0,U1,V1")
         ->delimiter(',')
         ->expected(4);
-    cat.add_option("--limit", options.limit, "at most this many records");
+    cat.add_option("--limit", options.limit, "at most this many records")->check(cli::whole_number());
     cat.add_option("--format", text.format, "csv, or one JSON object a line")
         ->check(CLI::IsMember({"csv", "json"}))
         ->capture_default_str();
@@ -64,7 +63,10 @@ void add_cat_options(CLI::App& cat, CatOptions& options, TextArguments& text) {
 
 void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text) {
     SyntheticScene& scene = options.scene;
-    gen.add_option("-o,--output", options.output, "the new file")->required()->type_name("OUT.latent");
+    gen.add_option("-o,--output", options.output, "the new file")
+        ->required()
+        ->check(cli::ends_in(".latent"))
+        ->type_name("OUT.latent");
     gen.add_option("--records", text.records, "camera records; K, M and G are powers of 1000")
         ->type_name("COUNT")
         ->capture_default_str();
@@ -82,14 +84,19 @@ void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text) {
         ->check(CLI::IsMember({"textured", "uniform", "black"}))
         ->capture_default_str();
     gen.add_option("--aspect", text.aspect, "of the film")->type_name("W:H")->capture_default_str();
-    gen.add_option("--first", text.first, "first sample number, a multiple of the run length")->capture_default_str();
+    gen.add_option("--first", text.first, "first sample number, a multiple of the run length")
+        ->check(cli::whole_number())
+        ->capture_default_str();
     gen.add_option("--every", scene.every, "only sample numbers divisible by this have records")
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
         ->capture_default_str();
-    gen.add_option("--seed", scene.seed, "another seed, another job")->capture_default_str();
-    gen.add_option("--run-samples", scene.run_samples, "samples of a run, a power of two; 0: near 64 MiB")->capture_default_str();
-    gen.add_option("--run-bytes", text.run_bytes, "cap of a run")->type_name("SIZE")->capture_default_str();
-    gen.add_option("--checkpoint", options.checkpoint_seconds, "seconds between checkpoints")->capture_default_str();
+    gen.add_option("--seed", scene.seed, "another seed, another job")->check(cli::whole_number())->capture_default_str();
+    gen.add_option("--run-samples", scene.run_samples, "samples of a run, a power of two; 0: near 64 MiB")
+        ->check(cli::whole_number())
+        ->capture_default_str();
+    cli::add_size(gen, "--run-bytes", scene.run_bytes, "cap of a run")->default_str("256M");
+    cli::add_duration(gen, "--checkpoint", options.checkpoint_seconds, "commit finished work at least this often")
+        ->default_str("60s");
     gen.add_flag("--random-positions", scene.random_positions, "stored positions instead of derived ones");
     gen.add_flag("--explicit-wavelengths", scene.explicit_wavelengths, "stored wavelengths instead of derived ones");
 }

@@ -14,7 +14,7 @@ namespace latent::inspect {
 struct TextArguments {
     std::string samples, format = "csv";  // cat
     std::vector<double> region;
-    std::string records = "1M", kind = "xyz", aspect = "1:1", texture = "textured", run_bytes = "256M";  // gen
+    std::string records = "1M", kind = "xyz", aspect = "1:1", texture = "textured";  // gen
     std::uint64_t first = 0;
 
     // Errors: kUsage.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <iterator>
 #include <string>
 
@@ -18,14 +19,8 @@ namespace {
 constexpr std::size_t kFlushBytes = std::size_t{1} << 16;
 
 // A float in as few digits as bring it back exactly; JSON has no NaN or infinity: they become null.
-void put_value(std::string& line, double value, bool json) {
-    if (json && !std::isfinite(value)) {
-        line += "null";
-    } else {
-        fmt::format_to(std::back_inserter(line), "{}", value);
-    }
-}
-void put_value(std::string& line, float value, bool json) {
+template <std::floating_point Float>
+void put_value(std::string& line, Float value, bool json) {
     if (json && !std::isfinite(value)) {
         line += "null";
     } else {

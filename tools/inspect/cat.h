@@ -25,8 +25,8 @@ struct CatOptions {
 };
 
 // Writes to `out`, in the order of the file: run by run, page by page. Positions are exact fractions of 2^32; wavelengths of jobs
-// with a density are written out. Pages that are damaged
-// are left out and listed. Errors: those of Gathering::open, kIo (reading failed, or `out` takes no more).
+// with a density are written out. Pages that are damaged are left out and listed.
+// Errors: those of Gathering::open, kIo (reading failed, or `out` takes no more).
 Result<sampledb::GatherReport> cat(const CatOptions& options, std::FILE* out);
 
 }  // namespace latent::inspect

@@ -6,10 +6,11 @@ namespace latent::inspect::help {
 inline constexpr const char* kTool = R"(
 latent-inspect COMMAND --help explains each command, with examples.
 
-Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but something was lost; 4 verify found damage.)";
+Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but something damaged was left out; 4 verify found damage.)";
 
 inline constexpr const char* kInfo = R"(
 Job, film, samples, runs, and what each column costs (estimated if there are many pages: fast at any size).
+What is damaged is left out and listed, with exit status 3; as far as it is noticed: verify reads every byte.
 --json lists the runs that count, with the samples and the content hash of each.
 
 Examples:

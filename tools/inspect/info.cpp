@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "base/hash.h"
+#include "base/json.h"
 #include "base/size.h"
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
 #include "sampledb/page_codec.h"
+#include "sampledb/report_json.h"
 #include "sampledb/selection.h"
 
 namespace latent::inspect {
@@ -20,10 +22,17 @@ namespace {
 constexpr std::uint64_t kPagesLookedAt = 256;  // at most: enough for the cost of each column within a percent or two
 constexpr std::uint64_t kManyRuns = 1000;
 
+bool is_damage(const Error& error) { return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kTruncated; }
+
+Damage damage_of(const RunInfo& run, const Error& error) {
+    return {run.offset, run.header.size(), fmt::format("run at byte {}: {}", run.offset, error.message)};
+}
+
 // Adds the columns of a page to the sums.
 Status look_at(const ByteSource& source, const PageInfo& page, FileInfo& info) {
     Bytes stored(page.stored_size);
     if (Status s = source.read(page.offset, stored); !s) return s;
+    if (hash64(stored) != page.stored_hash) return Error{ErrorCode::kCorrupt, "checksum mismatch"};
     const Result<std::vector<StoredColumn>> columns = stored_columns(info.contents.header.job, page, stored);
     if (!columns) return columns.error();
     for (const StoredColumn& column : *columns) {
@@ -36,22 +45,30 @@ Status look_at(const ByteSource& source, const PageInfo& page, FileInfo& info) {
 }
 
 // What the columns cost: exact if every page is looked at; else one page of every `step`, scaled so that the bytes of all pages
-// come out right. Damaged runs are left out: `verify` is for these.
-void look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs, FileInfo& info) {
+// come out right. What is damaged is left out, and listed.
+Status look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs, FileInfo& info) {
     const std::uint64_t step = info.pages / kPagesLookedAt + 1;
     // The k-th page looked at, anywhere within its step: runs of equal layout must not be met at the same place each time.
     const auto page_number = [step](std::uint64_t k) { return k * step + ((((k * 0x9e3779b9u) & 0xffffffffu) * step) >> 32); };
     std::uint64_t k = 0, first = 0;  // `first`: number of the run's first page
     std::uint64_t pages_seen = 0, bytes_seen = 0, bytes = 0, records_seen = 0;
+    std::vector<Damage>& damage = info.contents.damage;
     for (const RunInfo& run : runs) {
         const std::uint64_t end = first + run.header.page_count;
         bytes += run.header.pages_size;
         if (page_number(k) < end) {
             const Result<RunIndex> index = read_run_index(source, run, info.contents.header.job);
+            if (!index && !is_damage(index.error())) return index.error();
+            if (!index) damage.push_back(damage_of(run, index.error()));
             for (; page_number(k) < end; ++k) {
                 if (!index) continue;
                 const PageInfo& page = index->pages[page_number(k) - first];
-                if (!look_at(source, page, info)) continue;
+                if (Status s = look_at(source, page, info); !s) {
+                    if (!is_damage(s.error())) return s;
+                    damage.push_back(
+                        {page.offset, page.stored_size, fmt::format("page at byte {}: {}", page.offset, s.error().message)});
+                    continue;
+                }
                 ++pages_seen;
                 bytes_seen += page.stored_size;
                 records_seen += page.record_count;
@@ -60,7 +77,7 @@ void look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs, F
         first = end;
     }
     info.columns_estimated = pages_seen < info.pages;
-    if (!info.columns_estimated) return;
+    if (!info.columns_estimated) return {};
     const auto scaled = [](std::uint64_t part, std::uint64_t whole, std::uint64_t of) {
         return static_cast<std::uint64_t>(static_cast<double>(part) * static_cast<double>(whole) / static_cast<double>(of));
     };
@@ -68,6 +85,7 @@ void look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs, F
         column.stored = scaled(column.stored, bytes, bytes_seen);
         column.decoded = scaled(column.decoded, info.camera_records + info.light_records, records_seen);
     }
+    return {};
 }
 
 std::string grouped(std::uint64_t number) {
@@ -93,7 +111,11 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
         Coverage coverage(run.header.samples);
         if (run.header.interval_count > 1) {
             const Result<RunIndex> index = read_run_index(*source, run, job);
-            if (!index) return index.error().at(path.string());
+            if (!index && !is_damage(index.error())) return index.error().at(path.string());
+            if (!index) {
+                info.contents.damage.push_back(damage_of(run, index.error()));
+                continue;
+            }
             coverage = index->coverage;
         }
         candidates.push_back({0, run, std::move(coverage)});
@@ -113,7 +135,7 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
         info.light_records += header.light_records;
         info.stored_bytes += header.size();
     }
-    look_at_pages(*source, chosen, info);
+    if (Status s = look_at_pages(*source, chosen, info); !s) return s.error().at(path.string());
     return info;
 }
 
@@ -123,12 +145,17 @@ std::uint64_t FileInfo::frame_bytes() const {
     return bytes;
 }
 
+std::vector<std::string> FileInfo::left_out() const {
+    std::vector<std::string> reasons;
+    for (const Damage& damage : contents.damage) reasons.push_back(damage.reason);
+    if (const auto end = damage_at_end(path, contents)) reasons.push_back(end->reason);
+    return reasons;
+}
+
 std::vector<std::string> FileInfo::remarks() const {
     std::vector<std::string> remarks;
     if (contents.header_damaged) remarks.push_back("one copy of the header is damaged; the other is used");
-    for (const Damage& damage : contents.damage) remarks.push_back(damage.reason);
-    const auto end = damage_at_end(path, contents);
-    if (end) remarks.push_back(end->reason);
+    const bool end = damage_at_end(path, contents).has_value();
     if (!end && !contents.finished) remarks.push_back("not finished: rendering goes on, or was interrupted");
     if (!end && contents.unfinished_tail > 0) {
         remarks.push_back(fmt::format("{} at the end are a write that was cut short", format_size(contents.unfinished_tail)));
@@ -182,6 +209,7 @@ std::string to_text(const FileInfo& info) {
         line("merged",
              parts ? fmt::format("from {} parts (--json lists them)", merged["parts"].size()) : info.contents.footer_provenance);
     }
+    for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);
     return text;
 }
@@ -189,15 +217,6 @@ std::string to_text(const FileInfo& info) {
 nlohmann::json to_json(const FileInfo& info) {
     using nlohmann::json;
     const Job& job = info.contents.header.job;
-    const auto parsed = [](const std::string& text) {
-        json value = json::parse(text, nullptr, false);
-        return value.is_discarded() ? json(text) : value;
-    };
-    const auto ranges = [](const Coverage& coverage) {
-        json list = json::array();
-        for (const SampleRange& range : coverage.ranges()) list.push_back({range.first, range.end});
-        return list;
-    };
     json columns = json::object(), extra = json::array(), runs = json::array();
     const double records = static_cast<double>(info.camera_records + info.light_records);
     for (const ColumnCost& column : info.columns) {
@@ -205,7 +224,7 @@ nlohmann::json to_json(const FileInfo& info) {
                                 {"decoded_bytes_per_record", static_cast<double>(column.decoded) / records}};
     }
     for (const ListedRun& run : info.run_list)
-        runs.push_back({{"samples", ranges(run.coverage)}, {"content_hash", to_hex(run.content_hash)}});
+        runs.push_back({{"samples", run.coverage}, {"content_hash", to_hex(run.content_hash)}});
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
     return {{"file", info.path.string()},
             {"size", info.size},
@@ -220,7 +239,7 @@ nlohmann::json to_json(const FileInfo& info) {
             {"run_samples", job.run_samples},
             {"run_bytes", job.run_bytes},
             {"extra_columns", extra},
-            {"samples", ranges(info.coverage)},
+            {"samples", info.coverage},
             {"sample_count", info.coverage.size()},
             {"light_paths", info.light_paths()},
             {"camera_records", info.camera_records},
@@ -235,8 +254,9 @@ nlohmann::json to_json(const FileInfo& info) {
             {"frame_bytes", info.frame_bytes()},
             {"run_list", runs},
             {"unfinished_tail", info.contents.unfinished_tail},
-            {"origin", parsed(info.contents.header.provenance_json)},
-            {"merged_from", parsed(info.contents.footer_provenance)},
+            {"origin", json_or_text(info.contents.header.provenance_json)},
+            {"merged_from", json_or_text(info.contents.footer_provenance)},
+            {"damage", info.left_out()},
             {"notes", info.remarks()}};
 }
 

@@ -41,11 +41,13 @@ struct FileInfo {
     std::uint64_t light_paths() const { return coverage.size() * contents.header.job.light_paths_per_sample; }
     // Of stored_bytes, what is in no column: headers, indexes, padding.
     std::uint64_t frame_bytes() const;
-    // Why this file would develop slowly, or be read only in part; empty if all is well.
+    // What of the file is not read; empty if all is well. Pages that were not looked at may be damaged too: `verify` reads them.
+    std::vector<std::string> left_out() const;
+    // What else to know: not finished, slow to develop.
     std::vector<std::string> remarks() const;
 };
 
-// Errors: those of opening and reading the file's frames.
+// Errors: those of opening the file and reading its header; kIo. Damage behind the header is left out, and listed.
 Result<FileInfo> read_info(const std::filesystem::path& path);
 
 std::string to_text(const FileInfo& info);

@@ -25,7 +25,7 @@ int run_info(const Paths& named) {
 
 int run_verify(const Paths& named, Depth depth) {
     return print_each(named, common.json, [depth](const std::filesystem::path& path) {
-        return verify(path, depth, cli::progress_to_stderr("verifying"));
+        return verify(path, depth, common.threads, cli::progress_to_stderr("verifying"));
     });
 }
 
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
 
     CLI::App* recover = app.add_subcommand("recover", "save what can be read into a new file")->footer(help::kRecover);
     recover->add_option("FILE", files, "the damaged file")->required()->expected(1);
-    recover->add_option("-o,--output", output, "the new file")->required();
+    recover->add_option("-o,--output", output, "the new file")->required()->check(cli::ends_in(".latent"))->type_name("OUT.latent");
 
     CLI::App* cat = app.add_subcommand("cat", "records as text")->footer(help::kCat);
     add_cat_options(*cat, cat_options, text);
@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
     add_gen_options(*gen, gen_options, text);
 
     if (const auto done = cli::parse(app, argc, argv)) return *done;
+    if (common.json) text.format = "json";
     if (Status s = text.apply(cat_options, gen_options); !s) return cli::fail(s.error());
     if (*info) return run_info(files);
     if (*verify) return run_verify(files, quick ? Depth::kQuick : deep ? Depth::kDeep : Depth::kPages);

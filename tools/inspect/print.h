@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "base/cli.h"
+#include "base/json.h"
 #include "sampledb/input_files.h"
 #include "tools/inspect/info.h"
 #include "tools/inspect/verify.h"
@@ -19,20 +19,26 @@ inline void put(const std::string& text) { std::fputs(text.c_str(), stdout); }
 
 template <class Report>
 void print(const Report& report, bool as_json) {
-    put(as_json ? to_json(report).dump(2) + "\n" : to_text(report));
+    put(as_json ? json_text(to_json(report)) + "\n" : to_text(report));
 }
 
-inline int status_of(const FileInfo&) { return cli::kDone; }
+inline int status_of(const FileInfo& info) { return info.left_out().empty() ? cli::kDone : cli::kDoneWithLosses; }
 inline int status_of(const VerifyReport& report) { return report.damage.empty() ? cli::kDone : cli::kDamaged; }
 
-// Looks at every file, also behind one that cannot be read, and returns the worst status: damage over failure over success.
+// The graver of two statuses: found damaged, then failed, then something left out, then done.
+inline int graver(int a, int b) {
+    static constexpr int kAscending[] = {cli::kDone, cli::kDoneWithLosses, cli::kFailed, cli::kDamaged};
+    return std::ranges::find(kAscending, a) < std::ranges::find(kAscending, b) ? b : a;
+}
+
+// Looks at every file, also behind one that cannot be read, and returns the gravest status.
 // As JSON, one file is an object; several are an array, where a file that cannot be read has an "error".
 template <class Look>
 int print_each(const std::vector<std::filesystem::path>& named, bool as_json, const Look& look) {
-    int worst = cli::kDone;
+    int gravest = cli::kDone;
     std::vector<nlohmann::json> reports;
     const auto failed = [&](const std::filesystem::path& path, const Error& error) {
-        worst = std::max(worst, cli::fail(error));
+        gravest = graver(gravest, cli::fail(error));
         reports.push_back({{"file", path.string()}, {"error", error.message}});
     };
     for (const std::filesystem::path& name : named) {
@@ -44,7 +50,7 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
                 failed(file.path, report.error());
                 continue;
             }
-            worst = std::max(worst, status_of(*report));
+            gravest = graver(gravest, status_of(*report));
             if (as_json) {
                 reports.push_back(to_json(*report));
             } else {
@@ -52,8 +58,8 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
             }
         }
     }
-    if (as_json) put((reports.size() == 1 ? reports.front() : nlohmann::json(reports)).dump(2) + "\n");
-    return worst;
+    if (as_json) put(json_text(reports.size() == 1 ? reports.front() : nlohmann::json(reports)) + "\n");
+    return gravest;
 }
 
 }  // namespace latent::inspect

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "base/file.h"
 #include "base/size.h"
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
+#include "sampledb/report_json.h"
 
 namespace latent::inspect {
 
@@ -52,6 +52,10 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
                               const Progress& progress) {
     const Result<FileSource> source = FileSource::open(input);
     if (!source) return source.error();
+    std::error_code ignored;  // an output that is not there yet is no other name of the input
+    if (std::filesystem::equivalent(input, output, ignored)) {
+        return Error{ErrorCode::kExists, output.string() + ": is the damaged file itself, which stays as it is; name another"};
+    }
     Result<OutputFile> out = OutputFile::create(output, replace);
     if (!out) return out.error();
     // Walking finds every run that begins with a sound header; then each is read in full.
@@ -126,21 +130,13 @@ std::string to_text(const RecoverReport& report) {
 }
 
 nlohmann::json to_json(const RecoverReport& report) {
-    const auto ranges = [](const Coverage& coverage) {
-        nlohmann::json list = nlohmann::json::array();
-        for (const SampleRange& range : coverage.ranges()) list.push_back({range.first, range.end});
-        return list;
-    };
-    nlohmann::json damage = nlohmann::json::array();
-    for (const Damage& item : report.damage)
-        damage.push_back({{"offset", item.offset}, {"size", item.size}, {"reason", item.reason}});
     return {{"input", report.input.string()},
             {"output", report.output.string()},
             {"runs", report.runs},
             {"bytes", report.bytes},
-            {"kept_samples", ranges(report.kept)},
-            {"lost_samples", ranges(report.lost)},
-            {"damage", damage},
+            {"kept_samples", report.kept},
+            {"lost_samples", report.lost},
+            {"damage", report.damage},
             {"unfinished_tail", report.unfinished_tail}};
 }
 

@@ -30,7 +30,8 @@ Result<std::vector<sampledb::RunInfo>> runs_that_only_the_footer_knows(const sam
 sampledb::Damage lost_with_its_header(const sampledb::RunInfo& run);
 
 // Reads every byte of `input`, copies each run that is sound to `output` as it is, and verifies the result.
-// Errors: those of reading the header, kExists, kIo, kNoSpace; then there is no output.
+// Errors: those of reading the header, kExists (`output` is there; or is `input`, by whatever name, even if it may be replaced),
+// kIo, kNoSpace; then there is no output.
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress = {});
 

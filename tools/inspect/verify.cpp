@@ -1,11 +1,14 @@
 #include "tools/inspect/verify.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
+#include "base/parallel.h"
 #include "base/size.h"
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
@@ -47,9 +50,18 @@ Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunIndex& in
     return found;
 }
 
+// A run as it was read: how many of its values are not finite, or what is wrong with it.
+Result<std::uint64_t> check_run(const ByteSource& source, const RunInfo& run, const Job& job, Depth depth) {
+    if (Status s = verify_run(source, run, job, level_of(depth)); !s) return s.error();
+    if (depth != Depth::kDeep) return 0;
+    const Result<RunIndex> index = read_run_index(source, run, job);
+    if (!index) return index.error();
+    return not_finite_in(source, *index, job);
+}
+
 }  // namespace
 
-Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, const Progress& progress) {
+Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, int threads, const Progress& progress) {
     const Result<FileSource> source = FileSource::open(path);
     if (!source) return source.error();
     VerifyReport report;
@@ -69,28 +81,27 @@ Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, cons
     report.unfinished_tail = file->unfinished_tail;
     if (file->header_damaged) report.damage.push_back("header: one of its two copies is damaged");
     for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
+    report.runs = file->runs.size();
+    std::vector<Result<std::uint64_t>> checked(report.runs);
+    std::mutex mutex;
+    std::uint64_t bytes_checked = 0;
+    const auto check = [&](std::size_t i) {
+        checked[i] = check_run(*source, file->runs[i], job, depth);
+        const std::lock_guard lock(mutex);
+        bytes_checked += file->runs[i].header.size();
+        if (progress) progress(static_cast<double>(bytes_checked) / static_cast<double>(report.size), format_size(bytes_checked));
+    };
+    Threads(threads).run([&] { tbb::parallel_for(std::size_t{0}, file->runs.size(), check); });
     for (std::size_t i = 0; i < file->runs.size(); ++i) {
         const RunInfo& run = file->runs[i];
-        if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(report.size), fmt::format("run {}", i));
-        ++report.runs;
-        const auto damaged = [&](const Error& error) {
-            report.damage.push_back(fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset, error.message,
-                                                run.header.samples.first, run.header.samples.end));
-        };
-        if (Status s = verify_run(*source, run, job, level_of(depth)); !s) {
-            damaged(s.error());
+        if (!checked[i]) {
+            report.damage.push_back(fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset,
+                                                checked[i].error().message, run.header.samples.first, run.header.samples.end));
             continue;
         }
         report.pages += run.header.page_count;
         report.records += run.header.camera_records + run.header.light_records;
-        if (depth != Depth::kDeep) continue;
-        const Result<RunIndex> index = read_run_index(*source, run, job);
-        const Result<std::uint64_t> not_finite = index ? not_finite_in(*source, *index, job) : Result<std::uint64_t>(index.error());
-        if (not_finite) {
-            report.not_finite += *not_finite;
-        } else {
-            damaged(not_finite.error());
-        }
+        report.not_finite += *checked[i];
     }
     const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(*source, *file);
     if (!beheaded) return beheaded.error().at(path.string());

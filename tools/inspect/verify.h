@@ -15,8 +15,8 @@ namespace latent::inspect {
 
 enum class Depth : std::uint8_t {
     kQuick,  // headers, indexes, one page of each run
-    kPages,  // every stored byte, every column decoded
-    kDeep,   // and every record: place, order, sample number, finite values
+    kPages,  // every stored byte
+    kDeep,   // and every record, decoded: place, order, sample number, finite values
 };
 
 struct VerifyReport {
@@ -30,7 +30,8 @@ struct VerifyReport {
 };
 
 // Errors: kNotFound, kForeign, kUnsupported, kIo. A file whose header cannot be read is damage, not an error.
-Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, const Progress& progress = {});
+// Runs are read by `threads` threads at once (0: one for each processor).
+Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, int threads, const Progress& progress = {});
 
 std::string to_text(const VerifyReport& report);
 nlohmann::json to_json(const VerifyReport& report);

@@ -1,17 +1,16 @@
 // latent-merge: the parts of one job become one file.
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "base/cli.h"
+#include "base/json.h"
 #include "base/size.h"
 #include "sampledb/parse.h"
+#include "sampledb/report_json.h"
 #include "tools/merge/merge.h"
 
 namespace {
 
 using namespace latent;
-using nlohmann::json;
 
 constexpr const char* kExamples = R"(
 Runs are copied as they are, so merging is as fast as copying. Before the output gets its name, the header, the
@@ -27,22 +26,18 @@ Examples:
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed.)";
 
-json to_json(const merge::MergeReport& report) {
-    json samples = json::array(), left_out = json::array();
-    for (const sampledb::SampleRange& range : report.coverage.ranges()) samples.push_back({range.first, range.end});
-    for (const sampledb::LeftOut& item : report.gathering.left_out)
-        left_out.push_back({{"place", item.place}, {"reason", item.reason}});
+nlohmann::json to_json(const merge::MergeReport& report) {
     return {{"job", to_hex(report.job.id)},
             {"files", report.files},
             {"runs_in", report.runs_in},
             {"runs_out", report.runs_out},
             {"superseded_runs", report.gathering.superseded_runs},
             {"repeated_runs", report.gathering.repeated_runs},
-            {"samples", samples},
+            {"samples", report.coverage},
             {"camera_records", report.camera_records},
             {"light_records", report.light_records},
             {"bytes", report.bytes},
-            {"left_out", left_out},
+            {"left_out", report.gathering.left_out},
             {"notes", report.gathering.notes}};
 }
 
@@ -97,6 +92,6 @@ int main(int argc, char** argv) {
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) fmt::print(stderr, "{}: note: {}\n", cli::program(), note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
-    std::fputs((common.json ? to_json(*report).dump(2) + "\n" : to_text(*report, options)).c_str(), stdout);
+    std::fputs((common.json ? json_text(to_json(*report)) + "\n" : to_text(*report, options)).c_str(), stdout);
     return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
 }

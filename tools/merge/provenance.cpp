@@ -1,28 +1,18 @@
 #include "tools/merge/provenance.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
+#include "base/json.h"
 #include "sampledb/byte_source.h"
 #include "sampledb/file_reader.h"
+#include "sampledb/report_json.h"
 
 namespace latent::merge {
 
 using namespace sampledb;
 using nlohmann::json;
-
-namespace {
-
-// What a file says in JSON; anything else (foreign writers) is kept as text.
-json parsed(const std::string& text) {
-    if (text.empty()) return json::object();
-    json value = json::parse(text, nullptr, false);
-    return value.is_discarded() ? json(text) : value;
-}
-
-}  // namespace
 
 Result<std::string> provenance_of(const Gathering& gathering) {
     std::vector<Coverage> taken(gathering.files().size());
@@ -35,15 +25,13 @@ Result<std::string> provenance_of(const Gathering& gathering) {
         if (!source) return source.error();
         const Result<FileContents> contents = read_file(*source);
         if (!contents) return contents.error();
-        const json merged = parsed(contents->footer_provenance);
+        const json merged = json_or_text(contents->footer_provenance);
         if (merged.contains("parts") && merged["parts"].is_array()) {
-            for (const json& part : merged["parts"]) parts.insert(part.dump(-1, ' ', false, json::error_handler_t::replace));
+            for (const json& part : merged["parts"]) parts.insert(json_text(part, -1));
             continue;
         }
-        json samples = json::array();
-        for (const SampleRange& range : taken[i].ranges()) samples.push_back({range.first, range.end});
-        const json part = {{"provenance", parsed(contents->header.provenance_json)}, {"samples", samples}};
-        parts.insert(part.dump(-1, ' ', false, json::error_handler_t::replace));
+        const json part = {{"provenance", json_or_text(contents->header.provenance_json)}, {"samples", taken[i]}};
+        parts.insert(json_text(part, -1));
     }
     std::string text = R"({"parts":[)";
     for (const std::string& part : parts) text += (text.back() == '[' ? "" : ",") + part;
