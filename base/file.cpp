@@ -23,6 +23,10 @@ int open_retrying(const char* path, int flags, mode_t mode = 0) {
     return fd;
 }
 
+std::filesystem::path hidden_name(const std::filesystem::path& path) {
+    return folder_of(path) / fmt::format(".{}.{}.tmp", path.filename().string(), make_nonce());
+}
+
 bool kernel_copy_unavailable(int error) {
     return error == EXDEV || error == EINVAL || error == ENOSYS || error == EOPNOTSUPP || error == EPERM || error == EBADF;
 }
@@ -158,9 +162,9 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool re
     out.path_ = path;
     out.replace_ = replace;
     const std::filesystem::path folder = folder_of(path);
-    int fd = replace ? -1 : open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0666);
-    if (fd < 0) {  // a replacement is renamed over the old file, so it needs a name of its own first
-        out.temporary_ = folder / fmt::format(".{}.{}.tmp", path.filename().string(), make_nonce());
+    int fd = open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0666);
+    if (fd < 0) {
+        out.temporary_ = hidden_name(path);
         fd = open_retrying(out.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL, 0666);
         if (fd < 0) {
             const int error = errno;
@@ -178,17 +182,19 @@ OutputFile::~OutputFile() {
 
 Status OutputFile::publish() {
     if (Status s = file_.sync_data(); !s) return s;
-    int failed = 0;
+    const auto cannot = [&] { return error_from_errno(errno, path_.string(), "cannot name the finished file"); };
     if (temporary_.empty()) {
         const std::string self = fmt::format("/proc/self/fd/{}", file_.descriptor());
-        failed = ::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW);
-    } else if (replace_) {
-        failed = ::rename(temporary_.c_str(), path_.c_str());
-        if (failed == 0) temporary_.clear();
-    } else if (Status s = name_without_replacing(temporary_, path_); !s) {
-        return s;
+        const std::filesystem::path name = replace_ ? hidden_name(path_) : path_;
+        if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) return cannot();
+        if (replace_) temporary_ = name;  // only a file with a name can be renamed over another
+    } else if (!replace_) {
+        if (Status s = name_without_replacing(temporary_, path_); !s) return s;
     }
-    if (failed != 0) return error_from_errno(errno, path_.string(), "cannot name the finished file");
+    if (replace_) {
+        if (::rename(temporary_.c_str(), path_.c_str()) != 0) return cannot();
+        temporary_.clear();
+    }
     if (Status s = file_.close(); !s) return s;
     return sync_folder(folder_of(path_));
 }

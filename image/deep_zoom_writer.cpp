@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
 
@@ -34,11 +36,14 @@ class Writer final : public DeepZoomWriter {
         : path_(path), options_(options), tags_(tags), levels_(deep_zoom_levels(width, height)) {
         tags_.texts.clear();
         files_ = fs::path(path).replace_extension() += "_files";
-        hidden_ = folder_of(path) / fmt::format(".{}.{}.tmp", files_.filename().string(), make_nonce());
+        hidden_ = folder_of(path) / (hidden_prefix() + make_nonce() + kHiddenSuffix);
         for (const PixelFormat& level : levels_)
             blocks_.emplace_back(level.height, level.row_bytes(), options.tile, options.overlap, options.overlap);
     }
-    ~Writer() override { remove(hidden_); }
+    ~Writer() override {
+        remove(hidden_);
+        if (lock_ >= 0) ::close(lock_);
+    }
 
     Status start(const std::string& page) {
         std::error_code failed;
@@ -50,8 +55,11 @@ class Writer final : public DeepZoomWriter {
         if (!page.empty()) {
             if (Status s = create_text(fs::path(path_).replace_extension(".html"), page, page_); !s) return s;
         }
+        remove_leftovers();
+        if (::mkdir(hidden_.c_str(), 0777) != 0) return error_from_errno(errno, files_.string(), "cannot create");
+        lock_ = open_locked(hidden_);
         for (std::size_t level = 0; level < levels_.size(); ++level) {
-            if (fs::create_directories(hidden_ / std::to_string(level), failed); failed) {
+            if (fs::create_directory(hidden_ / std::to_string(level), failed); failed) {
                 return error_from_errno(failed.value(), files_.string(), "cannot create");
             }
         }
@@ -93,9 +101,40 @@ class Writer final : public DeepZoomWriter {
     }
 
  private:
+    static constexpr const char* kHiddenSuffix = ".tmp";
+
     static void remove(const fs::path& folder) {
         std::error_code ignored;
         fs::remove_all(folder, ignored);
+    }
+
+    std::string hidden_prefix() const { return fmt::format(".{}.", files_.filename().string()); }
+
+    // A writer locks its hidden folder (flock) for as long as it lives, however it ends. -1: somebody else has the lock, or this
+    // file system has none; the folder is then left alone.
+    static int open_locked(const fs::path& folder) {
+        const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+        if (fd < 0 || ::flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
+        ::close(fd);
+        return -1;
+    }
+
+    // What writers of the same pyramid left when they were killed.
+    void remove_leftovers() const {
+        const std::size_t length = hidden_.filename().string().size();
+        std::vector<fs::path> dead;
+        std::error_code failed;
+        for (fs::directory_iterator it(folder_of(path_), failed); !failed && it != fs::directory_iterator(); it.increment(failed)) {
+            const std::string name = it->path().filename().string();
+            const bool hidden = name.size() == length && name.starts_with(hidden_prefix()) && name.ends_with(kHiddenSuffix);
+            if (hidden) dead.push_back(it->path());
+        }
+        for (const fs::path& folder : dead) {
+            const int lock = open_locked(folder);
+            if (lock < 0) continue;
+            remove(folder);
+            ::close(lock);
+        }
     }
 
     Status create_text(const fs::path& path, const std::string& text, std::optional<OutputFile>& file) const {
@@ -141,6 +180,7 @@ class Writer final : public DeepZoomWriter {
     }
 
     fs::path path_, files_, hidden_;
+    int lock_ = -1;
     DeepZoomOptions options_;
     ImageTags tags_;
     std::vector<PixelFormat> levels_;

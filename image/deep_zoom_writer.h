@@ -27,7 +27,8 @@ std::vector<PixelFormat> deep_zoom_levels(int width, int height);
 // The descriptor [DZI].
 std::string deep_zoom_descriptor(int width, int height, const DeepZoomOptions& options);
 
-// Tiles are gathered in a hidden folder beside the result, gone if the writer is destroyed before `publish`.
+// Tiles are gathered in a hidden folder beside the result, gone if the writer is destroyed before `publish`; if its process is
+// killed, the next writer of the same pyramid removes it.
 class DeepZoomWriter {
  public:
     // `path` ends in .dzi; `page` is the text of NAME.html, or empty for none. Errors: kExists (naming which of the three), kIo.

@@ -5,7 +5,6 @@
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
@@ -15,6 +14,7 @@
 #include <stdexcept>
 
 #include "base/slot_file.h"
+#include "image/exr_stream.h"
 
 namespace latent::image {
 
@@ -22,46 +22,6 @@ namespace {
 
 constexpr int kTile = ExrTileWriter::kTile;
 constexpr int kHalf = kTile / 2;
-
-// OpenEXR's stream over a base File; small writes are gathered. The first error is kept: OpenEXR only sees an exception.
-class FileStream : public Imf::OStream {
- public:
-    explicit FileStream(File& file) : Imf::OStream(file.path().c_str()), file_(file) {}
-
-    void write(const char bytes[], int count) override {
-        if (buffer_.size() + count > kBuffer) flush();
-        const auto* begin = reinterpret_cast<const std::byte*>(bytes);
-        if (static_cast<std::size_t>(count) >= kBuffer) {
-            put(ByteSpan(begin, static_cast<std::size_t>(count)));
-        } else {
-            buffer_.insert(buffer_.end(), begin, begin + count);
-        }
-    }
-    std::uint64_t tellp() override { return at_ + buffer_.size(); }
-    void seekp(std::uint64_t position) override {
-        flush();
-        at_ = position;
-    }
-    void flush() {
-        put(buffer_);
-        buffer_.clear();
-    }
-    const Status& status() const { return status_; }
-
- private:
-    static constexpr std::size_t kBuffer = std::size_t{1} << 16;
-
-    void put(ByteSpan bytes) {
-        if (status_) status_ = file_.write_all(at_, bytes);
-        if (!status_) throw std::runtime_error("cannot write");
-        at_ += bytes.size();
-    }
-
-    File& file_;
-    Bytes buffer_;
-    std::uint64_t at_ = 0;
-    Status status_;
-};
 
 int half_up(int n) { return (n + 1) / 2; }
 
@@ -79,7 +39,7 @@ class Writer final : public ExrTileWriter {
     }
 
     Status open() {
-        return guarded([&] { out_ = std::make_unique<Imf::TiledOutputFile>(stream_, header(), 0); });
+        return stream_.guard([&] { out_ = std::make_unique<Imf::TiledOutputFile>(stream_, header(), 0); });
     }
 
     int tiles_x() const override { return levels_[0].tiles_x(); }
@@ -88,7 +48,7 @@ class Writer final : public ExrTileWriter {
     Status write(int x, int y, std::span<const float> pixels) override { return write_level(0, x, y, pixels); }
 
     Status finish() override {
-        return guarded([&] {
+        return stream_.guard([&] {
             out_.reset();  // writes the table of tiles; OpenEXR swallows exceptions here, the stream keeps the error
             stream_.flush();
         });
@@ -102,16 +62,6 @@ class Writer final : public ExrTileWriter {
         int tile_width(int x) const { return std::min(kTile, width - x * kTile); }
         int tile_height(int y) const { return std::min(kTile, height - y * kTile); }
     };
-
-    template <class Work>
-    Status guarded(Work&& work) {
-        try {
-            work();
-        } catch (const std::exception& error) {
-            if (stream_.status()) return Error{ErrorCode::kIo, std::string(stream_.fileName()) + ": " + error.what()};
-        }
-        return stream_.status();
-    }
 
     Imf::Header header() const {
         const Imath::Box2i display({0, 0}, {spec_.display_width - 1, spec_.display_height - 1});
@@ -133,7 +83,7 @@ class Writer final : public ExrTileWriter {
         const Level& size = levels_[level];
         const int width = size.tile_width(x), height = size.tile_height(y);
         if (pixels.size() != std::size_t(width) * height * channels_) throw std::logic_error("a tile of another size");
-        Status written = guarded([&] {
+        Status written = stream_.guard([&] {
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels_; ++c) {
                 char* base = const_cast<char*>(reinterpret_cast<const char*>(pixels.data() + c));  // NOLINT: OpenEXR reads only
@@ -211,7 +161,7 @@ class Writer final : public ExrTileWriter {
     ExrTileSpec spec_;
     std::size_t channels_;
     std::vector<Level> levels_;
-    FileStream stream_;
+    ExrStream stream_;
     std::unique_ptr<Imf::TiledOutputFile> out_;
     SlotFile quarters_;
     std::unordered_map<std::uint64_t, int> arrived_;  // quarters of coarser tiles

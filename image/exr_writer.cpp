@@ -3,55 +3,17 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfThreading.h>
-#include <fmt/format.h>
 #include <half.h>
 
-#include <cstring>
+#include "image/exr_stream.h"
 
 namespace latent::image {
 
 namespace {
-
-// Carries our own error through OpenEXR.
-struct WriteFailed : std::exception {
-    explicit WriteFailed(Error e) : error(std::move(e)) {}
-    const char* what() const noexcept override { return error.message.c_str(); }
-    Error error;
-};
-
-// OpenEXR's stream on our file. It seeks back once, to fill in the table of offsets. Small writes are gathered.
-class Stream final : public Imf::OStream {
- public:
-    explicit Stream(File& file) : OStream(file.path().c_str()), file_(file) { pending_.reserve(kGather); }
-    void write(const char* bytes, int size) override {
-        const std::byte* first = reinterpret_cast<const std::byte*>(bytes);
-        if (pending_.size() + static_cast<std::size_t>(size) > kGather) flush();
-        pending_.insert(pending_.end(), first, first + size);
-    }
-    std::uint64_t tellp() override { return at_ + pending_.size(); }
-    void seekp(std::uint64_t position) override {
-        flush();
-        at_ = position;
-    }
-    void flush() {
-        if (status_) status_ = file_.write_all(at_, pending_);
-        at_ += pending_.size();
-        pending_.clear();
-        if (!status_) throw WriteFailed(status_.error());
-    }
-
- private:
-    static constexpr std::size_t kGather = std::size_t{1} << 20;
-    File& file_;
-    std::uint64_t at_ = 0;
-    Bytes pending_;
-    Status status_;  // the first fault stays: OpenEXR's destructor swallows what it is thrown
-};
 
 Imath::Box2i box_of(const Rect& r) { return {{r.x0, r.y0}, {r.x1 - 1, r.y1 - 1}}; }
 
@@ -69,7 +31,7 @@ class ExrWriter final : public RowWriter {
             Imf::addChromaticities(header, Imf::Chromaticities({c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}));
         }
         for (const auto& [key, value] : tags.texts) header.insert(key, Imf::StringAttribute(value));
-        return guarded([&] {
+        return stream_.guard([&] {
             if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
             file_ = std::make_unique<Imf::OutputFile>(stream_, header, threads);
         });
@@ -86,7 +48,7 @@ class ExrWriter final : public RowWriter {
             first = reinterpret_cast<const char*>(halves_.data());
             sample = sizeof(Imath::half);
         }
-        return guarded([&] {
+        return stream_.guard([&] {
             // A slice's base is where pixel (0, 0) of the display window would be.
             const std::ptrdiff_t origin = (static_cast<std::ptrdiff_t>(window_.x0) * 3 +
                                            static_cast<std::ptrdiff_t>(next_) * static_cast<std::ptrdiff_t>(row_samples)) *
@@ -104,7 +66,7 @@ class ExrWriter final : public RowWriter {
     }
 
     Status finish() override {
-        return guarded([&] {
+        return stream_.guard([&] {
             file_.reset();  // writes the table of offsets
             stream_.flush();
         });
@@ -112,22 +74,10 @@ class ExrWriter final : public RowWriter {
     Status publish() override { return out_.publish(); }
 
  private:
-    template <class Call>
-    Status guarded(const Call& call) {
-        try {
-            call();
-            return {};
-        } catch (const WriteFailed& failed) {
-            return failed.error;
-        } catch (const std::exception& failed) {
-            return Error{ErrorCode::kIo, fmt::format("{}: {}", out_.path().string(), failed.what())};
-        }
-    }
-
     OutputFile out_;
     Rect window_;
     bool as_half_;
-    Stream stream_;
+    ExrStream stream_;
     std::unique_ptr<Imf::OutputFile> file_;
     std::vector<Imath::half> halves_;
     int next_ = window_.y0;

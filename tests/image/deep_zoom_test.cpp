@@ -1,3 +1,8 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
 #include "image/deep_zoom_writer.h"
 #include "test_image.h"
 
@@ -87,6 +92,29 @@ TEST_F(DeepZoomTest, NothingIsLeftOfAnAbandonedPyramid) {
         ASSERT_TRUE(write_levels(**writer, 600, 300, 300));
     }
     EXPECT_EQ(names_in_folder(), 0u);
+}
+
+TEST_F(DeepZoomTest, WhatAKilledWriterLeftIsRemovedByTheNextButNotWhatALivingOneHas) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const auto writer = create(folder_ / "a.dzi", 600, 300, {});
+        ::raise(SIGKILL);
+    }
+    ASSERT_GT(child, 0);
+    ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+    ASSERT_EQ(names_in_folder(), 1u);                                         // its hidden folder
+    fs::create_directory(folder_ / ".a_files.b_files.0123456789abcdef.tmp");  // of another pyramid, a_files.b.dzi
+    auto living = create(folder_ / "a.dzi", 600, 300, {});
+    ASSERT_TRUE(living);
+    EXPECT_EQ(names_in_folder(), 2u);
+    {
+        const auto another = create(folder_ / "a.dzi", 600, 300, {});
+        ASSERT_TRUE(another);
+        EXPECT_EQ(names_in_folder(), 3u);
+    }
+    ASSERT_TRUE(write_levels(**living, 600, 300, 300));
+    ASSERT_TRUE((*living)->publish());
+    EXPECT_EQ(names_in_folder(), 4u);  // .dzi, .html, _files, and the other's
 }
 
 TEST_F(DeepZoomTest, WhatExistsIsRefusedAndReplacedOnlyByForce) {
