@@ -6,14 +6,11 @@ namespace latent::color {
 namespace {
 
 constexpr Matrix3 kBradfordCones{{{{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}}}};
-constexpr Matrix3 kCat16Cones{
-    {{{0.401288, 0.650173, -0.051461}, {-0.250268, 1.204414, 0.045854}, {-0.002079, 0.048952, 0.953127}}}};
 
 }  // namespace
 
-Result<Matrix3> adaptation_matrix(Chromaticity from, Chromaticity to, Adaptation how) {
-    if (how == Adaptation::kNone || from == to) return Matrix3{};
-    const Matrix3& cones = how == Adaptation::kBradford ? kBradfordCones : kCat16Cones;
+Result<Matrix3> adaptation_matrix(Chromaticity from, Chromaticity to) {
+    if (from == to) return Matrix3{};
     Matrix3 scale;
     for (const Chromaticity white : {from, to}) {
         if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1)) {
@@ -22,19 +19,18 @@ Result<Matrix3> adaptation_matrix(Chromaticity from, Chromaticity to, Adaptation
     }
     const auto cone_response = [&](Chromaticity white) {
         const Xyz xyz = xyz_from_chromaticity(white);
-        return cones * std::array{xyz.x, xyz.y, xyz.z};
+        return kBradfordCones * std::array{xyz.x, xyz.y, xyz.z};
     };
     const auto source = cone_response(from), target = cone_response(to);
     for (int i = 0; i < 3; ++i) {
         if (!(source[i] > 0 && target[i] > 0)) {
-            return Error{ErrorCode::kOutOfRange,
-                         fmt::format("({}, {}) cannot be adapted to ({}, {}): a cone response is not positive; use the "
-                                     "adaptation \"none\"",
-                                     from.x, from.y, to.x, to.y)};
+            return Error{
+                ErrorCode::kOutOfRange,
+                fmt::format("({}, {}) cannot be adapted to ({}, {}): a cone response is not positive", from.x, from.y, to.x, to.y)};
         }
         scale.m[i][i] = target[i] / source[i];
     }
-    return cones.inverse() * scale * cones;
+    return kBradfordCones.inverse() * scale * kBradfordCones;
 }
 
 }  // namespace latent::color

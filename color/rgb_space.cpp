@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <charconv>
 #include <cmath>
@@ -48,8 +49,20 @@ Error out_of_range(std::string_view space, std::string_view what) {
 }  // namespace
 
 bool are_xyz(const Primaries& p) {
-    const auto near = [](Chromaticity c, double x, double y) { return std::abs(c.x - x) < 1e-4 && std::abs(c.y - y) < 1e-4; };
-    return near(p.red, 1, 0) && near(p.green, 0, 1) && near(p.blue, 0, 0) && near(p.white, 1.0 / 3, 1.0 / 3);
+    const auto near = [](Chromaticity a, Chromaticity b) { return std::abs(a.x - b.x) < 1e-4 && std::abs(a.y - b.y) < 1e-4; };
+    const Primaries& xyz = kXyzPrimaries;
+    return near(p.red, xyz.red) && near(p.green, xyz.green) && near(p.blue, xyz.blue) && near(p.white, xyz.white);
+}
+
+Chromaticities chromaticities_of(const Primaries& p) {
+    const auto f = [](double v) { return static_cast<float>(v); };
+    return {f(p.red.x), f(p.red.y), f(p.green.x), f(p.green.y), f(p.blue.x), f(p.blue.y), f(p.white.x), f(p.white.y)};
+}
+
+Primaries primaries_of(const Chromaticities& chromaticities) {
+    std::array<double, 8> c;
+    std::ranges::copy(chromaticities, c.begin());
+    return {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}};
 }
 
 Result<RgbSpace> RgbSpace::parse(std::string_view text) {

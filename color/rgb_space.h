@@ -17,8 +17,14 @@ struct Primaries {
     bool operator==(const Primaries&) const = default;
 };
 
-// Whether they are the axes of XYZ, (1,0) (0,1) (0,0) with white (1/3,1/3): how EXR files say that R, G, B hold X, Y, Z.
+// The axes of XYZ: how EXR files say that R, G, B hold X, Y, Z. `are_xyz`: to within 1e-4.
+inline constexpr Primaries kXyzPrimaries{{1, 0}, {0, 1}, {0, 0}, {1.0 / 3, 1.0 / 3}};
 bool are_xyz(const Primaries& primaries);
+
+// As EXR's attribute `chromaticities` has them: x and y of red, green, blue, white.
+using Chromaticities = std::array<float, 8>;
+Chromaticities chromaticities_of(const Primaries& primaries);
+Primaries primaries_of(const Chromaticities& chromaticities);
 
 struct RgbSpace {
     std::string name;

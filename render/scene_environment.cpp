@@ -16,8 +16,7 @@ Result<color::Matrix3> srgb_from(const image::ExrImage& image) {
     const color::RgbSpace& srgb = color::RgbSpace::srgb();
     if (image.xyz) return srgb.rgb_from_xyz;
     if (!image.chromaticities) return color::Matrix3{};
-    const std::array<float, 8>& c = *image.chromaticities;
-    const color::Primaries primaries{{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}};
+    const color::Primaries primaries = color::primaries_of(*image.chromaticities);
     if (color::are_xyz(primaries)) return srgb.rgb_from_xyz;
     const Result<color::RgbSpace> space = color::RgbSpace::from_primaries("file", primaries, srgb.transfer);
     if (!space) return space.error();

@@ -84,7 +84,7 @@ struct Worst {
 class PrintLaws : public testing::TestWithParam<Gamut> {};
 
 TEST_P(PrintLaws, EveryColourIsDisplayableAndKeepsItsPrintedLuminance) {
-    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290}, Adaptation::kBradford);
+    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290});
     const Planes grid = grid_of_colours(), random = random_colours(1'000'000, 1);
     for (const std::string& name : RgbSpace::names()) {
         const RgbSpace space = *RgbSpace::parse(name);
@@ -148,7 +148,7 @@ TEST_P(PrintLaws, EveryInstructionSetGivesTheSameBits) {
             in.push(0.5, y, odd);
         }
     }
-    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290}, Adaptation::kCat16);
+    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290});
     for (const Tone tone : {Tone::kFilm, Tone::kNone}) {
         for (const Matrix3& adaptation : {Matrix3{}, from_e}) {
             const Print print =
@@ -225,7 +225,7 @@ TEST(Print, EdgeCasesAreBlackWhiteOrGreyAndCounted) {
         {kNan, 0, 1, 0, {.pixels = 1}},
         {kMax, kMax, kMax, 1, {.pixels = 1, .out_of_gamut = 1}},
     };
-    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290}, Adaptation::kBradford);
+    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290});
     for (const Gamut gamut : {Gamut::kLuminance, Gamut::kGrey}) {
         for (const Matrix3& adaptation : {Matrix3{}, from_e}) {
             const Print print = make_print(RgbSpace::srgb(), 1, gamut, adaptation);

@@ -124,20 +124,16 @@ TEST(Transfer, KnownValues) {
 
 TEST(Adaptation, WhiteGoesToWhiteAndKeepsItsLuminance) {
     const Chromaticity d65{0.3127, 0.3290}, d50{0.3457, 0.3585}, e{1.0 / 3, 1.0 / 3};
-    for (const Adaptation how : {Adaptation::kBradford, Adaptation::kCat16}) {
-        for (const auto& [from, to] : {std::pair{d65, d50}, {d50, d65}, {e, d65}}) {
-            const Xyz source = xyz_from_chromaticity(from), target = xyz_from_chromaticity(to);
-            const auto adapted = *adaptation_matrix(from, to, how) * std::array{source.x, source.y, source.z};
-            EXPECT_NEAR(adapted[0], target.x, 1e-14);
-            EXPECT_NEAR(adapted[1], 1, 1e-14);
-            EXPECT_NEAR(adapted[2], target.z, 1e-14);
-        }
-        EXPECT_EQ(*adaptation_matrix(d65, d65, how), Matrix3{});
+    for (const auto& [from, to] : {std::pair{d65, d50}, {d50, d65}, {e, d65}}) {
+        const Xyz source = xyz_from_chromaticity(from), target = xyz_from_chromaticity(to);
+        const auto adapted = *adaptation_matrix(from, to) * std::array{source.x, source.y, source.z};
+        EXPECT_NEAR(adapted[0], target.x, 1e-14);
+        EXPECT_NEAR(adapted[1], 1, 1e-14);
+        EXPECT_NEAR(adapted[2], target.z, 1e-14);
     }
-    EXPECT_EQ(*adaptation_matrix(d65, d50, Adaptation::kNone), Matrix3{});
+    EXPECT_EQ(*adaptation_matrix(d65, d65), Matrix3{});
     // The matrix D65 -> D50 as published with whites (0.95047, 1, 1.08883) and (0.96422, 1, 0.82521) [ICC].
-    const Matrix3 icc =
-        *adaptation_matrix(chromaticity({0.95047, 1, 1.08883}), chromaticity({0.96422, 1, 0.82521}), Adaptation::kBradford);
+    const Matrix3 icc = *adaptation_matrix(chromaticity({0.95047, 1, 1.08883}), chromaticity({0.96422, 1, 0.82521}));
     const std::array<std::array<double, 3>, 3> published{
         {{1.0478112, 0.0228866, -0.0501270}, {0.0295424, 0.9904844, -0.0170491}, {-0.0092345, 0.0150436, 0.7521316}}};
     for (int i = 0; i < 3; ++i) {
@@ -148,8 +144,8 @@ TEST(Adaptation, WhiteGoesToWhiteAndKeepsItsLuminance) {
 TEST(Adaptation, ImpossibleWhitesAreRefused) {
     const Chromaticity d65{0.3127, 0.3290};
     for (const Chromaticity bad : {Chromaticity{0.3, 0}, {0, 0.3}, {0.7, 0.4}, {std::nan(""), 0.3}, {0.02, 0.01}}) {
-        EXPECT_EQ(adaptation_matrix(bad, d65, Adaptation::kBradford).error().code, ErrorCode::kOutOfRange) << bad.x << ' ' << bad.y;
-        EXPECT_FALSE(adaptation_matrix(d65, bad, Adaptation::kBradford)) << bad.x << ' ' << bad.y;
+        EXPECT_EQ(adaptation_matrix(bad, d65).error().code, ErrorCode::kOutOfRange) << bad.x << ' ' << bad.y;
+        EXPECT_FALSE(adaptation_matrix(d65, bad)) << bad.x << ' ' << bad.y;
     }
 }
 

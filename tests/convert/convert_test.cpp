@@ -29,8 +29,8 @@ color::Rgb reference(const color::Print& print, int x, int y) {
 }
 
 color::Print print_for(const color::RgbSpace& space, double sigma = 1, const char* gamut = "luminance") {
-    const color::Matrix3 adaptation = *color::adaptation_matrix({static_cast<double>(0.3127f), static_cast<double>(0.3290f)},
-                                                                space.primaries.white, color::Adaptation::kBradford);
+    const color::Matrix3 adaptation =
+        *color::adaptation_matrix({static_cast<double>(0.3127f), static_cast<double>(0.3290f)}, space.primaries.white);
     return *color::Print::create(space, {sigma, color::Tone::kFilm, *color::gamut_by_name(gamut), adaptation});
 }
 

@@ -175,7 +175,7 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Watc
     if (!tone) return tone.error();
     const Result<color::Gamut> gamut = color::gamut_by_name(options.gamut);
     if (!gamut) return gamut.error();
-    const Result<color::Matrix3> adaptation = color::adaptation_matrix(source->white, display->white, color::Adaptation::kBradford);
+    const Result<color::Matrix3> adaptation = color::adaptation_matrix(source->white, display->white);
     if (!adaptation) return adaptation.error().at(options.input.string());
     color::PrintSettings settings{options.sensitivity, *tone, *gamut, *adaptation * source->xyz_from_file};
 

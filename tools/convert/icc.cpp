@@ -80,8 +80,8 @@ color::Matrix3 unadapted(cmsHPROFILE profile, const color::Matrix3& xyz_from_rgb
     }
     const auto* white = static_cast<const cmsCIEXYZ*>(cmsReadTag(profile, cmsSigMediaWhitePointTag));
     if (white == nullptr || cmsGetEncodedICCversion(profile) >= 0x4000000) return xyz_from_rgb;
-    const Result<color::Matrix3> back = color::adaptation_matrix(
-        white_of(xyz_from_rgb), color::chromaticity({white->X, white->Y, white->Z}), color::Adaptation::kBradford);
+    const Result<color::Matrix3> back =
+        color::adaptation_matrix(white_of(xyz_from_rgb), color::chromaticity({white->X, white->Y, white->Z}));
     return back ? *back * xyz_from_rgb : xyz_from_rgb;
 }
 

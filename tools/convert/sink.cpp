@@ -130,11 +130,6 @@ std::vector<std::pair<std::string, std::string>> texts(const Picture& picture, c
             {"Profile", display.space.name}};
 }
 
-std::array<float, 8> chromaticities_of(const color::Primaries& p) {
-    const auto f = [](double v) { return static_cast<float>(v); };
-    return {f(p.red.x), f(p.red.y), f(p.green.x), f(p.green.y), f(p.blue.x), f(p.blue.y), f(p.white.x), f(p.white.y)};
-}
-
 Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>> writer, const Picture& picture,
                                         const Encoder& encoder) {
     if (!writer) return writer.error();
@@ -146,7 +141,7 @@ Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>
 Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const Picture& picture, const Display& display,
                                        const ConvertOptions& options) {
     image::ExrTags tags;
-    if (display.space.rgb_from_xyz.invertible()) tags.chromaticities = chromaticities_of(display.space.primaries);
+    if (display.space.rgb_from_xyz.invertible()) tags.chromaticities = color::chromaticities_of(display.space.primaries);
     for (auto& [key, value] : texts(picture, display, options)) {
         tags.texts.emplace_back(
             key == "Software" ? "software" : "latent:" + std::string(1, static_cast<char>(key[0] | 0x20)) + key.substr(1), value);

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "color/observer.h"
+#include "color/rgb_space.h"
 #include "image/exr_tile_writer.h"
 #include "tools/develop/splat.h"
 
@@ -92,7 +93,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
         return spec;
     }
     spec.channels = {"R", "G", "B"};
-    spec.chromaticities = {{1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3}};
+    spec.chromaticities = color::chromaticities_of(color::kXyzPrimaries);
     const color::Chromaticity neutral = color::d65_chromaticity(observer);
     spec.adopted_neutral = {{static_cast<float>(neutral.x), static_cast<float>(neutral.y)}};
     spec.strings.push_back({"latentObserver", report.observer});
