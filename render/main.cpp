@@ -43,13 +43,13 @@ int main(int argc, char** argv) {
     RenderSettings settings;
     RenderOptions options;
     cli::CommonOptions common;
-    std::string output, record = "spectral", integrator, connections = "one", samples, shard, resolution, depth;
+    std::string record = "spectral", integrator, connections = "one", samples, shard, resolution, depth;
     bool dry_run = false;
 
     CLI::App app{"Renders samples of a pbrt-v4 scene into one .latent part. The same command again goes on where it stopped.",
                  "latent-render"};
     app.add_option("SCENE", settings.scene, "the scene, a .pbrt file")->required();
-    app.add_option("-o,--output", output, "the part to write, NAME.latent")->required()->check(cli::ends_in(".latent"));
+    app.add_option("-o,--output", options.output, "the part to write, NAME.latent")->required()->check(cli::ends_in(".latent"));
     auto* spp =
         app.add_option("--spp", settings.spp, "samples per pixel of --resolution, or of the scene's film")->capture_default_str();
     app.add_option("--samples", samples, "sample numbers A:B instead (B not included); A begins a run")->excludes(spp);
@@ -85,7 +85,6 @@ int main(int argc, char** argv) {
         "Exit status: 0 done; 1 failed; 2 wrong usage; 75 stopped with everything so far committed: run it again to go on");
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
-    options.output = output;
     options.force = common.force;
     settings.record = record == "xyz" ? sampledb::RecordKind::kXyz : sampledb::RecordKind::kSpectral;
     settings.connections = connections == "all" ? Connections::kAll : Connections::kOne;

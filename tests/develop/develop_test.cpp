@@ -8,12 +8,7 @@
 namespace latent::develop {
 namespace {
 
-using sampledb::Coverage;
-using sampledb::Job;
-using sampledb::RecordClass;
-using sampledb::RecordKind;
-using sampledb::Records;
-using sampledb::SampleRange;
+using namespace sampledb;
 
 constexpr const char* kFilters[] = {"quartic", "quartic:-6,3", "quartic:-2,1.5", "mitchell", "mitchell-separable", "gaussian",
                                     "lanczos", "box"};

@@ -15,13 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace sampledb;
-using latent::testing::FaultOutcome;
-using latent::testing::Outcome;
-using latent::testing::read_text;
-using latent::testing::run;
-using latent::testing::run_with_fault;
-using latent::testing::TemporaryFolder;
-using latent::testing::tool;
+using namespace latent::testing;
 
 constexpr std::uint64_t kS = 4096;
 

@@ -13,13 +13,7 @@ namespace latent::sampledb {
 namespace {
 
 namespace fs = std::filesystem;
-using latent::testing::Child;
-using latent::testing::FaultOutcome;
-using latent::testing::Outcome;
-using latent::testing::run;
-using latent::testing::run_with_fault;
-using latent::testing::TemporaryFolder;
-using latent::testing::tool;
+using namespace latent::testing;
 
 struct Setting {
     std::uint64_t samples, run_samples;
