@@ -304,7 +304,7 @@ TEST_F(Convert, PixelsThatAreNotNumbersAreCountedAndTheToolSaysSo) {
     const testing::Outcome outcome = run_tool({at("a.exr"), "-o", at("a.png"), "--json", "--no-dither"});
     EXPECT_EQ(outcome.status, 3);
     EXPECT_NE(outcome.err.find("15 pixels"), std::string::npos) << outcome.err;
-    for (const char* fact : {"\"not_a_number\":3", "\"infinite\":5", "\"colourless\":7", "\"negative\":11"})
+    for (const char* fact : {"\"not_a_number\": 3", "\"infinite\": 5", "\"colourless\": 7", "\"negative\": 11"})
         EXPECT_NE(outcome.out.find(fact), std::string::npos) << outcome.out;
     const Decoded png = image::decode_png(folder_ / "a.png");
     EXPECT_EQ(png.pixels[0], std::byte{0});
