@@ -17,7 +17,7 @@
 namespace latent::develop {
 
 // Encoded runs that lie in memory.
-class MemoryGathering final : public sampledb::Gathering {
+class MemoryGathering : public sampledb::Gathering {
  public:
     explicit MemoryGathering(const sampledb::Job& job) : job_(job) {}
 

@@ -176,6 +176,22 @@ TEST_F(Tool, SamplesDevelopAsIfTheOthersWereNotThere) {
     EXPECT_EQ(develop({three, "-o", out("c.exr"), "--size", "90", "--samples", "100:9000"}).status, 0);  // cuts two runs
 }
 
+TEST_F(Tool, LittleMemoryReadsTheFileOnce) {
+    job_.run_samples = 1 << 16;
+    std::vector<Coverage> coverages;
+    for (std::uint64_t run = 0; run < 16; ++run)
+        coverages.push_back(Coverage({run * job_.run_samples, (run + 1) * job_.run_samples}));
+    const Bytes bytes = synthetic::make_file(job_, coverages).bytes;
+    synthetic::write_file(folder_ / "in.latent", bytes);
+    const Outcome outcome =
+        develop({out("in.latent"), "-o", out("a.exr"), "--size", "3000", "--memory", "28M", "--threads", "2", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out);
+    EXPECT_GE(report["regions"], 4);
+    EXPECT_EQ(report["decode_factor"], 1);
+    EXPECT_LE(report["bytes_read"].get<double>(), 1.05 * static_cast<double>(bytes.size()));
+}
+
 TEST_F(Tool, ASliceReportsTheRecordsOfItsOwnSamples) {
     const std::string two = file("two.latent", {0, 1});
     const auto records = [&](const std::string& samples) {

@@ -1,82 +1,161 @@
 #include "tools/develop/batch.h"
 
-#include <tbb/enumerable_thread_specific.h>
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cassert>
+#include <mutex>
 
 namespace latent::develop {
 
 namespace {
 
-constexpr std::uint64_t kSegmentBytes = 24;  // of one CellRows and one Segment
+constexpr int kSortedLevels = 16;         // within smaller cells than these, the records of a page are in any order
+constexpr std::uint64_t kAlignment = 64;  // of arrays
+constexpr std::uint64_t kPageBytes = 96;  // of a page's reference and of what is kept of it while a batch is loaded
 
-std::uint64_t key_of(const PageRef& page) { return std::uint64_t{page.run} << 32 | page.index; }
+// Takes an array off the front of memory.
+template <class T>
+std::span<T> take(std::span<std::byte>& memory, std::size_t count) {
+    const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+    assert(bytes <= memory.size());
+    T* const array = reinterpret_cast<T*>(memory.data());
+    memory = memory.subspan(bytes);
+    return {array, count};
+}
 
 bool contains(const PixelRect& cells, std::int64_t x, std::int64_t y) {
     return x >= cells.x0 && x < cells.x1 && y >= cells.y0 && y < cells.y1;
 }
 
-std::uint64_t last_z_of(const FilmGrid& grid, const sampledb::FilmNode& node) {
-    const PixelRect cells = grid.cells_of(node);
-    return z_code(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1));
+// Where a cell's camera segments, or its light segments, stand in the index of a batch.
+std::size_t slot_of(const PixelRect& cells, std::int64_t x, std::int64_t y, sampledb::RecordClass record_class) {
+    return 2 * static_cast<std::size_t>((y - cells.y0) * cells.width() + (x - cells.x0)) +
+           (record_class == sampledb::RecordClass::kLight ? 1 : 0);
 }
+std::size_t slot_count(const PixelRect& cells) { return 2 * static_cast<std::size_t>(cells.width() * cells.height()); }
 
 }  // namespace
 
-Batch::Batch(const sampledb::Gathering& gathering, const FilmGrid& grid, const Channels& channels, std::uint64_t carry_bytes)
-    : gathering_(gathering), grid_(grid), channels_(channels), lanes_(channels.lanes()), carry_bytes_(carry_bytes) {}
+std::span<const Segment> Batch::segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const {
+    const std::size_t slot = slot_of(cells, cell_x, cell_y, record_class);
+    return all_segments.subspan(begin[slot], begin[slot + 1] - begin[slot]);
+}
 
-std::uint64_t Batch::bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
+void segments_in_order(std::span<const Batch* const> batches, const PageRange& range, std::int64_t cell_x, std::int64_t cell_y,
+                       sampledb::RecordClass record_class, std::vector<Stretch>& found) {
+    found.clear();
+    thread_local std::vector<Stretch> rest;  // of each batch
+    rest.clear();
+    for (const Batch* batch : batches) {
+        const std::span<const Segment> all = batch->segments(cell_x, cell_y, record_class);
+        const auto first = std::ranges::lower_bound(all, range.begin, {}, &Segment::page);
+        const auto last = std::ranges::lower_bound(first, all.end(), range.end, {}, &Segment::page);
+        if (first != last) rest.push_back({batch, {first, last}});
+    }
+    const auto front = [](const Stretch& stretch) { return stretch.segments.front().page; };
+    while (!rest.empty()) {
+        const auto next = std::ranges::min_element(rest, {}, front);
+        std::uint64_t end = range.end;  // where another batch goes on
+        for (auto other = rest.begin(); other != rest.end(); ++other) {
+            if (other != next) end = std::min(end, front(*other));
+        }
+        const auto stop = std::ranges::lower_bound(next->segments, end, {}, &Segment::page);
+        found.push_back({next->batch, {next->segments.begin(), stop}});
+        next->segments = {stop, next->segments.end()};
+        if (next->segments.empty()) rest.erase(next);
+    }
+}
+
+std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
+    const std::uint64_t pieces = pieces_at_most(page, cells);
+    if (pieces == 0) return 0;
+    return kPageBytes + page.record_count * record_bytes() + pieces * (sizeof(Segment) + sizeof(SlotRows));
+}
+
+std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
     const PixelRect common = intersection(grid_.cells_of(page.node), cells);
     if (common.empty()) return 0;
-    const auto cell_count = static_cast<std::uint64_t>(common.width() * common.height());
-    return page.record_count * record_bytes() + std::min<std::uint64_t>(page.record_count, cell_count) * kSegmentBytes;
+    if (grid_.level() > kSortedLevels) return page.record_count;
+    return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
 }
 
-void Batch::clear() {
-    record_count_ = 0;
-    begin_.clear();
-    segments_.clear();
+std::uint64_t Loader::index_bytes(const PixelRect& cells) {
+    return (slot_count(cells) + 1) * sizeof(std::uint32_t) + 6 * kAlignment;  // arrays are rounded up
 }
 
-Result<std::size_t> Batch::load(std::span<const PageRef> pages, std::span<std::byte> memory, const PixelRect& cells,
-                                const PixelRect& needed, std::uint64_t z_end) {
-    clear();
-    cells_ = cells;
-    const std::uint64_t room = memory.size();
-    std::uint64_t records = 0, bytes = 0;
+// A batch while its pages are decoded. Rows get their places as they come; only the index knows their order.
+struct Loader::Filling {
+    const PixelRect& cells;
+    float* values;
+    std::uint32_t* x;
+    std::uint32_t* y;
+    SlotRows* pieces;
+    std::atomic<std::uint32_t> row_count = 0, piece_count = 0;
+};
+
+Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory) {
+    const std::uint64_t room = memory.size() - index_bytes(cells);
+    std::uint64_t rows = 0, pieces = 0, bytes = 0;
     std::size_t taken = 0;
     for (; taken < pages.size(); ++taken) {
-        const std::uint64_t more = bytes_at_most(pages[taken].info, cells);
-        if (taken > 0 && bytes + more > room) break;
+        const sampledb::PageInfo& page = pages[taken].info;
+        const std::uint64_t more = bytes_at_most(page, cells);
+        if (bytes + more > room) break;
         bytes += more;
-        records += pages[taken].info.record_count;
+        rows += page.record_count;
+        pieces += pieces_at_most(page, cells);
     }
-    assert(records * record_bytes() <= room);
-    values_ = reinterpret_cast<float*>(memory.data());
-    x_ = reinterpret_cast<std::uint32_t*>(values_ + records * lanes_);
-    y_ = x_ + records;
+    assert(taken > 0 || pages.empty());
 
-    const Region region{cells, needed, z_end};
-    std::vector<std::vector<CellRows>> kept(taken);
+    // Values, x, y of as many rows as there may be; pieces at the end, out of the way of the segments that are made from them.
+    std::span<std::byte> free = memory.first(memory.size() - pieces * sizeof(SlotRows) / kAlignment * kAlignment - kAlignment);
+    auto* const last = reinterpret_cast<SlotRows*>(free.data() + free.size());
+    Filling filling{cells, take<float>(free, rows * lanes_).data(), take<std::uint32_t>(free, rows).data(),
+                    take<std::uint32_t>(free, rows).data(), last};
+    std::vector<std::span<const SlotRows>> kept(taken);
     std::mutex error_mutex;
     Status status;
     tbb::parallel_for(std::size_t{0}, taken, [&](std::size_t i) {
-        Status s = load_page(pages[i], region, kept[i]);
+        Status s = load_page(pages[i], filling, kept[i]);
         if (!s) {
             const std::lock_guard lock(error_mutex);
             if (status) status = std::move(s);
         }
     });
     if (!status) return status.error();
-    sort_by_cell(pages.first(taken), kept);
-    return taken;
+
+    // Pages may have had rows elsewhere: the columns close up.
+    free = memory.first(static_cast<std::size_t>(reinterpret_cast<std::byte*>(last) - memory.data()));
+    const std::uint32_t row_count = filling.row_count;
+    const std::span<float> values = take<float>(free, row_count * lanes_);
+    const std::span<std::uint32_t> x = take<std::uint32_t>(free, row_count), y = take<std::uint32_t>(free, row_count);
+    std::copy_n(filling.x, row_count, x.data());
+    std::copy_n(filling.y, row_count, y.data());
+    const std::span<std::uint32_t> begin = take<std::uint32_t>(free, slot_count(cells) + 1);
+    const std::span<Segment> segments = take<Segment>(free, filling.piece_count);
+
+    // Counting sort by slot: begin[s + 1] is where the next segment of slot s goes.
+    std::ranges::fill(begin, 0);
+    for (const std::span<const SlotRows> page : kept) {
+        for (const SlotRows& piece : page) {
+            if (piece.slot + 2 < begin.size()) ++begin[piece.slot + 2];
+        }
+    }
+    for (std::size_t s = 1; s < begin.size(); ++s) begin[s] += begin[s - 1];
+    for (std::size_t i = 0; i < taken; ++i) {
+        for (const SlotRows& piece : kept[i]) {
+            segments[begin[piece.slot + 1]++] = {pages[i].order, piece.first, piece.count};
+        }
+    }
+    memory = memory.subspan(static_cast<std::size_t>(free.data() - memory.data()));
+    pages = pages.subspan(taken);
+    return Batch{cells, {x.data(), y.data(), values.data()}, begin, segments};
 }
 
 // Runs of rows that lie in one cell. Pages are sorted along the Z curve, so there are few; small pages lie in one.
-void Batch::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const {
+void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const {
     cells.clear();
     if (page.count == 0) return;
     const auto n = static_cast<std::uint32_t>(page.count);
@@ -99,121 +178,45 @@ void Batch::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells)
     cells.push_back(current);
 }
 
-void Batch::copy_rows(const sampledb::Page& page, const CellRows& rows, std::uint32_t* x, std::uint32_t* y, float* values) {
+void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
+    std::uint32_t* const x = filling.x + to;
+    std::uint32_t* const y = filling.y + to;
     for (std::uint32_t i = 0; i < rows.count; ++i) {
         x[i] = grid_.place_x(page.u[rows.first + i]);
         y[i] = grid_.place_y(page.v[rows.first + i]);
     }
-    const std::uint64_t not_finite = channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, values);
+    const std::uint64_t not_finite =
+        channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * lanes_);
     if (not_finite > 0) {
         const bool camera = page.record_class == sampledb::RecordClass::kCamera;
         (camera ? counts_.camera_not_finite : counts_.light_not_finite) += not_finite;
     }
 }
 
-Status Batch::load_page(const PageRef& ref, const Region& region, std::vector<CellRows>& kept) {
-    Carried* carried = nullptr;
-    {
-        const std::lock_guard lock(carry_mutex_);
-        if (const auto found = carried_.find(key_of(ref)); found != carried_.end()) carried = &found->second;
-    }
-    if (carried) {
-        for (const CellRows& rows : carried->cells) {
-            if (!contains(region.cells, rows.cell_x, rows.cell_y)) continue;
-            const std::uint32_t to = record_count_.fetch_add(rows.count);
-            std::copy_n(&carried->x[rows.first], rows.count, x_ + to);
-            std::copy_n(&carried->y[rows.first], rows.count, y_ + to);
-            std::copy_n(&carried->values[rows.first * lanes_], rows.count * lanes_, values_ + to * lanes_);
-            kept.push_back({rows.cell_x, rows.cell_y, to, rows.count});
-        }
-        return {};
-    }
-
-    static thread_local sampledb::Page page;
-    static thread_local std::vector<CellRows> cells;
+Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const SlotRows>& kept) {
+    thread_local sampledb::Page page;
+    thread_local std::vector<CellRows> cells;
     if (Status s = gathering_.read_page(ref.run, ref.info, channels_.columns(), page); !s) return s;
     ++counts_.pages;
     counts_.bytes += ref.info.stored_size;
     find_cells(page, cells);
-    std::uint32_t inside = 0, later = 0;
-    const auto is_later = [&](const CellRows& rows) {
-        return contains(region.needed, rows.cell_x, rows.cell_y) && z_code(rows.cell_x, rows.cell_y) >= region.z_end;
-    };
-    for (const CellRows& rows : cells) {
-        if (contains(region.cells, rows.cell_x, rows.cell_y)) inside += rows.count;
+    std::erase_if(cells, [&](const CellRows& rows) { return !contains(filling.cells, rows.cell_x, rows.cell_y); });
+    if (cells.size() > pieces_at_most(ref.info, filling.cells)) {
+        return Error{ErrorCode::kCorrupt, fmt::format("run {}: the records of a page are not in order", ref.run)};
     }
-    std::uint32_t to = record_count_.fetch_add(inside);
-    for (const CellRows& rows : cells) {
-        if (!contains(region.cells, rows.cell_x, rows.cell_y)) {
-            if (is_later(rows)) later += rows.count;
-            continue;
-        }
-        copy_rows(page, rows, x_ + to, y_ + to, values_ + to * lanes_);
-        kept.push_back({rows.cell_x, rows.cell_y, to, rows.count});
+    std::uint32_t count = 0;
+    for (const CellRows& rows : cells) count += rows.count;
+    std::uint32_t to = filling.row_count.fetch_add(count);
+    SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const CellRows& rows = cells[i];
+        copy_rows(page, rows, filling, to);
+        pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to,
+                     rows.count};
         to += rows.count;
     }
-    if (later == 0) return {};
-
-    const std::uint64_t bytes = later * (record_bytes() + kSegmentBytes) + sizeof(Carried) + 64;
-    {
-        const std::lock_guard lock(carry_mutex_);
-        if (carried_bytes_ + bytes > carry_bytes_) return {};
-        carried_bytes_ += bytes;
-    }
-    Carried rest{{},
-                 std::vector<std::uint32_t>(later),
-                 std::vector<std::uint32_t>(later),
-                 std::vector<float>(later * lanes_),
-                 last_z_of(grid_, ref.info.node),
-                 bytes};
-    to = 0;
-    for (const CellRows& rows : cells) {
-        if (!is_later(rows)) continue;
-        copy_rows(page, rows, &rest.x[to], &rest.y[to], &rest.values[to * lanes_]);
-        rest.cells.push_back({rows.cell_x, rows.cell_y, to, rows.count});
-        to += rows.count;
-    }
-    const std::lock_guard lock(carry_mutex_);
-    carried_.emplace(key_of(ref), std::move(rest));
+    kept = {pieces, cells.size()};
     return {};
-}
-
-void Batch::sort_by_cell(std::span<const PageRef> pages, const std::vector<std::vector<CellRows>>& kept) {
-    const auto slot = [&](const CellRows& rows, std::size_t page) {
-        const std::size_t cell = (rows.cell_y - cells_.y0) * cells_.width() + (rows.cell_x - cells_.x0);
-        return 2 * cell + (pages[page].info.record_class == sampledb::RecordClass::kLight ? 1 : 0);
-    };
-    const std::size_t slots = 2 * static_cast<std::size_t>(cells_.width() * cells_.height());
-    begin_.assign(slots + 1, 0);
-    std::size_t count = 0;
-    for (std::size_t p = 0; p < kept.size(); ++p) {
-        for (const CellRows& rows : kept[p]) ++begin_[slot(rows, p) + 1];
-        count += kept[p].size();
-    }
-    for (std::size_t s = 0; s < slots; ++s) begin_[s + 1] += begin_[s];
-    segments_.resize(count);
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t p = 0; p < kept.size(); ++p) {
-        for (const CellRows& rows : kept[p]) segments_[next[slot(rows, p)]++] = {rows.first, rows.count};
-    }
-}
-
-std::span<const Segment> Batch::segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const {
-    if (begin_.empty()) return {};
-    const std::size_t cell = (cell_y - cells_.y0) * cells_.width() + (cell_x - cells_.x0);
-    const std::size_t slot = 2 * cell + (record_class == sampledb::RecordClass::kLight ? 1 : 0);
-    return std::span(segments_).subspan(begin_[slot], begin_[slot + 1] - begin_[slot]);
-}
-
-void Batch::forget_before(std::uint64_t z_end) {
-    for (auto it = carried_.begin(); it != carried_.end();) {
-        if (it->second.last_z < z_end) {
-            carried_bytes_ -= it->second.bytes;
-            it = carried_.erase(it);
-        } else {
-            ++it;
-        }
-    }
 }
 
 }  // namespace latent::develop

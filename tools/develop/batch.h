@@ -3,10 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "sampledb/gathering.h"
@@ -16,78 +13,78 @@
 
 namespace latent::develop {
 
-// A page by its place in the order in which records are added up: by run, then along the run's Z order.
+// Where a page comes in the order in which records are added up: by run, then along the run's Z order.
+inline std::uint64_t page_order(std::size_t run, std::uint32_t index) { return std::uint64_t{run} << 32 | index; }
+
 struct PageRef {
     std::uint32_t run;
-    std::uint32_t index;  // of gathering.pages(run)
+    std::uint64_t order;
     sampledb::PageInfo info;
 };
+
+// Records that lie in `cells`. The arrays lie in memory that the loader was lent.
+struct Batch {
+    PixelRect cells;
+    RecordColumns columns;
+    std::span<const std::uint32_t> begin;  // of each cell's segments, camera and light; one more at the end
+    std::span<const Segment> all_segments;
+
+    // Those of one cell, ascending by page.
+    std::span<const Segment> segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const;
+};
+
+// Pages by their order, begin .. end-1.
+struct PageRange {
+    std::uint64_t begin = 0, end = ~std::uint64_t{0};
+};
+struct Stretch {
+    const Batch* batch;
+    std::span<const Segment> segments;
+};
+// The segments of a cell and class, of pages in `range`, that several batches have: in the order of their pages.
+void segments_in_order(std::span<const Batch* const> batches, const PageRange& range, std::int64_t cell_x, std::int64_t cell_y,
+                       sampledb::RecordClass record_class, std::vector<Stretch>& found);
 
 struct DecodeCounts {
     std::atomic<std::uint64_t> pages = 0, bytes = 0;  // decoded, repeats included
     std::atomic<std::uint64_t> camera_not_finite = 0, light_not_finite = 0;
 };
 
-// Decodes pages in parallel and keeps the records that lie in the cells of one region, each cell's in the order of pages and rows.
-// Pages that reach into regions to come are kept (what is left of them), as long as the memory for that lasts, so that they need
-// not be decoded again.
-class Batch {
+// Decodes pages, in parallel, into batches.
+class Loader {
  public:
-    Batch(const sampledb::Gathering& gathering, const FilmGrid& grid, const Channels& channels, std::uint64_t carry_bytes);
+    Loader(const sampledb::Gathering& gathering, const FilmGrid& grid, const Channels& channels)
+        : gathering_(gathering), grid_(grid), channels_(channels), lanes_(static_cast<std::size_t>(channels.lanes())) {}
 
-    // Bytes that a page needs at most.
+    // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
-    // Loads as many of `pages` as fit into `memory` (at least one); returns how many. `cells`: the region's; `needed_later`: cells
-    // whose code on the Z curve is at least `z_end` and which lie in `needed` will be asked for later.
-    Result<std::size_t> load(std::span<const PageRef> pages, std::span<std::byte> memory, const PixelRect& cells,
-                             const PixelRect& needed, std::uint64_t z_end);
-    void clear();
+    static std::uint64_t index_bytes(const PixelRect& cells);
 
-    RecordColumns columns() const { return {x_, y_, values_}; }
-    std::span<const Segment> segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const;
-    // Pages that no region from `z_end` on needs are forgotten.
-    void forget_before(std::uint64_t z_end);
+    // Takes as many pages as fit off the front of `pages` (there must be room for one), and what their records need off the front
+    // of `memory`.
+    Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory);
 
     const DecodeCounts& counts() const { return counts_; }
 
  private:
-    struct CellRows {  // rows first .. first + count - 1 of a page or of the batch lie in one cell
+    struct CellRows {  // rows first .. first + count - 1 of a page lie in one cell
         std::uint32_t cell_x, cell_y, first, count;
     };
-    struct Carried {
-        std::vector<CellRows> cells;
-        std::vector<std::uint32_t> x, y;
-        std::vector<float> values;
-        std::uint64_t last_z;
-        std::uint64_t bytes;
+    struct SlotRows {  // rows of the batch, and the place of their cell and class in its index
+        std::uint32_t slot, first, count;
     };
-    struct Region {
-        PixelRect cells, needed;
-        std::uint64_t z_end;
-    };
+    struct Filling;
 
-    Status load_page(const PageRef& page, const Region& region, std::vector<CellRows>& kept);
+    std::uint64_t pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
+    Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
-    void copy_rows(const sampledb::Page& page, const CellRows& rows, std::uint32_t* x, std::uint32_t* y, float* values);
-    void sort_by_cell(std::span<const PageRef> pages, const std::vector<std::vector<CellRows>>& kept);
+    void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
     std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + lanes_ * sizeof(float); }
 
     const sampledb::Gathering& gathering_;
     const FilmGrid& grid_;
     const Channels& channels_;
     std::size_t lanes_;
-
-    std::uint32_t* x_ = nullptr;
-    std::uint32_t* y_ = nullptr;
-    float* values_ = nullptr;
-    std::atomic<std::uint32_t> record_count_ = 0;
-    PixelRect cells_;
-    std::vector<std::uint32_t> begin_;  // of each cell's segments, camera and light; one more at the end
-    std::vector<Segment> segments_;
-
-    std::mutex carry_mutex_;
-    std::unordered_map<std::uint64_t, Carried> carried_;  // by run and index
-    std::uint64_t carry_bytes_, carried_bytes_ = 0;
     DecodeCounts counts_;
 };
 

@@ -17,11 +17,13 @@ namespace latent::develop {
 
 namespace {
 
+using sampledb::FilmNode;
+using sampledb::PageInfo;
 using sampledb::RecordClass;
 
-constexpr std::size_t kPagesAtOnce = 1 << 14;    // references to pages of a region that streams
-constexpr std::size_t kLeastBatch = 8 << 20;     // bytes
-constexpr std::uint64_t kThreadBytes = 2 << 20;  // a decoded page and what the decoder holds
+constexpr std::size_t kPagesAtOnce = 1 << 14;                 // references to pages of a region that streams
+constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
+constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
 
 struct RecordCounts {
     std::uint64_t camera = 0, light = 0;
@@ -50,6 +52,12 @@ Result<RecordCounts> count_records(const sampledb::Gathering& gathering) {
     return counts;
 }
 
+// A node of the film, no smaller than a cell, that is developed in one go.
+struct Region {
+    FilmNode node;
+    PixelRect cells;  // those of the node that are needed
+};
+
 class Engine {
  public:
     Engine(const sampledb::Gathering& gathering, const RecordCounts& records, const Channels& channels, const Settings& settings,
@@ -57,7 +65,8 @@ class Engine {
         : gathering_(gathering),
           channels_(channels),
           settings_(settings),
-          grid_(settings.width, settings.height, settings.filter.reach()) {
+          grid_(settings.width, settings.height, settings.filter.reach()),
+          loader_(gathering, grid_, channels) {
         counts_.camera_records = records.camera;
         counts_.light_records = records.light;
         counts_.light_paths = gathering.light_paths();
@@ -75,30 +84,21 @@ class Engine {
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
-        if (slab_bytes_ < kLeastBatch + window_bytes_) {
+        const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, window_bytes_);
+        if (!plan) return plan.error();
+        plan_ = &*plan;
+        counts_.pages = plan->pages();
+        counts_.page_bytes = plan->stored_bytes();
+        if (slab_bytes_ < plan->least_batch() + window_bytes_) {
             return Error{ErrorCode::kOutOfRange,
                          fmt::format("--memory {}: too small; give at least {}", format_size(settings_.memory),
-                                     format_size(settings_.memory - slab_bytes_ + kLeastBatch + window_bytes_))};
+                                     format_size(settings_.memory - slab_bytes_ + plan->least_batch() + window_bytes_))};
         }
         slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
         if (!slab_)
             return Error{ErrorCode::kOutOfRange, fmt::format("--memory {}: the system has less", format_size(settings_.memory))};
-
-        const std::uint64_t resident = std::max<std::uint64_t>(slab_bytes_ / 8 * 5, kLeastBatch);
-        const RegionLimits limits{window_bytes_, std::min(resident, slab_bytes_ - window_bytes_),
-                                  std::min(slab_bytes_ / 4 * 3, slab_bytes_ - kLeastBatch)};
-        const Result<std::vector<Region>> regions = plan_regions(gathering_, grid_, needed_, classes_, *batch_, limits);
-        if (!regions) return regions.error();
-        for (const Region& region : *regions) {
-            const auto show = [&](double part) {
-                const double done = (static_cast<double>(counts_.regions) + part) / static_cast<double>(regions->size());
-                if (progress) progress(done, fmt::format("{} read", format_size(gathering_.bytes_read())));
-            };
-            Status s = region.resident ? develop_resident(region, limits.resident_bytes, show) : develop_streaming(region, show);
-            if (!s) return s.error();
-            ++counts_.regions;
-            batch_->forget_before(z_range(grid_, region.node).end);
-        }
+        progress_ = &progress;
+        if (Status s = develop_node({}, {slab_.get(), slab_bytes_}, 0); !s) return s.error();
         if (progress) progress(1, "");
         return finished_counts();
     }
@@ -107,19 +107,23 @@ class Engine {
     struct Free {
         void operator()(std::byte* memory) const { std::free(memory); }
     };
+    // Decoded records of a node's own pages, while its children are developed.
+    struct Held {
+        FilmNode node;
+        Batch batch;
+    };
 
-    // The budget: waiting blocks, pages carried from region to region, the threads' own buffers; the rest is one slab for records
-    // and windows.
+    // The budget: waiting blocks and the threads' own buffers; the rest is one slab for records and windows.
     void share_memory(TileSink& sink) {
         const std::uint64_t threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
-        const std::uint64_t carry = settings_.memory / 8, waiting = settings_.memory / 16;
+        const std::uint64_t waiting = settings_.memory / 16;
         const std::uint64_t tile_bytes =
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.count());
         const std::uint64_t own = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
-        slab_bytes_ = settings_.memory > carry + waiting + own ? (settings_.memory - carry - waiting - own) / 64 * 64 : 0;
+        slab_bytes_ = settings_.memory > waiting + own ? (settings_.memory - waiting - own) / 64 * 64 : 0;
+        slab_bytes_ = std::min(slab_bytes_, kMostSlab);
         window_bytes_ = static_cast<std::uint64_t>(grid_.window_width() * grid_.window_height()) * pixel_doubles() * sizeof(double);
         window_bytes_ = (window_bytes_ + 63) / 64 * 64;
-        batch_ = std::make_unique<Batch>(gathering_, grid_, channels_, carry);
         assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, camera_, light_, normalisation_,
                                                settings_.temporary_folder, waiting, sink);
     }
@@ -129,65 +133,140 @@ class Engine {
                (classes_.light ? static_cast<std::uint64_t>(light_.doubles()) : 0);
     }
 
-    using ShowPart = std::function<void(double part_of_region)>;
-
-    // All records at once, the windows of a pane at a time.
-    Status develop_resident(const Region& region, std::uint64_t record_room, const ShowPart& show) {
-        std::vector<PageRef> pages;
-        for (std::size_t run = 0; run < gathering_.runs().size(); ++run) {
-            if (Status s = append_pages(gathering_, grid_, region, classes_, run, pages); !s) return s;
+    // Develops a node in `room`. `missed`: see Plan::way.
+    Status develop_node(const FilmNode& node, std::span<std::byte> room, std::uint64_t missed) {
+        const PixelRect cells = plan_->cells(node);
+        if (cells.empty()) return {};
+        switch (plan_->way(node, room.size(), missed)) {
+            case Way::kResident:
+                return develop_resident({node, cells}, room);
+            case Way::kStreaming:
+                return develop_streaming({node, cells}, room);
+            case Way::kSplit:
+                break;
         }
-        count(pages, region);
-        std::span<const PageRef> rest = pages;
-        if (Status s = load(region, rest, {slab_.get(), record_room}); !s) return s;
-        assert(rest.empty());
-        show(0.5);
-        windows_ = std::span(slab_.get() + record_room, slab_bytes_ - record_room);
-        return develop_panes(region, region.node);
+        const bool holds = plan_->holds(node, room.size(), missed);
+        if (holds) {
+            if (Status s = hold_own_pages({node, cells}, room); !s) return s;
+        } else {
+            missed += plan_->own(node);
+        }
+        for (int i = 0; i < 4; ++i) {
+            if (Status s = develop_node(child(node, i), room, missed); !s) return s;
+        }
+        if (holds) held_.pop_back();
+        return {};
     }
 
-    Status develop_panes(const Region& region, const sampledb::FilmNode& node) {
+    // Decodes the node's own pages off the front of `room`.
+    Status hold_own_pages(const Region& region, std::span<std::byte>& room) {
+        std::vector<PageRef> pages;
+        const auto own = [&](const PageInfo& page) { return page.node == region.node; };
+        if (Status s = append_pages(own, pages); !s) return s;
+        std::span<const PageRef> rest = pages;
+        Result<Batch> batch = load(rest, region.cells, room);
+        if (!batch) return batch.error();
+        assert(rest.empty());
+        held_.push_back({region.node, *batch});
+        return {};
+    }
+
+    // Pages that reach into a region and are not in memory yet.
+    auto reaching(const Region& region) const {
+        return [this, region](const PageInfo& page) {
+            return !intersection(grid_.cells_of(page.node), region.cells).empty() &&
+                   std::ranges::find(held_, page.node, &Held::node) == held_.end();
+        };
+    }
+    // Appends the pages of a run, or of all, that are `wanted`, in their order.
+    template <class Wanted>
+    Status append_pages(std::size_t run, const Wanted& wanted, std::vector<PageRef>& found) const {
+        const auto pages = gathering_.pages(run);
+        if (!pages) return pages.error();
+        for (std::uint32_t i = 0; i < (*pages)->size(); ++i) {  // a few nanoseconds each; a page itself takes some hundred thousand
+            const PageInfo& page = (**pages)[i];
+            if (classes_.has(page.record_class) && wanted(page))
+                found.push_back({static_cast<std::uint32_t>(run), page_order(run, i), page});
+        }
+        return {};
+    }
+    template <class Wanted>
+    Status append_pages(const Wanted& wanted, std::vector<PageRef>& found) const {
+        for (std::size_t run = 0; run < gathering_.runs().size(); ++run) {
+            if (Status s = append_pages(run, wanted, found); !s) return s;
+        }
+        return {};
+    }
+
+    // All records at once, the windows of a pane at a time.
+    Status develop_resident(const Region& region, std::span<std::byte> room) {
+        std::vector<PageRef> pages;
+        if (Status s = append_pages(reaching(region), pages); !s) return s;
+        std::span<const PageRef> rest = pages;
+        const Result<Batch> batch = load(rest, region.cells, room);
+        if (!batch) return batch.error();
+        assert(rest.empty());
+        show(region, 0.5);
+        windows_ = room;
+        if (Status s = develop_panes(region, region.node, *batch); !s) return s;
+        return finish_region(region);
+    }
+
+    Status develop_panes(const Region& region, const FilmNode& node, const Batch& batch) {
         const PixelRect cells = intersection(grid_.cells_of(node), region.cells);
         if (cells.empty()) return {};
         if (static_cast<std::uint64_t>(cells.width() * cells.height()) * window_bytes_ > windows_.size() &&
             node.level < grid_.level()) {
             for (int i = 0; i < 4; ++i) {
-                if (Status s = develop_panes(region, child(node, i)); !s) return s;
+                if (Status s = develop_panes(region, child(node, i), batch); !s) return s;
             }
             return {};
         }
         begin_pane(cells);
-        add_batch();
+        add_records(batch, {});
         return finish_pane(node);
     }
 
     // The windows of all cells at once, the records a batch at a time.
-    Status develop_streaming(const Region& region, const ShowPart& show) {
+    Status develop_streaming(const Region& region, std::span<std::byte> room) {
         const std::uint64_t windows = static_cast<std::uint64_t>(region.cells.width() * region.cells.height()) * window_bytes_;
-        windows_ = std::span(slab_.get() + (slab_bytes_ - windows), windows);
+        windows_ = room.last(windows);
         begin_pane(region.cells);
         std::vector<PageRef> pages;
+        PageRange range{0, 0};
         for (std::size_t run = 0; run < gathering_.runs().size();) {
             pages.clear();
             for (; run < gathering_.runs().size() && pages.size() < kPagesAtOnce; ++run) {
-                if (Status s = append_pages(gathering_, grid_, region, classes_, run, pages); !s) return s;
+                if (Status s = append_pages(run, reaching(region), pages); !s) return s;
             }
-            count(pages, region);
-            for (std::span<const PageRef> rest = pages; !rest.empty();) {
-                if (Status s = load(region, rest, {slab_.get(), slab_bytes_ - windows}); !s) return s;
-                add_batch();
-                show(static_cast<double>(run) / static_cast<double>(gathering_.runs().size()));
-            }
+            std::span<const PageRef> rest = pages;
+            do {
+                std::span<std::byte> records = room.first(room.size() - windows);
+                const Result<Batch> batch = load(rest, region.cells, records);
+                if (!batch) return batch.error();
+                range = {range.end, rest.empty() ? page_order(run, 0) : rest.front().order};
+                add_records(*batch, range);
+            } while (!rest.empty());
+            show(region, static_cast<double>(run) / static_cast<double>(gathering_.runs().size()));
         }
-        return finish_pane(region.node);
+        if (Status s = finish_pane(region.node); !s) return s;
+        return finish_region(region);
     }
 
-    // Takes the pages that fit off the front of `pages`.
-    Status load(const Region& region, std::span<const PageRef>& pages, std::span<std::byte> memory) {
-        const Result<std::size_t> taken = batch_->load(pages, memory, region.cells, needed_, z_range(grid_, region.node).end);
-        if (!taken) return taken.error();
-        pages = pages.subspan(*taken);
+    Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory) {
         ++counts_.batches;
+        return loader_.load(pages, cells, memory);
+    }
+
+    void show(const Region& region, double part) const {
+        if (!*progress_) return;
+        const auto area = [](const PixelRect& cells) { return static_cast<double>(cells.width() * cells.height()); };
+        (*progress_)((cells_done_ + part * area(region.cells)) / area(needed_),
+                     fmt::format("{} read", format_size(gathering_.bytes_read())));
+    }
+    Status finish_region(const Region& region) {
+        ++counts_.regions;
+        cells_done_ += static_cast<double>(region.cells.width() * region.cells.height());
         return {};
     }
 
@@ -196,49 +275,42 @@ class Engine {
         ++counts_.panes;
     }
 
-    // Adds the records of the batch to the windows of the pane, cell by cell.
-    void add_batch() {
+    // Adds the records of a batch, and those held of the pages in `range`, to the windows of the pane, cell by cell.
+    void add_records(const Batch& batch, const PageRange& range) {
+        std::vector<const Batch*> batches = {&batch};
+        for (const Held& held : held_) batches.push_back(&held.batch);
         tbb::parallel_for(std::size_t{0}, pane_.of.size(), [&](std::size_t i) {
             const std::int64_t x = pane_.cells.x0 + static_cast<std::int64_t>(i) % pane_.cells.width();
             const std::int64_t y = pane_.cells.y0 + static_cast<std::int64_t>(i) / pane_.cells.width();
             const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
             const auto pixels = static_cast<std::size_t>(window.width() * window.height());
+            thread_local std::vector<Stretch> stretches;
+            const auto add = [&](RecordClass record_class, const PixelSums& layout, bool unit_sum, double* sums,
+                                 const double*& used) {
+                segments_in_order(batches, range, x, y, record_class, stretches);
+                if (stretches.empty()) return;
+                if (!used) std::fill_n(sums, pixels * layout.doubles(), 0.0);
+                used = sums;
+                for (const Stretch& stretch : stretches) {
+                    splat(settings_.filter.kernel(), layout, unit_sum, stretch.batch->columns, stretch.segments, sums,
+                          static_cast<std::size_t>(window.width()));
+                }
+            };
             auto* const camera = reinterpret_cast<double*>(windows_.data() + i * window_bytes_);
             double* const light = camera + (classes_.camera ? pixels * camera_.doubles() : 0);
-            add_records(batch_->segments(x, y, RecordClass::kCamera), camera_, false, camera, pixels, window, pane_.of[i].camera);
-            add_records(batch_->segments(x, y, RecordClass::kLight), light_, true, light, pixels, window, pane_.of[i].light);
+            add(RecordClass::kCamera, camera_, false, camera, pane_.of[i].camera);
+            add(RecordClass::kLight, light_, true, light, pane_.of[i].light);
         });
     }
 
-    void add_records(std::span<const Segment> segments, const PixelSums& layout, bool unit_sum, double* sums, std::size_t pixels,
-                     const PixelRect& window, const double*& used) const {
-        if (segments.empty()) return;
-        if (!used) std::fill_n(sums, pixels * layout.doubles(), 0.0);
-        used = sums;
-        splat(settings_.filter.kernel(), layout, unit_sum, batch_->columns(), segments, sums,
-              static_cast<std::size_t>(window.width()));
-    }
-
-    Status finish_pane(const sampledb::FilmNode& node) {
+    Status finish_pane(const FilmNode& node) {
         const ZRange range = z_range(grid_, node);
         return assembly_->add(pane_, range.begin, range.end);
     }
 
-    // Pages count in the region where they begin, or where they are met first if that is not needed.
-    void count(const std::vector<PageRef>& pages, const Region& region) {
-        const ZRange range = z_range(grid_, region.node);
-        for (const PageRef& page : pages) {
-            const PixelRect cells = intersection(grid_.cells_of(page.info.node), needed_);
-            const std::uint64_t first = z_code(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0));
-            if (first < range.begin || first >= range.end) continue;
-            ++counts_.pages;
-            counts_.page_bytes += page.info.stored_size;
-        }
-    }
-
     DevelopCounts finished_counts() const {
         DevelopCounts counts = counts_;
-        const DecodeCounts& decoded = batch_->counts();
+        const DecodeCounts& decoded = loader_.counts();
         counts.pages_decoded = decoded.pages;
         counts.page_bytes_decoded = decoded.bytes;
         counts.camera_not_finite = decoded.camera_not_finite;
@@ -253,15 +325,19 @@ class Engine {
     const Channels& channels_;
     const Settings& settings_;
     FilmGrid grid_;
+    Loader loader_;
     DevelopCounts counts_;
     Classes classes_;
     PixelSums camera_, light_;
     Normalisation normalisation_;
     PixelRect needed_;  // cells
+    const Plan* plan_ = nullptr;
+    const Progress* progress_ = nullptr;
+    double cells_done_ = 0;
     std::uint64_t slab_bytes_ = 0, window_bytes_ = 0;
     std::unique_ptr<std::byte, Free> slab_;
+    std::vector<Held> held_;
     std::span<std::byte> windows_;
-    std::unique_ptr<Batch> batch_;
     std::unique_ptr<Assembly> assembly_;
     Windows pane_;
 };

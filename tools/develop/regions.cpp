@@ -8,76 +8,13 @@ namespace {
 
 using sampledb::FilmNode;
 
-constexpr int kCountedLevels = 8;  // bytes of records are counted for nodes down to this level; deeper ones share their ancestor's
+constexpr int kCountedLevels = 8;  // nodes are counted one by one down to this level; deeper ones share their ancestor's
+constexpr std::uint64_t kLeastBatch = 8 << 20;  // bytes
 
-// Upper bounds of the bytes that the records in a node take.
-class RecordBytes {
- public:
-    explicit RecordBytes(int deepest) : own_(deepest + 1) {
-        for (int level = 0; level <= deepest; ++level) own_[level].assign(std::size_t{1} << (2 * level), 0);
-    }
-    void add(const FilmNode& node, std::uint64_t bytes) {
-        const int level = std::min<int>(node.level, deepest());
-        own_[level][slot(level, node)] += bytes;
-    }
-    // own_[level] of a node: the pages of exactly that node; after `sum_up` inside_ has those below too.
-    void sum_up() {
-        inside_ = own_;
-        for (int level = deepest(); level > 0; --level) {
-            for (std::size_t z = 0; z < inside_[level].size(); ++z) inside_[level - 1][z / 4] += inside_[level][z];
-        }
-    }
-    // Those of pages that reach into all children of the node, or may.
-    std::uint64_t straddling(const FilmNode& node) const {
-        const int level = std::min<int>(node.level, deepest());
-        return own_[level][slot(level, node)];
-    }
-    std::uint64_t at_most(const FilmNode& node) const {
-        const int level = std::min<int>(node.level, deepest());
-        std::size_t z = slot(level, node);
-        std::uint64_t bytes = inside_[level][z];
-        for (int above = level - 1; above >= 0; --above) bytes += own_[above][z >>= 2];
-        return bytes;
-    }
-
- private:
-    int deepest() const { return static_cast<int>(own_.size()) - 1; }
-    static std::size_t slot(int level, const FilmNode& node) {
-        return z_code(static_cast<std::uint32_t>(std::uint64_t{node.x} >> (node.level - level)),
-                      static_cast<std::uint32_t>(std::uint64_t{node.y} >> (node.level - level)));
-    }
-
-    std::vector<std::vector<std::uint64_t>> own_, inside_;
-};
-
-// Regions are as large as memory allows only where pages are that large: small ones stay in the caches and touch less memory. But
-// no smaller than to read kLeastRead of a run at once, on average.
+// A node is as large as memory allows only where pages are that large: small ones stay in the caches and touch less memory. But no
+// smaller than to read kLeastRead of a run at once, on average.
 constexpr std::uint64_t kComfortable = 32 << 20;
 constexpr std::uint64_t kLeastRead = 256 << 10;
-
-struct Plan {
-    const FilmGrid& grid;
-    const PixelRect& needed;
-    const RecordBytes& bytes;
-    const RegionLimits& limits;
-    std::uint64_t runs;
-    std::vector<Region> regions;
-
-    void add(const FilmNode& node) {
-        const PixelRect cells = intersection(grid.cells_of(node), needed);
-        if (cells.empty()) return;
-        const auto windows = static_cast<std::uint64_t>(cells.width() * cells.height()) * limits.window_bytes;
-        const std::uint64_t records = bytes.at_most(node);
-        const bool fits = records <= limits.resident_bytes || windows <= limits.window_room;
-        const bool splits_well =
-            std::min(records, windows) > kComfortable && bytes.straddling(node) <= records / 64 && records / 4 >= runs * kLeastRead;
-        if (node.level < grid.level() && (!fits || splits_well)) {
-            for (int i = 0; i < 4; ++i) add(child(node, i));
-        } else {
-            regions.push_back({node, cells, records <= limits.resident_bytes});
-        }
-    }
-};
 
 }  // namespace
 
@@ -91,32 +28,78 @@ ZRange z_range(const FilmGrid& grid, const FilmNode& node) {
             z_code(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1)) + 1};
 }
 
-Result<std::vector<Region>> plan_regions(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed,
-                                         Classes classes, const Batch& batch, const RegionLimits& limits) {
-    RecordBytes bytes(std::min(grid.level(), kCountedLevels));
+Plan::Plan(const FilmGrid& grid, const PixelRect& needed, std::uint64_t window_bytes, std::uint64_t runs)
+    : grid_(&grid), needed_(needed), window_bytes_(window_bytes), runs_(runs), least_batch_(kLeastBatch) {
+    const int deepest = std::min(grid.level(), kCountedLevels);
+    for (int level = 0; level <= deepest; ++level) inside_.emplace_back(std::size_t{1} << (2 * level), 0);
+}
+
+Result<Plan> Plan::make(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed, Classes classes,
+                        const Loader& loader, std::uint64_t window_bytes) {
+    Plan plan(grid, needed, window_bytes, gathering.runs().size());
     for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
         const auto pages = gathering.pages(run);
         if (!pages) return pages.error();
         for (const sampledb::PageInfo& page : **pages) {
-            if (classes.has(page.record_class)) bytes.add(page.node, batch.bytes_at_most(page, needed));
+            const std::uint64_t bytes = classes.has(page.record_class) ? loader.bytes_at_most(page, needed) : 0;
+            if (bytes == 0) continue;
+            plan.least_batch_ = std::max(plan.least_batch_, bytes + Loader::index_bytes({0, 0, 1, 1}));
+            ++plan.pages_;
+            plan.stored_bytes_ += page.stored_size;
+            const int level = std::min<int>(page.node.level, static_cast<int>(plan.inside_.size()) - 1);
+            std::uint64_t z = z_code(page.node.x, page.node.y) >> (2 * (page.node.level - level));
+            for (int above = level; above >= 0; --above, z >>= 2) plan.inside_[above][z] += bytes;
         }
     }
-    bytes.sum_up();
-    Plan plan{grid, needed, bytes, limits, gathering.runs().size(), {}};
-    plan.add(FilmNode{});
-    return std::move(plan.regions);
+    return plan;
 }
 
-Status append_pages(const sampledb::Gathering& gathering, const FilmGrid& grid, const Region& region, Classes classes,
-                    std::size_t run, std::vector<PageRef>& found) {
-    const auto pages = gathering.pages(run);
-    if (!pages) return pages.error();
-    for (std::uint32_t i = 0; i < (*pages)->size(); ++i) {  // a few nanoseconds each; a page itself takes some hundred thousand
-        const sampledb::PageInfo& page = (**pages)[i];
-        if (!classes.has(page.record_class) || intersection(grid.cells_of(page.node), region.cells).empty()) continue;
-        found.push_back({static_cast<std::uint32_t>(run), i, page});
-    }
-    return {};
+std::uint64_t Plan::inside(const FilmNode& node) const {
+    const int level = std::min<int>(node.level, static_cast<int>(inside_.size()) - 1);
+    return inside_[level][z_code(node.x, node.y) >> (2 * (node.level - level))];
+}
+
+std::uint64_t Plan::own(const FilmNode& node) const {
+    if (node.level + 1 >= static_cast<int>(inside_.size())) return 0;  // counted as inside the children too
+    std::uint64_t bytes = inside(node);
+    for (int i = 0; i < 4; ++i) bytes -= inside(child(node, i));
+    return bytes;
+}
+
+Way Plan::way(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
+    const PixelRect its_cells = cells(node);
+    const std::uint64_t index = Loader::index_bytes(its_cells);
+    const std::uint64_t records = inside(node) + missed + index;
+    const std::uint64_t windows = static_cast<std::uint64_t>(its_cells.width() * its_cells.height()) * window_bytes_ + index;
+    const bool resident = records <= std::min(std::max(room / 8 * 5, least_batch_), room - window_bytes_);
+    const bool streaming = windows <= std::min(room / 4 * 3, room - least_batch_);
+    const bool splits_well =
+        std::min(records, windows) > kComfortable && own(node) + missed <= records / 64 && records / 4 >= runs_ * kLeastRead;
+    if (node.level < grid_->level() && (splits_well || (!resident && !streaming))) return Way::kSplit;
+    return resident ? Way::kResident : Way::kStreaming;
+}
+
+bool Plan::holds(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
+    return best_split(node, room, missed).holds;
+}
+
+Plan::Split Plan::best_split(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
+    const auto children = [&](std::uint64_t its_room, std::uint64_t its_missed) {
+        std::uint64_t bytes = 0;
+        for (int i = 0; i < 4; ++i) bytes += decoded(child(node, i), its_room, its_missed);
+        return bytes;
+    };
+    const std::uint64_t bytes = own(node), takes = bytes + Loader::index_bytes(cells(node));
+    if (bytes == 0 || takes + least_batch_ + window_bytes_ > room) return {false, children(room, missed + bytes)};
+    const Split with{true, bytes + children(room - takes, missed)};
+    if (bytes <= inside(node) / 64) return with;  // they take next to nothing
+    const Split without{false, children(room, missed + bytes)};
+    return with.decoded <= without.decoded ? with : without;
+}
+
+std::uint64_t Plan::decoded(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
+    if (cells(node).empty()) return 0;
+    return way(node, room, missed) == Way::kSplit ? best_split(node, room, missed).decoded : inside(node) + missed;
 }
 
 }  // namespace latent::develop

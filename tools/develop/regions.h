@@ -1,4 +1,4 @@
-// tools/develop/regions.h: the film cut into regions that fit the memory budget. docs/developing.md, "Regions".
+// tools/develop/regions.h: how the film is cut so that what each part needs fits into memory. docs/developing.md, "Regions".
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,6 @@
 #include "tools/develop/film_grid.h"
 
 namespace latent::develop {
-
-// A node of the film, no smaller than a cell. If its records fit into memory all at once it is `resident`: they are decoded in one
-// batch, and the windows of a few cells at a time are filled and finished. Else the windows of all its cells stay in memory while
-// the records stream by in batches.
-struct Region {
-    sampledb::FilmNode node;
-    PixelRect cells;  // those of the node that are needed
-    bool resident;
-};
-
-struct RegionLimits {
-    std::uint64_t window_bytes;    // of one cell
-    std::uint64_t resident_bytes;  // for the records of a resident region
-    std::uint64_t window_room;     // for the windows of another region
-};
 
 // The first and one past the last code on the Z curve of a node's cells.
 struct ZRange {
@@ -38,12 +23,46 @@ struct Classes {
     bool has(sampledb::RecordClass c) const { return c == sampledb::RecordClass::kCamera ? camera : light; }
 };
 
-// Regions in Z order that cover `needed` (cells).
-Result<std::vector<Region>> plan_regions(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed,
-                                         Classes classes, const Batch& batch, const RegionLimits& limits);
+// How a node is developed. `kResident`: all its records fit into memory; they are decoded at once, and the windows of a few cells
+// at a time are filled and finished. `kStreaming`: the windows of all its cells fit; the records pass by in batches. `kSplit`: its
+// children one after another.
+enum class Way { kResident, kStreaming, kSplit };
 
-// Appends the pages of a run that reach into a region, in the order in which their records are added up.
-Status append_pages(const sampledb::Gathering& gathering, const FilmGrid& grid, const Region& region, Classes classes,
-                    std::size_t run, std::vector<PageRef>& found);
+// Plans with upper bounds of the bytes that the records of pages take once they are decoded, counted by the pages' nodes.
+class Plan {
+ public:
+    // Of all pages that reach into `needed` (cells). `window_bytes`: of one cell's window.
+    static Result<Plan> make(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed, Classes classes,
+                             const Loader& loader, std::uint64_t window_bytes);
+
+    // Cells of a node that are needed; if there are none, it needs no way.
+    PixelRect cells(const sampledb::FilmNode& node) const { return intersection(grid_->cells_of(node), needed_); }
+    // For a node in `room` bytes. `missed`: bytes of records in the pages of its ancestors that are not in memory.
+    Way way(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
+    // Whether the records of a split node's own pages, those that lie in none of its children, should be in memory while the
+    // children are developed. That leaves them less room, which may cut them into more regions.
+    bool holds(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
+    std::uint64_t own(const sampledb::FilmNode& node) const;  // bytes of their records
+
+    std::uint64_t least_batch() const { return least_batch_; }  // bytes
+    std::uint64_t pages() const { return pages_; }
+    std::uint64_t stored_bytes() const { return stored_bytes_; }  // of the pages, on disk
+
+ private:
+    Plan(const FilmGrid& grid, const PixelRect& needed, std::uint64_t window_bytes, std::uint64_t runs);
+    std::uint64_t inside(const sampledb::FilmNode& node) const;
+    struct Split {
+        bool holds;
+        std::uint64_t decoded;  // bytes of records, repeats included
+    };
+    Split best_split(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
+    std::uint64_t decoded(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
+
+    const FilmGrid* grid_;
+    PixelRect needed_;
+    std::uint64_t window_bytes_, runs_;
+    std::vector<std::vector<std::uint64_t>> inside_;  // bytes of records of pages that lie in a node, by level and Z order
+    std::uint64_t least_batch_, pages_ = 0, stored_bytes_ = 0;
+};
 
 }  // namespace latent::develop

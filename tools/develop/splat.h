@@ -19,6 +19,7 @@ struct RecordColumns {
     const float* values;  // `lanes` per record: channel values, then the share (light records: 0), then zeros
 };
 struct Segment {
+    std::uint64_t page;  // page_order (batch.h)
     std::uint32_t first, count;
 };
 
