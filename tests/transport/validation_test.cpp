@@ -82,7 +82,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Validation,
                                            Case{"cornell", IntegratorKind::kBdpt, Connections::kOne, 196608},
                                            Case{"sodium", IntegratorKind::kPath, Connections::kOne, 65536},
                                            Case{"sodium", IntegratorKind::kBdpt, Connections::kAll, 49152},
-                                           Case{"conductors", IntegratorKind::kPath, Connections::kOne, 32768}),
+                                           Case{"conductors", IntegratorKind::kPath, Connections::kOne, 32768},
+                                           Case{"fog", IntegratorKind::kBdpt, Connections::kOne, 32768}),
                          [](const auto& instance) {
                              const Case& c = instance.param;
                              return std::string(c.scene) + (c.kind == IntegratorKind::kPath      ? "_path"
