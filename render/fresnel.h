@@ -1,4 +1,4 @@
-// render/fresnel.h: reflectance of smooth interfaces. Unpolarised light. docs/rendering.md, "Interfaces".
+// render/fresnel.h: reflectance of smooth interfaces. Unpolarised light. docs/rendering.md, "Surfaces".
 #pragma once
 
 #include <algorithm>

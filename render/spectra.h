@@ -1,4 +1,4 @@
-// render/spectra.h: the wavelengths of one sample, and every spectrum of a scene evaluated at them. docs/rendering.md, "Spectra".
+// render/spectra.h: the wavelengths of one sample, and every spectrum of a scene evaluated at them. docs/rendering.md, "Wavelengths".
 #pragma once
 
 #include <cstdint>

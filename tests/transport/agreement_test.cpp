@@ -282,9 +282,16 @@ constexpr const char* kIndirect =
     "\"trianglemesh\" "
     "\"point3 P\" [-.3 -.3 0  .3 -.3 0  .3 .3 0  -.3 .3 0] \"integer indices\" [0 1 2 0 2 3] AttributeEnd\n";
 
+// A small lamp before a large lens.
+constexpr const char* kLampBeforeLens =
+    "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nIntegrator \"path\" \"integer maxdepth\" 0\n"
+    "Camera \"perspective\" \"float fov\" 40 \"float lensradius\" 1 \"float focaldistance\" 1\nWorldBegin\n"
+    "AttributeBegin Translate 0 0 1.5 AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" Shape \"trianglemesh\" "
+    "\"point3 P\" [-.25 -.25 0  .25 -.25 0  .25 .25 0  -.25 .25 0] \"integer indices\" [0 2 1 0 3 2] AttributeEnd\n";
+
 // One strategy's weight wrong by 2 %: weights no longer add up to one, and the picture no longer agrees with that of `path`. Of
 // each way to make a path one that has a large share of its picture: light that is run into, sampled, or joined to the eye's path
-// (camera records), and joined to the lens (light records).
+// (camera records), and light that is joined to the lens or runs into it (light records).
 TEST(Agreement, AStrategyWeighedWrongBy2PercentIsCaught) {
     struct Case {
         std::string scene;
@@ -295,6 +302,7 @@ TEST(Agreement, AStrategyWeighedWrongBy2PercentIsCaught) {
         {text_of({0, 0, 1, kVacuum, 0}), 150'000, 75'000, {{1, 2}, {2, 1}}},  // 52 % and 29 %
         {text_of({2, 0, 1, kVacuum, 0}), 30'000, 15'000, {{0, 2}}},           // 85 %: a lamp that is seen
         {kIndirect + std::string(kRoom), 300'000, 15'000, {{2, 2}}},          // 98 %
+        {kLampBeforeLens, 60'000, 30'000, {{2, 0}}},
     };
     for (const Case& c : cases) {
         const Scene scene = scene_from(c.scene);

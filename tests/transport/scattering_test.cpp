@@ -203,6 +203,21 @@ TEST(Scattering, NoLightLeaksThroughTiltedNormals) {
         scattering.multiply_f_cos(kDirections[0], normalize(Vec3f{0.9f, 0, -0.3f}), f);
         EXPECT_EQ(f.max(), 0);
     }
+    // What transmits too: reflected light stays on its side of the surface, refracted light does not.
+    const Scattering clear[] = {Scattering::dielectric(frame, kUp, s.glass, false, 0, 0, 0),
+                                Scattering::dielectric(frame, kUp, s.glass, false, 0, 0.4f, 0.4f),
+                                Scattering::thin_dielectric(frame, kUp, s.glass, false, 0)};
+    for (const Scattering& scattering : clear) {
+        for (int n = 0; n < 5000; ++n) {
+            Scattering::Sample sample;
+            Batch beta(1.0f);
+            const float lobe = u(), x = u(), y = u();
+            const Vec3f& wo = kDirections[static_cast<std::size_t>(n) % kDirections.size()];
+            if (scattering.sample(wo, n % 2 == 0, lobe, x, y, sample, beta)) {
+                ASSERT_EQ(sample.wi.z * wo.z > 0, dot(sample.wi, ns) * dot(wo, ns) > 0);
+            }
+        }
+    }
 }
 
 }  // namespace
