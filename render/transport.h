@@ -23,8 +23,8 @@ struct SampleState {
 };
 
 // Odds of a path to go on, of its throughput since it left the eye or the light. The eta^2 of radiance in denser media is no loss.
-// A dispersed path is judged by the wavelength that it keeps. After `scatterings` without number light that nothing absorbs and
-// that finds no way out, total reflection in a block of glass, must end too.
+// A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on they are at most 0.95: light that nothing
+// absorbs and nothing lets out, reflected totally in a block of glass, must end too.
 inline float survival_odds(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept, std::size_t scatterings) {
     const float odds = (dispersed ? beta[kept] : beta.max()) * eta2;
     return scatterings < 64 || odds < 0.95f ? odds : 0.95f;
