@@ -1,8 +1,9 @@
-// bench/picture_error.cpp: mean squared error of a picture against a reference, less the reference's own noise (for
-// bench/equal_time).
-//   picture_error PICTURE.exr REFERENCE.exr REFERENCE.exr...     (256 x 256; the reference in independent parts of equal quality)
-// Prints the mean over pixels and X, Y, Z; the same without 0.1 % of the pixels, those that are too bright by the most; and the
-// relative difference of the whole picture's Y.
+// bench/picture_error.cpp: the mean squared error of a renderer's pictures, for bench/equal_time.
+//   picture_error REF.csv SEED1.exr SEED2.exr ...     (256 x 256, equally many samples each; REF.csv of tests/transport/refs)
+// The error of one picture is its variance, from the differences of the pictures, plus the square of what they have in common: the
+// difference of their mean from the reference in blocks of 32 x 32 pixels, less the squared errors of both. All are means over
+// X, Y, Z and the picture. Prints the sum; the same without the 0.1 % of pixels where one picture exceeds the others the most; and
+// the relative difference of the whole picture's Y from the reference.
 #include <fmt/format.h>
 
 #include <exception>
@@ -10,45 +11,70 @@
 
 #include "bench/picture.h"
 
-using namespace latent::bench;
-
 namespace {
 
-// By pixel: excess over the reference (sum of X, Y, Z), and squared error less the variance of the reference's mean.
+using namespace latent::bench;
+using namespace latent::render::testing;
+
 struct Pixel {
-    double excess = 0, squares = 0;
+    double excess = 0;    // of the brightest picture over the mean, X + Y + Z
+    double variance = 0;  // mean of X, Y, Z
 };
+
+Pixel pixel_of(const std::vector<Picture>& pictures, std::size_t i) {
+    const double n = static_cast<double>(pictures.size());
+    std::array<double, 3> mean{};
+    for (const Picture& p : pictures) {
+        for (std::size_t c = 0; c < 3; ++c) mean[c] += p[i][c] / n;
+    }
+    Pixel pixel;
+    for (const Picture& p : pictures) {
+        double excess = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            excess += p[i][c] - mean[c];
+            pixel.variance += (p[i][c] - mean[c]) * (p[i][c] - mean[c]) / (n - 1) / 3;
+        }
+        pixel.excess = std::max(pixel.excess, excess);
+    }
+    return pixel;
+}
+
+double mean_variance(const std::vector<Pixel>& pixels) {
+    return std::accumulate(pixels.begin(), pixels.end(), 0.0, [](double sum, const Pixel& p) { return sum + p.variance; }) /
+           static_cast<double>(pixels.size());
+}
+
+double squared_bias(const Estimate& ours, const Estimate& reference) {
+    double sum = 0;
+    for (std::size_t b = 0; b < 64; ++b) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double difference = ours.mean.xyz[b][c] - reference.mean.xyz[b][c];
+            sum += difference * difference - ours.error.xyz[b][c] * ours.error.xyz[b][c] -
+                   reference.error.xyz[b][c] * reference.error.xyz[b][c];
+        }
+    }
+    return std::max(0.0, sum / (64 * 3));
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 4) return fmt::print(stderr, "usage: picture_error PICTURE.exr REFERENCE.exr REFERENCE.exr...\n"), 2;
+    if (argc < 4) return fmt::print(stderr, "usage: picture_error REF.csv SEED.exr SEED.exr...\n"), 2;
     try {
-        const Picture picture = read_picture(argv[1]);
-        std::vector<Picture> parts;
-        for (int i = 2; i < argc; ++i) parts.push_back(read_picture(argv[i]));
-        const double n = static_cast<double>(parts.size());
-        std::vector<Pixel> pixels(kPixels);
-        double ours = 0, reference = 0;
-        for (std::size_t i = 0; i < kPixels; ++i) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                double mean = 0, spread = 0;
-                for (const Picture& part : parts) mean += part[i][c] / n;
-                for (const Picture& part : parts) spread += (part[i][c] - mean) * (part[i][c] - mean);
-                const double difference = picture[i][c] - mean;
-                pixels[i].excess += difference;
-                pixels[i].squares += (difference * difference - spread / (n - 1) / n) / 3;
-                if (c == 1) ours += picture[i][c], reference += mean;
-            }
+        const Estimate reference = read_reference(argv[1]);
+        std::vector<Picture> pictures;
+        std::vector<Blocks> blocks;
+        for (int i = 2; i < argc; ++i) {
+            pictures.push_back(read_picture(argv[i]));
+            blocks.push_back(blocks_of(pictures.back()));
         }
-        const auto mean_square = [](const std::vector<Pixel>& p) {
-            return std::accumulate(p.begin(), p.end(), 0.0, [](double sum, const Pixel& q) { return sum + q.squares; }) /
-                   static_cast<double>(p.size());
-        };
-        const double all = mean_square(pixels);
+        const Estimate ours = mean_of(blocks);
+        std::vector<Pixel> pixels;
+        for (std::size_t i = 0; i < kPixels; ++i) pixels.push_back(pixel_of(pictures, i));
+        const double bias = squared_bias(ours, reference), all = mean_variance(pixels);
         std::sort(pixels.begin(), pixels.end(), [](const Pixel& a, const Pixel& b) { return a.excess < b.excess; });
         pixels.resize(kPixels - kPixels / 1000);
-        fmt::print("{:.6g} {:.6g} {:.6g}\n", all, mean_square(pixels), ours / reference - 1);
+        fmt::print("{:.6g} {:.6g} {:.6g}\n", all + bias, mean_variance(pixels) + bias, compare(ours, reference, 1).whole_relative);
     } catch (const std::exception& e) {
         return fmt::print(stderr, "picture_error: {}\n", e.what()), 1;
     }
