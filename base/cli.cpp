@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/help.h"
 #include "base/printable.h"
 #include "base/size.h"
 
@@ -47,7 +48,9 @@ void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool wi
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     program_name() = app.get_name();
     std::atexit(flush_stdout_at_exit);
-    app.get_formatter()->column_width(34);
+    const auto formatter = std::make_shared<HelpFormatter>();
+    app.formatter(formatter);
+    for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
     try {
         app.parse(argc, argv);
         return std::nullopt;
@@ -66,7 +69,7 @@ CLI::Validator ends_in(const std::string& extension) {
     const auto check = [extension](const std::string& name) {
         return name.ends_with(extension) ? std::string() : fmt::format("{}: the name must end in {}", name, extension);
     };
-    return CLI::Validator(check, "");
+    return CLI::Validator(check, "NAME" + extension);
 }
 
 CLI::Validator whole_number() {
@@ -76,7 +79,7 @@ CLI::Validator whole_number() {
         const bool good = error == std::errc() && end == text.data() + text.size();
         return good ? std::string() : fmt::format("{}: should be a whole number from 0 to {}", text, ~std::uint64_t{0});
     };
-    return CLI::Validator(check, "");
+    return CLI::Validator(check, "N");
 }
 
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {

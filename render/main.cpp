@@ -49,17 +49,17 @@ int main(int argc, char** argv) {
     CLI::App app{"Renders samples of a pbrt-v4 scene into one .latent part. The same command again goes on where it stopped.",
                  "latent-render"};
     app.add_option("SCENE", settings.scene, "the scene, a .pbrt file")->required();
-    app.add_option("-o,--output", options.output, "the part to write, NAME.latent")->required()->check(cli::ends_in(".latent"));
+    app.add_option("-o,--output", options.output, "the part to write")->required()->check(cli::ends_in(".latent"));
     auto* spp =
         app.add_option("--spp", settings.spp, "samples per pixel of --resolution, or of the scene's film")->capture_default_str();
-    app.add_option("--samples", samples, "sample numbers A:B instead (B not included); A begins a run")->excludes(spp);
-    app.add_option("--shard", shard, "I/N: only the I-th of N parts of the samples, I = 0..N-1");
-    app.add_option("--resolution", resolution, "WxH: pixels that --spp counts; samples themselves have no pixels");
-    app.add_option("--integrator", integrator, "path or bdpt; default: the scene's")->check(CLI::IsMember({"path", "bdpt"}));
+    app.add_option("--samples", samples, "instead, sample numbers A .. B-1; A begins a run")->excludes(spp)->type_name("A:B");
+    app.add_option("--shard", shard, "only the I-th of N parts of the samples, I = 0..N-1")->type_name("I/N");
+    app.add_option("--resolution", resolution, "pixels that --spp counts; samples themselves have no pixels")->type_name("WxH");
+    app.add_option("--integrator", integrator, "instead of the scene's")->check(CLI::IsMember({"path", "bdpt"}));
     app.add_option("--connections", connections, "bdpt: of each path length, one random connection or all")
         ->check(CLI::IsMember({"one", "all"}))
         ->capture_default_str();
-    app.add_option("--max-depth", depth, "scattering vertices of a path, or 'unlimited'; default: the scene's");
+    app.add_option("--max-depth", depth, "scattering vertices of a path, instead of the scene's")->type_name("N|unlimited");
     app.add_option("--record", record, "what a record stores: its wavelengths, or XYZ only")
         ->check(CLI::IsMember({"spectral", "xyz"}))
         ->capture_default_str();
@@ -67,12 +67,12 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(4, 32))
         ->capture_default_str();
     app.add_option("--seed", settings.seed, "another (not 0) is another job: independent samples")->check(cli::whole_number());
-    app.add_option("--run-samples", settings.run_samples, "samples of a run, a power of two; default: runs near 64 MiB")
+    app.add_option("--run-samples", settings.run_samples, "samples of a run, a power of two, instead of runs near 64 MiB")
         ->check(CLI::Range(1024, 4194304));
-    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work at least this often (default 60s)");
+    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work this often")->default_str("60s");
     cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, as if by a signal: exit 75");
     app.add_option("--simd", settings.simd,
-                   "instructions to use: sse4.2, avx, avx2 or avx512; default: the best of the first three. "
+                   "sse4.2, avx, avx2 or avx512, instead of the best of the first three. "
                    "Samples are equal bit for bit only at one level");
     app.add_flag("--dry-run", dry_run, "render for two seconds, then tell the time and disk space that everything would take");
     cli::add_common(app, common, false, true);

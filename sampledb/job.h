@@ -34,7 +34,7 @@ struct Job {
     PositionSamplerSpec positions;
     std::vector<ExtraColumnSpec> extra;
 
-    // Errors: kOutOfRange, naming the field. Writers check before they create a file, readers before they believe one.
+    // Errors: kOutOfRange, naming the field; kUnsupported for a position sampler that this version does not know.
     Status validate() const;
 };
 

@@ -20,12 +20,13 @@ Formats, by the output's extension: .png .tif .jpg (display pixels with a colour
 
 Examples:
   latent-convert picture.exr -o picture.png
-  latent-convert picture.exr -o picture.png --auto                             choose the sensitivity; prints the one it chose
+  latent-convert picture.exr -o auto.png --auto                                choose the sensitivity; prints the one it chose
   latent-convert picture.exr -o picture.tif --bits 16 --profile display-p3 --stops -0.5
   latent-convert picture.exr -o wall.tif --tiles --pyramid                     BigTIFF where needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M           two outputs in one pass, any size
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
-)";
+
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but some pixels were not numbers.)";
 
 // What is wrong with `text`, if it is not a number of the range: CLI::Range would let NaN pass.
 std::string check_number(const std::string& text, double least, double most, const char* range) {
@@ -49,7 +50,10 @@ latent::image::Rect parse_crop(const std::string& text) {
 void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     using latent::convert::Depth;
     app.add_option("IMAGE", options.input, "EXR from latent-develop, or of linear RGB")->required();
-    app.add_option("-o,--output", options.outputs, "what to write; may repeat")->required()->allow_extra_args(false);
+    app.add_option("-o,--output", options.outputs, "what to write; may repeat")
+        ->required()
+        ->allow_extra_args(false)
+        ->type_name("FILE");
     auto* sensitivity = app.add_option("-s,--sensitivity", options.sensitivity, "sensitivity of the film: Y = 1/S prints at half");
     sensitivity->check(CLI::Validator([](const std::string& s) { return check_number(s, 0x1p-512, 0x1p512, "above 0"); }, ""));
     app.add_option("--stops", options.stops, "push the sensitivity by so many stops")
@@ -65,7 +69,8 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_option("--profile", options.profile,
                    "srgb, display-p3, rec2020, adobe-rgb; rx,ry,gx,gy,bx,by,wx,wy; 9 numbers, the matrix XYZ to RGB; or FILE.icc")
         ->capture_default_str();
-    app.add_option("--luminance-row", options.luminance_row, "luminances of the primaries, three numbers, instead of the profile's")
+    app.add_option("--luminance-row", options.luminance_row, "luminances of the primaries, instead of the profile's")
+        ->type_name("R,G,B")
         ->delimiter(',');
     const auto depth = [&options](const std::string& text) {
         options.depth = text == "8" ? Depth::k8 : text == "16" ? Depth::k16 : Depth::kFloat;
@@ -76,18 +81,12 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     const auto crop = [&options](const std::string& text) { options.crop = parse_crop(text); };
     app.add_option_function<std::string>("--crop", crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--level", options.level, "mip level of the input: 1 is half its size, ...")->check(CLI::Range(0, 31));
-    app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles, 1..100")
-        ->check(CLI::Range(1, 100))
-        ->capture_default_str();
-    app.add_option("--compression", options.png_level, "of PNG and TIFF, 1 (fast) .. 9 (small)")
-        ->check(CLI::Range(1, 9))
-        ->capture_default_str();
+    app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles")->check(CLI::Range(1, 100))->capture_default_str();
+    app.add_option("--compression", options.png_level, "of PNG and TIFF; 9: small")->check(CLI::Range(1, 9))->capture_default_str();
     app.add_flag("--tiles", options.tiles, "TIFF in tiles of 256 x 256");
     app.add_flag("--pyramid", options.pyramid, "TIFF with smaller and smaller copies, in tiles");
     app.add_flag("--png-tiles", options.png_tiles, "Deep Zoom in PNG instead of JPEG");
-    app.add_option("--overlap", options.overlap, "pixels that Deep Zoom's tiles share")
-        ->check(CLI::Range(0, 1))
-        ->capture_default_str();
+    app.add_option("--overlap", options.overlap, "pixels that tiles share")->check(CLI::Range(0, 1))->capture_default_str();
     app.footer(kExamples);
 }
 
@@ -109,8 +108,7 @@ int main(int argc, char** argv) {
     action.sa_handler = [](int) { stop_requested = true; };
     ::sigaction(SIGINT, &action, nullptr);
     ::sigaction(SIGTERM, &action, nullptr);
-    const latent::Result<latent::convert::ConvertReport> report =
-        latent::convert::convert(options, stop_requested, cli::progress_to_stderr("printing"));
+    const auto report = latent::convert::convert(options, stop_requested, cli::progress_to_stderr("printing"));
     if (!report) return cli::fail(report.error());
     fmt::print("{}", common.json ? latent::convert::report_json(*report) : latent::convert::report_text(*report));
     if (report->damaged() == 0) return cli::kDone;

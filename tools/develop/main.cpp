@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Develop records into an EXR of linear XYZ.", "latent-develop"};
     app.footer(kExamples);
     app.add_option("FILE", options.inputs, "files of one job, or folders that hold them, in any order")->required();
-    app.add_option("-o,--output", options.output, "the picture")->required()->check(cli::ends_in(".exr"))->type_name("IMAGE.exr");
+    app.add_option("-o,--output", options.output, "the picture")->required()->check(cli::ends_in(".exr"));
     app.add_option("--size", options.size, "pixels of the whole film; W alone derives the height")->type_name("W|WxH");
     app.add_option("--crop", options.crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter")->capture_default_str()->type_name("NAME[:params]");
@@ -49,7 +49,9 @@ int main(int argc, char** argv) {
     app.add_option("--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm")
         ->check(CLI::Range(1, 470));
     app.add_option("--compression", compression, "of the EXR")->check(CLI::IsMember({"none", "zip"}))->capture_default_str();
-    app.add_option("--simd", options.simd, "instructions to use: best, or a level such as sse4, avx2")->capture_default_str();
+    app.add_option("--simd", options.simd, "instructions to use: best, or a level such as sse4, avx2")
+        ->capture_default_str()
+        ->type_name("LEVEL");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count files that were named twice once, instead of refusing them");
     app.add_option("--job", job, "where folders hold several jobs: the one to develop (32 hexadecimal digits)")->type_name("ID");
     cli::add_common(app, common, true, true);

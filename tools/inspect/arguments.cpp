@@ -63,10 +63,7 @@ void add_cat_options(CLI::App& cat, CatOptions& options, TextArguments& text) {
 
 void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text) {
     SyntheticScene& scene = options.scene;
-    gen.add_option("-o,--output", options.output, "the new file")
-        ->required()
-        ->check(cli::ends_in(".latent"))
-        ->type_name("OUT.latent");
+    gen.add_option("-o,--output", options.output, "the new file")->required()->check(cli::ends_in(".latent"));
     gen.add_option("--records", text.records, "camera records; K, M and G are powers of 1000")
         ->type_name("COUNT")
         ->capture_default_str();

@@ -204,10 +204,10 @@ std::string to_text(const FileInfo& info) {
     }
     if (!info.contents.header.provenance_json.empty()) line("origin", info.contents.header.provenance_json);
     if (!info.contents.footer_provenance.empty()) {
-        const auto merged = nlohmann::json::parse(info.contents.footer_provenance, nullptr, false);
-        const bool parts = !merged.is_discarded() && merged.contains("parts");
-        line("merged",
-             parts ? fmt::format("from {} parts (--json lists them)", merged["parts"].size()) : info.contents.footer_provenance);
+        const nlohmann::json merged = json_or_text(info.contents.footer_provenance);
+        const std::size_t parts = merged.contains("parts") ? merged["parts"].size() : 0;
+        line("merged", parts > 0 ? fmt::format("from {} part{} (--json lists them)", parts, parts == 1 ? "" : "s")
+                                 : info.contents.footer_provenance);
     }
     for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);

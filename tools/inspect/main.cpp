@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
 
     CLI::App* recover = app.add_subcommand("recover", "save what can be read into a new file")->footer(help::kRecover);
     recover->add_option("FILE", files, "the damaged file")->required()->expected(1);
-    recover->add_option("-o,--output", output, "the new file")->required()->check(cli::ends_in(".latent"))->type_name("OUT.latent");
+    recover->add_option("-o,--output", output, "the new file")->required()->check(cli::ends_in(".latent"));
 
     CLI::App* cat = app.add_subcommand("cat", "records as text")->footer(help::kCat);
     add_cat_options(*cat, cat_options, text);

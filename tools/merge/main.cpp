@@ -59,10 +59,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
     app.footer(kExamples);
     app.add_option("PART", options.inputs, "parts of one job, or folders that hold them, in any order")->required();
-    app.add_option("-o,--output", options.output, "the joined file")
-        ->required()
-        ->check(cli::ends_in(".latent"))
-        ->type_name("OUT.latent");
+    app.add_option("-o,--output", options.output, "the joined file")->required()->check(cli::ends_in(".latent"));
     app.add_option("--require", require, "fail unless samples A .. B-1 are all there")->type_name("A:B");
     app.add_option("--verify", verify,
                    "quick: headers, indexes and one page of every run, before and after copying; full: every page")
