@@ -15,6 +15,9 @@ constexpr std::uint64_t kPow40 = 12157665459056928801u;    // 3^40, below 2^64
 constexpr std::uint64_t kInverse = 13994560389365007135u;  // ceil(2^127 / 3^40)
 
 using U128 = unsigned __int128;
+constexpr auto kFraction8 = static_cast<std::uint64_t>((U128{1} << 64) / kPow8);    // 3^-8 in units of 2^-64
+constexpr auto kFraction16 = static_cast<std::uint64_t>((U128{1} << 64) / kPow16);  // 3^-16
+constexpr std::uint32_t kFractionError = 2 * kPow8;  // of a sum of the first eight digits, the second eight and the rest: less
 static_assert(U128{kInverse} * kPow40 >= U128{1} << 127 && U128{kInverse - 1} * kPow40 < U128{1} << 127);
 
 // Eight ternary digits in reverse order.
@@ -42,27 +45,27 @@ std::uint32_t fraction_of_digits(std::uint64_t reversed) {
 
 }  // namespace
 
-std::uint32_t reverse_bits(std::uint32_t x) {
-    x = (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
-    x = (x >> 2 & 0x33333333) | (x & 0x33333333) << 2;
-    x = (x >> 4 & 0x0F0F0F0F) | (x & 0x0F0F0F0F) << 4;
-    return __builtin_bswap32(x);
-}
-
 void halton23(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec, std::span<std::uint32_t> u,
               std::span<std::uint32_t> v) {
     assert(u.size() == n.size() && v.size() == n.size());
-    std::uint64_t high = 0, high_digits = 0;  // neighbours in a run share their high digits
+    for (std::size_t i = 0; i < n.size(); ++i) u[i] = reverse_bits(static_cast<std::uint32_t>(n[i])) + spec.shift_u;
+
+    std::uint64_t high = 0, high_digits = 0, high_fraction = 0;  // neighbours in a run share their high digits
     for (std::size_t i = 0; i < n.size(); ++i) {
         const std::uint64_t q = n[i] / kPow16;
-        const std::uint64_t low = n[i] - q * kPow16;
+        const auto low = static_cast<std::uint32_t>(n[i] - q * kPow16);
         if (q != high) {
             high = q;
             high_digits = reversed_high_digits(q);
+            high_fraction = static_cast<std::uint64_t>((U128{high_digits} << 64) / kPow40);
         }
-        const std::uint64_t reversed = kReversed[low % kPow8] * kPow32 + kReversed[low / kPow8] * kPow24 + high_digits;
-        u[i] = reverse_bits(static_cast<std::uint32_t>(n[i])) + spec.shift_u;
-        v[i] = fraction_of_digits(reversed) + spec.shift_v;
+        const std::uint64_t first = kReversed[low % kPow8], second = kReversed[low / kPow8];
+        // Each term is rounded down, so the sum is too small by less than kFractionError: which matters just below a multiple of
+        // 2^-32 only.
+        const std::uint64_t sum = first * kFraction8 + second * kFraction16 + high_fraction;
+        v[i] = static_cast<std::uint32_t>(sum >> 32) + spec.shift_v;
+        if (static_cast<std::uint32_t>(sum) > ~kFractionError)
+            v[i] = fraction_of_digits(first * kPow32 + second * kPow24 + high_digits) + spec.shift_v;
     }
 }
 

@@ -31,6 +31,12 @@ void halton23(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec,
               std::span<std::uint32_t> v);
 
 // Bit 0 becomes bit 31, and so on: phi_2 in 32-bit fixed point.
-std::uint32_t reverse_bits(std::uint32_t x);
+inline std::uint32_t reverse_bits(std::uint32_t x) {
+    x = (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
+    x = (x >> 2 & 0x33333333) | (x & 0x33333333) << 2;
+    x = (x >> 4 & 0x0F0F0F0F) | (x & 0x0F0F0F0F) << 4;
+    x = (x >> 8 & 0x00FF00FF) | (x & 0x00FF00FF) << 8;
+    return x >> 16 | x << 16;
+}
 
 }  // namespace latent::sampledb

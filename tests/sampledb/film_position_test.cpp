@@ -34,6 +34,13 @@ TEST(FilmPosition, FollowsTheDefinition) {
     }
 }
 
+// phi_3 of these lies less than 13122 units of 2^-64 above a multiple of 2^-32: sums of rounded terms end below it.
+TEST(FilmPosition, IsExactWhereRoundingCouldTell) {
+    const PositionSamplerSpec plain{PositionSampler::kHalton23, 0, 0};
+    for (const std::uint64_t n : {2897563, 28709126, 42393755, 50444298, 72444930})
+        EXPECT_EQ(halton23(n, plain).v, radical_inverse_3(n)) << n;
+}
+
 TEST(FilmPosition, MeetsTheVectorsOfTheSpecification) {
     const PositionSamplerSpec plain{PositionSampler::kHalton23, 0, 0};
     const auto at = [&](std::uint64_t n) { return halton23(n, plain); };

@@ -179,12 +179,8 @@ void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells
 }
 
 void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
-    std::uint32_t* const x = filling.x + to;
-    std::uint32_t* const y = filling.y + to;
-    for (std::uint32_t i = 0; i < rows.count; ++i) {
-        x[i] = grid_.place_x(page.u[rows.first + i]);
-        y[i] = grid_.place_y(page.v[rows.first + i]);
-    }
+    std::transform(&page.u[rows.first], &page.u[rows.first] + rows.count, filling.x + to, grid_.place_x(rows.cell_x));
+    std::transform(&page.v[rows.first], &page.v[rows.first] + rows.count, filling.y + to, grid_.place_y(rows.cell_y));
     const std::uint64_t not_finite =
         channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * lanes_);
     if (not_finite > 0) {

@@ -49,9 +49,15 @@ class FilmGrid {
     PixelRect cells_of(const sampledb::FilmNode& node) const;
 
     std::uint32_t cell_of(std::uint32_t position) const { return level_ == 0 ? 0 : position >> (32 - level_); }
-    // Where a position lies in its cell's window, as the splat kernels take it: 8 bits of column and 24 bits of g (filter.h).
-    std::uint32_t place_x(std::uint32_t u) const { return x_.place(u, cell_of(u)); }
-    std::uint32_t place_y(std::uint32_t v) const { return y_.place(v, cell_of(v)); }
+    // Where a position lies in the window of its cell, as the splat kernels take it: 8 bits of column and 24 bits of g (filter.h).
+    struct Place {
+        std::uint32_t pixels, origin;  // the film's, and the window's in units of 2^-24 pixels, mod 2^32
+        std::uint32_t operator()(std::uint32_t position) const {
+            return static_cast<std::uint32_t>((std::uint64_t{position} * pixels + 0x80000000u) >> 8) - origin;
+        }
+    };
+    Place place_x(std::uint32_t cell_x) const { return {x_.pixels, x_.origin[cell_x]}; }
+    Place place_y(std::uint32_t cell_y) const { return {y_.pixels, y_.origin[cell_y]}; }
 
  private:
     struct Axis {
@@ -61,9 +67,6 @@ class FilmGrid {
         std::int64_t extent;
 
         Axis(std::uint32_t pixels, int level, int reach);
-        std::uint32_t place(std::uint32_t position, std::uint32_t cell) const {
-            return static_cast<std::uint32_t>((std::uint64_t{position} * pixels + 0x80000000u) >> 8) - origin[cell];
-        }
         void cells_reaching(std::int64_t from, std::int64_t to, std::int64_t& first, std::int64_t& last) const;
     };
 
