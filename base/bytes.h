@@ -52,7 +52,6 @@ class ByteWriter {
     }
     void put(ByteSpan bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
     void put_zeros(std::size_t count) { out_.resize(out_.size() + count); }
-    std::size_t size() const { return out_.size(); }
 
  private:
     Bytes& out_;

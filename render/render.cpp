@@ -104,7 +104,7 @@ class Work {
 };
 
 void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Work& work) {
-    for (SampleRange range = work.next(); !range.empty(); range = work.next()) {
+    for (SampleRange range = work.next(); !range.empty() && !writer.published_elsewhere(); range = work.next()) {
         Grain grain{.range = range, .records = {}};
         RadianceFaults faults;
         for (std::uint64_t n = range.first; n < range.end; ++n) {
@@ -146,7 +146,8 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     if (work.failed()) return work.error();
 
     RenderReport report;
-    report.complete = work.samples() == total;
+    report.elsewhere = total > 0 && writer.published_elsewhere();
+    report.complete = report.elsewhere || work.samples() == total;
     const Status closed = report.complete ? writer.finish() : writer.checkpoint();
     if (!closed) return closed.error();
     report.samples = work.samples();

@@ -25,6 +25,7 @@ struct RenderOptions {
 
 struct RenderReport {
     bool complete = false;        // else stopped: what was rendered is committed
+    bool elsewhere = false;       // complete because another process published the whole range meanwhile
     std::uint64_t samples = 0;    // rendered now
     std::uint64_t committed = 0;  // of the range, earlier work included
     double seconds = 0;

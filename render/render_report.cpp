@@ -28,6 +28,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"first_sample", job.range.first},
                           {"end_sample", job.range.end},
                           {"complete", report.complete},
+                          {"finished_elsewhere", report.elsewhere},
                           {"samples_rendered", report.samples},
                           {"samples_committed", report.committed},
                           {"seconds", report.seconds},
@@ -40,9 +41,10 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"negative", report.faults.negative}};
         return json_text(out) + "\n";
     }
-    return fmt::format("job {}\nsamples {}:{}, {} rendered in {} ({:.3f} M samples/s), {} written\n", to_hex(job.job.id),
+    return fmt::format("job {}\nsamples {}:{}, {} rendered in {} ({:.3f} M samples/s), {} written\n{}", to_hex(job.job.id),
                        job.range.first, job.range.end, report.samples, format_duration(report.seconds), rate / 1e6,
-                       format_size(report.written.bytes_written));
+                       format_size(report.written.bytes_written),
+                       report.elsewhere ? "another process has finished this part meanwhile: nothing was left to do\n" : "");
 }
 
 std::string to_text(const RenderEstimate& estimate, bool json) {

@@ -39,6 +39,7 @@ class Writer final : public PartWriter {
     void give_up() override;
     Status checkpoint() override;
     Status finish() override;
+    bool published_elsewhere() const override;
     WriterCounts counts() const override;
 
  private:
@@ -243,12 +244,11 @@ Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
     if (Status s = attempt_->append(encoded_); !s) {
         return Error{s.error().code, s.error().message + "; what was committed stays: the same command goes on from there"};
     }
-    if (!attempt_->vanished()) return {};
     {
         const Lock lock(mutex_);
         if (published_by_another()) return {};
     }
-    return attempt_->restore();
+    return attempt_->vanished() ? attempt_->restore() : Status{};
 }
 
 Status Writer::checkpoint() {
@@ -327,6 +327,11 @@ void Writer::stop_committer() {
 Status Writer::status() const {
     if (error_) return *error_;
     return {};
+}
+
+bool Writer::published_elsewhere() const {
+    const Lock lock(mutex_);
+    return published_;
 }
 
 WriterCounts Writer::counts() const {

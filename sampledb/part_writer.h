@@ -60,6 +60,10 @@ class PartWriter {
     // removes the attempts that it makes superfluous.
     virtual Status finish() = 0;
 
+    // Whether another writer has published NAME.latent with the whole range: nothing is left to render, and `finish` has little to
+    // do. Looked at whenever a run or checkpoint has been committed.
+    virtual bool published_elsewhere() const = 0;
+
     virtual WriterCounts counts() const = 0;
 };
 

@@ -1,5 +1,5 @@
 // sampledb/run_assembler.h: grains in ascending order become runs, whose boundaries follow from the records alone. docs/format.md,
-// "Runs".
+// "Writing".
 #pragma once
 
 #include <memory>

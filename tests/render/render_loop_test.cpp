@@ -64,6 +64,24 @@ struct Fake {
     std::atomic<bool> stop{false};
 };
 
+TEST(RenderLoop, StopsSoonAfterAnotherProcessHasFinishedThePart) {
+    Fake slow({0, 4096 * 200}, std::chrono::microseconds(20)), fast({0, 4096 * 200});
+    slow.options.checkpoint_seconds = 0.1;
+    fast.options.output = slow.options.output;
+    Result<RenderReport> report = Error{};
+    std::jthread rendering([&] { report = render(slow.job, slow.options, slow.stop, {}); });
+    while (slow.folder.names().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(render(fast.job, fast.options, fast.stop, {}));
+    const auto published = std::chrono::steady_clock::now();
+    rendering.join();
+    EXPECT_LT(std::chrono::steady_clock::now() - published, std::chrono::seconds(5));
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_TRUE(report->complete && report->elsewhere);
+    EXPECT_LT(report->samples, slow.job.range.size());
+    EXPECT_EQ(report->committed, slow.job.range.size());
+    EXPECT_EQ(slow.folder.names(), std::vector<std::string>{"x.latent"});
+}
+
 TEST(RenderLoop, TracesEverySampleOnceAndCountsFaults) {
     Fake fake({4096, 15000});
     const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});

@@ -15,6 +15,7 @@ using namespace latent;
 constexpr const char* kExamples = R"(
 Runs are copied as they are, so merging is as fast as copying. Before the output gets its name, the header, the
 index and one page of every run are checked, in the inputs and again in the output; --verify full reads and decodes every page.
+Merging waits for the disk, not for the processor: it takes one thread, whatever --threads allows.
 The parts may come in any order: the output is the same to the last byte. No sample can be counted twice: a part that is named
 twice, or parts that overlap, are refused. Parts found in a folder are simply kept once.
 

@@ -1,4 +1,5 @@
-// tools/merge/merge.h: the parts of one job become one file. Runs are copied as they are; no value is ever decoded.
+// tools/merge/merge.h: the parts of one job become one file. Runs are copied as they are; --compact alone decodes records, and
+// keeps every one.
 #pragma once
 
 #include <cstdint>
