@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/help.h"
 #include "base/printable.h"
 #include "base/size.h"
 
@@ -31,6 +31,48 @@ void flush_stdout_at_exit() {
                                    : Error{ErrorCode::kIo, "standard output: cannot write"};
     ::_exit(fail(error));
 }
+
+// What stands for the value: a name of our own ("SIZE", "A:B"), or what CLI11 makes of the type and its check: "INT:INT in [1 -
+// 9]", "TEXT:{both,camera,light}", "TEXT:NAME.latent".
+std::string placeholder(const std::string& type) {
+    const std::string name = type.substr(0, type.find(':'));
+    if (name != "TEXT" && name != "INT" && name != "UINT" && name != "FLOAT") return type;
+    std::string check = type.substr(std::min(type.size(), name.size() + 1));
+    if (check.empty()) return name == "TEXT" ? name : name == "FLOAT" ? "X" : "N";
+    if (check.starts_with('{')) {
+        std::ranges::replace(check, ',', '|');
+        return check.substr(1, check.find('}') - 1);
+    }
+    const std::size_t range = check.find('[');
+    if (range == std::string::npos) return check;
+    check = check.substr(range + 1, check.find(']') - range - 1);
+    return check.replace(check.find(" - "), 3, "..");
+}
+
+// How --help sets options: "--filter NAME", "--integrator path|bdpt", "--quality 1..100 [90]" with the default in brackets.
+class HelpFormatter final : public CLI::Formatter {
+ public:
+    HelpFormatter() { column_width(38); }
+
+    std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+        const std::string names = CLI::Formatter::make_option_name(option, is_positional);
+        return names.substr(0, names.find('{'));  // "--dither,--no-dither{false}"
+    }
+
+    std::string make_option_opts(const CLI::Option* option) const override {
+        if (option->get_type_name().empty()) return "";  // a flag
+        if (option->get_positional()) return option->get_expected_max() > 1 ? " ..." : "";
+        std::string text = " " + placeholder(option->get_type_name());
+        if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
+        return option->get_required() ? text + " (required)" : text;
+    }
+
+    std::string make_footer(const CLI::App* app) const override {
+        const std::string footer = app->get_footer();
+        const std::size_t first = footer.find_first_not_of('\n'), last = footer.find_last_not_of('\n');
+        return first == std::string::npos ? "" : footer.substr(first, last + 1 - first) + "\n";
+    }
+};
 }  // namespace
 
 const std::string& program() { return program_name(); }

@@ -428,6 +428,14 @@ TEST(Synthetic, ExpectedLuminanceIsTheSameForBothKinds) {
     EXPECT_NEAR(sum / 1024, 470 / 106.856895, 0.01 * 470 / 106.856895);
 }
 
+TEST_F(InspectTest, HelpShowsWhatAnOptionTakesAndItsDefault) {
+    const std::string help = inspect({"gen", "--help"}).out + inspect({"cat", "--help"}).out;
+    for (const char* option :
+         {"  -o,--output NAME.latent (required)  ", "  --kind xyz|spectral [xyz]  ", "  --wavelengths 1..1024 [28]  ",
+          "  --first N [0]  ", "  --aspect W:H [1:1]  ", "  --random-positions  ", "  FILE ...  "})
+        EXPECT_NE(help.find(option), std::string::npos) << option << "\n" << help;
+}
+
 // The commands that a help text shows work as they stand, one after the other.
 TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
     for (const char* name : {"night-0.latent", "night-1.latent", "broken.latent"}) {
