@@ -1,5 +1,5 @@
-// render/elementary.h: exp, log, sine and cosine to about one unit in the last place of a float. Plain arithmetic without branches:
-// loops over wavelengths vectorise, and a processor's choice of libm cannot change a record.
+// render/elementary.h: exp, log, sine, cosine and arctangent to about one unit in the last place of a float. Plain arithmetic
+// without branches: loops over wavelengths vectorise, and a processor's choice of libm cannot change a record.
 #pragma once
 
 #include <bit>
@@ -42,6 +42,19 @@ inline SinCos sincos_of_turns(float u) {
     const float c = 1 + r2 * (-0.5f + r2 * (1.0f / 24 + r2 * (-1.0f / 720 + r2 * (1.0f / 40320))));
     const float sine = (q & 1) ? c : s, cosine = (q & 1) ? s : c;
     return {(q & 2) ? -sine : sine, ((q + 1) & 2) ? -cosine : cosine};
+}
+
+// The angle of (x, y), y >= 0, from the x axis: 0 to 1/2 turns. The series of arctan r, |r| < tan(pi / 8).
+inline float turns_of(float x, float y) {
+    const float a = x < 0 ? -x : x;
+    const float s = a < y ? a / y : y / a;
+    const bool upper = s > 0.414213562f;
+    const float r = upper ? (s - 1) / (s + 1) : s, r2 = r * r;
+    const float tail = 1.0f / 9 - r2 * (1.0f / 11 - r2 * (1.0f / 13 - r2 * (1.0f / 15)));
+    const float angle = r * (1 - r2 * (1.0f / 3 - r2 * (1.0f / 5 - r2 * (1.0f / 7 - r2 * tail))));
+    const float of_octant = angle * 0.159154943f + (upper ? 0.125f : 0);
+    const float of_quarter = a < y ? 0.25f - of_octant : of_octant;
+    return x < 0 ? 0.5f - of_quarter : of_quarter;
 }
 
 }  // namespace latent::render

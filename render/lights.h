@@ -36,7 +36,8 @@ struct Light {
 
     bool is_infinite() const { return kind >= Kind::kDistant; }
     // A point or one direction: nothing can hit it by chance.
-    bool is_delta() const { return kind == Kind::kPoint || kind == Kind::kSpot || kind == Kind::kDistant; }
+    bool is_delta() const { return is_point() || kind == Kind::kDistant; }
+    bool is_point() const { return kind == Kind::kPoint || kind == Kind::kSpot; }
     bool has_area() const { return kind <= Kind::kSphere; }
 };
 

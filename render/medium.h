@@ -63,6 +63,16 @@ struct Line {
     float first_length = 0, last_length = 0;
 };
 
+// A vertex after a length t: value *= sigma_s e^(-sigma_t t).
+inline MediumStep scatter_at(const Medium& medium, float t, SampledSpectra& spectra, Batch& value) {
+    const Batch &sigma_t = spectra[medium.sigma_t], &sigma_s = spectra[medium.sigma_s];
+    const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
+    value *= transmittance;
+    value *= sigma_s;
+    const std::uint32_t k = spectra.wavelengths.k;
+    return {true, t, mean_over(transmittance * sigma_t, k), mean_over(transmittance, k)};
+}
+
 // Draws a step of at most d; value *= its weight: sigma_s e^(-sigma_t t) / p(t), or e^(-sigma_t d) / P(d).
 inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength, float u, SampledSpectra& spectra, Batch& value) {
     const Batch& sigma_t = spectra[medium.sigma_t];
@@ -74,13 +84,9 @@ inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength,
         value *= density > 0 ? 1 / density : 0;
         return {false, d, density, density};
     }
-    const Batch& sigma_s = spectra[medium.sigma_s];
-    const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
-    const float density = mean_over(transmittance * sigma_t, k);
-    value *= transmittance;
-    value *= sigma_s;
-    value *= 1 / density;
-    return {true, t, density, mean_over(transmittance, k)};
+    const MediumStep step = scatter_at(medium, t, spectra, value);
+    value *= 1 / step.density;
+    return step;
 }
 
 }  // namespace latent::render

@@ -1,5 +1,6 @@
 // Path tracing: from the eye, with a light sampled at every vertex, and what the path runs into by itself; the two weighed by the
-// power heuristic. docs/rendering.md, "Path tracing".
+// power heuristic. In a medium the light of points is sampled along the ray too. docs/rendering.md, "Path tracing" and "Media".
+#include "render/equiangular.h"
 #include "render/transport.h"
 
 namespace latent::render {
@@ -44,9 +45,12 @@ class Path {
             if (medium_ != kNone) {
                 const Medium& medium = world_.medium(medium_);
                 const std::uint32_t again = stretch << 24;  // behind an interface a step needs numbers of its own
-                const MediumStep step = sample_step(medium, hit ? hit->t : kFar, number(Dimension::kDistanceChannel + again),
+                stretch_ = {ray.o, hit ? hit->t : kFar, {}};
+                if (depth_ < max_depth_) sample_point_light(medium, again);
+                const MediumStep step = sample_step(medium, stretch_.length, number(Dimension::kDistanceChannel + again),
                                                     number(Dimension::kDistance + again), sample_.spectra, beta_);
                 if (step.scattered) {
+                    stretch_.step = step;
                     at_ = {ray.o + ray.d * step.t, 0, {}};
                     scattering = Scattering::phase(medium.g);
                     return true;
@@ -90,6 +94,29 @@ class Path {
         }
     }
 
+    Equiangular equiangular_to(const Light& light) const {
+        return {stretch_.o, d_, stretch_.length, light.p, light.n, light.cos_outer};
+    }
+
+    // One vertex more on the stretch, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
+    // the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and f / p in sample_light.
+    void sample_point_light(const Medium& medium, std::uint32_t again) {
+        const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
+        if (!lights_[i].is_point()) return;
+        const Equiangular equiangular = equiangular_to(lights_[i]);
+        if (equiangular.is_empty()) return;
+        const float t = equiangular.sample(number(Dimension::kEquiangular + again));
+        const Anchor at{stretch_.o + d_ * t, 0, {}};
+        LightPoint point;
+        if (!lights_.sample_point(i, at.p, {}, 0, 0, point)) return;
+        Batch value = beta_;
+        const float walk_pdf = scatter_at(medium, t, sample_.spectra, value).density;
+        Line line;
+        if (!receive(at, Scattering::phase(medium.g), i, point, medium_, value, line)) return;
+        value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
+        camera_.add(value, dispersed_, sample_.kept, sample_.k());
+    }
+
     void sample_light(const Scattering& scattering) {
         const std::uint32_t i = lights_.choose(number(Dimension::kLight));
         LightPoint point;
@@ -100,19 +127,27 @@ class Path {
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
         if (!(scattering_pdf > 0)) return;
         Batch value = beta_;
-        scattering.multiply_f_cos(wo, point.wi, value);
-        lights_.multiply_emission(i, point.anchor.ng, -point.wi, sample_.spectra, value);
-        if (value.is_black()) return;
-
         const std::uint32_t medium = scattering.in_medium() ? medium_ : World::medium_beyond(surface_, point.wi, medium_);
         Line line;
-        const bool seen = lights_[i].is_infinite() ? world_.connect_sky(at_, point.wi, medium, sample_.spectra, value, line)
-                                                   : world_.connect(at_, point.anchor, medium, sample_.spectra, value, line);
-        if (!seen) return;
+        if (!receive(at_, scattering, i, point, medium, value, line)) return;
         const float light_pdf = lights_.probability(i) * point.pdf_omega;
         value *= point.falloff / light_pdf;
+        if (lights_[i].is_point() && scattering.in_medium()) {
+            const float pdf = equiangular_to(lights_[i]).pdf(stretch_.step.t);
+            value *= stretch_.step.density / (stretch_.step.density + pdf);
+        }
         if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.passing);
         camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
+    }
+
+    // value *= what comes from a point of light i and goes on along -d_. False: nothing does.
+    bool receive(const Anchor& at, const Scattering& scattering, std::uint32_t i, const LightPoint& point, std::uint32_t medium,
+                 Batch& value, Line& line) {
+        scattering.multiply_f_cos(-d_, point.wi, value);
+        lights_.multiply_emission(i, point.anchor.ng, -point.wi, sample_.spectra, value);
+        if (value.is_black()) return false;
+        return lights_[i].is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_.spectra, value, line)
+                                        : world_.connect(at, point.anchor, medium, sample_.spectra, value, line);
     }
 
     // Goes on in a direction of the scattering's own choice. False: absorbed.
@@ -149,6 +184,11 @@ class Path {
     Anchor at_;           // the last vertex
     SurfaceHit surface_;  // the same, if it is on a surface
     Vec3f d_;             // from it, or towards the next one
+    struct {              // of the ray, in one medium
+        Vec3f o;
+        float length;
+        MediumStep step;  // to the last vertex, if that is in the medium
+    } stretch_;
     Batch beta_{1.0f};
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one

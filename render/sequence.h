@@ -22,7 +22,9 @@ struct Dimension {
         kDirectionV,
         kSurvival,
         kConnection,
-        kBlock = 12
+        kEquiangularLight,
+        kEquiangular,
+        kBlock
     };
 
     static std::uint32_t of_camera_vertex(std::uint32_t vertex, std::uint32_t what) {

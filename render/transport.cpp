@@ -47,6 +47,7 @@ std::vector<std::uint32_t> important_dimensions(const World& world) {
     vertex(0, {D::kLobe});
     if (world.has_media()) vertex(1, {D::kDistance});
     vertex(1, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV, D::kLobe, D::kLight, D::kSurvival});
+    if (world.has_media()) vertex(0, {D::kEquiangular});
     return list;
 }
 

@@ -75,6 +75,10 @@ TEST(Elementary, FunctionsAgreeWithTheLibrary) {
         ASSERT_NEAR(exp_of_negative(x) / std::exp(static_cast<double>(x)), 1, 1e-6) << x;
         ASSERT_NEAR(sincos_of_turns(u).sin, std::sin(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
         ASSERT_NEAR(sincos_of_turns(u).cos, std::cos(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
+        const float slope = 1e-7f + 0.01f * u / (1 - u);  // of angles between nothing and almost a quarter turn
+        const double turns = std::atan(static_cast<double>(slope)) / (2 * std::numbers::pi);
+        ASSERT_NEAR(turns_of(1, slope) / turns, 1, 1e-6) << slope;
+        ASSERT_NEAR(turns_of(-1, slope), 0.5 - turns, 1e-7) << slope;
         if (i > 0) {
             ASSERT_NEAR(log_of(u), std::log(static_cast<double>(u)), 3e-7 * (1 + std::abs(std::log(static_cast<double>(u)))));
         }
