@@ -197,13 +197,16 @@ std::vector<GrainPtr> Writer::uncommitted() const {
 void Writer::commit_until_stopped() {
     const auto interval =
         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(options_.checkpoint_seconds, 1e6)));
+    // A checkpoint begins early by what a commit takes, so that it is on the disk when the interval is over.
+    Clock::duration commit_time = interval / 8;
     Lock lock(mutex_);
     while (!stop_ && !over()) {
+        const Clock::duration wait = interval - std::min(commit_time, interval / 2);
         const bool checkpoint =
-            !ready_ && oldest_uncommitted_ && (checkpoint_wanted_ || Clock::now() >= *oldest_uncommitted_ + interval);
+            !ready_ && oldest_uncommitted_ && (checkpoint_wanted_ || Clock::now() >= *oldest_uncommitted_ + wait);
         if (!ready_ && !checkpoint) {
             if (oldest_uncommitted_) {
-                changed_.wait_until(lock, *oldest_uncommitted_ + interval);
+                changed_.wait_until(lock, *oldest_uncommitted_ + wait);
             } else {
                 changed_.wait(lock);
             }
@@ -217,7 +220,9 @@ void Writer::commit_until_stopped() {
 
         committing_ = true;
         lock.unlock();
+        const Clock::time_point start = Clock::now();
         const Status done = commit(std::move(grains), coverage);
+        commit_time = std::max(commit_time, Clock::now() - start);
         lock.lock();
         committing_ = false;
         if (done) {

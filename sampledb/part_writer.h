@@ -17,7 +17,7 @@ namespace latent::sampledb {
 struct PartOptions {
     std::filesystem::path path;      // NAME.latent; the attempt is NAME.latent.part.<nonce>
     SampleRange range;               // first is a multiple of run_samples
-    double checkpoint_seconds = 60;  // finished grains are committed at least this often
+    double checkpoint_seconds = 60;  // a finished grain is on the disk after this time, if a commit takes no more than half of it
     std::string provenance_json;     // host, date, version, scene: kept in this file's header only
     bool force = false;              // start over, whatever is there under this name
 };
