@@ -18,7 +18,7 @@ namespace latent::sampledb {
 
 struct GatherOptions {
     std::vector<std::filesystem::path>
-        inputs;                          // files, folders (their *.latent and *.latent.part.*), or NAME.latent not yet published
+        inputs;                          // files, folders (all that they hold), or NAME.latent not yet published
     bool skip_duplicates = false;        // files named one by one may cover a sample twice: the repeat is dropped
     std::optional<JobId> job;            // keep this job, leave others out
     std::optional<SampleRange> samples;  // only these sample numbers

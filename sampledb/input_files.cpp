@@ -4,7 +4,6 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <functional>
 
 #include "sampledb/part_name.h"
 
@@ -14,16 +13,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kSuffix = ".latent";
 constexpr std::string_view kAttempt = ".latent.part.";
 
-// Files of a folder whose name passes, sorted.
-Result<std::vector<fs::path>> files_in(const fs::path& folder, const std::function<bool(const std::string&)>& passes) {
+// All files of a folder but hidden ones, sorted, links that lead nowhere among them: the reader lists what is not Latent's.
+Result<std::vector<fs::path>> files_in(const fs::path& folder) {
     std::vector<fs::path> found;
     std::error_code error;
     fs::directory_iterator it(folder, error);
     for (; !error && it != fs::directory_iterator(); it.increment(error)) {
-        if (passes(it->path().filename().string()) && !it->is_directory(error)) found.push_back(it->path());
+        std::error_code ignored;
+        const fs::file_type type = it->status(ignored).type();
+        const bool is_file = type == fs::file_type::regular || type == fs::file_type::not_found;
+        if (is_file && !it->path().filename().string().starts_with('.')) found.push_back(it->path());
     }
     if (error) return error_from_errno(error.value(), folder.string(), "cannot list");
     std::ranges::sort(found);
@@ -59,10 +60,9 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
     for (const fs::path& input : inputs) {
         std::error_code error;
         if (fs::is_directory(input, error)) {
-            const auto found = files_in(
-                input, [](const std::string& name) { return name.ends_with(kSuffix) || name.find(kAttempt) != std::string::npos; });
+            const auto found = files_in(input);
             if (!found) return found.error();
-            if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": holds no *.latent file"};
+            if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": holds no file"};
             add_found(*found);
         } else if (fs::exists(input, error)) {
             files.push_back({input, true});

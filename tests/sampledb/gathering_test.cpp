@@ -2,6 +2,7 @@
 #include "sampledb/gathering.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -109,7 +110,10 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     part("copy.latent", 0);
     part("b.latent", 3);
     text("words.latent", "These are not samples.\n");
-    text("notes.txt", "not asked for");
+    text("notes.txt", "These neither.\n");
+    text(".hidden", "What other programs keep for themselves.\n");
+    ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody writes to it: opening it would wait for ever
+    fs::create_symlink("nowhere", folder_ / "link.latent");
     text("empty.latent", "");
     cut(part("c.latent", 6), 5000);
     const auto g = open({folder_});
@@ -119,7 +123,7 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     std::vector<std::string> places;
     for (const LeftOut& left : (*g)->report().left_out) places.push_back(fs::path(left.place).filename().string());
     std::ranges::sort(places);
-    EXPECT_EQ(places, (std::vector<std::string>{"c.latent: its end", "empty.latent", "words.latent"}));
+    EXPECT_EQ(places, (std::vector<std::string>{"c.latent: its end", "empty.latent", "link.latent", "notes.txt", "words.latent"}));
 }
 
 TEST_F(GatheringTest, AGlobIsAFolderByAnotherName) {

@@ -17,7 +17,7 @@ Runs are copied as they are, so merging is as fast as copying. Before the output
 index and one page of every run are checked, in the inputs and again in the output; --verify full reads and decodes every page.
 Merging waits for the disk, not for the processor: it takes one thread, whatever --threads allows.
 The parts may come in any order: the output is the same to the last byte. No sample can be counted twice: a part that is named
-twice, or parts that overlap, are refused. Parts found in a folder are simply kept once.
+twice, or parts that overlap, are refused. Parts found in a folder are simply kept once; what else it holds is listed and left out.
 
 Examples:
   latent-merge night-0.latent night-1.latent -o night.latent       two parts
