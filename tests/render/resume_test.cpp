@@ -67,6 +67,17 @@ std::vector<std::string> Resume::whole_;
 
 void sleep_ms(unsigned ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
+// Waits until the only file there is holds a run.
+void wait_for_a_run(const TemporaryFolder& folder, std::chrono::seconds patience = std::chrono::seconds(60)) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    for (; std::chrono::steady_clock::now() < end; sleep_ms(10)) {
+        const std::vector<std::string> names = folder.names();
+        std::error_code none;
+        if (!names.empty() && std::filesystem::file_size(folder / names.front(), none) > (1u << 20) && !none) return;
+    }
+    FAIL() << "nothing was committed";
+}
+
 TEST_F(Resume, KilledAtAnyMomentItEndsAsIfItNeverWas) {
     std::mt19937 random(3);
     int kills = 0;
@@ -109,9 +120,10 @@ TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
 
 TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
     for (const int signal : {SIGINT, SIGTERM}) {
-        const std::filesystem::path part = folder_ / ("s" + std::to_string(signal) + ".latent");
+        const TemporaryFolder folder;
+        const std::filesystem::path part = folder / "s.latent";
         Child child(command(part, {}, "0:100000000"));
-        sleep_ms(600);
+        wait_for_a_run(folder);
         child.send(signal);
         child.send(signal);
         const auto begin = std::chrono::steady_clock::now();
@@ -123,7 +135,7 @@ TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
 
 TEST_F(Resume, MaxTimeStopsWithStatus75AndALineThatSaysHow) {
     const std::filesystem::path part = folder_ / "t.latent";
-    const Outcome stopped = latent::testing::run(command(part, {"--max-time", "0.2"}));
+    const Outcome stopped = latent::testing::run(command(part, {"--max-time", "0.001"}));
     EXPECT_EQ(stopped.status, 75);
     EXPECT_THAT(stopped.err, HasSubstr("run the same command again to go on"));
     ASSERT_EQ(latent::testing::run(command(part)).status, 0);
