@@ -1,4 +1,4 @@
-// base/json.h: JSON to and from text.
+// base/json.h: JSON to and from text. Compiled once: nlohmann's reader and writer are most of what it costs to use it.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,16 +7,10 @@
 namespace latent {
 
 // Bytes that are no UTF-8, as the name of a file may hold, become U+FFFD; nlohmann would throw. `indent` -1: all in one line.
-template <class Json>
-std::string json_text(const Json& value, int indent = 2) {
-    return value.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
+std::string json_text(const nlohmann::json& value, int indent = 2);
+std::string json_text(const nlohmann::ordered_json& value, int indent = 2);
 
 // What a text says in JSON; anything else is kept as text; nothing is an empty object.
-inline nlohmann::json json_or_text(const std::string& text) {
-    if (text.empty()) return nlohmann::json::object();
-    nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
-    return value.is_discarded() ? nlohmann::json(text) : value;
-}
+nlohmann::json json_or_text(const std::string& text);
 
 }  // namespace latent

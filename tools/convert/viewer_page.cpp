@@ -1,6 +1,6 @@
 #include "tools/convert/viewer_page.h"
 
-#include <nlohmann/json.hpp>
+#include "base/json.h"
 
 namespace latent::convert {
 
@@ -24,7 +24,7 @@ std::string viewer_page(const std::string& tiles, int width, int height, const i
                                          {"height", height}};
     std::string page = kViewerPage;
     constexpr std::string_view kPlace = "@PICTURE@";
-    return page.replace(page.find(kPlace), kPlace.size(), picture.dump());
+    return page.replace(page.find(kPlace), kPlace.size(), json_text(picture, -1));
 }
 
 }  // namespace latent::convert
