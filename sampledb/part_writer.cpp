@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "sampledb/checkpoint_clock.h"
 #include "sampledb/part_attempt.h"
 #include "sampledb/part_name.h"
 #include "sampledb/run_assembler.h"
@@ -20,13 +21,14 @@ namespace latent::sampledb {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = CheckpointClock::Clock;
 
 constexpr std::uint64_t kWindowBytes = std::uint64_t{64} << 20;  // grains that wait for an older one
 constexpr std::uint64_t kGrainOverhead = 1024;                   // what an empty grain costs
 
 // Rendering threads `submit`; whoever completes a run hands it to the committer, a thread that encodes, writes and syncs. One run
-// is assembled while another is encoded: never more than these two are held.
+// is assembled while another is encoded: never more than these two are held. Should a commit be late, because the disk is slow or
+// the processors are taken, `submit` waits for it: so what SIGKILL may cost is bounded whatever the machine does.
 class Writer final : public PartWriter {
  public:
     Writer(const PartOptions& options, const Job& job) : options_(options), job_(job), assembler_(job_, options_.range) {}
@@ -45,6 +47,7 @@ class Writer final : public PartWriter {
  private:
     using Lock = std::unique_lock<std::mutex>;
 
+    bool late() const;
     void advance(Lock& lock);
     Result<GrainPtr> next_grain();
     void hand_over(AssembledRun run, Lock& lock);
@@ -75,10 +78,12 @@ class Writer final : public PartWriter {
     Coverage committed_;
     bool advancing_ = false;             // a thread is moving grains into runs
     std::optional<AssembledRun> ready_;  // a complete run, not yet taken by the committer
+    Clock::time_point ready_since_;
     bool committing_ = false;
     bool checkpoint_wanted_ = false;
-    std::optional<Clock::time_point> oldest_uncommitted_;  // when the first grain arrived that no run holds yet
-    bool published_ = false;                               // NAME.latent holds the range, whoever made it
+    bool unsaved_ = false;  // the run that is being assembled has a grain that no commit has taken yet
+    CheckpointClock clock_{options_.checkpoint_seconds, Clock::now()};
+    bool published_ = false;  // NAME.latent holds the range, whoever made it
     bool given_up_ = false;
     bool stop_ = false;
     std::optional<Error> error_;
@@ -119,7 +124,7 @@ Status Writer::submit(Grain grain) {
     const auto has_room = [&] {
         return waiting_bytes_ + size <= kWindowBytes || (!advancing_ && grain.range.first == assembler_.next());
     };
-    changed_.wait(lock, [&] { return over() || given_up_ || has_room(); });
+    changed_.wait(lock, [&] { return over() || given_up_ || (has_room() && !late()); });
     if (over()) return status();
     if (!has_room()) return Error{ErrorCode::kStopped, options_.path.string() + ": stopped before an older grain was finished"};
     if (grain.range.empty() || !unsubmitted_.contains(grain.range) ||
@@ -154,9 +159,9 @@ void Writer::advance(Lock& lock) {
             if (!grain) error_ = grain.error();
             if (!grain || !*grain) break;
             closed = assembler_.add(*grain);
-            if (!closed.empty()) oldest_uncommitted_.reset();
-            if (!oldest_uncommitted_ && !assembler_.open_grains().empty() && !committed_.contains((*grain)->range)) {
-                oldest_uncommitted_ = Clock::now();
+            if (!closed.empty()) unsaved_ = false;
+            if (!unsaved_ && !assembler_.open_grains().empty() && !committed_.contains((*grain)->range)) {
+                unsaved_ = true;
                 changed_.notify_all();
             }
         }
@@ -180,9 +185,11 @@ Result<GrainPtr> Writer::next_grain() {
 // Gives a complete run to the committer, which must have finished the one before: so at most two are held.
 void Writer::hand_over(AssembledRun run, Lock& lock) {
     if (const StoredRun* const stored = earlier_.run_of(run.samples)) return adopted_.push_back(*stored);
+    const Clock::time_point closed = Clock::now();
     changed_.wait(lock, [&] { return over() || (!ready_ && !committing_); });
     if (over()) return;
     ready_ = std::move(run);
+    ready_since_ = closed;
     changed_.notify_all();
 }
 
@@ -194,39 +201,36 @@ std::vector<GrainPtr> Writer::uncommitted() const {
     return grains;
 }
 
+// Whether rendering has to wait for a commit: more than the checkpoint interval of it is at stake.
+bool Writer::late() const { return (unsaved_ || ready_ || committing_) && clock_.late(Clock::now()); }
+
 void Writer::commit_until_stopped() {
-    const auto interval =
-        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(options_.checkpoint_seconds, 1e6)));
-    // A checkpoint begins early by what a commit takes, so that it is on the disk when the interval is over.
-    Clock::duration commit_time = interval / 8;
     Lock lock(mutex_);
     while (!stop_ && !over()) {
-        const Clock::duration wait = interval - std::min(commit_time, interval / 2);
-        const bool checkpoint =
-            !ready_ && oldest_uncommitted_ && (checkpoint_wanted_ || Clock::now() >= *oldest_uncommitted_ + wait);
+        const bool checkpoint = !ready_ && unsaved_ && (checkpoint_wanted_ || Clock::now() >= clock_.due());
         if (!ready_ && !checkpoint) {
-            if (oldest_uncommitted_) {
-                changed_.wait_until(lock, *oldest_uncommitted_ + wait);
+            if (unsaved_) {
+                changed_.wait_until(lock, clock_.due());
             } else {
                 changed_.wait(lock);
             }
             continue;
         }
+        const Clock::time_point begin = Clock::now(), until = checkpoint ? begin : ready_since_;
         std::vector<GrainPtr> grains = checkpoint ? uncommitted() : std::move(ready_->grains);
-        if (checkpoint) oldest_uncommitted_.reset(), checkpoint_wanted_ = false;
+        if (checkpoint) unsaved_ = checkpoint_wanted_ = false;
         ready_.reset();
         Coverage coverage;
         for (const GrainPtr& grain : grains) coverage.add(grain->range);
 
         committing_ = true;
         lock.unlock();
-        const Clock::time_point start = Clock::now();
         const Status done = commit(std::move(grains), coverage);
-        commit_time = std::max(commit_time, Clock::now() - start);
         lock.lock();
         committing_ = false;
         if (done) {
             committed_.add(coverage);
+            clock_.committed(until, begin, Clock::now());
             ++(checkpoint ? counts_.checkpoints_written : counts_.runs_written);
             counts_.bytes_written = attempt_->size();
         } else {

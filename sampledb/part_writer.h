@@ -17,7 +17,7 @@ namespace latent::sampledb {
 struct PartOptions {
     std::filesystem::path path;      // NAME.latent; the attempt is NAME.latent.part.<nonce>
     SampleRange range;               // first is a multiple of run_samples
-    double checkpoint_seconds = 60;  // a finished grain is on the disk after this time, if a commit takes no more than half of it
+    double checkpoint_seconds = 60;  // that much rendering, and the grains in work, is the most that a kill may cost
     std::string provenance_json;     // host, date, version, scene: kept in this file's header only
     bool force = false;              // start over, whatever is there under this name
 };
@@ -46,7 +46,8 @@ class PartWriter {
     virtual const Coverage& missing() const = 0;
 
     // Takes a finished grain; any thread, any order. Blocks while the grain is too far ahead of the oldest missing one or while
-    // both buffers are full, so memory stays bounded. After an error every later call returns that error.
+    // both buffers are full, so memory stays bounded, and while a checkpoint is late. After an error every later call returns that
+    // error.
     virtual Status submit(Grain grain) = 0;
 
     // The oldest missing grain will not come: wakes the calls of submit that wait for it. They let their grains go and return

@@ -7,7 +7,8 @@
 //                                    WHAT  EIO, ENOSPC, EDQUOT, EINTR, EXDEV, EROFS, EACCES, EMFILE: fail so;
 //                                          short: transfer half of the bytes (1 at least); zero: return 0, nothing transferred;
 //                                          flip: transfer all, but with a bit of the middle byte flipped;
-//                                          kill, kill-after: SIGKILL before or after the call
+//                                          kill, kill-after: SIGKILL before or after the call;
+//                                          slow: nothing wrong, but 0.2 s later
 //   LATENT_FAULT_PATH=TEXT           only calls on files whose path contains TEXT (files without a name: their folder's path)
 //   LATENT_FAULT_HIT=FILE            created when a fault happens, so that a test can count N up until nothing happens any more
 //
@@ -129,6 +130,7 @@ ssize_t transfer_with(const std::string& fault, std::size_t count, const Transfe
         return -1;
     }
     if (fault == "zero") return 0;
+    if (fault == "slow") ::usleep(200'000);
     const ssize_t done = transfer(fault == "short" && count > 1 ? count / 2 : count);
     if (fault == "kill-after") ::kill(::getpid(), SIGKILL);
     return done;

@@ -52,13 +52,15 @@ Seen seen(const fs::path& name) {
     return result;
 }
 
-// The last number that a writer reported.
-std::uint64_t committed(const std::string& out) {
+// The last number that a writer reported under this word.
+std::uint64_t last(const std::string& out, const std::string& wanted) {
     std::istringstream lines(out);
     std::string word;
-    std::uint64_t number = 0, last = 0;
-    while (lines >> word >> number) last = number;
-    return last;
+    std::uint64_t number = 0, found = 0;
+    while (lines >> word >> number) {
+        if (word == wanted) found = number;
+    }
+    return found;
 }
 
 // Kills `writers` processes at a time at random moments, again and again, `kills` times in all; each job then ends undisturbed.
@@ -74,7 +76,7 @@ void kill_again_and_again(const Setting& setting, int writers, int kills, unsign
             for (const auto& child : children) {
                 std::this_thread::sleep_for(std::chrono::microseconds(random() % 60000));
                 child->kill_now();
-                promised = std::max(promised, committed(child->drain()));
+                promised = std::max(promised, last(child->drain(), "committed"));
                 child->wait();
             }
             ASSERT_GE(seen(name).samples, promised);  // nothing that was reported as committed is lost
@@ -98,6 +100,21 @@ TEST(PartWriterKilled, RunsThatTakeLongerThanTheCheckpointInterval) {
 }
 TEST(PartWriterKilled, SpectralRecords) { kill_again_and_again({65536, 16384, 0.01, 400, true}, 1, 15, 3); }
 TEST(PartWriterKilled, TwoWritersAtOnce) { kill_again_and_again({131072, 16384, 0.01, 400, false}, 2, 20, 4); }
+
+// Every fdatasync takes 0.2 s, four times the interval; a grain takes 0.4 ms or more. So no more than 0.05 / 0.0004 grains can be
+// finished in an interval, and the one that finds the checkpoint late.
+TEST(PartWriterOnASlowDisk, RenderingWaitsSoThatNoMoreThanAnIntervalIsAtStake) {
+    for (const std::uint64_t run_samples : {65536ul, 1ul << 22}) {
+        const TemporaryFolder folder;
+        const Setting setting{800'000, run_samples, 0.05, 400, false};
+        const FaultOutcome outcome =
+            run_with_fault(writer(folder / "a.latent", setting, 1), {"sync:1+:slow", folder.path().string()});
+        EXPECT_TRUE(outcome.happened);
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_GT(last(outcome.out, "uncommitted"), 0u);
+        EXPECT_LE(last(outcome.out, "uncommitted"), 126u * 1024);
+    }
+}
 
 class PartWriterFaults : public ::testing::Test {
  protected:
@@ -138,7 +155,7 @@ TEST_F(PartWriterFaults, EveryCallThatFailsIsReportedAndTheSameCommandGoesOn) {
                 } else {
                     EXPECT_EQ(outcome.status, 1);
                     EXPECT_NE(outcome.err.find(folder_.path().string()), std::string::npos) << outcome.err;
-                    EXPECT_GE(seen(name_).samples, committed(outcome.out));
+                    EXPECT_GE(seen(name_).samples, last(outcome.out, "committed"));
                 }
                 finish_undisturbed();
             }
@@ -164,7 +181,7 @@ TEST_F(PartWriterFaults, KilledBeforeOrAfterAnyCallItGoesOn) {
                 SCOPED_TRACE(rule);
                 const FaultOutcome outcome = write_with(rule);
                 EXPECT_EQ(outcome.status, outcome.happened ? 128 + 9 : 0) << outcome.err;
-                EXPECT_GE(seen(name_).samples, committed(outcome.out));
+                EXPECT_GE(seen(name_).samples, last(outcome.out, "committed"));
                 finish_undisturbed();
             }
         }
@@ -192,8 +209,8 @@ TEST(PartWriterFullDisk, WhatWasCommittedStaysAndTheSameCommandGoesOnWhenThereIs
     EXPECT_EQ(full.status, 1);
     EXPECT_NE(full.err.find("a.latent.part."), std::string::npos) << full.err;
     EXPECT_NE(full.err.find("No space left on device"), std::string::npos) << full.err;
-    EXPECT_GT(committed(full.out), 0u);
-    EXPECT_GE(seen(name).samples, committed(full.out));
+    EXPECT_GT(last(full.out, "committed"), 0u);
+    EXPECT_GE(seen(name).samples, last(full.out, "committed"));
     EXPECT_FALSE(fs::exists(name));
     disk.resize(16 << 20);
     ASSERT_EQ(run(writer(name, setting, 1)).status, 0);

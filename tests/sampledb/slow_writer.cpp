@@ -1,8 +1,10 @@
 // tests/sampledb/slow_writer.cpp: renders a synthetic part slowly, through PartWriter, for tests that kill it or let its disk fail.
 // Usage: slow_writer NAME SAMPLES RUN_SAMPLES CHECKPOINT_SECONDS MICROSECONDS_PER_GRAIN JOB [spectral]
-// Prints "committed N" whenever more samples are on disk; exit status 0 when NAME is published, else 1 and the reason.
+// Prints "committed N" whenever more samples are on disk, and at the end "uncommitted N", the most that were submitted and not on
+// disk; exit status 0 when NAME is published, else 1 and the reason.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -43,16 +45,20 @@ int main(int argc, char** argv) {
         }
     });
     Status status;
+    std::uint64_t submitted = (*writer)->counts().samples_committed, uncommitted = 0;
     for (const SampleRange& interval : (*writer)->missing().ranges()) {
         for (std::uint64_t first = interval.first; status && first < interval.end;) {
             const SampleRange grain = grain_range(first, range);
             std::this_thread::sleep_for(std::chrono::microseconds(std::stoul(argv[5])));
             status = (*writer)->submit({grain, synthetic::make_records(job, grain)});
             first = grain.end;
+            submitted += grain.size();
+            uncommitted = std::max(uncommitted, submitted - (*writer)->counts().samples_committed);
         }
     }
     if (status) status = (*writer)->finish();
     over = true;
     reporter.join();
+    fmt::print("uncommitted {}\n", uncommitted);
     return status ? 0 : fail(status.error());
 }
