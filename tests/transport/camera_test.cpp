@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 
 namespace latent::render::testing {
@@ -63,6 +66,37 @@ TEST(Camera, APointOnARayIsSeenWhereTheRayStarted) {
                 EXPECT_FALSE(camera.hit_lens(o - d * distance, d, 2 * distance, hit));  // from behind
             }
         }
+    }
+}
+
+// Rays leave the lens evenly, by area: cells of 8 rings and 16 sectors.
+TEST(Camera, RaysStartEvenlyOnTheLens) {
+    for (const Case& c : cases()) {
+        const Camera camera = *Camera::make(c.description);
+        if (!camera.has_lens()) continue;
+        SCOPED_TRACE(c.name);
+        constexpr int kRings = 8, kSectors = 16, kCount = 100'000;
+        const double radius = std::sqrt(static_cast<double>(camera.lens_area()) / std::numbers::pi);
+        const Frame lens = Frame::from_z(camera.axis());
+        std::vector<double> counted(static_cast<std::size_t>(kRings * kSectors));
+        Numbers number(3);
+        for (int n = 0; n < kCount; ++n) {
+            const float s = number(), t = number();
+            Vec3f o, d;
+            camera.ray(0.3, 0.6, s, t, o, d);
+            const Vec3f from_center = o - camera.center();
+            const double x = static_cast<double>(dot(from_center, lens.x)) / radius,
+                         y = static_cast<double>(dot(from_center, lens.y)) / radius;
+            ASSERT_NEAR(static_cast<double>(dot(from_center, camera.axis())), 0, 1e-6);
+            ASSERT_LE(x * x + y * y, 1 + 1e-5);
+            const int ring = std::min(static_cast<int>((x * x + y * y) * kRings), kRings - 1);
+            const int sector = static_cast<int>((std::atan2(y, x) / (2 * std::numbers::pi) + 0.5) * kSectors) % kSectors;
+            ++counted[static_cast<std::size_t>(ring * kSectors + sector)];
+        }
+        double chi2 = 0;
+        constexpr double kExpected = static_cast<double>(kCount) / (kRings * kSectors);
+        for (const double count : counted) chi2 += (count - kExpected) * (count - kExpected) / kExpected;
+        EXPECT_GT(chi_square_tail(chi2, kRings * kSectors - 1), 1e-4) << chi2;
     }
 }
 

@@ -52,8 +52,28 @@ TEST(Equiangular, DistancesFollowTheirDensity) {
     }
 }
 
+// How probable it is that distances drawn from `e` differ so much from its density; 20 bins between `from` and `to`.
+double chi_square_of(const Equiangular& e, float from, float to, Numbers& u) {
+    constexpr int kBins = 20, kCount = 5000, kFine = 200;
+    std::vector<double> counted(kBins);
+    for (int n = 0; n < kCount; ++n) {
+        const int bin = static_cast<int>((e.sample(u()) - from) / (to - from) * kBins);
+        ++counted[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
+    }
+    const float step = (to - from) / (kBins * kFine);
+    double chi2 = 0;
+    for (int b = 0; b < kBins; ++b) {
+        double expected = 0;
+        for (int i = 0; i < kFine; ++i)
+            expected += kCount * static_cast<double>(step * e.pdf(from + step * (static_cast<float>(b * kFine + i) + 0.5f)));
+        const double difference = counted[static_cast<std::size_t>(b)] - expected;
+        chi2 += difference * difference / expected;
+    }
+    return chi_square_tail(chi2, kBins - 1);
+}
+
 // The stretch of a ray in a spot's cone, for rays from anywhere: all of it and nothing else, to a sliver at its edge; u of the
-// distances are nearer than sample(u).
+// distances are nearer than sample(u), and they follow their density.
 TEST(Equiangular, ASpotHasItsConeAlone) {
     constexpr int kSteps = 20'000;
     int empty = 0, met = 0;
@@ -89,6 +109,7 @@ TEST(Equiangular, ASpotHasItsConeAlone) {
         ++met;
         for (std::size_t q = 0; q <= 4; ++q) ASSERT_NEAR(below[q], static_cast<double>(q) / 4, 0.01) << n;
         ASSERT_NEAR(sum, 1, 0.01) << n;
+        ASSERT_GT(chi_square_of(e, quantiles[0], quantiles[4], u), 1e-6) << n;
     }
     EXPECT_GT(empty, 30);
     EXPECT_GT(met, 60);

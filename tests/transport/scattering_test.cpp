@@ -46,6 +46,7 @@ std::vector<Case> rough_cases() {
         {"dielectric 0.2", Scattering::dielectric(flat, kUp, s.glass, false, 3, 0.2f, 0.2f), false, true, 1.5},
         {"dielectric 0.5 x 0.25", Scattering::dielectric(flat, kUp, s.glass, false, 3, 0.5f, 0.25f), false, true, 1.5},
         {"dielectric 0.4, dispersive", Scattering::dielectric(flat, kUp, s.varying, true, 5, 0.4f, 0.4f), false, true, 1.715},
+        {"dielectric 0.4, tilted normal", Scattering::dielectric(tilted, kUp, s.glass, false, 3, 0.4f, 0.4f), false, true, 1.5},
         {"phase g = 0", Scattering::phase(0), true, true},
         {"phase g = 0.6", Scattering::phase(0.6f), true, true},
         {"phase g = -0.4", Scattering::phase(-0.4f), true, true},
