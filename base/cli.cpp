@@ -77,13 +77,13 @@ class HelpFormatter final : public CLI::Formatter {
 
 const std::string& program() { return program_name(); }
 
-void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force) {
+void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
     app.add_option("--threads", options.threads, "at most so many worker threads; 0: one for each processor")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str();
     if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within (K, M, G are binary)")->default_str("1G");
     app.add_flag("--json", options.json, "print the report as JSON on stdout");
-    if (with_force) app.add_flag("--force", options.force, "replace an output that exists");
+    app.add_flag("--force", options.force, "replace an output that exists");
     app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
 }
 
@@ -125,29 +125,11 @@ CLI::Validator whole_number() {
 }
 
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&value, name](const std::string& text) {
-                const Result<std::uint64_t> size = parse_size(text);
-                if (!size) throw CLI::ValidationError(name, size.error().message);
-                value = *size;
-            },
-            help)
-        ->type_name("SIZE");
+    return add_parsed(app, name, value, parse_size, help)->type_name("SIZE");
 }
 
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help) {
-    return app
-        .add_option_function<std::string>(
-            name,
-            [&seconds, name](const std::string& text) {
-                const Result<double> duration = parse_duration(text);
-                if (!duration) throw CLI::ValidationError(name, duration.error().message);
-                seconds = *duration;
-            },
-            help)
-        ->type_name("TIME");
+    return add_parsed(app, name, seconds, parse_duration, help)->type_name("TIME");
 }
 
 int fail(const Error& error) {
@@ -158,5 +140,6 @@ int fail(const Error& error) {
 }
 
 void warn(const std::string& message) { fmt::print(stderr, "{}: warning: {}\n", program(), printable(message)); }
+void note(const std::string& message) { fmt::print(stderr, "{}: note: {}\n", program(), printable(message)); }
 
 }  // namespace latent::cli

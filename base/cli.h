@@ -28,12 +28,23 @@ struct CommonOptions {
     bool force = false;
 };
 
-// Adds --threads, --json and --version, and --memory and --force where they apply.
-void add_common(CLI::App& app, CommonOptions& options, bool with_memory, bool with_force);
+// Adds --threads, --json, --force and --version, and --memory where it applies.
+void add_common(CLI::App& app, CommonOptions& options, bool with_memory);
 
 // Parses; an exit status if the program should end now: --help and --version 0, misuse 2 (one line on stderr).
 // From here on, a program whose standard output cannot be written (disk full, say) says so when it ends, with status kFailed.
 std::optional<int> parse(CLI::App& app, int argc, char** argv);
+
+// An option whose text `parse` turns into a Result; what that refuses is misuse.
+template <class Value, class Parse>
+CLI::Option* add_parsed(CLI::App& app, const std::string& name, Value& value, Parse parse, const std::string& help) {
+    const auto take = [&value, parse, name](const std::string& text) {
+        auto parsed = parse(text);
+        if (!parsed) throw CLI::ValidationError(name, parsed.error().message);
+        value = *std::move(parsed);
+    };
+    return app.add_option_function<std::string>(name, take, help);
+}
 
 // An option that takes a size such as 512M, or a time such as 10m.
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help);
@@ -49,7 +60,8 @@ int fail(const Error& error);
 // The program's name for messages ("latent-merge"); set by `parse`.
 const std::string& program();
 
-// Prints "PROGRAM: warning: MESSAGE" on stderr.
+// Print "PROGRAM: warning: MESSAGE" and "PROGRAM: note: MESSAGE" on stderr.
 void warn(const std::string& message);
+void note(const std::string& message);
 
 }  // namespace latent::cli

@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
                    "sse4.2, avx, avx2 or avx512, instead of the best of the first three. "
                    "Samples are equal bit for bit only at one level");
     app.add_flag("--dry-run", dry_run, "render for two seconds, then tell the time and disk space that everything would take");
-    cli::add_common(app, common, false, true);
+    cli::add_common(app, common, false);
     app.footer(
         "Examples:\n"
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"

@@ -183,6 +183,16 @@ TEST_F(MergeTest, AFolderGivesItsPartsAndAListOfWhatWasLeftOut) {
     EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
 }
 
+TEST_F(MergeTest, ANameInANoteCannotSteerATerminal) {
+    part("a\x1b[2J.latent.part.0123456789abcdef", small_job(), runs_between({0, kS}), false);
+    std::ofstream(folder_ / "a\x1b[2J.latent.part.0123456789abcdef", std::ios::app) << "a write that was cut short";
+    const Outcome outcome = merge_files({folder_.path()});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("note: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find("a\\x1b[2J"), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos);
+}
+
 TEST_F(MergeTest, AnOutputThatExistsIsKeptUnlessForced) {
     const fs::path a = part("a.latent", small_job(), runs_between({0, kS}));
     std::ofstream(out_) << "precious";

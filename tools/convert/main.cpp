@@ -35,16 +35,16 @@ std::string check_number(const std::string& text, double least, double most, con
     return good ? std::string() : fmt::format("{}: should be a number {}", text, range);
 }
 
-latent::image::Rect parse_crop(const std::string& text) {
+latent::Result<latent::image::Rect> parse_crop(const std::string& text) {
     std::array<int, 4> c;
     const char *at = text.data(), *end = at + text.size();
     for (std::size_t i = 0; i < 4; ++i) {
         const auto [next, error] = std::from_chars(at, end, c[i]);
         if (error != std::errc{} || (i < 3 ? next == end || *next != ',' : next != end))
-            throw CLI::ValidationError("--crop " + text, "give X0,Y0,X1,Y1 in pixels, the end exclusive");
+            return latent::Error{latent::ErrorCode::kUsage, text + ": give X0,Y0,X1,Y1 in pixels, the end exclusive"};
         at = next + 1;
     }
-    return {c[0], c[1], c[2], c[3]};
+    return latent::image::Rect{c[0], c[1], c[2], c[3]};
 }
 
 void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
@@ -78,8 +78,7 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_option_function<std::string>("--bits", depth, "8 by default, but float for EXR, where 16 means half")
         ->check(CLI::IsMember({"8", "16", "float"}));
     app.add_flag("--dither,!--no-dither", options.dither, "hide the steps of 8 bits in noise (default on)");
-    const auto crop = [&options](const std::string& text) { options.crop = parse_crop(text); };
-    app.add_option_function<std::string>("--crop", crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
+    latent::cli::add_parsed(app, "--crop", options.crop, parse_crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--level", options.level, "mip level of the input: 1 is half its size, ...")->check(CLI::Range(0, 31));
     app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles")->check(CLI::Range(1, 100))->capture_default_str();
     app.add_option("--compression", options.png_level, "of PNG and TIFF; 9: small")->check(CLI::Range(1, 9))->capture_default_str();
@@ -99,7 +98,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Print a developed picture: tone, gamut and encoding for a display, at any size, in fixed memory.",
                  "latent-convert"};
     add_options(app, options);
-    cli::add_common(app, common, true, true);
+    cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
     options.threads = common.threads;
     options.memory = common.memory;

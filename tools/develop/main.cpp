@@ -32,7 +32,7 @@ Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something d
 int main(int argc, char** argv) {
     develop::PictureOptions options;
     cli::CommonOptions common;
-    std::string samples, job, compression = "none";
+    std::string compression = "none";
     CLI::App app{"Develop records into an EXR of linear XYZ.", "latent-develop"};
     app.footer(kExamples);
     app.add_option("FILE", options.inputs, "files of one job, or folders that hold them, in any order")->required();
@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
     app.add_option("--crop", options.crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter")->capture_default_str()->type_name("NAME[:params]");
     app.add_option("--observer", options.observer, "who looks at the spectra")->type_name("NAME|FILE.csv");
-    app.add_option("--samples", samples, "only samples A .. B-1")->type_name("A:B");
+    cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "only samples A .. B-1")->type_name("A:B");
     app.add_option("--image", options.image, "the picture, or one of the images that add up to it")
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();
@@ -53,28 +53,20 @@ int main(int argc, char** argv) {
         ->capture_default_str()
         ->type_name("LEVEL");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count files that were named twice once, instead of refusing them");
-    app.add_option("--job", job, "where folders hold several jobs: the one to develop (32 hexadecimal digits)")->type_name("ID");
-    cli::add_common(app, common, true, true);
+    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
+                    "where folders hold several jobs: the one to develop (32 hexadecimal digits)")
+        ->type_name("ID");
+    cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.zip = compression == "zip";
     options.replace = common.force;
     options.memory = common.memory;
     options.threads = common.threads;
-    if (!samples.empty()) {
-        const Result<sampledb::SampleRange> range = sampledb::parse_sample_range(samples);
-        if (!range) return cli::fail(range.error().at("--samples"));
-        options.samples = *range;
-    }
-    if (!job.empty()) {
-        const Result<sampledb::JobId> id = sampledb::parse_job_id(job);
-        if (!id) return cli::fail(id.error().at("--job"));
-        options.job = *id;
-    }
 
     const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress_to_stderr("developing"));
     if (!report) return cli::fail(report.error());
-    for (const std::string& note : report->gathering.notes) fmt::print(stderr, "{}: note: {}\n", cli::program(), note);
+    for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const std::string& warning : report->warnings) cli::warn(warning);
     for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
     fmt::print("{}", common.json ? develop::to_json(*report) : develop::to_text(*report));

@@ -57,7 +57,7 @@ int run_gen(GenOptions options) {
 int main(int argc, char** argv) {
     CLI::App app{"Look into .latent files, check them, save what can be saved, make synthetic ones.", "latent-inspect"};
     app.require_subcommand(1)->fallthrough()->footer(help::kTool);
-    cli::add_common(app, common, false, true);
+    cli::add_common(app, common, false);
     Paths files;
     std::filesystem::path output;
     CatOptions cat_options;

@@ -56,39 +56,32 @@ std::string to_text(const merge::MergeReport& report, const merge::MergeOptions&
 int main(int argc, char** argv) {
     merge::MergeOptions options;
     cli::CommonOptions common;
-    std::string require, job, verify = "quick";
+    std::string verify = "quick";
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
     app.footer(kExamples);
     app.add_option("PART", options.inputs, "parts of one job, or folders that hold them, in any order")->required();
     app.add_option("-o,--output", options.output, "the joined file")->required()->check(cli::ends_in(".latent"));
-    app.add_option("--require", require, "fail unless samples A .. B-1 are all there")->type_name("A:B");
+    cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A .. B-1 are all there")
+        ->type_name("A:B");
     app.add_option("--verify", verify,
                    "quick: headers, indexes and one page of every run, before and after copying; full: every page")
         ->check(CLI::IsMember({"quick", "full"}))
         ->capture_default_str();
     app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count parts that were named twice once, instead of refusing them");
-    app.add_option("--job", job, "where folders hold several jobs: the one to merge (32 hexadecimal digits)")->type_name("ID");
-    cli::add_common(app, common, true, true);
+    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
+                    "where folders hold several jobs: the one to merge (32 hexadecimal digits)")
+        ->type_name("ID");
+    cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.replace = common.force;
     options.memory = common.memory;
     options.verify = verify == "full" ? sampledb::VerifyLevel::kFull : sampledb::VerifyLevel::kQuick;
-    if (!require.empty()) {
-        const Result<sampledb::SampleRange> range = sampledb::parse_sample_range(require);
-        if (!range) return cli::fail(range.error().at("--require"));
-        options.require = *range;
-    }
-    if (!job.empty()) {
-        const Result<sampledb::JobId> id = sampledb::parse_job_id(job);
-        if (!id) return cli::fail(id.error().at("--job"));
-        options.job = *id;
-    }
 
     const Result<merge::MergeReport> report = merge::merge(options, cli::progress_to_stderr("merging"));
     if (!report) return cli::fail(report.error());
-    for (const std::string& note : report->gathering.notes) fmt::print(stderr, "{}: note: {}\n", cli::program(), note);
+    for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
     std::fputs((common.json ? json_text(to_json(*report)) + "\n" : to_text(*report, options)).c_str(), stdout);
     return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
