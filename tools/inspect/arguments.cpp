@@ -6,7 +6,6 @@
 #include <charconv>
 
 #include "base/cli.h"
-#include "base/size.h"
 #include "sampledb/parse.h"
 
 namespace latent::inspect {
@@ -16,58 +15,49 @@ using namespace sampledb;
 namespace {
 
 // "3:2" -> 3, 2.
-Status parse_aspect(const std::string& text, SyntheticScene& scene) {
+Result<Aspect> parse_aspect(const std::string& text) {
+    Aspect aspect;
     const char* const end = text.data() + text.size();
-    const auto width = std::from_chars(text.data(), end, scene.aspect_width);
+    const auto width = std::from_chars(text.data(), end, aspect.width);
     const bool colon = width.ec == std::errc() && width.ptr != end && *width.ptr == ':';
-    const auto height = colon ? std::from_chars(width.ptr + 1, end, scene.aspect_height) : width;
-    if (!colon || height.ec != std::errc() || height.ptr != end || scene.aspect_width == 0 || scene.aspect_height == 0) {
-        return Error{ErrorCode::kUsage, fmt::format("--aspect: '{}' is no aspect; say 3:2", text)};
+    const auto height = colon ? std::from_chars(width.ptr + 1, end, aspect.height) : width;
+    if (!colon || height.ec != std::errc() || height.ptr != end || aspect.width == 0 || aspect.height == 0) {
+        return Error{ErrorCode::kUsage, fmt::format("'{}' is no aspect; say 3:2", text)};
     }
-    return {};
+    return aspect;
+}
+
+// An option that takes one of a few words; the first of them is the default.
+template <class Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices, const std::string& help) {
+    std::vector<std::string> words;
+    for (const auto& choice : choices) words.push_back(choice.first);
+    const auto take = [&value, choices](const std::string& word) {
+        value = std::ranges::find(choices, word, &std::pair<std::string, Value>::first)->second;
+    };
+    return app.add_option_function<std::string>(name, take, help)->check(CLI::IsMember(words))->default_str(words.front());
 }
 
 }  // namespace
 
-Status TextArguments::apply(CatOptions& cat, GenOptions& gen) const {
-    if (!samples.empty()) {
-        const Result<SampleRange> range = parse_sample_range(samples);
-        if (!range) return range.error().at("--samples");
-        cat.samples = *range;
-    }
-    if (region.size() == 4) cat.region = {region[0], region[1], region[2], region[3]};
-    cat.format = format == "csv" ? TextFormat::kCsv : TextFormat::kJsonLines;
-
-    const Result<std::uint64_t> count = parse_count(records);
-    if (!count) return count.error().at("--records");
-    if (*count > (~std::uint64_t{0} - first) / gen.scene.every)
-        return Error{ErrorCode::kUsage, "--records: beyond the last sample number"};
-    gen.samples = {first, first + *count * gen.scene.every};
-    gen.scene.kind = kind == "xyz" ? RecordKind::kXyz : RecordKind::kSpectral;
-    gen.scene.texture = texture == "uniform" ? Texture::kUniform : texture == "black" ? Texture::kBlack : Texture::kTextured;
-    return parse_aspect(aspect, gen.scene);
-}
-
-void add_cat_options(CLI::App& cat, CatOptions& options, TextArguments& text) {
+void add_cat_options(CLI::App& cat, CatOptions& options) {
     cat.add_option("FILE", options.inputs, "files of one job, or folders")->required();
-    cat.add_option("--samples", text.samples, "only sample numbers A .. B-1")->type_name("A:B");
-    cat.add_option("--region", text.region, "only this part of the film, in [0,1]")
-        ->type_name("U0,V0,U1,V1")
-        ->delimiter(',')
-        ->expected(4);
+    cli::add_parsed(cat, "--samples", options.samples, parse_sample_range, "only sample numbers A .. B-1")->type_name("A:B");
+    cat.add_option("--region", options.region, "only this part of the film, in [0,1]")->type_name("U0,V0,U1,V1")->delimiter(',');
     cat.add_option("--limit", options.limit, "at most this many records")->check(cli::whole_number());
-    cat.add_option("--format", text.format, "csv, or one JSON object a line")
-        ->check(CLI::IsMember({"csv", "json"}))
-        ->capture_default_str();
+    add_choice<TextFormat>(cat, "--format", options.format, {{"csv", TextFormat::kCsv}, {"json", TextFormat::kJsonLines}},
+                           "csv, or one JSON object a line");
 }
 
-void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text) {
+void add_gen_options(CLI::App& gen, GenOptions& options) {
     SyntheticScene& scene = options.scene;
     gen.add_option("-o,--output", options.output, "the new file")->required()->check(cli::ends_in(".latent"));
-    gen.add_option("--records", text.records, "camera records; K, M and G are powers of 1000")
+    cli::add_parsed(gen, "--records", options.records, parse_count, "camera records; K, M and G are powers of 1000")
         ->type_name("COUNT")
-        ->capture_default_str();
-    gen.add_option("--kind", text.kind, "what a record stores")->check(CLI::IsMember({"xyz", "spectral"}))->capture_default_str();
+        ->default_str("1M");
+    add_choice<RecordKind>(gen, "--kind", scene.kind, {{"xyz", RecordKind::kXyz}, {"spectral", RecordKind::kSpectral}},
+                           "what a record stores");
     gen.add_option("--wavelengths", scene.batch, "spectral: wavelengths of a sample")
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
@@ -77,11 +67,11 @@ void add_gen_options(CLI::App& gen, GenOptions& options, TextArguments& text) {
     gen.add_option("--single", scene.single_wavelengths, "spectral: share of records that keep one wavelength")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
-    gen.add_option("--texture", text.texture, "textured; uniform: every record is 1; black: every record is 0")
-        ->check(CLI::IsMember({"textured", "uniform", "black"}))
-        ->capture_default_str();
-    gen.add_option("--aspect", text.aspect, "of the film")->type_name("W:H")->capture_default_str();
-    gen.add_option("--first", text.first, "first sample number, a multiple of the run length")
+    add_choice<Texture>(gen, "--texture", scene.texture,
+                        {{"textured", Texture::kTextured}, {"uniform", Texture::kUniform}, {"black", Texture::kBlack}},
+                        "textured; uniform: every record is 1; black: every record is 0");
+    cli::add_parsed(gen, "--aspect", scene.aspect, parse_aspect, "of the film")->type_name("W:H")->default_str("1:1");
+    gen.add_option("--first", options.first, "first sample number, a multiple of the run length")
         ->check(cli::whole_number())
         ->capture_default_str();
     gen.add_option("--every", scene.every, "only sample numbers divisible by this have records")

@@ -45,12 +45,16 @@ class GrainQueue {
 Result<GenReport> generate(const GenOptions& options, const Progress& progress) {
     const auto begin = std::chrono::steady_clock::now();
     const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+    const std::uint64_t every = options.scene.every;
+    if (options.records > (~std::uint64_t{0} - options.first) / every)
+        return Error{ErrorCode::kUsage, "--records: beyond the last sample number"};
+    const SampleRange samples{options.first, options.first + options.records * every};
     GenReport report;
     report.output = options.output;
     report.job = synthetic_job(options.scene);
     PartOptions part;
     part.path = options.output;
-    part.range = options.samples;
+    part.range = samples;
     part.checkpoint_seconds = options.checkpoint_seconds;
     part.provenance_json = R"({"program":"latent-inspect gen"})";
     part.force = options.force;
@@ -70,7 +74,7 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
             }
             if (!reports || !progress) continue;
             const WriterCounts counts = (*writer)->counts();
-            progress(static_cast<double>(counts.samples_committed) / static_cast<double>(options.samples.size()),
+            progress(static_cast<double>(counts.samples_committed) / static_cast<double>(samples.size()),
                      format_size(counts.bytes_written));
         }
     };

@@ -9,7 +9,6 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/coverage.h"
 #include "sampledb/part_writer.h"
 #include "tools/inspect/synthetic.h"
 
@@ -18,7 +17,8 @@ namespace latent::inspect {
 struct GenOptions {
     std::filesystem::path output;
     SyntheticScene scene;
-    sampledb::SampleRange samples{0, 0};
+    std::uint64_t first = 0;          // sample number, a multiple of the run length
+    std::uint64_t records = 1000000;  // samples that have a camera record
     double checkpoint_seconds = 60;
     bool force = false;
     int threads = 0;
@@ -31,7 +31,8 @@ struct GenReport {
     double seconds = 0;
 };
 
-// Writes the part; goes on where an earlier call was interrupted, like every writer.
+// Writes the part; goes on where an earlier call was interrupted, like every writer. Errors: those of PartWriter, and kUsage if
+// there are no so large sample numbers.
 Result<GenReport> generate(const GenOptions& options, const Progress& progress = {});
 
 std::string to_text(const GenReport& report);

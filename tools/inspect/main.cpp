@@ -62,7 +62,6 @@ int main(int argc, char** argv) {
     std::filesystem::path output;
     CatOptions cat_options;
     GenOptions gen_options;
-    TextArguments text;
     bool quick = false, deep = false;
 
     CLI::App* info = app.add_subcommand("info", "what is in a file")->footer(help::kInfo);
@@ -78,14 +77,13 @@ int main(int argc, char** argv) {
     recover->add_option("-o,--output", output, "the new file")->required()->check(cli::ends_in(".latent"));
 
     CLI::App* cat = app.add_subcommand("cat", "records as text")->footer(help::kCat);
-    add_cat_options(*cat, cat_options, text);
+    add_cat_options(*cat, cat_options);
 
     CLI::App* gen = app.add_subcommand("gen", "a synthetic file")->footer(help::kGen);
-    add_gen_options(*gen, gen_options, text);
+    add_gen_options(*gen, gen_options);
 
     if (const auto done = cli::parse(app, argc, argv)) return *done;
-    if (common.json) text.format = "json";
-    if (Status s = text.apply(cat_options, gen_options); !s) return cli::fail(s.error());
+    if (common.json) cat_options.format = TextFormat::kJsonLines;
     if (*info) return run_info(files);
     if (*verify) return run_verify(files, quick ? Depth::kQuick : deep ? Depth::kDeep : Depth::kPages);
     if (*recover) return run_recover(files.front(), output);

@@ -140,9 +140,9 @@ class Painter {
 Job synthetic_job(const SyntheticScene& scene) {
     Job job;
     const bool spectral = scene.kind == RecordKind::kSpectral;
-    const std::uint32_t common = std::gcd(scene.aspect_width, scene.aspect_height);
-    job.aspect_width = scene.aspect_width / common;
-    job.aspect_height = scene.aspect_height / common;
+    const std::uint32_t common = std::gcd(scene.aspect.width, scene.aspect.height);
+    job.aspect_width = scene.aspect.width / common;
+    job.aspect_height = scene.aspect.height / common;
     job.kind = scene.kind;
     job.batch = spectral ? scene.batch : 0;
     if (spectral && !scene.explicit_wavelengths) job.density = bell_density();

@@ -14,9 +14,13 @@ enum class Texture : std::uint8_t {
     kBlack,     // every record is 0: the smallest files
 };
 
+struct Aspect {
+    std::uint32_t width = 1, height = 1;
+};
+
 struct SyntheticScene {
     sampledb::RecordKind kind = sampledb::RecordKind::kXyz;
-    std::uint32_t aspect_width = 1, aspect_height = 1;
+    Aspect aspect;                  // of the film
     std::uint16_t batch = 28;       // spectral: wavelengths of a sample
     double light_records = 0;       // per camera record, on average; a sample has one light path if this is not 0
     double single_wavelengths = 0;  // spectral: fraction of camera records that keep one wavelength
