@@ -23,9 +23,9 @@ int run_info(const Paths& named) {
     return print_each(named, common.json, [](const std::filesystem::path& path) { return read_info(path); });
 }
 
-int run_verify(const Paths& named, Depth depth) {
-    return print_each(named, common.json, [depth](const std::filesystem::path& path) {
-        return verify(path, depth, common.threads, cli::progress_to_stderr("verifying"));
+int run_verify(const Paths& named, sampledb::VerifyLevel level) {
+    return print_each(named, common.json, [level](const std::filesystem::path& path) {
+        return verify(path, level, common.threads, cli::progress_to_stderr("verifying"));
     });
 }
 
@@ -85,7 +85,8 @@ int main(int argc, char** argv) {
     if (const auto done = cli::parse(app, argc, argv)) return *done;
     if (common.json) cat_options.format = TextFormat::kJsonLines;
     if (*info) return run_info(files);
-    if (*verify) return run_verify(files, quick ? Depth::kQuick : deep ? Depth::kDeep : Depth::kPages);
+    using sampledb::VerifyLevel;
+    if (*verify) return run_verify(files, quick ? VerifyLevel::kQuick : deep ? VerifyLevel::kFull : VerifyLevel::kStored);
     if (*recover) return run_recover(files.front(), output);
     if (*cat) return run_cat(cat_options);
     return run_gen(gen_options);

@@ -12,6 +12,7 @@
 #include "base/size.h"
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
+#include "sampledb/part_name.h"
 #include "tools/inspect/recover.h"
 
 namespace latent::inspect {
@@ -20,16 +21,18 @@ using namespace sampledb;
 
 namespace {
 
-VerifyLevel level_of(Depth depth) {
-    switch (depth) {
-        case Depth::kQuick:
-            return VerifyLevel::kQuick;
-        case Depth::kPages:
-            return VerifyLevel::kStored;
-        case Depth::kDeep:
-            return VerifyLevel::kFull;
+const char* what_was_looked_at(VerifyLevel level) {
+    switch (level) {
+        case VerifyLevel::kHeaders:
+            return "headers";
+        case VerifyLevel::kQuick:
+            return "indexes and one page of each run";
+        case VerifyLevel::kStored:
+            return "every stored byte";
+        case VerifyLevel::kFull:
+            return "every record";
     }
-    return VerifyLevel::kFull;
+    return "";
 }
 
 std::uint64_t count_not_finite(const std::vector<float>& values, std::size_t count) {
@@ -51,9 +54,9 @@ Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunIndex& in
 }
 
 // A run as it was read: how many of its values are not finite, or what is wrong with it.
-Result<std::uint64_t> check_run(const ByteSource& source, const RunInfo& run, const Job& job, Depth depth) {
-    if (Status s = verify_run(source, run, job, level_of(depth)); !s) return s.error();
-    if (depth != Depth::kDeep) return 0;
+Result<std::uint64_t> check_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level) {
+    if (Status s = verify_run(source, run, job, level); !s) return s.error();
+    if (level != VerifyLevel::kFull) return 0;
     const Result<RunIndex> index = read_run_index(source, run, job);
     if (!index) return index.error();
     return not_finite_in(source, *index, job);
@@ -61,12 +64,12 @@ Result<std::uint64_t> check_run(const ByteSource& source, const RunInfo& run, co
 
 }  // namespace
 
-Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, int threads, const Progress& progress) {
+Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level, int threads, const Progress& progress) {
     const Result<FileSource> source = FileSource::open(path);
     if (!source) return source.error();
     VerifyReport report;
     report.path = path;
-    report.depth = depth;
+    report.level = level;
     report.size = source->size();
     // The runs are the truth, so they are found by walking; then the footer must say the same.
     Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
@@ -86,7 +89,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, int 
     std::mutex mutex;
     std::uint64_t bytes_checked = 0;
     const auto check = [&](std::size_t i) {
-        checked[i] = check_run(*source, file->runs[i], job, depth);
+        checked[i] = check_run(*source, file->runs[i], job, level);
         const std::lock_guard lock(mutex);
         bytes_checked += file->runs[i].header.size();
         if (progress) progress(static_cast<double>(bytes_checked) / static_cast<double>(report.size), format_size(bytes_checked));
@@ -113,10 +116,9 @@ Result<VerifyReport> verify(const std::filesystem::path& path, Depth depth, int 
 std::string to_text(const VerifyReport& report) {
     std::string text;
     for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", report.path.string(), damage);
-    static const char* const kLooked[] = {"indexes and one page of each run", "every stored byte", "every record"};
     text += fmt::format("{}: {}: {} run{}, {} pages, {} records, {} ({} checked)\n", report.path.string(),
                         report.damage.empty() ? "sound" : "DAMAGED", report.runs, report.runs == 1 ? "" : "s", report.pages,
-                        report.records, format_size(report.size), kLooked[static_cast<int>(report.depth)]);
+                        report.records, format_size(report.size), what_was_looked_at(report.level));
     if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", report.path.string());
         text += report.unfinished_tail > 0
