@@ -159,6 +159,13 @@ Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, co
     return index;
 }
 
+Result<Coverage> run_coverage(const ByteSource& source, const RunInfo& run, const Job& job) {
+    if (run.header.interval_count == 1) return Coverage(run.header.samples);
+    Result<RunIndex> index = read_run_index(source, run, job);
+    if (!index) return index.error();
+    return std::move(index->coverage);
+}
+
 Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level) {
     if (level == VerifyLevel::kHeaders) return {};
     const Result<RunIndex> index = read_run_index(source, run, job);
@@ -197,6 +204,14 @@ Result<FileContents> read_file(const ByteSource& source, VerifyLevel level, bool
         return !good;
     });
     return file;
+}
+
+Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level, bool use_footer) {
+    Result<FileSource> source = FileSource::open(path);
+    if (!source) return source.error();
+    Result<FileContents> contents = read_file(*source, level, use_footer);
+    if (!contents) return contents.error().at(path.string());
+    return FoundFile{std::make_shared<const FileSource>(std::move(*source)), std::move(*contents)};
 }
 
 Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, Page& page) {

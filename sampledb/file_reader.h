@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -41,9 +43,20 @@ struct FileContents {
 // Errors: kForeign (not a Latent file), kTruncated (ends inside its header), kUnsupported, kCorrupt (both headers), kIo.
 Result<FileContents> read_file(const ByteSource& source, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
 
+// A file that could be opened, and what it holds.
+struct FoundFile {
+    std::shared_ptr<const FileSource> source;
+    FileContents contents;
+};
+// Errors: those of FileSource::open and read_file, naming the file.
+Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
+
 // Coverage and pages of a run (offsets absolute in the file). Errors: kCorrupt (the run's own header is damaged, or not
 // the one in `run`), kIo.
 Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job);
+
+// The samples that a run holds: its header tells, or its index if there are gaps. Errors as above.
+Result<Coverage> run_coverage(const ByteSource& source, const RunInfo& run, const Job& job);
 
 // Checks one run. Errors as above, naming page and place.
 Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level);

@@ -9,6 +9,7 @@
 
 #include "sampledb/input_files.h"
 #include "sampledb/page_filter.h"
+#include "sampledb/part_name.h"
 #include "sampledb/recent_cache.h"
 #include "sampledb/selection.h"
 
@@ -43,7 +44,7 @@ class OpenGathering final : public Gathering {
     };
 
     Status read_inputs(const std::vector<InputFile>& inputs);
-    Status take_file(const InputFile& input, const std::shared_ptr<const FileSource>& source, FileContents file);
+    Status take_file(const InputFile& input, FoundFile file);
     Status refuse_or_leave_out(const InputFile& input, const Error& error);
     void report_state(const InputFile& input, const FileContents& file);
     Status check_jobs() const;
@@ -82,18 +83,8 @@ Status OpenGathering::gather() {
 
 Status OpenGathering::read_inputs(const std::vector<InputFile>& inputs) {
     for (const InputFile& input : inputs) {
-        Result<FileSource> opened = FileSource::open(input.path);
-        if (!opened) {
-            if (Status s = refuse_or_leave_out(input, opened.error()); !s) return s;
-            continue;
-        }
-        const auto source = std::make_shared<const FileSource>(std::move(*opened));
-        Result<FileContents> file = read_file(*source, options_.verify);
-        if (!file) {
-            if (Status s = refuse_or_leave_out(input, file.error().at(input.path.string())); !s) return s;
-            continue;
-        }
-        if (Status s = take_file(input, source, std::move(*file)); !s) return s;
+        Result<FoundFile> file = open_file(input.path, options_.verify);
+        if (Status s = file ? take_file(input, std::move(*file)) : refuse_or_leave_out(input, file.error()); !s) return s;
     }
     if (!files_.empty()) return {};
     if (!jobs_not_taken_.empty()) {
@@ -129,8 +120,9 @@ Status OpenGathering::refuse_or_leave_out(const InputFile& input, const Error& e
     return {};
 }
 
-Status OpenGathering::take_file(const InputFile& input, const std::shared_ptr<const FileSource>& source, FileContents file) {
+Status OpenGathering::take_file(const InputFile& input, FoundFile found) {
     const std::string name = input.path.string();
+    FileContents& file = found.contents;
     const JobId id = file.header.job.id;
     if (options_.job && id != *options_.job) {
         jobs_not_taken_.emplace(id, name);
@@ -151,20 +143,16 @@ Status OpenGathering::take_file(const InputFile& input, const std::shared_ptr<co
     report_state(input, file);
     const std::uint32_t number = static_cast<std::uint32_t>(files_.size());
     files_.push_back(input.path);
-    sources_.insert(number, source, 1);  // stays open: an attempt may lose its name any time
+    sources_.insert(number, found.source, 1);  // stays open: an attempt may lose its name any time
     Coverage held;
     for (const RunInfo& run : file.runs) {
-        Coverage coverage(run.header.samples);
-        if (run.header.interval_count > 1) {
-            const Result<RunIndex> index = read_run_index(*source, run, job_);
-            if (!index) {
-                report_.left_out.push_back({fmt::format("{}: run at byte {}", name, run.offset), index.error().message});
-                continue;
-            }
-            coverage = index->coverage;
+        Result<Coverage> coverage = run_coverage(*found.source, run, job_);
+        if (!coverage) {
+            report_.left_out.push_back({fmt::format("{}: run at byte {}", name, run.offset), coverage.error().message});
+            continue;
         }
-        held.add(coverage);
-        candidates_.push_back({number, run, std::move(coverage)});
+        held.add(*coverage);
+        candidates_.push_back({number, run, std::move(*coverage)});
     }
     if (input.named && !is_attempt(input.path)) named_.push_back({name, std::move(held)});
     return {};

@@ -13,8 +13,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kAttempt = ".latent.part.";
-
 // All files of a folder but hidden ones, sorted, links that lead nowhere among them: the reader lists what is not Latent's.
 Result<std::vector<fs::path>> files_in(const fs::path& folder) {
     std::vector<fs::path> found;
@@ -40,8 +38,6 @@ std::vector<fs::path> files_matching(const fs::path& pattern) {
 }
 
 }  // namespace
-
-bool is_attempt(const fs::path& path) { return path.filename().string().find(kAttempt) != std::string::npos; }
 
 std::optional<Damage> damage_at_end(const fs::path& path, const FileContents& file) {
     if (file.finished || is_attempt(path)) return {};

@@ -18,9 +18,6 @@ struct InputFile {
 // Files in the order given; those of a folder or glob sorted by name. Errors: kNotFound, kIo.
 Result<std::vector<InputFile>> list_input_files(const std::vector<std::filesystem::path>& inputs);
 
-// Whether the name is that of an attempt, NAME.latent.part.<nonce>: a file that may lack its footer.
-bool is_attempt(const std::filesystem::path& path);
-
 // What is wrong with the end of a file: a published name promises a footer, so what follows the last run was cut or damaged.
 // None for finished files and for attempts, whose last write may be unfinished.
 std::optional<Damage> damage_at_end(const std::filesystem::path& path, const FileContents& file);

@@ -1,6 +1,9 @@
 #include "sampledb/part_attempt.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
+
+#include "sampledb/part_name.h"
 
 namespace latent::sampledb {
 
@@ -8,14 +11,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<File> create_file(const fs::path& name) { return File::create_exclusive(name.string() + ".part." + make_nonce()); }
-
 }  // namespace
 
 Result<PartAttempt> PartAttempt::create(const fs::path& name, const FileHeader& header) {
     const Result<Bytes> bytes = encode_file_header(header);
     if (!bytes) return bytes.error();
-    Result<File> file = create_file(name);
+    Result<File> file = File::create_exclusive(new_attempt(name));
     if (!file) return file.error();
     PartAttempt attempt;
     attempt.name_ = name;
@@ -58,7 +59,7 @@ bool PartAttempt::vanished() const {
 }
 
 Status PartAttempt::restore() {
-    Result<File> file = create_file(name_);
+    Result<File> file = File::create_exclusive(new_attempt(name_));
     if (!file) return file.error();
     if (Status s = file->copy_from(file_, 0, 0, end_); !s) return s;
     if (Status s = file->sync_data(); !s) return s;

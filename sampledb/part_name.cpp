@@ -12,15 +12,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kPart = ".part.";
+
 }  // namespace
 
-Result<FoundFile> open_file(const fs::path& path) {
-    Result<FileSource> source = FileSource::open(path);
-    if (!source) return source.error();
-    Result<FileContents> contents = read_file(*source);
-    if (!contents) return contents.error().at(path.string());
-    return FoundFile{std::make_shared<const FileSource>(std::move(*source)), std::move(*contents)};
-}
+bool is_attempt(const fs::path& path) { return path.filename().string().find(std::string(".latent") + kPart) != std::string::npos; }
+
+fs::path new_attempt(const fs::path& name) { return name.string() + kPart + make_nonce(); }
 
 Status check_same_job(const FoundFile& file, const Job& job) {
     const Status same = same_job(file.contents.header.job, job);
@@ -31,7 +29,7 @@ Status check_same_job(const FoundFile& file, const Job& job) {
 
 std::vector<fs::path> attempts_of(const fs::path& name) {
     std::vector<fs::path> attempts;
-    const std::string prefix = name.filename().string() + ".part.";
+    const std::string prefix = name.filename().string() + kPart;
     std::error_code error;
     for (fs::directory_iterator entry(folder_of(name), error), end; !error && entry != end; entry.increment(error)) {
         if (entry->path().filename().string().rfind(prefix, 0) == 0) attempts.push_back(entry->path());
@@ -43,13 +41,9 @@ std::vector<fs::path> attempts_of(const fs::path& name) {
 Result<Coverage> coverage_of(const ByteSource& source, const FileContents& contents) {
     Coverage covered;
     for (const RunInfo& run : contents.runs) {
-        if (run.header.interval_count == 1) {
-            covered.add(run.header.samples);
-            continue;
-        }
-        const Result<RunIndex> index = read_run_index(source, run, contents.header.job);
-        if (!index) return index.error();
-        covered.add(index->coverage);
+        const Result<Coverage> held = run_coverage(source, run, contents.header.job);
+        if (!held) return held.error();
+        covered.add(*held);
     }
     return covered;
 }

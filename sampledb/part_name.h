@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <vector>
 
 #include "base/result.h"
@@ -13,16 +12,14 @@
 
 namespace latent::sampledb {
 
+// Whether the name is that of an attempt, NAME.latent.part.<nonce>: a file that may lack its footer.
+bool is_attempt(const std::filesystem::path& path);
+
+// A name for a new attempt at `name` (NAME.latent).
+std::filesystem::path new_attempt(const std::filesystem::path& name);
+
 // The attempts under `name` (NAME.latent), in the order of their names.
 std::vector<std::filesystem::path> attempts_of(const std::filesystem::path& name);
-
-// A file that could be opened, and what it holds.
-struct FoundFile {
-    std::shared_ptr<const FileSource> source;
-    FileContents contents;
-};
-// Errors: those of FileSource::open and read_file.
-Result<FoundFile> open_file(const std::filesystem::path& path);
 
 // Errors: kMismatch, naming both jobs and what the user can do.
 Status check_same_job(const FoundFile& file, const Job& job);

@@ -97,28 +97,24 @@ std::string grouped(std::uint64_t number) {
 }  // namespace
 
 Result<FileInfo> read_info(const std::filesystem::path& path) {
-    const Result<FileSource> source = FileSource::open(path);
-    if (!source) return source.error();
-    Result<FileContents> contents = read_file(*source);
-    if (!contents) return contents.error().at(path.string());
+    Result<FoundFile> file = open_file(path);
+    if (!file) return file.error();
+    const FileSource& source = *file->source;
     FileInfo info;
     info.path = path;
-    info.size = source->size();
-    info.contents = std::move(*contents);
+    info.size = source.size();
+    info.contents = std::move(file->contents);
     const Job& job = info.contents.header.job;
     std::vector<Candidate> candidates;
     for (const RunInfo& run : info.contents.runs) {
-        Coverage coverage(run.header.samples);
-        if (run.header.interval_count > 1) {
-            const Result<RunIndex> index = read_run_index(*source, run, job);
-            if (!index && !is_damage(index.error())) return index.error().at(path.string());
-            if (!index) {
-                info.contents.damage.push_back(damage_of(run, index.error()));
-                continue;
-            }
-            coverage = index->coverage;
+        Result<Coverage> coverage = run_coverage(source, run, job);
+        if (coverage) {
+            candidates.push_back({0, run, std::move(*coverage)});
+        } else if (is_damage(coverage.error())) {
+            info.contents.damage.push_back(damage_of(run, coverage.error()));
+        } else {
+            return coverage.error().at(path.string());
         }
-        candidates.push_back({0, run, std::move(coverage)});
     }
     const Selection selection = select_runs(candidates);
     info.coverage = selection.coverage;
@@ -135,7 +131,7 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
         info.light_records += header.light_records;
         info.stored_bytes += header.size();
     }
-    if (Status s = look_at_pages(*source, chosen, info); !s) return s.error().at(path.string());
+    if (Status s = look_at_pages(source, chosen, info); !s) return s.error().at(path.string());
     return info;
 }
 

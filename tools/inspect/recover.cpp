@@ -18,10 +18,7 @@ namespace {
 
 // Samples that a run covers; what its header promises if its index cannot be read.
 Coverage coverage_of(const ByteSource& source, const RunInfo& run, const Job& job) {
-    if (run.header.interval_count > 1) {
-        if (const Result<RunIndex> index = read_run_index(source, run, job); index) return index->coverage;
-    }
-    return Coverage(run.header.samples);
+    return run_coverage(source, run, job).value_or(Coverage(run.header.samples));
 }
 
 bool lies_in(const std::vector<Damage>& damage, std::uint64_t offset) {
@@ -50,57 +47,57 @@ Damage lost_with_its_header(const RunInfo& run) {
 
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress) {
-    const Result<FileSource> source = FileSource::open(input);
-    if (!source) return source.error();
+    // Walking finds every run that begins with a sound header; then each is read in full.
+    const Result<FoundFile> found = open_file(input, VerifyLevel::kHeaders, false);
+    if (!found) return found.error();
+    const FileSource& source = *found->source;
+    const FileContents& file = found->contents;
     std::error_code ignored;  // an output that is not there yet is no other name of the input
     if (std::filesystem::equivalent(input, output, ignored)) {
         return Error{ErrorCode::kExists, output.string() + ": is the damaged file itself, which stays as it is; name another"};
     }
     Result<OutputFile> out = OutputFile::create(output, replace);
     if (!out) return out.error();
-    // Walking finds every run that begins with a sound header; then each is read in full.
-    const Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
-    if (!file) return file.error().at(input.string());
-    const Job& job = file->header.job;
+    const Job& job = file.header.job;
     RecoverReport report;
     report.input = input;
     report.output = output;
-    report.damage = file->damage;
-    report.unfinished_tail = file->unfinished_tail;
+    report.damage = file.damage;
+    report.unfinished_tail = file.unfinished_tail;
     Coverage promised;  // by the headers that were found, and by the footer, if that survived
-    const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(*source, *file);
+    const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(source, file);
     if (!beheaded) return beheaded.error().at(input.string());
     for (const RunInfo& run : *beheaded) {
         promised.add(run.header.samples);
         if (!lies_in(report.damage, run.offset)) report.damage.push_back(lost_with_its_header(run));
     }
 
-    if (const auto cut = damage_at_end(input, *file)) {
+    if (const auto cut = damage_at_end(input, file)) {
         report.damage.push_back(*cut);
         report.unfinished_tail = 0;
     }
 
-    const Result<Bytes> header = encode_file_header(file->header);
+    const Result<Bytes> header = encode_file_header(file.header);
     if (!header) return header.error();
     if (Status s = out->file().write_all(0, *header); !s) return s.error();
     std::uint64_t end = header->size();
     std::vector<RunInfo> runs;
-    for (std::size_t i = 0; i < file->runs.size(); ++i) {
-        const RunInfo& run = file->runs[i];
-        if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source->size()), fmt::format("run {}", i));
-        promised.add(coverage_of(*source, run, job));
-        if (Status s = verify_run(*source, run, job, VerifyLevel::kFull); !s) {
+    for (std::size_t i = 0; i < file.runs.size(); ++i) {
+        const RunInfo& run = file.runs[i];
+        if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source.size()), fmt::format("run {}", i));
+        promised.add(coverage_of(source, run, job));
+        if (Status s = verify_run(source, run, job, VerifyLevel::kFull); !s) {
             report.damage.push_back({run.offset, run.header.size(),
                                      fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset, s.error().message,
                                                  run.header.samples.first, run.header.samples.end)});
             continue;
         }
-        if (Status s = out->file().copy_from(source->file(), run.offset, end, run.header.size()); !s) return s.error();
+        if (Status s = out->file().copy_from(source.file(), run.offset, end, run.header.size()); !s) return s.error();
         runs.push_back({end, run.header});
         end += run.header.size();
-        report.kept.add(coverage_of(*source, run, job));
+        report.kept.add(coverage_of(source, run, job));
     }
-    const Bytes footer = encode_footer({runs, file->footer_provenance}, end);
+    const Bytes footer = encode_footer({runs, file.footer_provenance}, end);
     if (Status s = out->file().write_all(end, footer); !s) return s.error();
     const FileView written(out->file(), output.string(), end + footer.size());
     for (const RunInfo& run : runs) {

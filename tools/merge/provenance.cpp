@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/json.h"
-#include "sampledb/byte_source.h"
 #include "sampledb/file_reader.h"
 #include "sampledb/report_json.h"
 
@@ -21,16 +20,15 @@ Result<std::string> provenance_of(const Gathering& gathering) {
     std::set<std::string> parts;  // as text, so that equal entries are one
     for (std::size_t i = 0; i < taken.size(); ++i) {
         if (taken[i].empty()) continue;
-        const Result<FileSource> source = FileSource::open(gathering.files()[i]);
-        if (!source) return source.error();
-        const Result<FileContents> contents = read_file(*source);
-        if (!contents) return contents.error();
-        const json merged = json_or_text(contents->footer_provenance);
+        const Result<FoundFile> file = open_file(gathering.files()[i]);
+        if (!file) return file.error();
+        const FileContents& contents = file->contents;
+        const json merged = json_or_text(contents.footer_provenance);
         if (merged.contains("parts") && merged["parts"].is_array()) {
             for (const json& part : merged["parts"]) parts.insert(json_text(part, -1));
             continue;
         }
-        const json part = {{"provenance", json_or_text(contents->header.provenance_json)}, {"samples", taken[i]}};
+        const json part = {{"provenance", json_or_text(contents.header.provenance_json)}, {"samples", taken[i]}};
         parts.insert(json_text(part, -1));
     }
     std::string text = R"({"parts":[)";
