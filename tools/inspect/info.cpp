@@ -12,6 +12,7 @@
 #include "sampledb/page_codec.h"
 #include "sampledb/report_json.h"
 #include "sampledb/selection.h"
+#include "tools/inspect/damage.h"
 
 namespace latent::inspect {
 
@@ -21,8 +22,6 @@ namespace {
 
 constexpr std::uint64_t kPagesLookedAt = 256;  // at most: enough for the cost of each column within a percent or two
 constexpr std::uint64_t kManyRuns = 1000;
-
-bool is_damage(const Error& error) { return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kTruncated; }
 
 Damage damage_of(const RunInfo& run, const Error& error) {
     return {run.offset, run.header.size(), fmt::format("run at byte {}: {}", run.offset, error.message)};

@@ -9,6 +9,7 @@
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
 #include "sampledb/report_json.h"
+#include "tools/inspect/damage.h"
 
 namespace latent::inspect {
 
@@ -27,23 +28,6 @@ bool lies_in(const std::vector<Damage>& damage, std::uint64_t offset) {
 }
 
 }  // namespace
-
-Result<std::vector<RunInfo>> runs_that_only_the_footer_knows(const ByteSource& source, const FileContents& walked) {
-    if (!walked.finished) return std::vector<RunInfo>{};
-    const Result<FileContents> by_footer = read_file(source, VerifyLevel::kHeaders, true);
-    if (!by_footer) return by_footer.error();
-    std::vector<RunInfo> runs;
-    for (const RunInfo& run : by_footer->runs) {
-        if (std::ranges::find(walked.runs, run.offset, &RunInfo::offset) == walked.runs.end()) runs.push_back(run);
-    }
-    return runs;
-}
-
-Damage lost_with_its_header(const RunInfo& run) {
-    return {run.offset, run.header.size(),
-            fmt::format("run at byte {}: its header is damaged; samples {}..{} lost", run.offset, run.header.samples.first,
-                        run.header.samples.end)};
-}
 
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress) {
@@ -87,9 +71,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
         if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source.size()), fmt::format("run {}", i));
         promised.add(coverage_of(source, run, job));
         if (Status s = verify_run(source, run, job, VerifyLevel::kFull); !s) {
-            report.damage.push_back({run.offset, run.header.size(),
-                                     fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset, s.error().message,
-                                                 run.header.samples.first, run.header.samples.end)});
+            report.damage.push_back(lost_run(i, run, s.error()));
             continue;
         }
         if (Status s = out->file().copy_from(source.file(), run.offset, end, run.header.size()); !s) return s.error();

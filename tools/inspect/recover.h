@@ -24,11 +24,6 @@ struct RecoverReport {
     bool lost_anything() const { return !damage.empty(); }
 };
 
-// Runs that a finished file's footer lists and that a walk from run to run did not meet: their headers are damaged.
-Result<std::vector<sampledb::RunInfo>> runs_that_only_the_footer_knows(const sampledb::ByteSource& source,
-                                                                       const sampledb::FileContents& walked);
-sampledb::Damage lost_with_its_header(const sampledb::RunInfo& run);
-
 // Reads every byte of `input`, copies each run that is sound to `output` as it is, and verifies the result.
 // Errors: those of reading the header, kExists (`output` is there; or is `input`, by whatever name, even if it may be replaced),
 // kIo, kNoSpace; then there is no output.

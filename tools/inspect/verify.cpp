@@ -13,7 +13,7 @@
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
 #include "sampledb/part_name.h"
-#include "tools/inspect/recover.h"
+#include "tools/inspect/damage.h"
 
 namespace latent::inspect {
 
@@ -74,8 +74,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     // The runs are the truth, so they are found by walking; then the footer must say the same.
     Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
     if (!file) {
-        const ErrorCode code = file.error().code;
-        if (code != ErrorCode::kCorrupt && code != ErrorCode::kTruncated) return file.error().at(path.string());
+        if (!is_damage(file.error())) return file.error().at(path.string());
         report.damage.push_back(file.error().message);
         return report;
     }
@@ -98,8 +97,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     for (std::size_t i = 0; i < file->runs.size(); ++i) {
         const RunInfo& run = file->runs[i];
         if (!checked[i]) {
-            report.damage.push_back(fmt::format("run {} at byte {}: {}; samples {}..{} lost", i, run.offset,
-                                                checked[i].error().message, run.header.samples.first, run.header.samples.end));
+            report.damage.push_back(lost_run(i, run, checked[i].error()).reason);
             continue;
         }
         report.pages += run.header.page_count;
