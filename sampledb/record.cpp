@@ -25,6 +25,12 @@ void Records::clear() {
     for (ExtraColumn& column : extra) column.values.clear();
 }
 
+Records Records::without_rows() const {
+    Records none;
+    for (const ExtraColumn& column : extra) none.extra.push_back({column.name, column.type, {}});
+    return none;
+}
+
 void Records::append(const Records& from, std::size_t row, std::size_t first_pair) {
     const auto take = [row](auto& to, const auto& column) {
         if (!column.empty()) to.push_back(column[row]);
@@ -38,10 +44,6 @@ void Records::append(const Records& from, std::size_t row, std::size_t first_pai
         to.insert(to.end(), first, first + from.pairs[row]);
     };
     take_pairs(power, from.power), take_pairs(lambda_nm, from.lambda_nm);
-    if (extra.size() < from.extra.size()) {
-        for (std::size_t i = extra.size(); i < from.extra.size(); ++i)
-            extra.push_back({from.extra[i].name, from.extra[i].type, {}});
-    }
     for (std::size_t i = 0; i < from.extra.size(); ++i) {
         const std::size_t bytes = width(from.extra[i].type);
         const auto first = from.extra[i].values.begin() + static_cast<std::ptrdiff_t>(row * bytes);

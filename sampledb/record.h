@@ -44,6 +44,7 @@ struct Records {
     std::size_t size() const { return sample.size(); }
     bool empty() const { return sample.empty(); }
     void clear();
+    Records without_rows() const;  // the same extra columns, empty
     // Appends row `row` of `from`, whose pairs begin at `first_pair` of its power column. Same kind, same extra columns.
     void append(const Records& from, std::size_t row, std::size_t first_pair);
     // Bytes that the rows take in these columns.

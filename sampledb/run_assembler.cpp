@@ -46,7 +46,7 @@ std::vector<GrainPtr> split(const Records& records, const Coverage& coverage, Sa
     const Coverage within = coverage.intersection(Coverage(range));
     for (const SampleRange& interval : within.ranges()) {
         for (std::uint64_t first = interval.first; first < interval.end;) {
-            Grain grain{grain_range(first, range), {}};
+            Grain grain{grain_range(first, range), records.without_rows()};
             const bool whole = grain.range.first >= interval.first && grain.range.end <= interval.end;
             for (; row < records.size() && records.sample[row] < grain.range.end; ++row) {
                 if (whole && records.sample[row] >= grain.range.first) grain.records.append(records, row, first_pair);

@@ -181,16 +181,15 @@ Result<DecodedRun> decode_run(const Job& job, ByteSpan bytes) {
         append_page(job, page, canonical);
     }
     DecodedRun run{*header, index->coverage, {}};
-    run.records.extra = canonical.extra;
-    for (ExtraColumn& column : run.records.extra) column.values.clear();
     const std::vector<std::uint32_t> by_sample = order_by_sample(canonical);
-    std::vector<std::uint64_t> first_pair(canonical.pairs.size());
-    std::exclusive_scan(canonical.pairs.begin(), canonical.pairs.end(), first_pair.begin(), std::uint64_t{0});
     if (by_sample.empty()) {
         run.records = std::move(canonical);
-    } else {
-        for (const std::uint32_t row : by_sample) run.records.append(canonical, row, first_pair.empty() ? 0 : first_pair[row]);
+        return run;
     }
+    std::vector<std::uint64_t> first_pair(canonical.pairs.size());
+    std::exclusive_scan(canonical.pairs.begin(), canonical.pairs.end(), first_pair.begin(), std::uint64_t{0});
+    run.records = canonical.without_rows();
+    for (const std::uint32_t row : by_sample) run.records.append(canonical, row, first_pair.empty() ? 0 : first_pair[row]);
     return run;
 }
 

@@ -49,14 +49,13 @@ void choose_intervals(std::span<const Candidate> candidates, const Indices& orde
         std::size_t continues = 0;  // how many of the runs before it remain open to it
     };
     const auto range = [&](std::size_t k) { return candidates[free[k]].run.header.samples; };
+    const auto before_end = [&](std::uint64_t sample, std::size_t i) { return sample < candidates[i].run.header.samples.end; };
     std::vector<Best> best(free.size() + 1);
     for (std::size_t k = 0; k < free.size(); ++k) {
-        std::size_t low = 0, high = k;  // runs [0, low) end at or before this one begins
-        while (low < high) {
-            const std::size_t middle = (low + high) / 2;
-            (range(middle).end <= range(k).first ? low : high) = range(middle).end <= range(k).first ? middle + 1 : middle;
-        }
-        const Best with{best[low].samples + range(k).size(), best[low].runs + 1, true, low};
+        const auto overlaps =
+            std::upper_bound(free.begin(), free.begin() + static_cast<std::ptrdiff_t>(k), range(k).first, before_end);
+        const auto open = static_cast<std::size_t>(overlaps - free.begin());  // runs that end at or before this one begins
+        const Best with{best[open].samples + range(k).size(), best[open].runs + 1, true, open};
         const bool better = with.samples > best[k].samples || (with.samples == best[k].samples && with.runs < best[k].runs);
         best[k + 1] = better ? with : Best{best[k].samples, best[k].runs, false, k};
     }

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "sampledb/run_codec.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -102,6 +103,19 @@ TEST(RunAssembler, SplittingARunGivesItsGrainsBack) {
             EXPECT_EQ(again[i]->records.raw_bytes(), grains[i]->records.raw_bytes());
         }
     }
+}
+
+TEST(RunAssembler, AGrainWithoutRecordsHasTheColumnsOfItsJob) {
+    Job job = synthetic::make_job(RecordKind::kXyz);
+    job.extra = {{"depth", ColumnType::kF32}};
+    const SampleRange range{0, 3 * 1024};
+    Records records = synthetic::make_records(job, {0, 1024});
+    const Records last = synthetic::make_records(job, {2048, 3072});
+    for (std::size_t row = 0; row < last.size(); ++row) records.append(last, row, 0);
+    const std::vector<GrainPtr> grains = split(records, Coverage(range), range);
+    ASSERT_EQ(grains.size(), 3u);
+    EXPECT_TRUE(grains[1]->records.empty());
+    for (const GrainPtr& grain : grains) EXPECT_TRUE(encode_run(job, Coverage(grain->range), grain->records));
 }
 
 TEST(RunAssembler, SplittingKeepsWholeGrainsOnly) {

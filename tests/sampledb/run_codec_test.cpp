@@ -56,8 +56,7 @@ Records in_decoded_order(const Records& r) {
     std::iota(rows.begin(), rows.end(), std::size_t{0});
     std::ranges::stable_sort(rows, {},
                              [&](std::size_t i) { return std::tuple(r.sample[i], r.record_class[i], z_prefix(r.u[i], r.v[i])); });
-    Records sorted;
-    for (const ExtraColumn& column : r.extra) sorted.extra.push_back({column.name, column.type, {}});
+    Records sorted = r.without_rows();
     const std::vector<std::size_t> first = pair_offsets(r);
     for (const std::size_t row : rows) sorted.append(r, row, r.pairs.empty() ? 0 : first[row]);
     return sorted;
