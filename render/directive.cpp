@@ -62,7 +62,7 @@ constexpr Grammar kGrammar[] = {
     {.name = "WorldBegin"},
 };
 
-enum class Values { kNumbers, kStrings, kFlags, kNumbersOrStrings };
+enum class Values { kNumbers, kFlags, kStrings, kNumbersOrStrings };
 struct TypeGrammar {
     std::string_view name;
     Values values;
@@ -79,19 +79,33 @@ constexpr TypeGrammar kTypes[] = {
 
 std::string quote(std::string_view text) { return fmt::format("\"{}\"", text.substr(0, 64)); }
 
+const Grammar* grammar_of(const Token& token) {
+    for (const Grammar& g : kGrammar) {
+        if (token.kind == Token::Kind::kWord && g.name == token.text) return &g;
+    }
+    return nullptr;
+}
+
+// Where the next directive begins, or the file ends, nothing more of this one can come.
+bool ends_list(const std::optional<Token>& token) { return !token || grammar_of(*token) != nullptr; }
+
+ParseError missing(const SourceLocation& where, std::string_view of, std::string_view what, const std::optional<Token>& found) {
+    return {where, fmt::format("{}: {} is missing before {}", of, what, found ? quote(found->text) : "the end of the file")};
+}
+
 }  // namespace
 
-tl::expected<Token, ParseError> DirectiveReader::require(Token::Kind kind, std::string_view what) {
-    tl::expected<std::optional<Token>, ParseError> token = tokens_.next();
+tl::expected<Token, ParseError> DirectiveReader::require(Token::Kind kind, const Directive& of, std::string_view what) {
+    const tl::expected<std::optional<Token>, ParseError> token = tokens_.next();
     if (!token) return tl::unexpected(token.error());
-    if (!*token) return tl::unexpected(ParseError{tokens_.here(), fmt::format("the file ends where {} should be", what)});
+    if (ends_list(*token)) return tl::unexpected(missing(of.where, of.name, what, *token));
     if ((*token)->kind != kind)
         return tl::unexpected(ParseError{(*token)->where, fmt::format("{} is not {}", quote((*token)->text), what)});
     return **token;
 }
 
-tl::expected<double, ParseError> DirectiveReader::number() {
-    const tl::expected<Token, ParseError> token = require(Token::Kind::kWord, "a number");
+tl::expected<double, ParseError> DirectiveReader::number(const Directive& of) {
+    const tl::expected<Token, ParseError> token = require(Token::Kind::kWord, of, "a number");
     if (!token) return tl::unexpected(token.error());
     if (const std::optional<double> value = parse_number(token->text)) return *value;
     return tl::unexpected(ParseError{token->where, quote(token->text) + " is not a finite number"});
@@ -102,22 +116,19 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
     if (!first) return tl::unexpected(first.error());
     if (!*first) return std::optional<Directive>{};
     Directive directive{.name = std::string((*first)->text), .where = (*first)->where};
-    const Grammar* grammar = nullptr;
-    for (const Grammar& g : kGrammar) {
-        if ((*first)->kind == Token::Kind::kWord && g.name == directive.name) grammar = &g;
-    }
+    const Grammar* grammar = grammar_of(**first);
     if (grammar == nullptr) return tl::unexpected(ParseError{directive.where, quote(directive.name) + " is not a directive"});
 
     for (int i = 0; i < grammar->strings; ++i) {
-        const auto token = require(Token::Kind::kString, "a quoted name");
+        const auto token = require(Token::Kind::kString, directive, "a quoted name");
         if (!token) return tl::unexpected(token.error());
         directive.strings.emplace_back(token->text);
     }
     if (grammar->optional_strings > 0 || grammar->word) {
         const auto token = tokens_.next();
         if (!token) return tl::unexpected(token.error());
-        const bool fits =
-            *token && ((*token)->kind == Token::Kind::kString || (grammar->word && (*token)->kind == Token::Kind::kWord));
+        const bool fits = !ends_list(*token) &&
+                          ((*token)->kind == Token::Kind::kString || (grammar->word && (*token)->kind == Token::Kind::kWord));
         if (fits) {
             directive.strings.emplace_back((*token)->text);
         } else if (grammar->word) {
@@ -127,15 +138,15 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
         }
     }
     if (grammar->brackets) {
-        if (const auto token = require(Token::Kind::kOpen, "["); !token) return tl::unexpected(token.error());
+        if (const auto token = require(Token::Kind::kOpen, directive, "["); !token) return tl::unexpected(token.error());
     }
     for (int i = 0; i < grammar->numbers; ++i) {
-        const auto value = number();
+        const auto value = number(directive);
         if (!value) return tl::unexpected(value.error());
         directive.numbers.push_back(*value);
     }
     if (grammar->brackets) {
-        if (const auto token = require(Token::Kind::kClose, "]"); !token) return tl::unexpected(token.error());
+        if (const auto token = require(Token::Kind::kClose, directive, "]"); !token) return tl::unexpected(token.error());
     }
     while (grammar->parameters) {
         auto one = parameter();
@@ -193,7 +204,8 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     };
     auto token = tokens_.next();
     if (!token) return tl::unexpected(token.error());
-    if (!*token) return tl::unexpected(ParseError{parameter.where, parameter.name + ": the file ends before its value"});
+    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < Values::kStrings;
+    if (ends_list(*token) || next_parameter) return tl::unexpected(missing(parameter.where, parameter.name, "a value", *token));
     if ((*token)->kind != Token::Kind::kOpen) {
         if ((*token)->kind == Token::Kind::kClose)
             return tl::unexpected(ParseError{(*token)->where, parameter.name + ": ] without ["});
@@ -203,7 +215,7 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     while (true) {
         token = tokens_.next();
         if (!token) return tl::unexpected(token.error());
-        if (!*token) return tl::unexpected(ParseError{parameter.where, parameter.name + ": the file ends before the closing ]"});
+        if (ends_list(*token)) return tl::unexpected(missing(parameter.where, parameter.name, "]", *token));
         if ((*token)->kind == Token::Kind::kClose) return parameter;
         if ((*token)->kind == Token::Kind::kOpen)
             return tl::unexpected(ParseError{(*token)->where, parameter.name + ": [ inside ["});

@@ -38,8 +38,9 @@ class DirectiveReader {
     tl::expected<std::optional<Directive>, ParseError> next();
 
  private:
-    tl::expected<Token, ParseError> require(Token::Kind kind, std::string_view what);
-    tl::expected<double, ParseError> number();
+    // What is missing is an error of the directive or parameter, `of`, whose line may be long past.
+    tl::expected<Token, ParseError> require(Token::Kind kind, const Directive& of, std::string_view what);
+    tl::expected<double, ParseError> number(const Directive& of);
     tl::expected<std::optional<Parameter>, ParseError> parameter();
 
     Tokenizer tokens_;
