@@ -13,8 +13,11 @@ constexpr std::size_t kMaxIncludes = 64;  // one inside another
 
 class Loader {
  public:
-    explicit Loader(const std::filesystem::path& path)
-        : path_(path), files_(path), messages_(scene_.description.files), builder_(scene_.description, files_, messages_) {}
+    Loader(const std::filesystem::path& path, bool another_integrator)
+        : path_(path),
+          files_(path),
+          messages_(scene_.description.files),
+          builder_(scene_.description, files_, messages_, another_integrator) {}
 
     Result<LoadedScene> load() {
         if (const Status read = file(path_, 0); !read) return read.error();
@@ -73,6 +76,8 @@ class Loader {
 
 }  // namespace
 
-Result<LoadedScene> load_scene(const std::filesystem::path& path) { return Loader(path).load(); }
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool another_integrator) {
+    return Loader(path, another_integrator).load();
+}
 
 }  // namespace latent::render

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace latent::render {
 
 ParameterList::ParameterList(const Directive& directive, const std::vector<Parameter>& inherited, Messages& messages)
@@ -81,16 +83,16 @@ std::span<const double> ParameterList::array(std::string_view name, std::string_
     return {};
 }
 
-void ParameterList::ignore(std::initializer_list<std::string_view> names, std::string_view why, bool quiet) const {
+void ParameterList::ignore(std::initializer_list<std::string_view> names, std::string_view why) const {
     std::string list;
-    for (const std::string_view name : names) {
-        each([&](const Parameter& p) {
-            if (p.name != name || p.used) return;
-            p.used = true;
-            list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", name);
-        });
-    }
-    if (!list.empty() && !quiet) warn(fmt::format("{}: ignored: {}: {}", directive_.name, list, why));
+    std::optional<SourceLocation> first;
+    each([&](const Parameter& p) {
+        if (p.used || std::ranges::find(names, p.name) == names.end()) return;
+        p.used = true;
+        list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", p.name);
+        if (!first) first = p.where;
+    });
+    if (first) messages_.warn(*first, fmt::format("{}: ignored: {}: {}", directive_.name, list, why));
 }
 
 void ParameterList::report_unused() const {

@@ -32,8 +32,8 @@ class ParameterList {
     // All values of an array, in items of `size` numbers; empty if the parameter is not there.
     std::span<const double> array(std::string_view name, std::string_view type, std::size_t size) const;
 
-    // Parameters that change nothing here, or not with this value: named in a warning unless `quiet`.
-    void ignore(std::initializer_list<std::string_view> names, std::string_view why, bool quiet = false) const;
+    // Parameters that change nothing here: named in a warning at the first of them.
+    void ignore(std::initializer_list<std::string_view> names, std::string_view why) const;
     // Every parameter that nobody asked for is an error: the picture would be wrong, or the name is.
     void report_unused() const;
 

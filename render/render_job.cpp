@@ -97,7 +97,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     Result<std::string> simd = choose_simd(settings.simd);
     if (!simd) return simd.error();
     out->simd = *simd;
-    Result<LoadedScene> scene = load_scene(settings.scene);
+    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value());
     if (!scene) return scene.error();
     out->scene = std::move(*scene);
     const SceneDescription& description = out->scene.description;

@@ -12,7 +12,17 @@ namespace latent::render {
 namespace {
 
 // Parameters that would change everything that inherits them.
-constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "normalmap", "portal", "Le"};
+constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfilename", "Le", "normalmap", "portal", "preset"};
+
+// Options that change no picture of ours.
+constexpr std::string_view kHarmlessOptions[] = {"disabletexturefiltering",
+                                                 "displacementedgescale",
+                                                 "msereferenceimage",
+                                                 "msereferenceout",
+                                                 "pixelstats",
+                                                 "rendercoordsys",
+                                                 "seed",
+                                                 "wavefront"};
 
 Affined translation(const Vec3d& t) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, t}; }
 
@@ -35,8 +45,8 @@ Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages)
-    : scene_(scene), files_(files), messages_(messages), spectra_(files) {
+SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator)
+    : scene_(scene), files_(files), messages_(messages), spectra_(files), another_integrator_(another_integrator) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
     interface_.push_back(false);
 }
@@ -89,7 +99,8 @@ void SceneBuilder::apply(const Directive& d) {
         scene_.lights.push_back(std::move(light));
         return;
     }
-    messages_.error(d.where, fmt::format("{} is not supported", d.name));  // Texture
+    // Who uses it is told by name, and that is an error.
+    messages_.warn(d.where, fmt::format("Texture \"{}\" is ignored: textures are not supported", d.strings[0]));
 }
 
 bool SceneBuilder::apply_transform(const Directive& d) {
@@ -152,9 +163,9 @@ bool SceneBuilder::apply_option(const Directive& d) {
         camera_state_ = state_;
         if (const std::optional<Affined> inverse = state_.ctm.inverse()) coordinate_systems_["camera"] = *inverse;
     } else if (d.name == "Film") {
-        scene_.film = read_film(list(d, "film"));
+        scene_.film = read_film(d.strings[0], list(d, "film"));
     } else if (d.name == "Integrator") {
-        read_integrator(d.strings[0], list(d, "integrator"), scene_);
+        read_integrator(d.strings[0], list(d, "integrator"), another_integrator_, scene_);
     } else if (d.name == "Sampler") {
         messages_.warn(d.where, "Sampler is ignored: --spp or --samples says how many samples to take");
     } else if (d.name == "PixelFilter") {
@@ -162,11 +173,11 @@ bool SceneBuilder::apply_option(const Directive& d) {
     } else if (d.name == "Accelerator") {
         messages_.warn(d.where, "Accelerator is ignored");
     } else if (d.name == "Option") {
-        const bool changes =
-            d.strings[0] == "forcediffuse" || d.strings[0] == "disablepixeljitter" || d.strings[0] == "disablewavelengthjitter";
-        if (changes && d.strings[1] != "false")
+        if (std::ranges::find(kHarmlessOptions, d.strings[0]) != std::end(kHarmlessOptions) || d.strings[1] == "false") {
+            messages_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
+        } else {
             messages_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
-        if (!changes) messages_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
+        }
     } else {
         place_camera();
         in_world_ = true;
@@ -223,8 +234,12 @@ bool SceneBuilder::apply_state(const Directive& d) {
             if (p.type == "texture" || std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
                 messages_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
             }
+            std::vector<Parameter>& inherited = state_.attributes[target];
+            if (std::ranges::find(inherited, p.name, &Parameter::name) != inherited.end())
+                messages_.error(p.where,
+                                fmt::format("Attribute: \"{}\" is inherited already, and cannot be changed again", p.name));
             p.inherited = true;
-            state_.attributes[target].push_back(std::move(p));
+            inherited.push_back(std::move(p));
         }
     } else {
         return false;
@@ -280,6 +295,7 @@ void SceneBuilder::add_area_light(const Directive& d) {
 void SceneBuilder::add_shape(const Directive& d) {
     const ParameterList parameters = list(d, "shape");
     if (!state_.ctm.inverse()) return parameters.error("Shape: the transformation is singular");
+    if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
     std::vector<ShapeDescription> shapes = read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_);
     for (ShapeDescription& shape : shapes) {
         shape.material = state_.material;
@@ -321,6 +337,14 @@ void SceneBuilder::finish(const SourceLocation& end) {
     check(materials_, "material");
     check(media_, "medium");
     check(objects_, "object");
+    for (const auto& [index, where] : with_tangents_) {
+        const MaterialDescription& material = scene_.materials[index];
+        if (material.alpha_x != material.alpha_y) {
+            messages_.error(where, "S: tangents of a material whose roughness has a direction are not supported");
+        } else {
+            messages_.warn(where, "S: tangents are ignored: the material has no direction");
+        }
+    }
     const auto resolve = [&](ShapeDescription& shape) {
         if (!interface_[shape.material]) return;
         shape.material = kNone;

@@ -16,8 +16,8 @@ namespace latent::render {
 
 class SceneBuilder {
  public:
-    // `scene` is filled; all four outlive the builder.
-    SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages);
+    // `scene` is filled; it, `files` and `messages` outlive the builder. `another_integrator` replaces the scene's.
+    SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator);
 
     // Any directive but Include and Import.
     void apply(const Directive& directive);
@@ -78,8 +78,10 @@ class SceneBuilder {
     State camera_state_;
     std::map<std::string, Affined> coordinate_systems_;
     Names materials_, media_, objects_;
-    std::vector<bool> interface_;   // of each material: "interface"
-    std::uint32_t object_ = kNone;  // that is being defined
+    std::vector<bool> interface_;                                          // of each material: "interface"
+    std::uint32_t object_ = kNone;                                         // that is being defined
+    std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
+    const bool another_integrator_;
     bool in_world_ = false;
 };
 

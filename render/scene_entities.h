@@ -12,11 +12,11 @@
 
 namespace latent::render {
 
-FilmDescription read_film(const ParameterList& list);
+FilmDescription read_film(const std::string& type, const ParameterList& list);
 // Resolves fov, aspect and screen window; transformation, medium and location are the caller's.
 CameraDescription read_camera(const std::string& type, const ParameterList& list, const FilmDescription& film);
-// Name and maxdepth of the integrator, into `scene`.
-void read_integrator(const std::string& type, const ParameterList& list, SceneDescription& scene);
+// Name and maxdepth of the integrator, into `scene`. If it is `replaced`, its name is of no consequence.
+void read_integrator(const std::string& type, const ParameterList& list, bool replaced, SceneDescription& scene);
 
 // Nothing: "interface", or an error was reported.
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneSpectra& spectra);

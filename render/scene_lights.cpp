@@ -25,6 +25,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
     light.scale = list.number("scale", 1, 0, 1e30);
     light.power = positive(list, "power");
     light.two_sided = list.flag("twosided", false);
+    if (const Parameter* image = list.find("filename", {"string"})) list.error(*image, "images on area lights are not supported");
     list.report_unused();
     return light;
 }

@@ -37,7 +37,7 @@ MeshDescription read_mesh(const ParameterList& list, std::size_t per_face) {
     mesh.indices = read_indices(list, per_face, mesh.positions.size());
     if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) list.error("N: not as many as P");
     if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) list.error("uv: not as many as P");
-    list.ignore({"S", "faceIndices"}, "no supported material uses it");
+    list.ignore({"faceIndices"}, "only Ptex textures use it");
     return mesh;
 }
 
