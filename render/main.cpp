@@ -72,8 +72,9 @@ int main(int argc, char** argv) {
     cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work this often")->default_str("60s");
     cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, as if by a signal: exit 75");
     app.add_option("--simd", settings.simd,
-                   "sse4.2, avx, avx2 or avx512, instead of the best of the first three. "
-                   "Samples are equal bit for bit only at one level");
+                   "instructions to use, instead of the best of the first three that the processor has. "
+                   "Samples are equal bit for bit only at one level")
+        ->type_name("sse4.2|avx|avx2|avx512");
     app.add_flag("--dry-run", dry_run, "render for two seconds, then tell the time and disk space that everything would take");
     cli::add_common(app, common, false);
     app.footer(

@@ -176,6 +176,31 @@ TEST_F(Tool, SamplesDevelopAsIfTheOthersWereNotThere) {
     EXPECT_EQ(develop({three, "-o", out("c.exr"), "--size", "90", "--samples", "100:9000"}).status, 0);  // cuts two runs
 }
 
+TEST_F(Tool, NoSamplesAreNoPictureAndMissingOnesAreNamed) {
+    const std::string two = file("two.latent", {1, 3}), empty = file("empty.latent", {});  // 4096..8192, 12288..16384
+    const auto develop_samples = [&](const std::string& samples) {
+        return develop({two, "-o", out("a.exr"), "--size", "90", "--json", "--force", "--samples", samples});
+    };
+    for (const char* outside : {"0:4096", "8192:12288", "16384:99999", "1000000:18446744073709551615"}) {
+        const Outcome none = develop_samples(outside);
+        EXPECT_EQ(none.status, 1) << none.err;
+        EXPECT_EQ(none.err,
+                  std::string("latent-develop: --samples ") + outside + ": the files hold only 4096..8192, 12288..16384\n");
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "a.exr"));
+    }
+    const Outcome nothing = develop({empty, "-o", out("b.exr")});
+    EXPECT_EQ(nothing.status, 1);
+    EXPECT_EQ(nothing.err, "latent-develop: the files hold no samples\n");
+
+    const Outcome part = develop_samples("5000:13000");
+    EXPECT_EQ(part.status, 3);
+    EXPECT_NE(part.err.find("samples 8192..12288 are in no file"), std::string::npos) << part.err;
+    EXPECT_EQ(nlohmann::json::parse(part.out)["missing_samples"], (nlohmann::json{{8192, 12288}}));
+    const Outcome whole = develop_samples("5000:8000");
+    EXPECT_EQ(whole.status, 0) << whole.err;
+    EXPECT_TRUE(nlohmann::json::parse(whole.out)["missing_samples"].empty());
+}
+
 TEST_F(Tool, LittleMemoryReadsTheFileOnce) {
     job_.run_samples = 1 << 16;
     std::vector<Coverage> coverages;
@@ -214,7 +239,6 @@ TEST_F(Tool, APictureWithoutRecordsIsBlackAndAWarningSaysWhy) {
     const Result<Bytes> run = sampledb::encode_run(job_, Coverage({0, kRun}), dark);
     Result<Bytes> bytes = sampledb::encode_file_header({job_, ""});
     ASSERT_TRUE(run && bytes);
-    synthetic::write_file(folder_ / "empty.latent", *bytes);
     bytes->insert(bytes->end(), run->begin(), run->end());
     synthetic::write_file(folder_ / "dark.latent", *bytes);
     const auto warning = [&](const std::string& in, const std::vector<std::string>& more) {
@@ -222,9 +246,7 @@ TEST_F(Tool, APictureWithoutRecordsIsBlackAndAWarningSaysWhy) {
         EXPECT_EQ(outcome.status, 3) << outcome.err;  // the file has no footer, which is told too
         return outcome.err;
     };
-    EXPECT_NE(warning("dark.latent", {"--samples", "8192:9000"}).find("--samples"), std::string::npos);
     EXPECT_NE(warning("dark.latent", {"--image", "light"}).find("no light records"), std::string::npos);
-    EXPECT_NE(warning("empty.latent", {}).find("no samples"), std::string::npos);
     EXPECT_EQ(warning("dark.latent", {}).find("black"), std::string::npos);
 }
 

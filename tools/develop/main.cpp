@@ -1,10 +1,12 @@
 // latent-develop: records become pixels: linear XYZ, or a spectrum per pixel.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/cli.h"
 #include "sampledb/parse.h"
 #include "tools/develop/picture.h"
 #include "tools/develop/report.h"
+#include "tools/develop/splat.h"
 
 namespace {
 
@@ -25,7 +27,8 @@ Examples:
   latent-develop night.latent --size 2048 --observer cie2015-10 -o other.exr     another observer (spectral records)
   latent-develop parts/ --size 1024 --samples 0:1048576 -o preview.exr           some samples of parts not merged yet
 
-Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged, foreign or not finite was left out.)";
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged, foreign, missing or not finite was
+left out.)";
 
 }  // namespace
 
@@ -49,9 +52,9 @@ int main(int argc, char** argv) {
     app.add_option("--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm")
         ->check(CLI::Range(1, 470));
     app.add_option("--compression", compression, "of the EXR")->check(CLI::IsMember({"none", "zip"}))->capture_default_str();
-    app.add_option("--simd", options.simd, "instructions to use: best, or a level such as sse4, avx2")
+    app.add_option("--simd", options.simd, "instructions to use")
         ->capture_default_str()
-        ->type_name("LEVEL");
+        ->type_name(fmt::format("best|{}", fmt::join(develop::simd_levels(), "|")));
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count files that were named twice once, instead of refusing them");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
                     "where folders hold several jobs: the one to develop (32 hexadecimal digits)")

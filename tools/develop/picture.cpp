@@ -6,6 +6,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -118,10 +119,7 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
     const DevelopCounts& counts = report.counts;
     const bool camera = options.image != "light" && counts.camera_records > 0;
     const bool light = options.image != "camera" && counts.light_records > 0 && counts.light_paths > 0;
-    if (report.coverage.size() == 0) {
-        warnings.push_back(options.samples ? "the files hold none of the samples that --samples asks for: the picture is black"
-                                           : "the files hold no samples: the picture is black");
-    } else if (!camera && !light) {
+    if (!camera && !light) {
         const std::string which = options.image == "both" ? "" : options.image + " ";
         warnings.push_back(fmt::format("the samples have no {}records: the picture is black", which));
     }
@@ -137,6 +135,19 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
         warnings.push_back(
             fmt::format("{} small runs make many small reads; latent-merge --compact would make them few and large", report.runs));
     }
+}
+
+// There is no picture of no samples: says what the files hold instead, and what was left out of them.
+Error nothing_to_develop(sampledb::GatherOptions options) {
+    const std::optional<sampledb::SampleRange> wanted = std::exchange(options.samples, std::nullopt);
+    const auto all = sampledb::Gathering::open(options);
+    if (!all) return all.error();
+    std::string message = "the files hold no samples";
+    if (const sampledb::Coverage& held = (*all)->coverage(); !held.empty())
+        message = fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held));
+    for (const sampledb::LeftOut& item : (*all)->report().left_out)
+        message += fmt::format("; left out: {}: {}", item.place, item.reason);
+    return {ErrorCode::kOutOfRange, message};
 }
 
 Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Progress& progress) {
@@ -156,6 +167,9 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     report.output = options.output.string();
     report.job = job.id;
     report.coverage = gathering.coverage();
+    if (report.coverage.empty()) return nothing_to_develop(gather);
+    if (options.samples) report.missing.add(*options.samples);
+    report.missing.remove(report.coverage);
     report.files = gathering.files().size();
     report.runs = gathering.runs().size();
     report.gathering = gathering.report();

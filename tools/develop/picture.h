@@ -37,7 +37,7 @@ struct PictureReport {
     PixelRect crop;
     std::string filter, observer;
     sampledb::JobId job;
-    sampledb::Coverage coverage;
+    sampledb::Coverage coverage, missing;  // samples in the picture; those that were asked for by number, but are in no file
     std::size_t files = 0, runs = 0;
     std::uint64_t bytes_stored = 0;  // of the selected runs
     std::uint64_t bytes_read = 0;
@@ -46,8 +46,10 @@ struct PictureReport {
     sampledb::GatherReport gathering;
     std::vector<std::string> warnings;
 
-    // Something damaged, foreign or not finite was left out.
-    bool has_losses() const { return !gathering.left_out.empty() || counts.camera_not_finite + counts.light_not_finite > 0; }
+    // Something damaged, foreign, missing or not finite was left out.
+    bool has_losses() const {
+        return !gathering.left_out.empty() || !missing.empty() || counts.camera_not_finite + counts.light_not_finite > 0;
+    }
 };
 
 // The size that gives at least 16 samples per pixel, in the film's shape.
@@ -58,8 +60,8 @@ Size default_size(const sampledb::Job& job, std::uint64_t samples);
 // "WxH" or "W". Errors: kUsage, if the shape is off the film's by more than half a pixel, naming a size that fits.
 Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job);
 
-// Errors: of the arguments (kUsage), of gathering, reading and writing. A run that turns out to be damaged is left out, and the
-// picture developed anew without it.
+// Errors: of the arguments (kUsage), no samples (kOutOfRange), of gathering, reading and writing. A run that turns out to be
+// damaged is left out, and the picture developed anew without it.
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress);
 
 }  // namespace latent::develop

@@ -20,6 +20,7 @@ std::string to_json(const PictureReport& r) {
                                    {"files", r.files},
                                    {"runs", r.runs},
                                    {"samples", r.coverage},
+                                   {"missing_samples", r.missing},
                                    {"light_paths", c.light_paths},
                                    {"camera_records", c.camera_records},
                                    {"light_records", c.light_records},
@@ -59,6 +60,7 @@ std::string to_text(const PictureReport& r) {
 std::vector<std::string> losses(const PictureReport& r) {
     std::vector<std::string> lines;
     for (const sampledb::LeftOut& item : r.gathering.left_out) lines.push_back(item.place + ": left out: " + item.reason);
+    if (!r.missing.empty()) lines.push_back(fmt::format("samples {} are in no file", to_string(r.missing)));
     const DevelopCounts& c = r.counts;
     if (c.camera_not_finite > 0)
         lines.push_back(fmt::format("{} camera records are not finite: counted as black", c.camera_not_finite));
