@@ -25,10 +25,10 @@ Result<std::uint64_t> parse_size(std::string_view text) {
 }
 
 Result<double> parse_duration(std::string_view text) {
-    const Error wrong{ErrorCode::kUsage, fmt::format("'{}' is not a time (try 60s, 10m or 2h)", text)};
+    const Error wrong{ErrorCode::kUsage, fmt::format("'{}' is not a time above 0 (try 60s, 10m or 2h)", text)};
     double value = 0;
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || !std::isfinite(value) || value < 0) return wrong;
+    if (error != std::errc{} || !std::isfinite(value) || value <= 0) return wrong;
     const std::string_view unit = text.substr(static_cast<std::size_t>(rest - text.data()));
     if (unit.empty() || unit == "s") return value;
     if (unit == "m") return value * 60;

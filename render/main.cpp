@@ -1,9 +1,6 @@
 // latent-render: a pbrt-v4 scene -> one part of raw samples. docs/rendering.md.
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <csignal>
 #include <iostream>
 
 #include "base/cli.h"
@@ -12,29 +9,7 @@
 #include "render/render.h"
 #include "render/render_arguments.h"
 #include "render/render_report.h"
-
-namespace {
-
-std::atomic<bool> rendering{false}, stop_requested{false};
-
-// Before the first sample there is nothing to commit: the program may end at once.
-void request_stop(int) {
-    static constexpr char kLine[] = "latent-render: stopped before the first sample; run the same command again\n";
-    if (!rendering) {
-        [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, kLine, sizeof kLine - 1);
-        ::_exit(latent::cli::kStopped);
-    }
-    stop_requested = true;
-}
-
-void listen_to_signals() {
-    struct sigaction action = {};
-    action.sa_handler = request_stop;
-    ::sigaction(SIGINT, &action, nullptr);
-    ::sigaction(SIGTERM, &action, nullptr);
-}
-
-}  // namespace
+#include "render/stop_signals.h"
 
 int main(int argc, char** argv) {
     using namespace latent;
@@ -69,8 +44,9 @@ int main(int argc, char** argv) {
     app.add_option("--seed", settings.seed, "another (not 0) is another job: independent samples")->check(cli::whole_number());
     app.add_option("--run-samples", settings.run_samples, "samples of a run, a power of two, instead of runs near 64 MiB")
         ->check(CLI::Range(1024, 4194304));
-    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work this often")->default_str("60s");
-    cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, as if by a signal: exit 75");
+    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work this often, above 0")
+        ->default_str("60s");
+    cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, above 0, as if by a signal: exit 75");
     app.add_option("--simd", settings.simd,
                    "instructions to use, instead of the best of the first three that the processor has. "
                    "Samples are equal bit for bit only at one level")
@@ -93,7 +69,7 @@ int main(int argc, char** argv) {
     if (const Status parsed = parse_ranges({samples, shard, resolution, depth}, settings); !parsed)
         return cli::fail(parsed.error());
 
-    listen_to_signals();
+    listen_to_signals(cli::kStopped);
     const Threads threads(common.threads);
     options.threads = threads.count();
     Result<std::unique_ptr<RenderJob>> job = Error{};
@@ -102,7 +78,7 @@ int main(int argc, char** argv) {
     for (const std::string& warning : (*job)->scene.warnings) cli::warn(warning);
     options.provenance_json = provenance(**job, settings);
 
-    rendering = true;
+    const std::atomic<bool>& stop_requested = commit_on_signals();
     if (dry_run) {
         const Result<RenderEstimate> estimated = estimate(**job, options, stop_requested);
         if (!estimated) return cli::fail(estimated.error());

@@ -22,7 +22,7 @@ TEST(Duration, SecondsMinutesHours) {
     EXPECT_DOUBLE_EQ(parse_duration("90").value(), 90);
     EXPECT_DOUBLE_EQ(parse_duration("1.5h").value(), 5400);
     EXPECT_DOUBLE_EQ(parse_duration("10m").value(), 600);
-    for (const char* text : {"", "-1s", "nan", "inf", "10x", "m"}) EXPECT_FALSE(parse_duration(text)) << text;
+    for (const char* text : {"", "-1s", "0", "0h", "nan", "inf", "10x", "m"}) EXPECT_FALSE(parse_duration(text)) << text;
 }
 
 }  // namespace

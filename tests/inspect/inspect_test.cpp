@@ -195,6 +195,10 @@ TEST_F(InspectTest, AFileMayHaveAnyName) {
 TEST_F(InspectTest, NumbersThatAreNoneAndNamesOfAnotherKindAreWrongUsage) {
     const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
     EXPECT_EQ(inspect({"cat", file, "--limit", "-1"}).status, 2);
+    for (const char* region : {"0,0,2,2", "-1,0,1,1", "0.5,0,0.5,1", "0,0.6,1,0.4", "0,nan,1,1", "0,0,1", "0,0,1,1,1", "a,b,c,d"}) {
+        EXPECT_EQ(inspect({"cat", file, std::string("--region=") + region}).status, 2) << region;
+    }
+    EXPECT_EQ(inspect({"cat", file, "--region", "0,0,1,1"}).out, inspect({"cat", file}).out);
     for (const char* option : {"--records", "--first", "--seed", "--run-samples", "--run-bytes", "--every", "--checkpoint"}) {
         EXPECT_EQ(inspect({"gen", "-o", folder_ / "b.latent", option, "-1"}).status, 2) << option;
     }

@@ -119,7 +119,7 @@ TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
 }
 
 TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
-    for (const int signal : {SIGINT, SIGTERM}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const TemporaryFolder folder;
         const std::filesystem::path part = folder / "s.latent";
         Child child(command(part, {}, "0:100000000"));
@@ -131,6 +131,16 @@ TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
         EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
         EXPECT_FALSE(runs_of({part}).empty());  // its attempts are read under its name
     }
+}
+
+TEST_F(Resume, NohupOutlivesItsTerminal) {
+    Command nohup = command(folder_ / "n.latent");
+    nohup.insert(nohup.begin(), "/usr/bin/nohup");
+    Child child(nohup);
+    wait_for_a_run(folder_);
+    child.send(SIGHUP);
+    EXPECT_EQ(child.wait(), 0);
+    EXPECT_EQ(runs_of({folder_ / "n.latent"}), whole_);
 }
 
 TEST_F(Resume, MaxTimeStopsWithStatus75AndALineThatSaysHow) {
@@ -172,6 +182,14 @@ TEST_F(Resume, WrongUsageIsStatus2) {
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--simd", "mmx"})).status, 2);
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--seed", "-1"})).status, 2);
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.foo")).status, 2);
+    for (const char* option : {"--checkpoint", "--max-time"}) {
+        for (const char* time : {"0", "0s", "-5", "inf", "nan", "5x", ""}) {
+            const Outcome outcome = latent::testing::run({tool("latent-render"), LATENT_SOURCE_DIR "/scenes/cornell.pbrt", "-o",
+                                                          (folder_ / "x.latent").string(), option, time});
+            EXPECT_EQ(outcome.status, 2) << option << " " << time;
+            EXPECT_THAT(outcome.err, HasSubstr(option));
+        }
+    }
     const latent::testing::Outcome misspelt = latent::testing::run({tool("latent-render"), "--hlep"});
     EXPECT_EQ(misspelt.status, 2);
     EXPECT_THAT(misspelt.err, HasSubstr("--hlep"));

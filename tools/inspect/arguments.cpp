@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 #include "base/cli.h"
@@ -27,6 +28,22 @@ Result<Aspect> parse_aspect(const std::string& text) {
     return aspect;
 }
 
+// "0.4,0.4,0.6,0.6": a part of the film, not empty.
+Result<std::array<double, 4>> parse_region(const std::string& text) {
+    std::array<double, 4> region{};
+    const char *at = text.data(), *const end = at + text.size();
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto [stop, error] = std::from_chars(at, end, region[i]);
+        const bool good = error == std::errc() && (i < 3 ? stop != end && *stop == ',' : stop == end);
+        if (!good) return Error{ErrorCode::kUsage, fmt::format("'{}' is no region; say 0.4,0.4,0.6,0.6", text)};
+        at = stop + 1;
+    }
+    const auto& [u0, v0, u1, v1] = region;
+    if (0 <= u0 && u0 < u1 && u1 <= 1 && 0 <= v0 && v0 < v1 && v1 <= 1) return region;
+    return Error{ErrorCode::kUsage,
+                 fmt::format("'{}' is no region of the film: wants 0 <= U0 < U1 <= 1 and 0 <= V0 < V1 <= 1", text)};
+}
+
 // An option that takes one of a few words; the first of them is the default.
 template <class Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
@@ -44,7 +61,8 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
 void add_cat_options(CLI::App& cat, CatOptions& options) {
     cat.add_option("FILE", options.inputs, "files of one job, or folders")->required();
     cli::add_parsed(cat, "--samples", options.samples, parse_sample_range, "only sample numbers A .. B-1")->type_name("A:B");
-    cat.add_option("--region", options.region, "only this part of the film, in [0,1]")->type_name("U0,V0,U1,V1")->delimiter(',');
+    cli::add_parsed(cat, "--region", options.region, parse_region, "only this part of the film, in [0,1]")
+        ->type_name("U0,V0,U1,V1");
     cat.add_option("--limit", options.limit, "at most this many records")->check(cli::whole_number());
     add_choice<TextFormat>(cat, "--format", options.format, {{"csv", TextFormat::kCsv}, {"json", TextFormat::kJsonLines}},
                            "csv, or one JSON object a line");
@@ -82,7 +100,7 @@ void add_gen_options(CLI::App& gen, GenOptions& options) {
         ->check(cli::whole_number())
         ->capture_default_str();
     cli::add_size(gen, "--run-bytes", scene.run_bytes, "cap of a run")->default_str("256M");
-    cli::add_duration(gen, "--checkpoint", options.checkpoint_seconds, "commit finished work at least this often")
+    cli::add_duration(gen, "--checkpoint", options.checkpoint_seconds, "commit finished work at least this often, above 0")
         ->default_str("60s");
     gen.add_flag("--random-positions", scene.random_positions, "stored positions instead of derived ones");
     gen.add_flag("--explicit-wavelengths", scene.explicit_wavelengths, "stored wavelengths instead of derived ones");
