@@ -35,7 +35,8 @@ Spectrum glass(std::string_view schott_name) {
     return clamped(std::move(lambda_nm), std::move(eta));
 }
 
-// 100 (560/l)^5 (exp(1.435e7 / (2848 560)) - 1) / (exp(1.435e7 / (2848 l)) - 1) every 5 nm     [CIE15]
+// 100 (560/l)^5 (exp(1.435e7 / (2848 560)) - 1) / (exp(1.435e7 / (2848 l)) - 1)    [CIE15]
+// every 5 nm and linear between, which "stdillum-A" means in pbrt-v4.
 Spectrum illuminant_a() {
     std::vector<double> lambda_nm, power;
     for (double lambda = 300; lambda <= kLambdaMax; lambda += 5) {
