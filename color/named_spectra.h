@@ -11,8 +11,8 @@
 namespace latent::color {
 
 // glass-{BK7,BAF10,FK51A,LASF9,SF5,SF10,SF11} (and pbrt's F5, F10, F11 for the SF types),
-// metal-{Ag,Al,Au,Cu,CuZn,MgO,TiO2}-{eta,k}, stdillum-{A,D50,D65,F1..F12}. All go on beyond their range by their end values. Where
-// pbrt's table is wrong (D50, some F lamps) this is the CIE's. Errors: kNotFound, naming the nearest names.
+// metal-{Ag,Al,Au,Cu,CuZn,MgO,TiO2}-{eta,k}, stdillum-{A,D50,D65,F1..F12}, illum-acesD60. All go on beyond their range by their end
+// values. Where pbrt's table is wrong (D50, some F lamps) this is the CIE's. Errors: kNotFound, naming the nearest names.
 Result<Spectrum> named_spectrum(std::string_view name);
 std::vector<std::string> named_spectrum_names();
 

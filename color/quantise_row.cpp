@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
+#include <limits>
 
 // Mul and Add only, no fused or approximate operation: all instruction sets give the same bits.
 HWY_BEFORE_NAMESPACE();
@@ -66,7 +66,8 @@ V encode(const Transfer& t, V v) {
 
 template <class Code>
 void quantise_vector(const QuantiseRowConstants& c, V r, V g, V b, std::uint32_t x0, Code* out) {
-    constexpr float kMaxCode = sizeof(Code) == 1 ? 255.0F : 65535.0F;
+    constexpr float kMaxCode = std::numeric_limits<Code>::max();
+    constexpr hn::Rebind<Code, D> codes;
     auto hash = hn::Xor(hn::Mul(hn::Iota(du, x0), hn::Set(du, kPixelStep)), hn::Set(du, c.row_key));
     if (c.dither) {  // mixed_bits of every lane
         hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85EBCA6BU));
@@ -80,16 +81,9 @@ void quantise_vector(const QuantiseRowConstants& c, V r, V g, V b, std::uint32_t
             h = hn::Mul(hn::Add(field, constant(0.5F)), constant(1.0F / 1024));
         }
         const V level = hn::Min(hn::Add(hn::Mul(encode(c.transfer, v), constant(kMaxCode)), h), constant(kMaxCode));
-        const auto whole = hn::ConvertTo(di, hn::Floor(level));
-        const hn::Rebind<std::uint16_t, D> d16;
-        if constexpr (sizeof(Code) == 1) {
-            return hn::DemoteTo(hn::Rebind<std::uint8_t, D>(), whole);
-        } else {
-            return hn::DemoteTo(d16, whole);
-        }
+        return hn::DemoteTo(codes, hn::ConvertTo(di, hn::Floor(level)));
     };
-    hn::StoreInterleaved3(code(r, hash), code(g, hn::ShiftRight<10>(hash)), code(b, hn::ShiftRight<20>(hash)),
-                          hn::Rebind<Code, D>(), out);
+    hn::StoreInterleaved3(code(r, hash), code(g, hn::ShiftRight<10>(hash)), code(b, hn::ShiftRight<20>(hash)), codes, out);
 }
 
 template <class Code>

@@ -30,6 +30,16 @@ Status rename_folder(const fs::path& from, const fs::path& to) {
     return error_from_errno(errno, to.string(), "cannot name the finished folder");
 }
 
+// The text of NAME.dzi [DZI].
+std::string descriptor(int width, int height, const DeepZoomOptions& options) {
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+        "<Image xmlns=\"http://schemas.microsoft.com/deepzoom/2008\" Format=\"{}\" Overlap=\"{}\" TileSize=\"{}\">\n"
+        "  <Size Width=\"{}\" Height=\"{}\"/>\n"
+        "</Image>\n",
+        options.png ? "png" : "jpg", options.overlap, options.tile, width, height);
+}
+
 class Writer final : public DeepZoomWriter {
  public:
     Writer(const fs::path& path, int width, int height, const ImageTags& tags, const DeepZoomOptions& options)
@@ -50,8 +60,7 @@ class Writer final : public DeepZoomWriter {
         if (!options_.replace && fs::exists(fs::symlink_status(files_, failed))) {
             return Error{ErrorCode::kExists, files_.string() + ": exists already (--force replaces it)"};
         }
-        if (Status s = create_text(path_, deep_zoom_descriptor(levels_[0].width, levels_[0].height, options_), descriptor_); !s)
-            return s;
+        if (Status s = create_text(path_, descriptor(levels_[0].width, levels_[0].height, options_), descriptor_); !s) return s;
         if (!page.empty()) {
             if (Status s = create_text(fs::path(path_).replace_extension(".html"), page, page_); !s) return s;
         }
@@ -198,15 +207,6 @@ std::vector<PixelFormat> deep_zoom_levels(int width, int height) {
         levels.push_back({width, height, SampleType::kU8});
     }
     return levels;
-}
-
-std::string deep_zoom_descriptor(int width, int height, const DeepZoomOptions& options) {
-    return fmt::format(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-        "<Image xmlns=\"http://schemas.microsoft.com/deepzoom/2008\" Format=\"{}\" Overlap=\"{}\" TileSize=\"{}\">\n"
-        "  <Size Width=\"{}\" Height=\"{}\"/>\n"
-        "</Image>\n",
-        options.png ? "png" : "jpg", options.overlap, options.tile, width, height);
 }
 
 Result<std::unique_ptr<DeepZoomWriter>> DeepZoomWriter::create(const fs::path& path, int width, int height, const ImageTags& tags,

@@ -24,9 +24,6 @@ struct DeepZoomOptions {
 // Sizes of the pyramid: the picture, then halved (rounding up) until both sides are 1.
 std::vector<PixelFormat> deep_zoom_levels(int width, int height);
 
-// The descriptor [DZI].
-std::string deep_zoom_descriptor(int width, int height, const DeepZoomOptions& options);
-
 // Tiles are gathered in a hidden folder beside the result, gone if the writer is destroyed before `publish`; if its process is
 // killed, the next writer of the same pyramid removes it.
 class DeepZoomWriter {

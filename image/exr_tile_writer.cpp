@@ -1,17 +1,18 @@
 #include "image/exr_tile_writer.h"
 
 #include <ImathBox.h>
-#include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfFloatAttribute.h>
-#include <OpenEXR/ImfFrameBuffer.h>
-#include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfStandardAttributes.h>
-#include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfTileDescription.h>
-#include <OpenEXR/ImfTiledOutputFile.h>
+#include <ImfChannelList.h>
+#include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
+#include <ImfTileDescription.h>
+#include <ImfTiledOutputFile.h>
 
 #include <algorithm>
-#include <stdexcept>
+#include <cassert>
+#include <unordered_map>
 
 #include "base/slot_file.h"
 #include "image/exr_stream.h"
@@ -81,8 +82,8 @@ class Writer final : public ExrTileWriter {
 
     Status write_level(int level, int x, int y, std::span<const float> pixels) {
         const Level& size = levels_[level];
-        const int width = size.tile_width(x), height = size.tile_height(y);
-        if (pixels.size() != std::size_t(width) * height * channels_) throw std::logic_error("a tile of another size");
+        const std::size_t width = static_cast<std::size_t>(size.tile_width(x));
+        assert(pixels.size() == width * size.tile_height(y) * channels_);
         Status written = stream_.guard([&] {
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels_; ++c) {

@@ -5,6 +5,8 @@
 #include <tbb/task_arena.h>
 
 #include <cstddef>
+#include <memory>
+#include <utility>
 
 #include "base/result.h"
 

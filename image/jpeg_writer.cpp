@@ -52,10 +52,10 @@ class Compressor {
 
     Status start() {
         if (format_.sample != SampleType::kU8) return Error{ErrorCode::kUsage, "JPEG holds 8 bits (--bits 8)"};
-        if (format_.width > kMaxJpegSide || format_.height > kMaxJpegSide) {
+        if (format_.width > JPEG_MAX_DIMENSION || format_.height > JPEG_MAX_DIMENSION) {
             return Error{ErrorCode::kOutOfRange,
                          fmt::format("JPEG ends at {} pixels a side and the image has {} x {}: use .tif, .png or .dzi",
-                                     kMaxJpegSide, format_.width, format_.height)};
+                                     JPEG_MAX_DIMENSION, format_.width, format_.height)};
         }
         return guarded([this] {
             jpeg_.image_width = static_cast<JDIMENSION>(format_.width);

@@ -1,7 +1,6 @@
 // image/jpeg_writer.h: JPEG (8 bits, libjpeg-turbo), with the colour profile in APP2.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
 
@@ -9,8 +8,6 @@
 #include "image/row_writer.h"
 
 namespace latent::image {
-
-inline constexpr int kMaxJpegSide = 65500;  // libjpeg's JPEG_MAX_DIMENSION
 
 struct JpegOptions {
     int quality = 90;  // 1..100; from 90 on colour is stored as finely as luminance (4:4:4), below at half the resolution (4:2:0)

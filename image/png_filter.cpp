@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <cstring>
 
 // Compiled with vectorisation (image/CMakeLists.txt): every loop is over independent bytes, as the encoder knows all neighbours.
 namespace latent::image {

@@ -1,7 +1,6 @@
 // image/png_writer.h: PNG of any size, compressed by all threads; the bytes do not depend on how many there are.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
 

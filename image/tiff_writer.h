@@ -1,7 +1,6 @@
 // image/tiff_writer.h: TIFF and BigTIFF of any size: strips, tiles or a pyramid of tiles, deflated by all threads.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <vector>
 
