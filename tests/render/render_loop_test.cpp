@@ -16,7 +16,7 @@ namespace {
 using latent::testing::TemporaryFolder;
 using sampledb::SampleRange;
 
-// One XYZ record per sample, after a pause; every 100th sample is at fault.
+// One XYZ record per sample, after a pause; every 100th sample is at fault. Any of them may ask for a stop.
 class FakeIntegrator final : public Integrator {
  public:
     explicit FakeIntegrator(std::chrono::microseconds pause = {}) : pause_(pause) {}
@@ -32,17 +32,22 @@ class FakeIntegrator final : public Integrator {
         for (std::vector<float>* column : {&out.x, &out.y, &out.z}) column->push_back(static_cast<float>(n % 7));
         const std::lock_guard lock(mutex_);
         EXPECT_TRUE(traced_.insert(n).second) << n << " was traced twice";
+        if (traced_.size() == stop_after_) *stop_ = true;
     }
     const sampledb::WavelengthDensity& density() const override { return density_; }
     std::uint32_t light_paths_per_sample() const override { return 0; }
     const std::set<std::uint64_t>& traced() const { return traced_; }
     void forget() { traced_.clear(); }
+    // Sets `stop` when so many samples have been traced.
+    void stop_after(std::size_t samples, std::atomic<bool>& stop) { stop_after_ = samples, stop_ = &stop; }
 
  private:
     std::chrono::microseconds pause_;
     sampledb::WavelengthDensity density_;
     mutable std::mutex mutex_;
     mutable std::set<std::uint64_t> traced_;
+    std::size_t stop_after_ = 0;
+    std::atomic<bool>* stop_ = nullptr;
 };
 
 struct Fake {
@@ -64,17 +69,16 @@ struct Fake {
     std::atomic<bool> stop{false};
 };
 
-TEST(RenderLoop, StopsSoonAfterAnotherProcessHasFinishedThePart) {
-    Fake slow({0, 4096 * 200}, std::chrono::microseconds(20)), fast({0, 4096 * 200});
+// Alone, the slow one would sleep for 40 s.
+TEST(RenderLoop, StopsWhenAnotherProcessHasFinishedThePart) {
+    Fake slow({0, 4096 * 40}, std::chrono::microseconds(500)), fast({0, 4096 * 40});
     slow.options.checkpoint_seconds = 0.1;
     fast.options.output = slow.options.output;
     Result<RenderReport> report = Error{};
     std::jthread rendering([&] { report = render(slow.job, slow.options, slow.stop, {}); });
     while (slow.folder.names().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ASSERT_TRUE(render(fast.job, fast.options, fast.stop, {}));
-    const auto published = std::chrono::steady_clock::now();
     rendering.join();
-    EXPECT_LT(std::chrono::steady_clock::now() - published, std::chrono::seconds(5));
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_TRUE(report->complete && report->elsewhere);
     EXPECT_LT(report->samples, slow.job.range.size());
@@ -115,16 +119,13 @@ TEST(RenderLoop, EmptyShardsWriteAFile) {
 }
 
 TEST(RenderLoop, StopsKeepWhatWasFinishedAndTheNextCallGoesOn) {
-    Fake fake({0, 40960}, std::chrono::microseconds(20));
+    Fake fake({0, 40960});
+    fake.integrator->stop_after(5000, fake.stop);
     std::uint64_t committed = 0;
     int calls = 0;
     for (bool complete = false; !complete; ++calls) {
         fake.stop = false;
         fake.integrator->forget();
-        std::jthread later([&] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(250));
-            fake.stop = true;
-        });
         const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
         ASSERT_TRUE(report) << report.error().message;
         EXPECT_EQ(report->committed, committed + report->samples);  // nothing finished is lost, nothing is done twice
@@ -138,29 +139,22 @@ TEST(RenderLoop, StopsKeepWhatWasFinishedAndTheNextCallGoesOn) {
 }
 
 TEST(RenderLoop, TimeLimitIsAStop) {
-    Fake fake({0, 4096 * 100}, std::chrono::microseconds(20));
+    Fake fake({0, std::uint64_t{1} << 40});
     fake.options.max_seconds = 0.2;
     const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
-    ASSERT_TRUE(report);
+    ASSERT_TRUE(report) << report.error().message;
     EXPECT_FALSE(report->complete);
-    EXPECT_GT(report->committed, 0u);
+    EXPECT_EQ(report->committed, report->samples);
 }
 
 // Samples so slow that a grain takes minutes: a stop gives the grain up.
-TEST(RenderLoop, SlowGrainsAreGivenUpWithinTenSeconds) {
+TEST(RenderLoop, SlowGrainsAreGivenUp) {
     Fake fake({0, 4096}, std::chrono::milliseconds(100));
-    fake.stop = true;
-    std::jthread later([&] {
-        std::this_thread::sleep_for(std::chrono::milliseconds(300));
-        fake.stop = true;
-    });
-    fake.stop = false;
-    const auto begin = std::chrono::steady_clock::now();
+    fake.integrator->stop_after(1, fake.stop);
     const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_FALSE(report->complete);
     EXPECT_EQ(report->committed, 0u);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
 }
 
 TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {

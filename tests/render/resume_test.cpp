@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 using Command = std::vector<std::string>;
 
-// A run takes longer than the checkpoint interval; the last run is cut.
+// Checkpoints come as often as they can; the last run is cut.
 Command command(const std::filesystem::path& output, const Command& more = {}, const std::string& samples = "0:150000") {
     Command out{tool("latent-render"),
                 LATENT_SOURCE_DIR "/scenes/cornell.pbrt",
@@ -58,35 +58,40 @@ class Resume : public ::testing::Test {
         const Outcome outcome = latent::testing::run(command(folder / "whole.latent"));
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         whole_ = runs_of({folder / "whole.latent"});
+        whole_seconds_ = outcome.seconds;
         ASSERT_EQ(whole_.size(), 3u);
     }
+    // Sleeps for a random part of the time that this machine takes for everything, times `stretch`.
+    void sleep_a_while(double stretch = 1) {
+        std::this_thread::sleep_for(
+            std::chrono::duration<double>(std::uniform_real_distribution<double>(0, stretch * whole_seconds_)(random_)));
+    }
     static std::vector<std::string> whole_;
+    static double whole_seconds_;
     TemporaryFolder folder_;
+    std::mt19937 random_{3};
 };
 std::vector<std::string> Resume::whole_;
+double Resume::whole_seconds_;
 
-void sleep_ms(unsigned ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
-
-// Waits until the only file there is holds a run.
-void wait_for_a_run(const TemporaryFolder& folder, std::chrono::seconds patience = std::chrono::seconds(60)) {
-    const auto end = std::chrono::steady_clock::now() + patience;
-    for (; std::chrono::steady_clock::now() < end; sleep_ms(10)) {
-        const std::vector<std::string> names = folder.names();
-        std::error_code none;
-        if (!names.empty() && std::filesystem::file_size(folder / names.front(), none) > (1u << 20) && !none) return;
+// Until some samples of the part are committed.
+void wait_for_samples(const std::filesystem::path& part) {
+    sampledb::GatherOptions options;
+    options.inputs = {part};
+    for (;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+        const auto gathering = sampledb::Gathering::open(options);
+        if (gathering && !(*gathering)->runs().empty()) return;
     }
-    FAIL() << "nothing was committed";
 }
 
 TEST_F(Resume, KilledAtAnyMomentItEndsAsIfItNeverWas) {
-    std::mt19937 random(3);
     int kills = 0;
     for (int round = 0; kills < 40; ++round) {
         const std::filesystem::path part = folder_ / ("r" + std::to_string(round) + ".latent");
         for (int attempt = 0;; ++attempt) {
             ASSERT_LT(attempt, 200) << "it does not get on";
             Child child(command(part));
-            sleep_ms(20 + random() % (200 + 20 * static_cast<unsigned>(attempt)));  // longer, should the machine be slow
+            sleep_a_while(0.5 + 0.1 * attempt);  // longer, should the machine be slower by now
             child.kill_now();
             const int status = child.wait();
             if (status == 0) break;
@@ -100,13 +105,12 @@ TEST_F(Resume, KilledAtAnyMomentItEndsAsIfItNeverWas) {
 }
 
 TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
-    std::mt19937 random(4);
     const std::filesystem::path part = folder_ / "both.latent";
     for (int round = 0; round < 6; ++round) {
         Child a(command(part)), b(command(part));
-        sleep_ms(50 + random() % 300);
+        sleep_a_while();
         (round % 2 == 0 ? a : b).kill_now();
-        sleep_ms(random() % 200);
+        sleep_a_while(0.5);
         (round % 2 == 0 ? b : a).kill_now();
         a.wait();
         b.wait();
@@ -120,35 +124,36 @@ TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
 
 TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-        const TemporaryFolder folder;
-        const std::filesystem::path part = folder / "s.latent";
-        Child child(command(part, {}, "0:100000000"));
-        wait_for_a_run(folder);
+        const std::filesystem::path part = folder_ / ("s" + std::to_string(signal) + ".latent");
+        Child child(command(part, {}, "0:1000000000000"));
+        wait_for_samples(part);  // its attempts are read under its name
         child.send(signal);
         child.send(signal);
-        const auto begin = std::chrono::steady_clock::now();
         EXPECT_EQ(child.wait(), 75);
-        EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
-        EXPECT_FALSE(runs_of({part}).empty());  // its attempts are read under its name
+        EXPECT_FALSE(runs_of({part}).empty());
     }
 }
 
 TEST_F(Resume, NohupOutlivesItsTerminal) {
-    Command nohup = command(folder_ / "n.latent");
+    const std::filesystem::path part = folder_ / "n.latent";
+    Command nohup = command(part);
     nohup.insert(nohup.begin(), "/usr/bin/nohup");
     Child child(nohup);
-    wait_for_a_run(folder_);
+    wait_for_samples(part);
     child.send(SIGHUP);
     EXPECT_EQ(child.wait(), 0);
-    EXPECT_EQ(runs_of({folder_ / "n.latent"}), whole_);
+    EXPECT_EQ(runs_of({part}), whole_);
 }
 
 TEST_F(Resume, MaxTimeStopsWithStatus75AndALineThatSaysHow) {
     const std::filesystem::path part = folder_ / "t.latent";
-    const Outcome stopped = latent::testing::run(command(part, {"--max-time", "0.001"}));
+    const Outcome stopped = latent::testing::run(command(part, {"--max-time", "1e-9"}));  // over when it begins
     EXPECT_EQ(stopped.status, 75);
-    EXPECT_THAT(stopped.err, HasSubstr("run the same command again to go on"));
-    ASSERT_EQ(latent::testing::run(command(part)).status, 0);
+    EXPECT_THAT(stopped.err, HasSubstr("0 of 150000 samples are committed; run the same command again to go on"));
+    int status = 75;  // however long it takes, a tenth at a time
+    for (const std::string tenth = std::to_string(whole_seconds_ / 10); status == 75;)
+        status = latent::testing::run(command(part, {"--max-time", tenth})).status;
+    EXPECT_EQ(status, 0);
     EXPECT_EQ(runs_of({part}), whole_);
 }
 

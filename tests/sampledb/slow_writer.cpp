@@ -37,11 +37,13 @@ int main(int argc, char** argv) {
 
     std::atomic<bool> over = false;
     std::thread reporter([&] {
-        for (std::uint64_t told = 0; !over; std::this_thread::sleep_for(std::chrono::microseconds(200))) {
-            const std::uint64_t committed = (*writer)->counts().samples_committed;
-            if (committed == told) continue;
-            fmt::print("committed {}\n", told = committed);
-            std::fflush(stdout);
+        for (std::uint64_t told = 0;; std::this_thread::sleep_for(std::chrono::microseconds(200))) {
+            const bool last = over;  // asked first, so that nothing is left untold
+            if (const std::uint64_t committed = (*writer)->counts().samples_committed; committed != told) {
+                fmt::print("committed {}\n", told = committed);
+                std::fflush(stdout);
+            }
+            if (last) return;
         }
     });
     Status status;

@@ -55,7 +55,7 @@ async function settled() {
 }
 const levels = () => tiles.map((url) => /_files\/(\d+)\/\d+_\d+\./.exec(url)).filter(Boolean).map((match) => Number(match[1]));
 
-const limit = setTimeout(() => { console.error("look.mjs: no picture within 60 s"); chromium.kill("SIGKILL"); process.exit(1); }, 60000);
+const limit = setTimeout(() => { console.error("look.mjs: no picture within 250 s"); chromium.kill("SIGKILL"); process.exit(1); }, 250000);
 try {
   const { targetId } = await send("Target.createTarget", { url: "about:blank" });
   session = (await send("Target.attachToTarget", { targetId, flatten: true })).sessionId;
