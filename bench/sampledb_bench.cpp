@@ -1,4 +1,5 @@
-// Records to bytes and back, one thread: records per second, bytes per record of each column. Every result is checked.
+// bench/sampledb_bench.cpp: records to bytes and back, one thread: records per second, bytes per record of each column. Every
+// result is checked.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
-// bench/writer_bench.cpp: records per second and core through PartWriter, from submit to a published file. Usage: writer_bench
-// [MILLION] Grains are made beforehand. Prints CPU seconds of the process (all threads) and wall seconds for each of five repeats,
-// and checks that the published file holds every record.
+// bench/writer_bench.cpp: records per second and core through PartWriter, from submit to a published file.
+//   writer_bench [MILLION]
+// Grains are made beforehand. Prints CPU seconds of the process (all threads) and wall seconds for each of five repeats, and checks
+// that the published file holds every record.
 #include <fmt/format.h>
 #include <sys/resource.h>
 

@@ -61,8 +61,8 @@ Ray spawn_ray(const Anchor& from, const Anchor& to);
 
 class Geometry {
  public:
-    // `simd` is an Embree isa name: "sse4.2", "avx", "avx2" (render/simd.h chooses). Errors: kUnsupported, kOutOfRange (naming the
-    // shape).
+    // `simd` is an Embree isa name (render/simd.h chooses). Errors: kUnsupported, of a light naming the shape; kOutOfRange: the
+    // scene does not fit into memory.
     static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd);
     virtual ~Geometry() = default;
 

@@ -11,7 +11,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
 std::string to_text(const RenderEstimate& estimate, bool json);
 std::string to_text(const RadianceFaults& faults);
 
-// Host, date, version, scene, SIMD level and settings, as JSON: kept in one file's header, never merged.
+// Program and version, scene, SIMD level, render epoch, seed, host and date, as JSON for the file's header.
 std::string provenance(const RenderJob& job, const RenderSettings& settings);
 
 }  // namespace latent::render

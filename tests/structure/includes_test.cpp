@@ -85,8 +85,8 @@ TEST(Structure, AReversedArrowIsCaught) {
 TEST(Structure, EveryMainIsATableOfContents) {
     for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/inspect"}) {
         const fs::path main = fs::path(LATENT_SOURCE_DIR) / tool / "main.cpp";
-        if (!fs::exists(main)) continue;
         std::ifstream text(main);
+        ASSERT_TRUE(text) << main;
         const auto lines = std::count(std::istreambuf_iterator<char>(text), {}, '\n');
         EXPECT_LT(lines, 120) << main;
     }
