@@ -29,6 +29,16 @@ Result<Spectrum> Spectrum::from_samples(std::vector<double> lambda_nm, std::vect
     return s;
 }
 
+Spectrum Spectrum::from_function(const std::function<double(double)>& f, Outside outside) {
+    Spectrum s;
+    for (int i = 0; i < kIntegerNmCount; ++i) {
+        s.lambda_nm_.push_back(kLambdaMin + i);
+        s.value_.push_back(f(kLambdaMin + i));
+    }
+    s.outside_ = outside;
+    return s;
+}
+
 Spectrum Spectrum::constant(double value) {
     Spectrum s;
     s.lambda_nm_ = {kLambdaMin, kLambdaMax};
@@ -46,13 +56,9 @@ Result<Spectrum> Spectrum::blackbody(double temperature_kelvin) {
     // Relative to the peak: (peak / lambda)^5 (exp(c2 / (peak T)) - 1) / (exp(c2 / (lambda T)) - 1); no overflow in between.
     const double peak_nm = kWien / temperature_kelvin;
     const double at_peak = std::expm1(kC2 / kWien);
-    Spectrum s;
-    for (int i = 0; i < kIntegerNmCount; ++i) {
-        const double lambda = kLambdaMin + i;
-        s.lambda_nm_.push_back(lambda);
-        s.value_.push_back(std::pow(peak_nm / lambda, 5) * at_peak / std::expm1(kC2 / (lambda * temperature_kelvin)));
-    }
-    return s;
+    return from_function(
+        [&](double lambda) { return std::pow(peak_nm / lambda, 5) * at_peak / std::expm1(kC2 / (lambda * temperature_kelvin)); },
+        Outside::kZero);
 }
 
 double Spectrum::operator()(double lambda_nm) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,8 @@ class Spectrum {
     // Linear between (lambda_nm[i], value[i]). Errors: kOutOfRange unless there is at least one sample, the counts agree,
     // wavelengths strictly increase and everything is finite.
     static Result<Spectrum> from_samples(std::vector<double> lambda_nm, std::vector<double> value, Outside outside);
+    // Linear between f(360), f(361), ..., f(830), which are finite.
+    static Spectrum from_function(const std::function<double(double lambda_nm)>& f, Outside outside);
     static Spectrum constant(double value);
     // Planck's law, 1 at its peak lambda_max = 2897.771955 um K / T, sampled at every integer nm of 360..830 and zero outside.
     //   B(lambda) ~ lambda^-5 / (exp(c2 / (lambda T)) - 1),  c2 = h c / k = 1.438776877e7 nm K      [CODATA18]

@@ -38,13 +38,8 @@ Environment::Environment(std::shared_ptr<const ImageDescription> image, const Af
     const color::Rgb colours[6] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}};
     for (int c = 0; c < 6; ++c) {
         const color::SigmoidSpectrum sigmoid = to_spectrum.reflectance(colours[c]);
-        std::vector<double> nm, value;
-        for (double x = color::kLambdaMin; x <= color::kLambdaMax; ++x) {
-            nm.push_back(x);
-            value.push_back(sigmoid(static_cast<float>(x)));
-        }
-        basis_[c] =
-            library.add(*color::Spectrum::from_samples(std::move(nm), std::move(value), color::Outside::kClamped), Lookup::kLinear);
+        const auto value = [&](double nm) { return sigmoid(static_cast<float>(nm)); };
+        basis_[c] = library.add(color::Spectrum::from_function(value, color::Outside::kClamped), Lookup::kLinear);
     }
     std::vector<double> weight(std::size_t{image_->width} * image_->height);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = std::max(0.0, luminance(&image_->rgb[3 * i]));

@@ -9,14 +9,9 @@ namespace {
 
 // 0.9 p_eye + 0.1 uniform: what a light's power is weighed with when lights are chosen.
 const color::Spectrum& choice_weight() {
-    static const color::Spectrum weight = [] {
-        std::vector<double> nm, w;
-        for (double x = color::kLambdaMin; x <= color::kLambdaMax; ++x) {
-            nm.push_back(x);
-            w.push_back(0.9 * color::visible_pdf_lambda(x) + 0.1 / (color::kLambdaMax - color::kLambdaMin));
-        }
-        return *color::Spectrum::from_samples(std::move(nm), std::move(w), color::Outside::kZero);
-    }();
+    static const color::Spectrum weight = color::Spectrum::from_function(
+        [](double nm) { return 0.9 * color::visible_pdf_lambda(nm) + 0.1 / (color::kLambdaMax - color::kLambdaMin); },
+        color::Outside::kZero);
     return weight;
 }
 

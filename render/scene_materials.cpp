@@ -50,13 +50,11 @@ void read_conductor_index(const ParameterList& list, SceneSpectra& spectra, Mate
     if (eta || k) list.error("reflectance excludes eta and k");
     // At normal incidence R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2); eta = 1 leaves k = 2 sqrt(R / (1 - R)).
     material.eta = color::Spectrum::constant(1);
-    std::vector<double> lambda, value;
-    for (int i = 0; i < color::kIntegerNmCount; ++i) {
-        lambda.push_back(color::kLambdaMin + i);
-        const double r = std::min((*reflectance)(lambda.back()), 0.9999);
-        value.push_back(2 * std::sqrt(r) / std::sqrt(1 - r));
-    }
-    material.k = color::Spectrum::from_samples(std::move(lambda), std::move(value), color::Outside::kClamped).value();
+    const auto k_of = [&](double lambda) {
+        const double r = std::min((*reflectance)(lambda), 0.9999);
+        return 2 * std::sqrt(r) / std::sqrt(1 - r);
+    };
+    material.k = color::Spectrum::from_function(k_of, color::Outside::kClamped);
 }
 
 }  // namespace

@@ -13,15 +13,8 @@ namespace {
 
 std::string space_of(const std::string& pbrt_name) { return pbrt_name == "dci-p3" ? "display-p3" : pbrt_name; }
 
-// f(lambda) at every integer nm.
-template <class F>
-color::Spectrum sampled(F&& f) {
-    std::vector<double> lambda, value;
-    for (int i = 0; i < color::kIntegerNmCount; ++i) {
-        lambda.push_back(color::kLambdaMin + i);
-        value.push_back(f(lambda.back()));
-    }
-    return color::Spectrum::from_samples(std::move(lambda), std::move(value), color::Outside::kClamped).value();
+color::Spectrum clamped(const std::function<double(double)>& f) {
+    return color::Spectrum::from_function(f, color::Outside::kClamped);
 }
 
 bool is_grey(std::span<const double> rgb) { return rgb[0] == rgb[1] && rgb[1] == rgb[2]; }
@@ -61,7 +54,7 @@ color::Spectrum SceneSpectra::emission(const ParameterList& list, std::string_vi
     if (!spectrum) return {};
     if (p->type == "rgb") {
         const color::Spectrum illuminant = white();
-        return sampled([&](double lambda) { return (*spectrum)(lambda)*illuminant(lambda); });
+        return clamped([&](double lambda) { return (*spectrum)(lambda)*illuminant(lambda); });
     }
     if (spectrum->max_value() == 0) return {};
     const double y = color::photometric_sum(*spectrum);
@@ -91,12 +84,12 @@ std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, 
         }
         const color::Rgb value{p.numbers[0], p.numbers[1], p.numbers[2]};
         if (role == SpectrumRole::kUnbounded)
-            return sampled([s = rgb().unbounded(value)](double l) { return s(static_cast<float>(l)); });
+            return clamped([s = rgb().unbounded(value)](double l) { return s(static_cast<float>(l)); });
         if (*std::max_element(p.numbers.begin(), p.numbers.end()) > 1) {
             list.error(p, "a reflectance has no component above 1");
             return std::nullopt;
         }
-        return sampled([s = rgb().reflectance(value)](double l) { return s(static_cast<float>(l)); });
+        return clamped([s = rgb().reflectance(value)](double l) { return s(static_cast<float>(l)); });
     }
     if (p.strings.empty()) return from_pairs(list, p, p.numbers);
     if (p.strings.size() > 1) {

@@ -3,18 +3,6 @@
 #include <algorithm>
 
 namespace latent::render {
-namespace {
-
-color::Spectrum sum_at_integer_nm(const color::Spectrum& a, const color::Spectrum& b, double factor) {
-    std::vector<double> nm, value;
-    for (double x = color::kLambdaMin; x <= color::kLambdaMax; ++x) {
-        nm.push_back(x);
-        value.push_back(factor * (a(x) + b(x)));
-    }
-    return *color::Spectrum::from_samples(std::move(nm), std::move(value), color::Outside::kZero);
-}
-
-}  // namespace
 
 Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry) {
     const Result<Camera> camera = Camera::make(scene.camera);
@@ -33,8 +21,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     }
     for (const MediumDescription& d : scene.media) {
         Medium m;
-        m.sigma_t = world->library_.add(sum_at_integer_nm(d.sigma_a, d.sigma_s, d.scale), Lookup::kNearestNm);
-        m.sigma_s = world->library_.add(sum_at_integer_nm(d.sigma_s, color::Spectrum(), d.scale), Lookup::kNearestNm);
+        const auto add = [&](const std::function<double(double)>& sigma) {
+            return world->library_.add(color::Spectrum::from_function(sigma, color::Outside::kZero), Lookup::kNearestNm);
+        };
+        m.sigma_t = add([&](double nm) { return d.scale * (d.sigma_a(nm) + d.sigma_s(nm)); });
+        m.sigma_s = add([&](double nm) { return d.scale * d.sigma_s(nm); });
         m.g = static_cast<float>(d.g);
         world->media_.push_back(m);
     }

@@ -45,12 +45,8 @@ std::vector<Spectrum> color_checker() {
 }
 
 Xyz seen_under_d65(const Spectrum& reflectance, const Observer& observer) {
-    std::vector<double> lambda_nm, value;
-    for (double lambda = kLambdaMin; lambda <= kLambdaMax; ++lambda) {
-        lambda_nm.push_back(lambda);
-        value.push_back(reflectance(lambda) * illuminant_d65()(lambda));
-    }
-    return xyz_from_spectrum(*Spectrum::from_samples(lambda_nm, value, Outside::kZero), observer);
+    const auto seen = [&](double lambda) { return reflectance(lambda) * illuminant_d65()(lambda); };
+    return xyz_from_spectrum(Spectrum::from_function(seen, Outside::kZero), observer);
 }
 
 // CIE 1976 L*a*b* [CIE15].

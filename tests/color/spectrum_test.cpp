@@ -30,6 +30,10 @@ TEST(Spectrum, IsLinearBetweenSamplesAndEndsAsItWasTold) {
     EXPECT_EQ(clamped(900), 2);
     EXPECT_EQ(Spectrum()(500), 0);
     EXPECT_EQ(Spectrum::constant(0.5)(12345), 0.5);
+    const Spectrum square = Spectrum::from_function([](double nm) { return nm * nm; }, Outside::kZero);
+    EXPECT_EQ(square(360), 360 * 360);
+    EXPECT_EQ(square(829.5), (829 * 829 + 830 * 830) / 2.0);
+    EXPECT_EQ(square(830.5), 0);
 }
 
 TEST(Spectrum, RefusesSamplesThatAreNoFunction) {

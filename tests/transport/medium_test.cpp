@@ -14,12 +14,8 @@ namespace {
 class Steps : public ::testing::Test {
  protected:
     static color::Spectrum line(double at_360, double at_830) {
-        std::vector<double> nm, value;
-        for (double x = 360; x <= 830; ++x) {
-            nm.push_back(x);
-            value.push_back(at_360 + (at_830 - at_360) * (x - 360) / 470);
-        }
-        return *color::Spectrum::from_samples(std::move(nm), std::move(value), color::Outside::kZero);
+        return color::Spectrum::from_function([=](double nm) { return at_360 + (at_830 - at_360) * (nm - 360) / 470; },
+                                              color::Outside::kZero);
     }
     Steps() {
         fog_.sigma_t = library_.add(line(4, 0.05), Lookup::kNearestNm);  // red light hardly is
