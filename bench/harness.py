@@ -19,7 +19,7 @@ def say(text):
 def build(*targets):
     """Installs what is missing and builds `targets` in Release."""
     subprocess.run([ROOT / "scripts/install", "bench"], check=True)
-    subprocess.run(["cmake", "--preset", "release", "-DLATENT_BENCHES=ON"], cwd=ROOT, check=True, stdout=sys.stderr)
+    subprocess.run(["cmake", "--preset", "release", "-DLATENT_TESTS=ON", "-DLATENT_BENCHES=ON"], cwd=ROOT, check=True, stdout=sys.stderr)
     subprocess.run(["cmake", "--build", "--preset", "release", "--target", *targets], cwd=ROOT, check=True, stdout=sys.stderr)
 
 
