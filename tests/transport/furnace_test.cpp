@@ -192,23 +192,12 @@ TEST(DirectLight, HasThePowerOrIlluminanceThatTheSceneSays) {
 }
 
 // Mean XYZ of a picture that a light fills.
-std::array<double, 3> seen(const std::string& light, std::uint64_t samples = 20'000) {
+std::array<double, 3> seen(const std::string& light) {
     const Scene scene = scene_from(
         "Camera \"perspective\" \"float fov\" 20\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" "
         "64\nWorldBegin\n" +
         light);
-    const std::unique_ptr<Integrator> integrator = scene.integrator({.max_depth = 1, .record = sampledb::RecordKind::kXyz});
-    std::array<double, 3> sum{};
-    sampledb::Records r;
-    RadianceFaults faults;
-    for (std::uint64_t n = 0; n < samples; ++n) integrator->trace(n, r, faults);
-    for (std::size_t i = 0; i < r.size(); ++i) {
-        sum[0] += static_cast<double>(r.x[i]);
-        sum[1] += static_cast<double>(r.y[i]);
-        sum[2] += static_cast<double>(r.z[i]);
-    }
-    for (double& s : sum) s /= static_cast<double>(samples);
-    return sum;
+    return mean_of_picture(scene, {.max_depth = 1}, 20'000).xyz;
 }
 
 void expect_colour(const std::string& light, const color::Spectrum& spectrum, double scale) {
