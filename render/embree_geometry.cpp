@@ -2,16 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "render/exact_shapes.h"
-
 namespace latent::render {
 
 namespace {
-
-PatchCorners corners(const MeshDescription& mesh, std::uint32_t primitive) {
-    const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
-    return {Vec3d(mesh.positions[v[0]]), Vec3d(mesh.positions[v[1]]), Vec3d(mesh.positions[v[2]]), Vec3d(mesh.positions[v[3]])};
-}
 
 // The box of a primitive of user geometry, in floats that contain it.
 void bounds_of(const RTCBoundsFunctionArguments* args) {
@@ -19,7 +12,7 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
     const ShapeDescription& shape = placed.shape;
     Vec3d low, high;
     if (shape.kind == ShapeKind::kBilinear) {
-        const PatchCorners p = corners(*shape.mesh, args->primID);
+        const PatchCorners p = patch_corners(*shape.mesh, args->primID);
         low = high = p[0];
         for (const Vec3d& c : p) {
             low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
@@ -43,7 +36,8 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
 std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t primitive, const RTCRay& ray) {
     const ShapeDescription& shape = placed.shape;
     const Vec3d o(ray.org_x, ray.org_y, ray.org_z), d(ray.dir_x, ray.dir_y, ray.dir_z);
-    if (shape.kind == ShapeKind::kBilinear) return intersect_patch(o, d, corners(*shape.mesh, primitive), ray.tnear, ray.tfar);
+    if (shape.kind == ShapeKind::kBilinear)
+        return intersect_patch(o, d, patch_corners(*shape.mesh, primitive), ray.tnear, ray.tfar);
     const Vec3d local_o = placed.from_world.point(o), local_d = placed.from_world.vector(d);
     if (shape.kind == ShapeKind::kSphere) return intersect_sphere(local_o, local_d, shape.radius, ray.tnear, ray.tfar);
     return intersect_disk(local_o, local_d, shape.height, shape.inner_radius, shape.radius, ray.tnear, ray.tfar);
@@ -178,59 +172,6 @@ void EmbreeGeometry::find_bounds() {
     const Vec3f low(b.lower_x, b.lower_y, b.lower_z), high(b.upper_x, b.upper_y, b.upper_z);
     center_ = (low + high) * 0.5f;
     radius_ = length(high - low) * 0.5f * 1.00001f;
-}
-
-Status EmbreeGeometry::add_emitters(const SceneDescription& scene) {
-    for (PlacedShape& placed : shapes_) {
-        const ShapeDescription& shape = placed.shape;
-        if (shape.area_light == kNone) continue;
-        const AreaLightDescription& light = scene.area_lights[shape.area_light];
-        const SourceLocation& where = shape.location;
-        const auto refuse = [&](std::string_view what) {
-            return Error{ErrorCode::kUnsupported, fmt::format("{}:{}:{}: an area light on {} is not supported",
-                                                              scene.files[where.file], where.line, where.column, what)};
-        };
-        placed.first_emitter = static_cast<std::uint32_t>(emitters_.size());
-        // Of the piece that `power` is given for.
-        const auto scale = [&](double area) {
-            const double sides = light.two_sided ? 2 : 1;
-            return static_cast<float>(light.scale * (light.power ? *light.power / (std::numbers::pi * area * sides) : 1));
-        };
-        Emitter emitter{
-            .area_light = shape.area_light, .inside_medium = shape.inside_medium, .outside_medium = shape.outside_medium};
-        if (shape.kind == ShapeKind::kTriangles) {
-            const MeshDescription& mesh = *shape.mesh;
-            for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-                const SurfaceHit hit = surface_at(placed, static_cast<std::uint32_t>(i / 3), {1 / 3.0f, 1 / 3.0f}, {});
-                emitter.p = mesh.positions[mesh.indices[i]];
-                emitter.e1 = mesh.positions[mesh.indices[i + 1]] - emitter.p;
-                emitter.e2 = mesh.positions[mesh.indices[i + 2]] - emitter.p;
-                const double area = 0.5 * length(cross(Vec3d(emitter.e1), Vec3d(emitter.e2)));
-                emitter.n = area > 0 ? hit.ng : Vec3f{};
-                emitter.area = static_cast<float>(area);
-                emitter.scale = area > 0 ? scale(shape.pairs ? 2 * area : area) : 0;
-                emitters_.push_back(emitter);
-            }
-        } else if (shape.kind == ShapeKind::kSphere) {
-            const Affined& m = shape.to_world;
-            const double s = length(m.x), tolerance = 1e-5 * s;
-            const bool round = std::abs(length(m.y) - s) < tolerance && std::abs(length(m.z) - s) < tolerance &&
-                               std::abs(dot(m.x, m.y)) < tolerance * s && std::abs(dot(m.y, m.z)) < tolerance * s &&
-                               std::abs(dot(m.z, m.x)) < tolerance * s;
-            if (!round) return refuse("a sphere that is stretched");
-            const double radius = shape.radius * s, area = 4 * std::numbers::pi * radius * radius;
-            emitter.is_sphere = true;
-            emitter.p = Vec3f(m.t);
-            emitter.radius = static_cast<float>(radius);
-            emitter.inward = shape.flip_normal;
-            emitter.area = static_cast<float>(area);
-            emitter.scale = scale(area);
-            emitters_.push_back(emitter);
-        } else {
-            return refuse(shape.kind == ShapeKind::kDisk ? "a disk" : "a patch that is no parallelogram");
-        }
-    }
-    return {};
 }
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {

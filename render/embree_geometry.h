@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/exact_shapes.h"
 #include "render/geometry.h"
 
 namespace latent::render {
@@ -51,6 +52,8 @@ class EmbreeGeometry final : public Geometry {
     std::vector<PlacedInstance> instances_;  // geomID of the world less the number of shapes
     SceneHandle scene_;
 };
+
+PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive);
 
 // The surface at a hit on `placed`, in the space of its vertices: `uv` are Embree's of a triangle, or the patch's; `p` is near the
 // point of a quadric.

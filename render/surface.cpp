@@ -1,6 +1,5 @@
 // What the surface is like where a ray hit it.
 #include "render/embree_geometry.h"
-#include "render/exact_shapes.h"
 
 namespace latent::render {
 
@@ -56,8 +55,7 @@ SurfaceHit patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv) {
     const ShapeDescription& shape = placed.shape;
     const MeshDescription& mesh = *shape.mesh;
     const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
-    const PatchCorners corners{Vec3d(mesh.positions[v[0]]), Vec3d(mesh.positions[v[1]]), Vec3d(mesh.positions[v[2]]),
-                               Vec3d(mesh.positions[v[3]])};
+    const PatchCorners corners = patch_corners(mesh, primitive);
 
     SurfaceHit hit = common_hit(shape);
     hit.p = Vec3f(patch_point(corners, uv.x, uv.y));
@@ -89,6 +87,11 @@ SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
 }
 
 }  // namespace
+
+PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive) {
+    const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
+    return {Vec3d(mesh.positions[v[0]]), Vec3d(mesh.positions[v[1]]), Vec3d(mesh.positions[v[2]]), Vec3d(mesh.positions[v[3]])};
+}
 
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p) {
     SurfaceHit hit = placed.shape.kind == ShapeKind::kTriangles  ? triangle(placed, primitive, uv)
