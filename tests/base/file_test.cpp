@@ -5,7 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+
+#include "tests/faults/process.h"
 
 namespace latent {
 namespace {
@@ -14,17 +15,8 @@ namespace fs = std::filesystem;
 
 class FileTest : public ::testing::Test {
  protected:
-    fs::path folder_ = fs::path(::testing::TempDir()) / ("latent-file-" + make_nonce());
-    void SetUp() override { fs::create_directories(folder_); }
-    void TearDown() override { fs::remove_all(folder_); }
-    static std::string text_of(const fs::path& path) {
-        std::ifstream in(path, std::ios::binary);
-        std::ostringstream out;
-        out << in.rdbuf();
-        return out.str();
-    }
+    testing::TemporaryFolder folder_;
     static ByteSpan bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
-    std::size_t names_in_folder() const { return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {})); }
 };
 
 TEST_F(FileTest, AnOutputHasNoNameUntilItIsPublished) {
@@ -34,12 +26,12 @@ TEST_F(FileTest, AnOutputHasNoNameUntilItIsPublished) {
         ASSERT_TRUE(out->file().write_all(0, bytes_of("half")));
         EXPECT_FALSE(fs::exists(folder_ / "a"));
     }
-    EXPECT_EQ(names_in_folder(), 0u);
+    EXPECT_EQ(folder_.names().size(), 0u);
     Result<OutputFile> out = OutputFile::create(folder_ / "a", false);
     ASSERT_TRUE(out->file().write_all(0, bytes_of("whole")));
     ASSERT_TRUE(out->publish());
-    EXPECT_EQ(text_of(folder_ / "a"), "whole");
-    EXPECT_EQ(names_in_folder(), 1u);
+    EXPECT_EQ(testing::read_text(folder_ / "a"), "whole");
+    EXPECT_EQ(folder_.names().size(), 1u);
 }
 
 TEST_F(FileTest, AnExistingOutputIsRefusedBeforeAndAtPublishing) {
@@ -52,7 +44,7 @@ TEST_F(FileTest, AnExistingOutputIsRefusedBeforeAndAtPublishing) {
     ASSERT_FALSE(late);
     EXPECT_EQ(late.error().code, ErrorCode::kExists);
     EXPECT_EQ(OutputFile::create(folder_ / "a", false).error().code, ErrorCode::kExists);
-    EXPECT_EQ(text_of(folder_ / "a"), "first");
+    EXPECT_EQ(testing::read_text(folder_ / "a"), "first");
 }
 
 TEST_F(FileTest, AReplacedOutputKeepsItsOldContentUntilThen) {
@@ -60,21 +52,21 @@ TEST_F(FileTest, AReplacedOutputKeepsItsOldContentUntilThen) {
     {
         Result<OutputFile> abandoned = OutputFile::create(folder_ / "a", true);
         ASSERT_TRUE(abandoned);
-        EXPECT_EQ(names_in_folder(), 1u);  // where the file system has files without a name, SIGKILL would leave nothing
+        EXPECT_EQ(folder_.names().size(), 1u);  // where the file system has files without a name, SIGKILL would leave nothing
     }
-    EXPECT_EQ(text_of(folder_ / "a"), "old");
+    EXPECT_EQ(testing::read_text(folder_ / "a"), "old");
     Result<OutputFile> out = OutputFile::create(folder_ / "a", true);
     ASSERT_TRUE(out->file().write_all(0, bytes_of("new")));
     ASSERT_TRUE(out->publish());
-    EXPECT_EQ(text_of(folder_ / "a"), "new");
-    EXPECT_EQ(names_in_folder(), 1u);
+    EXPECT_EQ(testing::read_text(folder_ / "a"), "new");
+    EXPECT_EQ(folder_.names().size(), 1u);
 }
 
 TEST_F(FileTest, OnlyAFileIsEverReplaced) {
     const fs::path pipe = folder_ / "pipe";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
     EXPECT_EQ(OutputFile::create(pipe, true).error().code, ErrorCode::kExists);
-    EXPECT_EQ(OutputFile::create(folder_, true).error().code, ErrorCode::kExists);
+    EXPECT_EQ(OutputFile::create(folder_.path(), true).error().code, ErrorCode::kExists);
     EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
@@ -86,14 +78,14 @@ TEST_F(FileTest, CopyingARangeCopiesExactlyThatRange) {
     Result<File> target = File::create_exclusive(folder_ / "b");
     ASSERT_TRUE(source && target);
     ASSERT_TRUE(target->copy_from(*source, 12345, 0, 2 << 20));
-    EXPECT_EQ(text_of(folder_ / "b"), text.substr(12345, 2 << 20));
+    EXPECT_EQ(testing::read_text(folder_ / "b"), text.substr(12345, 2 << 20));
     const Status beyond = target->copy_from(*source, 2 << 20, 0, 2 << 20);
     ASSERT_FALSE(beyond);
     EXPECT_EQ(beyond.error().code, ErrorCode::kTruncated);
 }
 
 TEST_F(FileTest, FoldersAndMissingFilesAreNamed) {
-    EXPECT_EQ(File::open_read(folder_).error().code, ErrorCode::kForeign);
+    EXPECT_EQ(File::open_read(folder_.path()).error().code, ErrorCode::kForeign);
     const Result<File> missing = File::open_read(folder_ / "none");
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);

@@ -12,7 +12,7 @@
 #include "color/adaptation.h"
 #include "color/quantise.h"
 #include "image/exr_reader.h"
-#include "test_picture.h"
+#include "tests/convert/test_picture.h"
 #include "tools/convert/display.h"
 
 namespace latent::convert {

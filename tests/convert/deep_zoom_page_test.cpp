@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "test_picture.h"
+#include "tests/convert/test_picture.h"
 
 namespace latent::convert {
 namespace {

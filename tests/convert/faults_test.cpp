@@ -1,7 +1,5 @@
 // Disks that fail while a print is written: exit 1, the file is named, nothing is left of it.
-#include <sys/mount.h>
-
-#include "test_picture.h"
+#include "tests/convert/test_picture.h"
 
 namespace latent::convert {
 namespace {
@@ -9,6 +7,13 @@ namespace {
 class PrintFaults : public PrintTest {
  protected:
     void SetUp() override { write_picture(folder_ / "a.exr", {300, 280, {}, 64}); }
+
+    // Whatever a print has left; the picture and prints called "good" stay.
+    void remove_outputs() const {
+        for (const std::string& name : folder_.names()) {
+            if (name.starts_with('o')) std::filesystem::remove_all(folder_ / name);
+        }
+    }
 
     std::vector<std::string> command(const std::string& output) const {
         return {testing::tool("latent-convert"), at("a.exr"), "-o", at(output), "--pyramid", "--threads", "2"};
@@ -27,8 +32,7 @@ TEST_F(PrintFaults, WhicheverWriteFailsTheFileIsNamedAndNothingIsLeft) {
                 const testing::FaultOutcome outcome = testing::run_with_fault(command(output), {rule, folder_.path().string()});
                 if (!outcome.happened) break;
                 if (outcome.status == 0) {  // a file without a name could not be had, so it got one
-                    for (const char* name : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi", "o.html", "o_files"})
-                        std::filesystem::remove_all(folder_ / name);
+                    remove_outputs();
                     EXPECT_EQ(fault[0], 'c');
                     continue;
                 }
@@ -39,8 +43,7 @@ TEST_F(PrintFaults, WhicheverWriteFailsTheFileIsNamedAndNothingIsLeft) {
                 ASSERT_EQ(folder_.names(), std::vector<std::string>{"a.exr"});
             }
             EXPECT_TRUE(met > 0 || fault[0] == 'c') << output << " " << fault;
-            for (const char* name : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi", "o.html", "o_files"})
-                std::filesystem::remove_all(folder_ / name);
+            remove_outputs();
         }
     }
 }
@@ -64,25 +67,22 @@ TEST_F(PrintFaults, ShortTransfersAndInterruptionsChangeNothing) {
             EXPECT_EQ(outcome.status, 0) << rule << outcome.err;
             EXPECT_TRUE(outcome.happened);
             EXPECT_TRUE(testing::read_text(folder_ / output) == testing::read_text(folder_ / ("good." + output))) << output << rule;
-            for (const char* name : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi", "o.html", "o_files"})
-                std::filesystem::remove_all(folder_ / name);
+            remove_outputs();
         }
     }
 }
 
 TEST_F(PrintFaults, AFullDiskIsReportedByEveryFormat) {
-    const std::filesystem::path disk = folder_ / "disk";
-    std::filesystem::create_directory(disk);
-    if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "may not mount a file system here";
+    const testing::SmallDisk disk(64 << 10);
+    if (!disk.mounted()) GTEST_SKIP() << "mounting a tmpfs is not permitted here";
     for (const std::string output : {"o.png", "o.tif", "o.jpg", "o.exr", "o.dzi"}) {
         const testing::Outcome outcome =
             testing::run({testing::tool("latent-convert"), at("a.exr"), "-o", disk / output, "--quality", "100"});
         EXPECT_EQ(outcome.status, 1) << output;
         EXPECT_NE(outcome.err.find((disk / "o").string()), std::string::npos) << outcome.err;
         EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
-        EXPECT_TRUE(std::filesystem::is_empty(disk)) << output;
+        EXPECT_TRUE(disk.names().empty()) << output;
     }
-    ::umount(disk.c_str());
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "test_picture.h"
+#include "tests/convert/test_picture.h"
 #include "tools/convert/display.h"
 
 namespace latent::convert {

@@ -12,6 +12,15 @@ Status MemoryGathering::read_page(std::size_t run, const sampledb::PageInfo& inf
     return sampledb::decode_page(job_, info, ByteSpan(bytes_[run]).subspan(info.offset, info.stored_size), columns, page);
 }
 
+MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {
+    MemoryGathering gathering(job);
+    for (int i = 0; i < runs; ++i) {
+        const sampledb::SampleRange range{i * per_run, (i + 1) * per_run};
+        gathering.add(sampledb::Coverage(range), synthetic::make_records(job, range, scene));
+    }
+    return gathering;
+}
+
 Status MemoryPicture::write(int x, int y, std::span<const float> pixels) {
     const int per_row = static_cast<int>((rect_.width() + kTile - 1) / kTile);
     EXPECT_FALSE(tiles_[y * per_row + x]) << "tile " << x << ' ' << y << " came twice";

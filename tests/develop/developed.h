@@ -16,6 +16,10 @@
 
 namespace latent::develop {
 
+// Every form of filter, with and without negative lobes.
+inline constexpr const char* kFilters[] = {
+    "quartic", "quartic:-6,3", "quartic:-2,1.5", "mitchell", "mitchell-separable", "gaussian", "lanczos", "box"};
+
 // Encoded runs that lie in memory.
 class MemoryGathering : public sampledb::Gathering {
  public:
@@ -53,6 +57,9 @@ class MemoryGathering : public sampledb::Gathering {
     std::vector<std::filesystem::path> files_;
     sampledb::GatherReport report_;
 };
+
+// `runs` runs of `per_run` samples each.
+MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene);
 
 // A picture that tiles are written to; each pixel exactly once.
 class MemoryPicture final : public TileSink {

@@ -18,18 +18,7 @@ using sampledb::RecordKind;
 using sampledb::Records;
 using sampledb::SampleRange;
 
-constexpr const char* kFilters[] = {"quartic", "quartic:-6,3", "quartic:-2,1.5", "mitchell", "mitchell-separable", "gaussian",
-                                    "lanczos", "box"};
 constexpr std::uint64_t kMiB = 1 << 20;
-
-MemoryGathering gather(const Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {
-    MemoryGathering gathering(job);
-    for (int i = 0; i < runs; ++i) {
-        const SampleRange range{i * per_run, (i + 1) * per_run};
-        gathering.add(Coverage(range), synthetic::make_records(job, range, scene));
-    }
-    return gathering;
-}
 
 Job xyz_job() { return synthetic::make_job(RecordKind::kXyz); }
 

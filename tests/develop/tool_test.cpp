@@ -25,15 +25,11 @@ using sampledb::RecordKind;
 using testing::Outcome;
 using testing::read_text;
 
-constexpr std::uint64_t kRun = 4096;
+constexpr std::uint64_t kRun = synthetic::kShortRun;
 
 class Tool : public ::testing::Test {
  protected:
-    Job job_ = [] {
-        Job job = synthetic::make_job(RecordKind::kXyz);
-        job.run_samples = kRun;
-        return job;
-    }();
+    Job job_ = synthetic::make_short_job();
     testing::TemporaryFolder folder_;
 
     // A file that holds these runs.
@@ -141,9 +137,7 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
 
 TEST_F(Tool, ADamagedRunIsLeftOutAndReported) {
     const std::string whole = file("whole.latent", {0, 2});
-    std::vector<Coverage> coverages;
-    for (const std::uint64_t run : {0, 1, 2}) coverages.push_back(Coverage({run * kRun, (run + 1) * kRun}));
-    synthetic::FileBytes damaged = synthetic::make_file(job_, coverages);
+    synthetic::FileBytes damaged = synthetic::make_file(job_, synthetic::runs_between({0, kRun, 2 * kRun, 3 * kRun}));
     damaged.bytes[damaged.run_ends[0] + 1000] ^= std::byte{4};  // in a page of the second run
     synthetic::write_file(folder_ / "damaged.latent", damaged.bytes);
     const Outcome outcome = develop({out("damaged.latent"), "-o", out("damaged.exr"), "--size", "150", "--json"});

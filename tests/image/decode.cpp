@@ -1,4 +1,4 @@
-#include "decode.h"
+#include "tests/image/decode.h"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-#include "test_image.h"
+#include "tests/faults/process.h"
 
 // clang-format off: jpeglib.h needs what cstdio declares
 #include <jpeglib.h>
@@ -19,7 +19,7 @@ namespace latent::image {
 // libpng reads; the list of chunks is taken from the bytes.
 Decoded decode_png(const std::filesystem::path& path) {
     Decoded d;
-    const std::string bytes = file_text(path);
+    const std::string bytes = testing::read_text(path);
     for (std::size_t at = 8; at + 12 <= bytes.size();) {
         std::uint32_t size = 0;
         for (std::size_t i = 0; i < 4; ++i) size = size << 8 | static_cast<unsigned char>(bytes[at + i]);
@@ -67,7 +67,7 @@ Decoded decode_png(const std::filesystem::path& path) {
 }
 
 Decoded decode_jpeg(const std::filesystem::path& path) {
-    const std::string bytes = file_text(path);
+    const std::string bytes = testing::read_text(path);
     Decoded d;
     jpeg_decompress_struct jpeg;
     jpeg_error_mgr errors;

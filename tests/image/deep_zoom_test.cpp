@@ -4,7 +4,7 @@
 #include <csignal>
 
 #include "image/deep_zoom_writer.h"
-#include "test_image.h"
+#include "tests/image/test_image.h"
 
 namespace latent::image {
 namespace {
@@ -50,7 +50,7 @@ TEST_F(DeepZoomTest, EveryTileIsItsPartOfItsLevelWithTheOverlap) {
         ASSERT_TRUE(write_levels(**writer, width, height, 100));
         EXPECT_FALSE(fs::exists(folder_ / (name + "_files")));
         ASSERT_TRUE((*writer)->publish());
-        const std::string descriptor = file_text(folder_ / (name + ".dzi"));
+        const std::string descriptor = testing::read_text(folder_ / (name + ".dzi"));
         EXPECT_NE(descriptor.find("Format=\"png\" Overlap=\"" + std::to_string(overlap) + "\" TileSize=\"256\""),
                   std::string::npos);
         EXPECT_NE(descriptor.find("Width=\"600\" Height=\"300\""), std::string::npos);
@@ -71,7 +71,7 @@ TEST_F(DeepZoomTest, EveryTileIsItsPartOfItsLevelWithTheOverlap) {
                     const fs::path tile = folder_ / (name + "_files") / std::to_string(levels.size() - 1 - i) /
                                           (std::to_string(x) + "_" + std::to_string(y) + ".png");
                     ASSERT_TRUE(fs::exists(tile)) << tile;
-                    const std::string found = file_text(tile);
+                    const std::string found = testing::read_text(tile);
                     EXPECT_TRUE(std::as_bytes(std::span(found)).size() == expected->size() &&
                                 std::memcmp(found.data(), expected->data(), found.size()) == 0)
                         << tile;
@@ -91,7 +91,7 @@ TEST_F(DeepZoomTest, NothingIsLeftOfAnAbandonedPyramid) {
         ASSERT_TRUE(writer);
         ASSERT_TRUE(write_levels(**writer, 600, 300, 300));
     }
-    EXPECT_EQ(names_in_folder(), 0u);
+    EXPECT_EQ(folder_.names().size(), 0u);
 }
 
 TEST_F(DeepZoomTest, WhatAKilledWriterLeftIsRemovedByTheNextButNotWhatALivingOneHas) {
@@ -102,19 +102,19 @@ TEST_F(DeepZoomTest, WhatAKilledWriterLeftIsRemovedByTheNextButNotWhatALivingOne
     }
     ASSERT_GT(child, 0);
     ASSERT_EQ(::waitpid(child, nullptr, 0), child);
-    ASSERT_EQ(names_in_folder(), 1u);                                         // its hidden folder
+    ASSERT_EQ(folder_.names().size(), 1u);                                    // its hidden folder
     fs::create_directory(folder_ / ".a_files.b_files.0123456789abcdef.tmp");  // of another pyramid, a_files.b.dzi
     auto living = create(folder_ / "a.dzi", 600, 300, {});
     ASSERT_TRUE(living);
-    EXPECT_EQ(names_in_folder(), 2u);
+    EXPECT_EQ(folder_.names().size(), 2u);
     {
         const auto another = create(folder_ / "a.dzi", 600, 300, {});
         ASSERT_TRUE(another);
-        EXPECT_EQ(names_in_folder(), 3u);
+        EXPECT_EQ(folder_.names().size(), 3u);
     }
     ASSERT_TRUE(write_levels(**living, 600, 300, 300));
     ASSERT_TRUE((*living)->publish());
-    EXPECT_EQ(names_in_folder(), 4u);  // .dzi, .html, _files, and the other's
+    EXPECT_EQ(folder_.names().size(), 4u);  // .dzi, .html, _files, and the other's
 }
 
 TEST_F(DeepZoomTest, WhatExistsIsRefusedAndReplacedOnlyByForce) {
@@ -127,19 +127,19 @@ TEST_F(DeepZoomTest, WhatExistsIsRefusedAndReplacedOnlyByForce) {
         return (*writer)->publish();
     };
     ASSERT_TRUE(make(false));
-    EXPECT_EQ(names_in_folder(), 3u);
+    EXPECT_EQ(folder_.names().size(), 3u);
     for (const char* name : {"a.dzi", "a.html", "a_files"}) {
         const Status again = make(false);
         ASSERT_FALSE(again);
         EXPECT_EQ(again.error().code, ErrorCode::kExists);
         fs::remove_all(folder_ / name);
     }
-    EXPECT_EQ(names_in_folder(), 0u);
+    EXPECT_EQ(folder_.names().size(), 0u);
     ASSERT_TRUE(make(false));
     std::ofstream(folder_ / "a_files" / "old") << "left over";
     ASSERT_TRUE(make(true));
     EXPECT_FALSE(fs::exists(folder_ / "a_files" / "old"));
-    EXPECT_EQ(names_in_folder(), 3u);
+    EXPECT_EQ(folder_.names().size(), 3u);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "image/exr_reader.h"
 #include "image/exr_writer.h"
-#include "test_image.h"
+#include "tests/image/test_image.h"
 
 namespace latent::image {
 namespace {
@@ -137,7 +137,7 @@ TEST_F(ExrTest, EveryRectangleOfEveryLayoutIsReadExactlyAndFromManyThreads) {
 TEST_F(ExrTest, LossyCompressionsAreReadAsOpenExrItselfReadsThem) {
     for (const Imf::Compression compression : {Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::B44A_COMPRESSION}) {
         for (const Imf::PixelType type : {Imf::FLOAT, Imf::HALF}) {
-            SCOPED_TRACE(testing::Message() << "compression " << compression << ", pixel type " << type);
+            SCOPED_TRACE(::testing::Message() << "compression " << compression << ", pixel type " << type);
             const std::string path = (folder_ / (std::to_string(compression) + std::to_string(type))).string();
             write_exr(path, {"", compression, 0, type});
             std::vector<float> expected[3], found[3];
@@ -273,7 +273,7 @@ TEST_F(ExrTest, AWrittenFileReadsBackExactlyWithItsWindowsAndAttributes) {
             ASSERT_TRUE(writer);
             const Status written = write_all(**writer, rows, format.row_bytes(), piece);
             ASSERT_TRUE(written) << written.error().message;
-            EXPECT_TRUE(file_text(folder_ / name) == file_text(folder_ / (as_half ? "1h" : "1f")));
+            EXPECT_TRUE(testing::read_text(folder_ / name) == testing::read_text(folder_ / (as_half ? "1h" : "1f")));
             Imf::InputFile file((folder_ / name).c_str());
             EXPECT_EQ(file.header().dataWindow(), box(kWindow));
             EXPECT_EQ(file.header().displayWindow(), box(kDisplay));

@@ -1,8 +1,8 @@
 
 
-#include "decode.h"
 #include "image/jpeg_writer.h"
-#include "test_image.h"
+#include "tests/image/decode.h"
+#include "tests/image/test_image.h"
 
 namespace latent::image {
 namespace {
@@ -40,7 +40,7 @@ TEST_F(JpegTest, PixelsComeBackNearlyAndTagsExactly) {
         ASSERT_EQ(d.pixels.size(), rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_NEAR(static_cast<int>(d.pixels[i]), static_cast<int>(rows[i]), 6) << i;
     }
-    EXPECT_TRUE(file_text(folder_ / "1") == file_text(folder_ / "160"));
+    EXPECT_TRUE(testing::read_text(folder_ / "1") == testing::read_text(folder_ / "160"));
     auto coarse = create_jpeg(output("coarse"), format, {}, {75});
     ASSERT_TRUE(write_all(**coarse, rows, format.row_bytes(), 160));
     EXPECT_EQ(decode_jpeg(folder_ / "coarse").luminance_sampling, 2);
@@ -53,7 +53,7 @@ TEST_F(JpegTest, AboveTheLimitTheErrorSaysWhatToUse) {
     for (const char* part : {"a.jpg", "65500", "65501 x 10", ".tif"})
         EXPECT_NE(writer.error().message.find(part), std::string::npos) << part;
     EXPECT_TRUE(create_jpeg(output("b.jpg"), {65500, 10, SampleType::kU8}, {}, {}));
-    EXPECT_EQ(names_in_folder(), 0u);
+    EXPECT_EQ(folder_.names().size(), 0u);
 }
 
 }  // namespace

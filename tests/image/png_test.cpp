@@ -1,9 +1,9 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include "decode.h"
 #include "image/png_writer.h"
-#include "test_image.h"
+#include "tests/image/decode.h"
+#include "tests/image/test_image.h"
 
 namespace latent::image {
 namespace {
@@ -24,8 +24,8 @@ TEST_F(PngTest, PixelsComeBackExactlyHoweverTheRowsArrive) {
                 ASSERT_TRUE(write_all(**writer, rows, format.row_bytes(), piece));
                 const Decoded d = decode_png(folder_ / name);
                 EXPECT_TRUE(d.pixels == rows) << name;
-                if (first.empty()) first = file_text(folder_ / name);
-                EXPECT_TRUE(file_text(folder_ / name) == first) << name;
+                if (first.empty()) first = testing::read_text(folder_ / name);
+                EXPECT_TRUE(testing::read_text(folder_ / name) == first) << name;
             }
         }
     }
@@ -42,7 +42,7 @@ TEST_F(PngTest, TheBytesDoNotDependOnTheThreads) {
             EXPECT_TRUE(write_all(**writer, rows, format.row_bytes(), 700));
         });
     }
-    EXPECT_TRUE(file_text(folder_ / "1") == file_text(folder_ / "4"));
+    EXPECT_TRUE(testing::read_text(folder_ / "1") == testing::read_text(folder_ / "4"));
 }
 
 TEST_F(PngTest, ColourIsTaggedAsAsked) {
@@ -62,7 +62,7 @@ TEST_F(PngTest, ColourIsTaggedAsAsked) {
     wide.cicp = {12, 13, 0, 1};
     auto b = create_png(output("b.png"), format, wide, {});
     ASSERT_TRUE(write_all(**b, test_rows(format), format.row_bytes(), 4));
-    EXPECT_NE(file_text(folder_ / "b.png").find(std::string("cICP\x0c\x0d\x00\x01", 8)), std::string::npos);
+    EXPECT_NE(testing::read_text(folder_ / "b.png").find(std::string("cICP\x0c\x0d\x00\x01", 8)), std::string::npos);
     EXPECT_TRUE(decode_png(folder_ / "b.png").pixels == test_rows(format));
 }
 

@@ -1,36 +1,25 @@
-// tests/image/test_image.h: test pictures, a folder for each test, and rows fed in pieces of every size.
+// tests/image/test_image.h: test pictures, a folder for each test, rows fed in pieces of every size.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "base/file.h"
 #include "image/row_writer.h"
+#include "tests/faults/process.h"
 
 namespace latent::image {
 
 class FolderTest : public ::testing::Test {
  protected:
-    std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / ("latent-image-" + make_nonce());
-    void SetUp() override { std::filesystem::create_directories(folder_); }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
+    testing::TemporaryFolder folder_;
     OutputFile output(const std::string& name) const { return std::move(*OutputFile::create(folder_ / name, false)); }
-    std::size_t names_in_folder() const {
-        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
-    }
 };
-
-inline std::string file_text(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // Smooth with noise in the low bits: every filter and predictor has something to do.
 inline std::uint32_t test_value(int x, int y, int c) {

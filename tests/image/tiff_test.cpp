@@ -1,6 +1,6 @@
-#include "decode.h"
 #include "image/tiff_writer.h"
-#include "test_image.h"
+#include "tests/image/decode.h"
+#include "tests/image/test_image.h"
 
 namespace latent::image {
 namespace {
@@ -33,7 +33,7 @@ TEST_F(TiffTest, PixelsComeBackExactlyInStripsAndTilesOfEveryDepth) {
                     EXPECT_EQ(images[0].format.sample, sample);
                     EXPECT_EQ(images[0].tiled, tiles);
                     EXPECT_EQ(images[0].big, big);
-                    const std::string text = file_text(folder_ / name);
+                    const std::string text = testing::read_text(folder_ / name);
                     if (first.empty()) first = text;
                     EXPECT_TRUE(text == first);
                 }
@@ -47,7 +47,7 @@ TEST_F(TiffTest, BigTiffIsChosenWhenFourGibibytesMayNotDo) {
         auto writer = TiffWriter::create(output("a"), {{40000, height, SampleType::kU8}}, {}, {});
         ASSERT_TRUE(writer);
         ASSERT_TRUE((*writer)->finish() && (*writer)->publish());
-        EXPECT_EQ(file_text(folder_ / "a").substr(2, 1), big ? "\x2b" : "\x2a");
+        EXPECT_EQ(testing::read_text(folder_ / "a").substr(2, 1), big ? "\x2b" : "\x2a");
         std::filesystem::remove(folder_ / "a");
     }
 }
@@ -67,7 +67,7 @@ TEST_F(TiffTest, APyramidIsPagesOfShrinkingSizeMarkedAsReduced) {
     }
     ASSERT_TRUE((*writer)->finish());
     ASSERT_TRUE((*writer)->publish());
-    EXPECT_EQ(names_in_folder(), 1u);
+    EXPECT_EQ(folder_.names().size(), 1u);
     const std::vector<Decoded> images = decode_tiff(folder_ / "a.tif");
     ASSERT_EQ(images.size(), formats.size());
     for (std::size_t i = 0; i < formats.size(); ++i) {

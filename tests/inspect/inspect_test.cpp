@@ -4,11 +4,10 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <random>
 #include <sstream>
 
-#include "sampledb/gathering.h"
 #include "tests/faults/process.h"
+#include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 #include "tools/inspect/synthetic.h"
 
@@ -20,19 +19,12 @@ using namespace sampledb;
 using namespace latent::testing;
 using nlohmann::json;
 
-constexpr std::uint64_t kS = 4096;
+using synthetic::gather;
+using synthetic::make_short_job;
 
-Job small_job(RecordKind kind = RecordKind::kXyz) {
-    Job job = synthetic::make_job(kind);
-    job.run_samples = kS;
-    return job;
-}
+constexpr std::uint64_t kS = synthetic::kShortRun;
 
-const std::vector<Coverage>& four_runs() {
-    static const std::vector<Coverage> runs = {Coverage(SampleRange{0, kS}), Coverage(SampleRange{kS, 2 * kS}),
-                                               Coverage(SampleRange{2 * kS, 3 * kS}), Coverage(SampleRange{3 * kS, 3 * kS + 500})};
-    return runs;
-}
+std::vector<Coverage> four_runs() { return synthetic::runs_between({0, kS, 2 * kS, 3 * kS, 3 * kS + 500}); }
 
 class InspectTest : public ::testing::Test {
  protected:
@@ -46,18 +38,10 @@ class InspectTest : public ::testing::Test {
         synthetic::write_file(folder_ / name, bytes);
         return folder_ / name;
     }
-    static std::unique_ptr<Gathering> gather(const fs::path& file) {
-        GatherOptions options;
-        options.inputs = {file};
-        options.verify = VerifyLevel::kFull;
-        auto gathering = Gathering::open(options);
-        EXPECT_TRUE(gathering) << gathering.error().message;
-        return gathering ? std::move(*gathering) : nullptr;
-    }
 };
 
 TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
-    const Job job = small_job(RecordKind::kSpectral);
+    const Job job = make_short_job(RecordKind::kSpectral);
     std::vector<Coverage> runs = four_runs();
     runs.insert(runs.begin(), Coverage(SampleRange{0, 1024}));  // a checkpoint that the first run supersedes
     const fs::path file = write("a.latent", synthetic::make_file(job, runs, true, {}, R"({"host":"h"})").bytes);
@@ -84,7 +68,7 @@ TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
     EXPECT_NEAR(stored * records + info["frame_bytes"].get<double>(), info["stored_bytes"].get<double>(), 0.5);
     EXPECT_GT(stored * records, 0.9 * (info["stored_bytes"].get<double>() - 4 * 5000));
     EXPECT_NE(inspect({"info", file}).out.find(to_hex(job.id)), std::string::npos);
-    const auto selected = gather(file);
+    const auto selected = gather({file});
     ASSERT_EQ(info["run_list"].size(), 4u);
     for (std::size_t i = 0; i < 4; ++i) {
         const SampleRange range = selected->runs()[i].coverage.ranges().front();
@@ -109,19 +93,19 @@ TEST_F(InspectTest, ColumnsOfManyPagesAreEstimatedFromSome) {
 }
 
 TEST_F(InspectTest, VerifyNoticesDamageToEitherCopyOfTheHeaderThoughNoRunIsLost) {
-    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     for (const std::size_t at : {std::size_t{45}, sound.header_size / 2 - 1, sound.header_size / 2 + 45, sound.header_size - 1}) {
         Bytes broken = sound.bytes;
         broken[at] ^= std::byte{1};
         const Outcome outcome = inspect({"verify", write("a.latent", broken)});
         EXPECT_EQ(outcome.status, 4) << at;
         EXPECT_NE(outcome.out.find("header: one of its two copies is damaged"), std::string::npos) << outcome.out;
-        EXPECT_EQ(gather(folder_ / "a.latent")->runs().size(), 4u);
+        EXPECT_EQ(gather({folder_ / "a.latent"})->runs().size(), 4u);
     }
 }
 
 TEST_F(InspectTest, VerifyNamesTheRunThatIsDamaged) {
-    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     const fs::path file = write("a.latent", sound.bytes);
     for (const char* depth : {"--quick", "--json", "--deep"}) EXPECT_EQ(inspect({"verify", depth, file}).status, 0) << depth;
     EXPECT_EQ(inspect({"verify", file, "--threads", "1"}).out, inspect({"verify", file, "--threads", "3"}).out);
@@ -135,7 +119,7 @@ TEST_F(InspectTest, VerifyNamesTheRunThatIsDamaged) {
 }
 
 TEST_F(InspectTest, AnUnfinishedFileIsSoundAndOneThatIsNoLatentFileIsAnError) {
-    const synthetic::FileBytes unfinished = synthetic::make_file(small_job(), four_runs(), false);
+    const synthetic::FileBytes unfinished = synthetic::make_file(make_short_job(), four_runs(), false);
     const Outcome outcome =
         inspect({"verify", write("a.latent.part.0", ByteSpan(unfinished.bytes).first(unfinished.run_ends[2] + 700))});
     EXPECT_EQ(outcome.status, 0) << outcome.out;
@@ -151,7 +135,7 @@ TEST_F(InspectTest, AnUnfinishedFileIsSoundAndOneThatIsNoLatentFileIsAnError) {
 }
 
 TEST_F(InspectTest, APublishedNameWithoutItsFooterIsDamagedHoweverItsEndWasSpoiled) {
-    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     const ByteSpan bytes(sound.bytes);
     Bytes flipped = sound.bytes, longer = sound.bytes;
     flipped[flipped.size() - 20] ^= std::byte{1};
@@ -173,7 +157,7 @@ TEST_F(InspectTest, APublishedNameWithoutItsFooterIsDamagedHoweverItsEndWasSpoil
 }
 
 TEST_F(InspectTest, InfoListsTheDamageThatItMeets) {
-    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     for (const std::size_t into : {std::size_t{100}, std::size_t{2000}}) {  // of run 1: its header; its pages
         Bytes bytes = sound.bytes;
         bytes[sound.run_ends[0] + into] ^= std::byte{1};
@@ -184,7 +168,7 @@ TEST_F(InspectTest, InfoListsTheDamageThatItMeets) {
 }
 
 TEST_F(InspectTest, AFileMayHaveAnyName) {
-    const fs::path file = write("\xff.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("\xff.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     for (const std::string command : {"info", "verify"}) {
         const Outcome outcome = inspect({command, "--json", file});
         EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -193,7 +177,7 @@ TEST_F(InspectTest, AFileMayHaveAnyName) {
 }
 
 TEST_F(InspectTest, NumbersThatAreNoneAndNamesOfAnotherKindAreWrongUsage) {
-    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     EXPECT_EQ(inspect({"cat", file, "--limit", "-1"}).status, 2);
     for (const char* region : {"0,0,2,2", "-1,0,1,1", "0.5,0,0.5,1", "0,0.6,1,0.4", "0,nan,1,1", "0,0,1", "0,0,1,1,1", "a,b,c,d"}) {
         EXPECT_EQ(inspect({"cat", file, std::string("--region=") + region}).status, 2) << region;
@@ -208,7 +192,7 @@ TEST_F(InspectTest, NumbersThatAreNoneAndNamesOfAnotherKindAreWrongUsage) {
 }
 
 TEST_F(InspectTest, OneBadFileDoesNotKeepTheOthersFromBeingLookedAt) {
-    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     const fs::path good = write("good.latent", sound.bytes);
     const fs::path cut = write("cut.latent", ByteSpan(sound.bytes).first(sound.run_ends[2]));
     const fs::path text = folder_ / "text.latent";
@@ -228,7 +212,7 @@ TEST_F(InspectTest, OneBadFileDoesNotKeepTheOthersFromBeingLookedAt) {
 }
 
 TEST_F(InspectTest, CatLeavesOutDamagedPagesAndSaysSo) {
-    const synthetic::FileBytes sound = synthetic::make_file(small_job(), four_runs());
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     const Outcome all = inspect({"cat", write("a.latent", sound.bytes)});
     Bytes broken = sound.bytes;
     broken[sound.run_ends[0] + 3000] ^= std::byte{1};
@@ -242,7 +226,7 @@ TEST_F(InspectTest, CatLeavesOutDamagedPagesAndSaysSo) {
 }
 
 TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const synthetic::FileBytes sound = synthetic::make_file(job, four_runs());
     for (std::size_t broken_run = 0; broken_run < 4; ++broken_run) {
         for (const std::size_t into : {std::size_t{100}, std::size_t{2000}}) {  // its header; its pages
@@ -256,7 +240,7 @@ TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
             const SampleRange lost = four_runs()[broken_run].ranges().front();
             EXPECT_EQ(ledger["lost_samples"], (json{{lost.first, lost.end}})) << ledger.dump();
             EXPECT_EQ(ledger["damage"].size(), 1u);
-            const auto saved = gather(output);
+            const auto saved = gather({output});
             ASSERT_TRUE(saved);
             EXPECT_EQ(saved->runs().size(), 3u);
             EXPECT_FALSE(saved->coverage().intersects(lost));
@@ -268,7 +252,7 @@ TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
 }
 
 TEST_F(InspectTest, RecoverNeverTouchesItsInputOrAnOutputThatExists) {
-    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     const std::string before = read_text(file);
     EXPECT_EQ(inspect({"recover", file, "-o", file}).status, 1);
     fs::create_hard_link(file, folder_ / "hard.latent");
@@ -286,7 +270,7 @@ TEST_F(InspectTest, RecoverNeverTouchesItsInputOrAnOutputThatExists) {
 }
 
 TEST_F(InspectTest, RecoverFromAFailingDiskLeavesNoHalfOutput) {
-    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     const std::vector<std::string> before = folder_.names();
     for (const char* call : {"create", "write", "copy", "sync", "link", "read"}) {
         int nth = 1;
@@ -312,7 +296,7 @@ TEST_F(InspectTest, RecoverFromAFailingDiskLeavesNoHalfOutput) {
 TEST_F(InspectTest, RecoverToAFullDiskLeavesNoHalfOutput) {
     const latent::testing::SmallDisk disk(64 << 10);
     if (!disk.mounted()) GTEST_SKIP() << "mounting a tmpfs is not permitted here";
-    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     const Outcome outcome = inspect({"recover", file, "-o", disk / "b.latent"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.err.find("b.latent: cannot write: No space left on device"), std::string::npos) << outcome.err;
@@ -320,7 +304,7 @@ TEST_F(InspectTest, RecoverToAFullDiskLeavesNoHalfOutput) {
 }
 
 TEST_F(InspectTest, CatSaysWhenItsOutputIsFull) {
-    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     const Outcome outcome = run({"/bin/sh", "-c", "exec \"$0\" cat \"$1\" > /dev/full", tool("latent-inspect"), file});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
@@ -328,7 +312,7 @@ TEST_F(InspectTest, CatSaysWhenItsOutputIsFull) {
 }
 
 TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailure) {
-    const fs::path file = write("a.latent", synthetic::make_file(small_job(), four_runs()).bytes);
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     for (const std::string command :
          {"latent-inspect info", "latent-inspect verify --json", "latent-merge -o b.latent --json", "latent-inspect --help"}) {
         const Outcome outcome =
@@ -339,7 +323,7 @@ TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailure) {
 }
 
 TEST_F(InspectTest, CatPrintsEveryRecordExactly) {
-    Job job = small_job();
+    Job job = make_short_job();
     job.extra = {{"depth", ColumnType::kF32}};
     const fs::path file = write("a.latent", synthetic::make_file(job, four_runs()).bytes);
     const Records records = synthetic::make_records(job, {0, 3 * kS + 500});
@@ -374,7 +358,7 @@ TEST_F(InspectTest, CatPrintsEveryRecordExactly) {
 }
 
 TEST_F(InspectTest, CatSelectsSamplesRegionAndNumber) {
-    const Job job = small_job(RecordKind::kSpectral);
+    const Job job = make_short_job(RecordKind::kSpectral);
     const fs::path file = write("a.latent", synthetic::make_file(job, four_runs()).bytes);
     const Records records = synthetic::make_records(job, {5000, 6000});
     const Outcome outcome = inspect({"cat", file, "--samples", "5000:6000", "--region", "0.25,0.5,1,1", "--format", "json"});
@@ -413,7 +397,7 @@ TEST_F(InspectTest, GenReachesSampleNumbersBeyondTwoToTheThirtyTwo) {
     const Outcome outcome =
         inspect({"gen", "-o", folder_ / "far.latent", "--first", "8589934592", "--records", "3000", "--every", "1000", "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const auto far = gather(folder_ / "far.latent");
+    const auto far = gather({folder_ / "far.latent"});
     EXPECT_EQ(far->coverage(), Coverage(SampleRange{8589934592, 8589934592 + 3000000}));
     std::uint64_t records = 0;
     for (const SelectedRun& r : far->runs()) records += r.header.camera_records;
@@ -445,11 +429,11 @@ TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
     for (const char* name : {"night-0.latent", "night-1.latent", "broken.latent"}) {
         const bool second = std::string(name) == "night-1.latent";
         const std::vector<Coverage> runs = {second ? Coverage(SampleRange{kS, 2 * kS}) : Coverage(SampleRange{0, kS})};
-        write(name, synthetic::make_file(small_job(), runs).bytes);
+        write(name, synthetic::make_file(make_short_job(), runs).bytes);
     }
     fs::create_directories(folder_ / "parts");
-    write("parts/0.latent", synthetic::make_file(small_job(), std::vector{Coverage(SampleRange{0, kS})}).bytes);
-    write("parts/1.latent", synthetic::make_file(small_job(), std::vector{Coverage(SampleRange{kS, 2 * kS})}).bytes);
+    write("parts/0.latent", synthetic::make_file(make_short_job(), std::vector{Coverage(SampleRange{0, kS})}).bytes);
+    write("parts/1.latent", synthetic::make_file(make_short_job(), std::vector{Coverage(SampleRange{kS, 2 * kS})}).bytes);
     int tried = 0;
     for (const std::string command : {"latent-merge", "latent-inspect info", "latent-inspect verify", "latent-inspect recover",
                                       "latent-inspect cat", "latent-inspect gen"}) {

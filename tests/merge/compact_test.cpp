@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
-#include "sampledb/run_codec.h"
 #include "tests/faults/process.h"
+#include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 #include "tools/merge/merge.h"
 
@@ -17,13 +16,10 @@ namespace fs = std::filesystem;
 using namespace sampledb;
 using latent::testing::TemporaryFolder;
 
-constexpr std::uint64_t kS = 4096;
+using synthetic::gather;
+using synthetic::make_short_job;
 
-Job job_of(RecordKind kind) {
-    Job job = synthetic::make_job(kind);
-    job.run_samples = kS;
-    return job;
-}
+constexpr std::uint64_t kS = synthetic::kShortRun;
 
 class CompactTest : public ::testing::Test {
  protected:
@@ -35,14 +31,6 @@ class CompactTest : public ::testing::Test {
         scene.light_per_sample = 0.3;
         synthetic::write_file(folder_ / name, synthetic::make_file(job, runs, true, scene).bytes);
         return folder_ / name;
-    }
-    static std::unique_ptr<Gathering> gather(const std::vector<fs::path>& files) {
-        GatherOptions options;
-        options.inputs = files;
-        options.verify = VerifyLevel::kFull;
-        auto gathering = Gathering::open(options);
-        EXPECT_TRUE(gathering) << gathering.error().message;
-        return gathering ? std::move(*gathering) : nullptr;
     }
     MergeReport compact(const std::vector<fs::path>& inputs, const std::string& output,
                         std::uint64_t memory = std::uint64_t{1} << 30) {
@@ -66,7 +54,7 @@ std::vector<Coverage> intervals(std::uint64_t count) {
 TEST_F(CompactTest, TheNewRunIsTheOneThatAllRecordsTogetherWouldHaveMade) {
     for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
         for (const bool named_columns : {false, true}) {
-            Job job = job_of(kind);
+            Job job = make_short_job(kind);
             if (named_columns) {  // as foreign writers have it
                 job.extra = {{"depth", ColumnType::kF32}, {"light_group", ColumnType::kU16}};
                 job.positions = {};
@@ -86,7 +74,7 @@ TEST_F(CompactTest, TheNewRunIsTheOneThatAllRecordsTogetherWouldHaveMade) {
 }
 
 TEST_F(CompactTest, OnlyWholeIntervalsAreRewritten) {
-    const Job job = job_of(RecordKind::kXyz);
+    const Job job = make_short_job(RecordKind::kXyz);
     // 0..S whole; S..2S in two runs that were cut at R; 2S..3S a checkpoint; 3S..4S and 5S..6S whole; 6S..6S+100 the end of the
     // range.
     const fs::path file =
@@ -106,7 +94,7 @@ TEST_F(CompactTest, OnlyWholeIntervalsAreRewritten) {
 }
 
 TEST_F(CompactTest, ACompactedRunSupersedesWhatItWasMadeOfAndCanBeCompactedAgain) {
-    const Job job = job_of(RecordKind::kSpectral);
+    const Job job = make_short_job(RecordKind::kSpectral);
     const fs::path first = write("first.latent", job, intervals(3));
     compact({first}, "large.latent");
     const auto both = gather({folder_.path()});  // a folder with both files: nothing is counted twice
@@ -119,7 +107,7 @@ TEST_F(CompactTest, ACompactedRunSupersedesWhatItWasMadeOfAndCanBeCompactedAgain
 }
 
 TEST_F(CompactTest, LessMemoryMakesMoreAndSmallerRunsOfTheSameRecords) {
-    const Job job = job_of(RecordKind::kXyz);
+    const Job job = make_short_job(RecordKind::kXyz);
     const fs::path file = write("a.latent", job, intervals(16));
     compact({file}, "small.latent", std::uint64_t{4} << 20);
     const auto small = gather({folder_ / "small.latent"});

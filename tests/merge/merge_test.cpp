@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <fstream>
-#include <numeric>
 
-#include "sampledb/run_codec.h"
 #include "tests/faults/process.h"
+#include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::merge {
@@ -17,40 +16,12 @@ namespace fs = std::filesystem;
 using namespace sampledb;
 using namespace latent::testing;
 
-constexpr std::uint64_t kS = 4096;
+using synthetic::gather;
+using synthetic::make_short_job;
+using synthetic::runs_between;
+using synthetic::runs_of;
 
-Job small_job(RecordKind kind = RecordKind::kXyz, std::uint64_t id = 1) {
-    Job job = synthetic::make_job(kind, id);
-    job.run_samples = kS;
-    return job;
-}
-
-// One run for each pair of neighbouring boundaries.
-std::vector<Coverage> runs_between(std::initializer_list<std::uint64_t> boundaries) {
-    std::vector<Coverage> runs;
-    for (auto at = boundaries.begin(); at + 1 < boundaries.end(); ++at) runs.emplace_back(SampleRange{at[0], at[1]});
-    return runs;
-}
-
-std::unique_ptr<Gathering> gather(const fs::path& file, VerifyLevel verify = VerifyLevel::kFull) {
-    GatherOptions options;
-    options.inputs = {file};
-    options.verify = verify;
-    auto gathering = Gathering::open(options);
-    EXPECT_TRUE(gathering) << gathering.error().message;
-    if (!gathering) return nullptr;
-    EXPECT_TRUE((*gathering)->report().left_out.empty());
-    return std::move(*gathering);
-}
-
-using RunList = std::vector<std::pair<std::vector<SampleRange>, Hash128>>;
-RunList runs_of(const fs::path& file) {
-    RunList runs;
-    if (const auto gathering = gather(file)) {
-        for (const SelectedRun& r : gathering->runs()) runs.emplace_back(r.coverage.ranges(), r.header.content_hash);
-    }
-    return runs;
-}
+constexpr std::uint64_t kS = synthetic::kShortRun;
 
 class MergeTest : public ::testing::Test {
  protected:
@@ -85,7 +56,7 @@ class MergeTest : public ::testing::Test {
 };
 
 TEST_F(MergeTest, TheOutputIsTheSameToTheLastByteWhateverTheOrderOfTheParts) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     std::vector<fs::path> parts = {part("a.latent", job, runs_between({0, kS, 2 * kS})),
                                    part("b.latent", job, runs_between({2 * kS, 3 * kS})),
                                    part("c.latent", job, runs_between({3 * kS, 4 * kS, 4 * kS + 1500}))};
@@ -99,7 +70,7 @@ TEST_F(MergeTest, TheOutputIsTheSameToTheLastByteWhateverTheOrderOfTheParts) {
 }
 
 TEST_F(MergeTest, AnyGroupingSelectsTheRunsThatOneProcessWouldHaveWritten) {
-    const Job job = small_job(RecordKind::kSpectral);
+    const Job job = make_short_job(RecordKind::kSpectral);
     const fs::path a = part("a.latent", job, runs_between({0, kS})), b = part("b.latent", job, runs_between({kS, 2 * kS})),
                    c = part("c.latent", job, runs_between({2 * kS, 3 * kS, 3 * kS + 77}));
     const fs::path whole = part("whole.latent", job, runs_between({0, kS, 2 * kS, 3 * kS, 3 * kS + 77}));
@@ -114,26 +85,26 @@ TEST_F(MergeTest, AnyGroupingSelectsTheRunsThatOneProcessWouldHaveWritten) {
         const Outcome outcome = merge_files(inputs, {"--force"});
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         EXPECT_EQ(runs_of(out_), runs_of(whole));
-        EXPECT_EQ(gather(out_)->light_paths(), 3 * kS + 77);
+        EXPECT_EQ(gather({out_})->light_paths(), 3 * kS + 77);
     }
 }
 
 TEST_F(MergeTest, CheckpointsThatACanonicalRunSupersedesAreDropped) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const fs::path with = part("a.latent.part.0123456789abcdef", job,
                                {Coverage(SampleRange{0, 1024}), Coverage(SampleRange{1024, 2048}), Coverage(SampleRange{0, kS}),
                                 Coverage(SampleRange{kS, kS + 1024})},
                                false);
     ASSERT_EQ(merge_files({with}).status, 0);
-    const RunList runs = runs_of(out_);
+    const std::vector<synthetic::RunContent> runs = runs_of(out_);
     ASSERT_EQ(runs.size(), 2u);
-    EXPECT_EQ(runs[0].first, (std::vector<SampleRange>{{0, kS}}));
-    EXPECT_EQ(runs[1].first, (std::vector<SampleRange>{{kS, kS + 1024}}));
+    EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{0, kS}}));
+    EXPECT_EQ(runs[1].coverage, (std::vector<SampleRange>{{kS, kS + 1024}}));
     EXPECT_LT(fs::file_size(out_), fs::file_size(with));
 }
 
 TEST_F(MergeTest, WhatWouldCountASampleTwiceIsRefusedNamingBothFiles) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const fs::path a = part("a.latent", job, runs_between({0, kS, 2 * kS})),
                    overlapping = part("b.latent", job, runs_between({kS, 2 * kS, 3 * kS}));
     expect_refusal({a, a}, {"a.latent"});
@@ -141,13 +112,13 @@ TEST_F(MergeTest, WhatWouldCountASampleTwiceIsRefusedNamingBothFiles) {
     EXPECT_EQ(merge_files({a, a}, {"--skip-duplicates"}).status, 0);
     EXPECT_EQ(runs_of(out_), runs_of(a));
     EXPECT_EQ(merge_files({a, overlapping}, {"--skip-duplicates", "--force"}).status, 0);
-    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 3 * kS}));
+    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
 }
 
 TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const fs::path a = part("a.latent", job, runs_between({0, kS})),
-                   other = part("other.latent", small_job(RecordKind::kXyz, 2), runs_between({kS, 2 * kS}));
+                   other = part("other.latent", make_short_job(RecordKind::kXyz, 2), runs_between({kS, 2 * kS}));
     std::ofstream(folder_ / "text.latent") << std::string(10000, 'x') << "this is a text file\n";
     expect_refusal({a, other}, {"a.latent", "other.latent", "job"});
     expect_refusal({a, folder_ / "text.latent"}, {"text.latent"});
@@ -158,33 +129,33 @@ TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
 }
 
 TEST_F(MergeTest, ATruncatedPartYieldsItsGoodRunsAndExitStatusThree) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const fs::path a = part("a.latent", job, runs_between({0, kS}));
     const synthetic::FileBytes file = synthetic::make_file(job, runs_between({kS, 2 * kS, 3 * kS}));
     synthetic::write_file(folder_ / "cut.latent", ByteSpan(file.bytes).first(file.run_ends[0] + 5000));
     const Outcome outcome = merge_files({a, folder_ / "cut.latent"});
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_NE(outcome.err.find("cut.latent"), std::string::npos) << outcome.err;
-    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
 }
 
 TEST_F(MergeTest, AFolderGivesItsPartsAndAListOfWhatWasLeftOut) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     fs::create_directories(folder_ / "parts");
     part("parts/a.latent", job, runs_between({0, kS}));
     part("parts/again.latent", job, runs_between({0, kS}));
     part("parts/b.latent.part.0123456789abcdef", job, runs_between({kS, 2 * kS}), false);
     EXPECT_EQ(merge_files({folder_ / "parts"}).status, 0);  // repeats in a folder are normal
-    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
     std::ofstream(folder_ / "parts/notes.latent") << "these are notes";
     const Outcome outcome = merge_files({folder_ / "parts"}, {"--force"});
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_NE(outcome.err.find("notes.latent"), std::string::npos) << outcome.err;
-    EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
 }
 
 TEST_F(MergeTest, ANameInANoteCannotSteerATerminal) {
-    part("a\x1b[2J.latent.part.0123456789abcdef", small_job(), runs_between({0, kS}), false);
+    part("a\x1b[2J.latent.part.0123456789abcdef", make_short_job(), runs_between({0, kS}), false);
     std::ofstream(folder_ / "a\x1b[2J.latent.part.0123456789abcdef", std::ios::app) << "a write that was cut short";
     const Outcome outcome = merge_files({folder_.path()});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -194,7 +165,7 @@ TEST_F(MergeTest, ANameInANoteCannotSteerATerminal) {
 }
 
 TEST_F(MergeTest, AnOutputThatExistsIsKeptUnlessForced) {
-    const fs::path a = part("a.latent", small_job(), runs_between({0, kS}));
+    const fs::path a = part("a.latent", make_short_job(), runs_between({0, kS}));
     std::ofstream(out_) << "precious";
     expect_refusal({a}, {"out.latent", "--force"});
     EXPECT_EQ(read_text(out_), "precious");
@@ -203,7 +174,7 @@ TEST_F(MergeTest, AnOutputThatExistsIsKeptUnlessForced) {
 }
 
 TEST_F(MergeTest, RequiredSamplesThatAreMissingAreNamed) {
-    const fs::path a = part("a.latent", small_job(), {Coverage(SampleRange{0, kS}), Coverage(SampleRange{2 * kS, 3 * kS})});
+    const fs::path a = part("a.latent", make_short_job(), {Coverage(SampleRange{0, kS}), Coverage(SampleRange{2 * kS, 3 * kS})});
     expect_refusal({a}, {"4096..8192"}, {"--require", "0:12288"});
     EXPECT_EQ(merge_files({a}, {"--require", "8192:12288"}).status, 0);
 }
@@ -216,7 +187,7 @@ TEST_F(MergeTest, WrongUsageIsExitStatusTwo) {
 }
 
 TEST_F(MergeTest, ManyPartsNeedFewOpenFiles) {
-    Job job = small_job();
+    Job job = make_short_job();
     job.run_samples = 1024;
     fs::create_directories(folder_ / "parts");
     for (std::uint64_t i = 0; i < 600; ++i) {
@@ -225,12 +196,12 @@ TEST_F(MergeTest, ManyPartsNeedFewOpenFiles) {
     const Outcome outcome = run({"/bin/sh", "-c", "ulimit -n 300; exec \"$0\" \"$@\"", tool("latent-merge"),
                                  (folder_ / "parts").string(), "-o", out_.string()});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(gather(out_, VerifyLevel::kHeaders)->coverage(), Coverage(SampleRange{0, 600 * 1024}));
+    EXPECT_EQ(gather({out_}, VerifyLevel::kHeaders)->coverage(), Coverage(SampleRange{0, 600 * 1024}));
 }
 
 class MergeFaults : public MergeTest {
  protected:
-    const Job job_ = small_job();
+    const Job job_ = make_short_job();
     const std::vector<fs::path> parts_ = {part("a.latent", job_, runs_between({0, kS, 2 * kS})),
                                           part("b.latent", job_, runs_between({2 * kS, 3 * kS}))};
     const std::vector<std::string> before_ = folder_.names();
@@ -254,7 +225,7 @@ TEST_F(MergeFaults, EveryCallThatFailsIsReportedAndLeavesNoHalfOutput) {
                     if (!happened) {
                         EXPECT_EQ(outcome.status, 0) << outcome.err;
                     } else if (outcome.status == 0 || fs::exists(out_)) {  // the folder's own sync, or a detour that worked
-                        EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 3 * kS}));
+                        EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
                     } else {
                         EXPECT_EQ(outcome.status, 1);
                         EXPECT_NE(outcome.err.find("out.latent"), std::string::npos) << outcome.err;
@@ -277,7 +248,7 @@ TEST_F(MergeFaults, AReadErrorNeverYieldsAnOutputThatPretendsToBeWhole) {
             const FaultOutcome outcome = merge_with(rule, options);
             happened = outcome.happened;
             if (outcome.status == 0) {
-                EXPECT_EQ(gather(out_)->coverage(), Coverage(SampleRange{0, 3 * kS}));
+                EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
             } else if (outcome.status == 3) {
                 EXPECT_NE(outcome.err.find("left out"), std::string::npos);
             } else {

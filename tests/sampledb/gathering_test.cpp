@@ -8,6 +8,7 @@
 #include <fstream>
 #include <thread>
 
+#include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -16,15 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 using synthetic::make_job;
 
-class GatheringTest : public testing::Test {
+class GatheringTest : public ::testing::Test {
  protected:
-    void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) /
-                  ("gathering_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
+    latent::testing::TemporaryFolder folder_;
 
     // A part of two runs that begins at run `index` of S samples (the synthetic job's, made short).
     fs::path part(const std::string& name, std::uint64_t index, bool footer = true, std::uint64_t job = 1) {
@@ -53,8 +48,6 @@ class GatheringTest : public testing::Test {
     static std::string message(const Result<std::unique_ptr<Gathering>>& gathering) {
         return gathering ? "" : gathering.error().message;
     }
-
-    fs::path folder_;
 };
 
 bool mentions(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
@@ -116,7 +109,7 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     fs::create_symlink("nowhere", folder_ / "link.latent");
     text("empty.latent", "");
     cut(part("c.latent", 6), 5000);
-    const auto g = open({folder_});
+    const auto g = open({folder_.path()});
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->coverage().size(), 5000u);
     EXPECT_EQ((*g)->report().repeated_runs, 2u);
@@ -193,7 +186,7 @@ TEST_F(GatheringTest, TheSameSamplesWithOtherContentAreReported) {
     const Coverage coverage(SampleRange{0, 1000});
     file("a.latent", job, {coverage});
     file("b.latent", job, {coverage}, true, {.seed = 2});
-    const auto g = open({folder_});
+    const auto g = open({folder_.path()});
     ASSERT_TRUE(g) << message(g);
     ASSERT_EQ((*g)->report().left_out.size(), 1u);
     ASSERT_EQ((*g)->runs().size(), 1u);
@@ -205,9 +198,9 @@ TEST_F(GatheringTest, TheSameSamplesWithOtherContentAreReported) {
 TEST_F(GatheringTest, JobChoosesAmongSeveral) {
     part("a.latent", 0, true, 1);
     part("b.latent", 0, true, 2);
-    EXPECT_TRUE(mentions(message(open({folder_})), "--job"));
+    EXPECT_TRUE(mentions(message(open({folder_.path()})), "--job"));
     GatherOptions options;
-    options.inputs = {folder_};
+    options.inputs = {folder_.path()};
     options.job = make_job(RecordKind::kXyz, 2).id;
     const auto g = Gathering::open(options);
     ASSERT_TRUE(g) << message(g);

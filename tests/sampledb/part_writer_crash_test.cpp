@@ -6,8 +6,8 @@
 #include <sstream>
 #include <thread>
 
-#include "sampledb/gathering.h"
 #include "tests/faults/process.h"
+#include "tests/support/gathered.h"
 
 namespace latent::sampledb {
 namespace {
@@ -37,7 +37,7 @@ std::vector<std::string> writer(const fs::path& name, const Setting& setting, in
 // What readers see under the name: NAME.latent or its attempts. Every run is read in full.
 struct Seen {
     std::uint64_t samples = 0;
-    std::vector<std::pair<std::vector<SampleRange>, Hash128>> runs;
+    std::vector<synthetic::RunContent> runs;
 };
 Seen seen(const fs::path& name) {
     GatherOptions options;
@@ -48,7 +48,7 @@ Seen seen(const fs::path& name) {
     if (!gathering) return result;  // nothing readable yet
     EXPECT_TRUE((*gathering)->report().left_out.empty()) << (*gathering)->report().left_out.front().reason;
     result.samples = (*gathering)->coverage().size();
-    for (const SelectedRun& run : (*gathering)->runs()) result.runs.emplace_back(run.coverage.ranges(), run.header.content_hash);
+    result.runs = synthetic::runs_of(**gathering);
     return result;
 }
 
@@ -121,7 +121,7 @@ class PartWriterFaults : public ::testing::Test {
     const Setting setting_{16384, 4096, 0.002, 200, false};
     TemporaryFolder folder_;
     const fs::path name_ = folder_ / "a.latent";
-    const std::vector<std::pair<std::vector<SampleRange>, Hash128>> expected_ = [this] {
+    const std::vector<synthetic::RunContent> expected_ = [this] {
         const TemporaryFolder other;
         EXPECT_EQ(run(writer(other / "a.latent", setting_, 1)).status, 0);
         return seen(other / "a.latent").runs;

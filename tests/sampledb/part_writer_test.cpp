@@ -8,10 +8,10 @@
 #include <random>
 #include <thread>
 
-#include "sampledb/gathering.h"
 #include "sampledb/part_name.h"
 #include "sampledb/run_assembler.h"
 #include "tests/faults/process.h"
+#include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -19,12 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using latent::testing::TemporaryFolder;
-
-Job small_job(RecordKind kind = RecordKind::kXyz, std::uint64_t id = 1) {
-    Job job = synthetic::make_job(kind, id);
-    job.run_samples = 4096;
-    return job;
-}
+using synthetic::make_short_job;
+using synthetic::RunContent;
+using synthetic::runs_of;
 
 std::vector<SampleRange> grains_of(const Coverage& missing, SampleRange range) {
     std::vector<SampleRange> grains;
@@ -36,26 +33,6 @@ std::vector<SampleRange> grains_of(const Coverage& missing, SampleRange range) {
 }
 
 Grain make_grain(const Job& job, SampleRange range) { return {range, synthetic::make_records(job, range)}; }
-
-struct StoredHash {
-    std::vector<SampleRange> coverage;
-    Hash128 hash;
-    bool operator==(const StoredHash&) const = default;
-};
-
-// What a reader selects under a name, published or not.
-std::vector<StoredHash> selected(const fs::path& name) {
-    GatherOptions options;
-    options.inputs = {name};
-    options.verify = VerifyLevel::kFull;
-    const auto gathering = Gathering::open(options);
-    EXPECT_TRUE(gathering) << gathering.error().message;
-    if (!gathering) return {};
-    EXPECT_TRUE((*gathering)->report().left_out.empty());
-    std::vector<StoredHash> runs;
-    for (const SelectedRun& run : (*gathering)->runs()) runs.push_back({run.coverage.ranges(), run.header.content_hash});
-    return runs;
-}
 
 class PartWriterTest : public ::testing::Test {
  protected:
@@ -76,26 +53,26 @@ class PartWriterTest : public ::testing::Test {
         for (const SampleRange& grain : grains_of(writer.missing(), range)) ASSERT_TRUE(writer.submit(make_grain(job, grain)));
     }
     // The selected runs of a render that nothing disturbed.
-    static std::vector<StoredHash> undisturbed(const Job& job, SampleRange range) {
+    static std::vector<RunContent> undisturbed(const Job& job, SampleRange range) {
         const TemporaryFolder folder;
         const auto writer = PartWriter::open({folder / "a.latent", range, 1000, "{}", false}, job);
         EXPECT_TRUE(writer) << writer.error().message;
         if (!writer) return {};
         submit_all(**writer, job, range);
         EXPECT_TRUE((*writer)->finish());
-        return selected(folder / "a.latent");
+        return runs_of(folder / "a.latent");
     }
 };
 
 TEST_F(PartWriterTest, ARangeIsWrittenAsCanonicalRunsAndPublishedUnderItsName) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{4096, 14000};
     const auto writer = open(job, range);
     EXPECT_EQ(writer->missing(), Coverage(range));
     submit_all(*writer, job, range);
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
-    const std::vector<StoredHash> runs = selected(name_);
+    const std::vector<RunContent> runs = runs_of(name_);
     ASSERT_EQ(runs.size(), 3u);
     EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{4096, 8192}}));
     EXPECT_EQ(runs[2].coverage, (std::vector<SampleRange>{{12288, 14000}}));
@@ -105,7 +82,7 @@ TEST_F(PartWriterTest, ARangeIsWrittenAsCanonicalRunsAndPublishedUnderItsName) {
 
 TEST_F(PartWriterTest, ThreadsAndTheirOrderDoNotChangeAByte) {
     for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
-        const Job job = small_job(kind);
+        const Job job = make_short_job(kind);
         const SampleRange range{0, 40000};
         const auto alone = open(job, range);
         submit_all(*alone, job, range);
@@ -133,10 +110,10 @@ TEST_F(PartWriterTest, AnInterruptedRenderEndsAsTheOneThatRanThrough) {
     std::mt19937 random(7);
     for (int trial = 0; trial < 24; ++trial) {
         SCOPED_TRACE(trial);
-        Job job = small_job(trial % 3 == 0 ? RecordKind::kSpectral : RecordKind::kXyz, static_cast<std::uint64_t>(trial));
+        Job job = make_short_job(trial % 3 == 0 ? RecordKind::kSpectral : RecordKind::kXyz, static_cast<std::uint64_t>(trial));
         if (trial % 2 == 0) job.run_bytes = kGrainSamples * 64 + random() % 100000;  // runs end at R
         const SampleRange range{0, 8192 + random() % 12000};
-        const std::vector<StoredHash> expected = undisturbed(job, range);
+        const std::vector<RunContent> expected = undisturbed(job, range);
         for (int life = 0;; ++life) {
             ASSERT_LT(life, 1000);
             const auto writer = open(job, range);
@@ -157,13 +134,13 @@ TEST_F(PartWriterTest, AnInterruptedRenderEndsAsTheOneThatRanThrough) {
             break;
         }
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
-        EXPECT_EQ(selected(name_), expected);
+        EXPECT_EQ(runs_of(name_), expected);
         fs::remove(name_);
     }
 }
 
 TEST_F(PartWriterTest, ACheckpointHoldsTheFinishedGrainsUpToTheFirstGapThatNoRunHoldsYet) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 8192};
     auto writer = open(job, range);
     for (const std::uint64_t first : {0u, 1024u, 3072u}) ASSERT_TRUE(writer->submit(make_grain(job, {first, first + 1024})));
@@ -176,7 +153,7 @@ TEST_F(PartWriterTest, ACheckpointHoldsTheFinishedGrainsUpToTheFirstGapThatNoRun
     ASSERT_TRUE(writer->checkpoint());
     EXPECT_EQ(writer->counts().samples_committed, 5120u);
     writer.reset();
-    const std::vector<StoredHash> runs = selected(name_);
+    const std::vector<RunContent> runs = runs_of(name_);
     ASSERT_EQ(runs.size(), 2u);  // the canonical run, which supersedes the first checkpoint, and the second checkpoint
     EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{0, 4096}}));
     EXPECT_EQ(runs[1].coverage, (std::vector<SampleRange>{{4096, 5120}}));
@@ -184,7 +161,7 @@ TEST_F(PartWriterTest, ACheckpointHoldsTheFinishedGrainsUpToTheFirstGapThatNoRun
 }
 
 TEST_F(PartWriterTest, ARunThatTakesLongerThanTheIntervalIsCheckpointedAgainAndAgain) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 4096};
     auto writer = open(job, range, 0.001);
     for (std::uint64_t first = 0; first < 3072; first += 1024) {
@@ -197,7 +174,7 @@ TEST_F(PartWriterTest, ARunThatTakesLongerThanTheIntervalIsCheckpointedAgainAndA
 }
 
 TEST_F(PartWriterTest, ASecondWriterTakesUpWhatTheFirstCommittedAndBothEndWell) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 20000};
     const auto first = open(job, range);
     const std::vector<SampleRange> grains = grains_of(first->missing(), range);
@@ -208,7 +185,7 @@ TEST_F(PartWriterTest, ASecondWriterTakesUpWhatTheFirstCommittedAndBothEndWell) 
     submit_all(*second, job, range);
     ASSERT_TRUE(second->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
-    EXPECT_EQ(selected(name_), undisturbed(job, range));
+    EXPECT_EQ(runs_of(name_), undisturbed(job, range));
 
     for (std::size_t i = 10; i < grains.size(); ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
     EXPECT_EQ(first->counts().samples_committed, range.size());  // it noticed at its next run: no need to render on
@@ -217,9 +194,9 @@ TEST_F(PartWriterTest, ASecondWriterTakesUpWhatTheFirstCommittedAndBothEndWell) 
 }
 
 TEST_F(PartWriterTest, TwoWritersAtOnceLeaveOneFile) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 50000};
-    const std::vector<StoredHash> expected = undisturbed(job, range);
+    const std::vector<RunContent> expected = undisturbed(job, range);
     for (int trial = 0; trial < 10; ++trial) {
         std::vector<std::thread> writers;
         for (int w = 0; w < 2; ++w) {
@@ -232,13 +209,13 @@ TEST_F(PartWriterTest, TwoWritersAtOnceLeaveOneFile) {
         }
         for (std::thread& writer : writers) writer.join();
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
-        EXPECT_EQ(selected(name_), expected);
+        EXPECT_EQ(runs_of(name_), expected);
         fs::remove(name_);
     }
 }
 
 TEST_F(PartWriterTest, AnAttemptThatVanishesIsWrittenAgain) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 12288};
     const auto writer = open(job, range);
     for (const SampleRange& grain : grains_of(writer->missing(), range)) {
@@ -252,11 +229,11 @@ TEST_F(PartWriterTest, AnAttemptThatVanishesIsWrittenAgain) {
     fs::remove(attempts_of(name_).at(0));
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
-    EXPECT_EQ(selected(name_), undisturbed(job, range));
+    EXPECT_EQ(runs_of(name_), undisturbed(job, range));
 }
 
 TEST_F(PartWriterTest, RunsOfAnAttemptThatIsGoneAreReportedAndRenderedAgain) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 12288};
     auto first = open(job, range);
     const std::vector<SampleRange> grains = grains_of(first->missing(), range);
@@ -277,11 +254,11 @@ TEST_F(PartWriterTest, RunsOfAnAttemptThatIsGoneAreReportedAndRenderedAgain) {
     submit_all(*third, job, range);
     ASSERT_TRUE(third->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
-    EXPECT_EQ(selected(name_), undisturbed(job, range));
+    EXPECT_EQ(runs_of(name_), undisturbed(job, range));
 }
 
 TEST_F(PartWriterTest, ANameThatAnotherJobTakesMeanwhileIsLeftToIt) {
-    const Job job = small_job(), other = small_job(RecordKind::kXyz, 2);
+    const Job job = make_short_job(), other = make_short_job(RecordKind::kXyz, 2);
     const auto slow = open(job, {0, 4096});
     submit_all(*slow, job, {0, 4096});
     const TemporaryFolder elsewhere;
@@ -292,12 +269,12 @@ TEST_F(PartWriterTest, ANameThatAnotherJobTakesMeanwhileIsLeftToIt) {
     const Status refused = slow->finish();
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("night.latent"), std::string::npos) << refused.error().message;
-    EXPECT_EQ(selected(name_), undisturbed(other, {0, 4096}));
+    EXPECT_EQ(runs_of(name_), undisturbed(other, {0, 4096}));
     EXPECT_EQ(attempts_of(name_).size(), 1u);  // nothing is lost
 }
 
 TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 10000};
     auto writer = open(job, range);
     submit_all(*writer, job, range);
@@ -312,7 +289,7 @@ TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
 }
 
 TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForced) {
-    const Job job = small_job(), other = small_job(RecordKind::kXyz, 2);
+    const Job job = make_short_job(), other = make_short_job(RecordKind::kXyz, 2);
     auto writer = open(job, {0, 4096});
     submit_all(*writer, job, {0, 4096});
     const Error unfinished = refusal(other, {0, 4096});
@@ -332,11 +309,11 @@ TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForce
     writer = open(other, {0, 8192}, 1000, true);
     submit_all(*writer, other, {0, 8192});
     ASSERT_TRUE(writer->finish());
-    EXPECT_EQ(selected(name_), undisturbed(other, {0, 8192}));
+    EXPECT_EQ(runs_of(name_), undisturbed(other, {0, 8192}));
 }
 
 TEST_F(PartWriterTest, AnUnfinishedShorterRangeIsContinued) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     auto writer = open(job, {0, 5500});
     submit_all(*writer, job, {0, 5500});
     while (writer->counts().samples_committed < 5500) std::this_thread::yield();  // the closing run too
@@ -345,11 +322,11 @@ TEST_F(PartWriterTest, AnUnfinishedShorterRangeIsContinued) {
     EXPECT_EQ(writer->missing(), Coverage(SampleRange{5120, 9000}));  // 5120..5500 is no whole grain
     submit_all(*writer, job, {0, 9000});
     ASSERT_TRUE(writer->finish());
-    EXPECT_EQ(selected(name_), undisturbed(job, {0, 9000}));
+    EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 9000}));
 }
 
 TEST_F(PartWriterTest, PublishingLeavesAttemptsAlongThatHoldMore) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     auto longer = open(job, {0, 8192});
     submit_all(*longer, job, {0, 8192});
     while (longer->counts().samples_committed < 8192) std::this_thread::yield();
@@ -357,33 +334,33 @@ TEST_F(PartWriterTest, PublishingLeavesAttemptsAlongThatHoldMore) {
     const auto shorter = open(job, {0, 4096});
     EXPECT_TRUE(shorter->missing().empty());
     ASSERT_TRUE(shorter->finish());
-    EXPECT_EQ(selected(name_), undisturbed(job, {0, 4096}));
+    EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 4096}));
     EXPECT_EQ(attempts_of(name_).size(), 1u);
 }
 
 TEST_F(PartWriterTest, AttemptsThatHoldNothingReadableArePassedOver) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     std::ofstream(name_.string() + ".part.0000000000000000");
     std::ofstream(name_.string() + ".part.0000000000000001") << "not ours";
     auto writer = open(job, {0, 4096});
     submit_all(*writer, job, {0, 4096});
     ASSERT_TRUE(writer->finish());
-    EXPECT_EQ(selected(name_), undisturbed(job, {0, 4096}));
+    EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 4096}));
     EXPECT_TRUE(fs::exists(name_.string() + ".part.0000000000000001"));  // not a file of this job: not ours to remove
 }
 
 TEST_F(PartWriterTest, AnEmptyShardIsAValidPart) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     for (int again = 0; again < 2; ++again) {
         const auto writer = open(job, {8192, 8192});
         EXPECT_TRUE(writer->missing().empty());
         ASSERT_TRUE(writer->finish());
-        EXPECT_TRUE(selected(name_).empty());
+        EXPECT_TRUE(runs_of(name_).empty());
     }
 }
 
 TEST_F(PartWriterTest, ARangeThatBeginsInsideARunIsRefusedNamingTheNearest) {
-    const Error error = refusal(small_job(), {5000, 9000});
+    const Error error = refusal(make_short_job(), {5000, 9000});
     EXPECT_EQ(error.code, ErrorCode::kUsage);
     EXPECT_NE(error.message.find("4096"), std::string::npos) << error.message;
     EXPECT_NE(error.message.find("8192"), std::string::npos) << error.message;
@@ -391,7 +368,7 @@ TEST_F(PartWriterTest, ARangeThatBeginsInsideARunIsRefusedNamingTheNearest) {
 }
 
 TEST_F(PartWriterTest, GrainsThatAreNotMissingOrNotGrainsAreRefused) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     const SampleRange range{0, 9000};
     const auto writer = open(job, range);
     ASSERT_TRUE(writer->submit(make_grain(job, {0, 1024})));
@@ -409,7 +386,7 @@ TEST_F(PartWriterTest, GrainsThatAreNotMissingOrNotGrainsAreRefused) {
 }
 
 TEST_F(PartWriterTest, RecordsThatDoNotFitStopTheWriterForGoodAndKeepWhatWasCommitted) {
-    const Job job = small_job();
+    const Job job = make_short_job();
     auto writer = open(job, {0, 8192});
     for (std::uint64_t first = 0; first < 4096; first += 1024) ASSERT_TRUE(writer->submit(make_grain(job, {first, first + 1024})));
     ASSERT_TRUE(writer->checkpoint());
@@ -440,7 +417,7 @@ void settle(const std::atomic<int>& number) {
 }
 
 TEST_F(PartWriterTest, GrainsFarAheadWaitForTheOldestSoThatMemoryStaysBounded) {
-    Job job = small_job();
+    Job job = make_short_job();
     job.run_samples = 65536;
     const auto writer = open(job, {0, 65536});
     std::atomic<int> submitted = 0;
@@ -456,7 +433,7 @@ TEST_F(PartWriterTest, GrainsFarAheadWaitForTheOldestSoThatMemoryStaysBounded) {
 }
 
 TEST_F(PartWriterTest, GivingUpWakesThoseWhoWaitForAGrainThatWillNotCome) {
-    Job job = small_job();
+    Job job = make_short_job();
     job.run_samples = 65536;
     const auto writer = open(job, {0, 65536});
     ASSERT_TRUE(writer->submit(big_grain(job, 0)));

@@ -148,6 +148,18 @@ Job make_job(RecordKind kind, std::uint64_t id) {
     return job;
 }
 
+Job make_short_job(RecordKind kind, std::uint64_t id) {
+    Job job = make_job(kind, id);
+    job.run_samples = static_cast<std::uint32_t>(kShortRun);
+    return job;
+}
+
+std::vector<Coverage> runs_between(std::initializer_list<std::uint64_t> boundaries) {
+    std::vector<Coverage> runs;
+    for (const auto* at = boundaries.begin(); at + 1 < boundaries.end(); ++at) runs.emplace_back(SampleRange{at[0], at[1]});
+    return runs;
+}
+
 Records make_records(const Job& job, SampleRange range, const Scene& scene) {
     Records records;
     Emitter emitter(job, scene, records);

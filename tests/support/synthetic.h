@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,13 @@ namespace latent::synthetic {
 // A valid job: Halton positions, one light path per sample, runs of 2^14 samples; spectral jobs have 28 wavelengths and a
 // density like the eye's. `id` tells jobs apart. Change what a test needs.
 sampledb::Job make_job(sampledb::RecordKind kind, std::uint64_t id = 1);
+
+// The same with short runs, so that small files have several.
+inline constexpr std::uint64_t kShortRun = 4096;
+sampledb::Job make_short_job(sampledb::RecordKind kind = sampledb::RecordKind::kXyz, std::uint64_t id = 1);
+
+// One run for each pair of neighbouring boundaries.
+std::vector<sampledb::Coverage> runs_between(std::initializer_list<std::uint64_t> boundaries);
 
 // What the film sees. Records are a function of (job, scene, sample number) alone.
 struct Scene {
