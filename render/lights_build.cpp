@@ -87,8 +87,8 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                 light.scale = static_cast<float>(scale);
                 add(light, d.spectrum, disk);
                 break;
-            case LightKind::kInfinite:  // of the power that crosses the scene, 4 pi L per area, surfaces see a quarter at most: pi
-                                        // L
+            case LightKind::kInfinite:
+                // Of 4 pi L that crosses each square metre of the scene, a surface receives pi L at most.
                 if (d.image) {
                     light.kind = Light::Kind::kImage;
                     lights.environments_.push_back(std::make_unique<Environment>(d.image, d.world_from_light, library));
