@@ -159,8 +159,11 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
 }
 
 Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("latent-dry-run-" + make_nonce());
+    if (job.range.empty()) return RenderEstimate{};
     std::error_code error;
+    const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+    if (error) return Error{ErrorCode::kIo, "no folder for temporary files, set TMPDIR: " + error.message()};
+    const std::filesystem::path folder = temporary / ("latent-dry-run-" + make_nonce());
     if (!std::filesystem::create_directory(folder, error))
         return Error{ErrorCode::kIo, fmt::format("{}: cannot be created: {}", folder.string(), error.message())};
     RenderOptions trial = options;

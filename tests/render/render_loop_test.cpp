@@ -167,6 +167,14 @@ TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
     EXPECT_TRUE(fake.folder.names().empty());
 }
 
+TEST(RenderLoop, AnEmptyShardIsEstimatedAtNothing) {
+    Fake fake({8192, 8192});
+    const Result<RenderEstimate> estimated = estimate(fake.job, fake.options, fake.stop);
+    ASSERT_TRUE(estimated) << estimated.error().message;
+    EXPECT_EQ(estimated->samples, 0u);
+    EXPECT_EQ(estimated->bytes, 0u);
+}
+
 TEST(RenderLoop, ErrorsOfTheDiskEndTheLoop) {
     Fake fake({0, 40960});
     fake.options.output = fake.folder / "no/such/folder/x.latent";

@@ -181,6 +181,13 @@ TEST_F(Resume, AnotherJobOrRangeUnderTheNameIsRefused) {
     EXPECT_NE(runs_of({part}), whole_);
 }
 
+TEST_F(Resume, ADryRunWithoutAPlaceForItIsToldSo) {
+    const Outcome outcome = latent::testing::run(command(folder_ / "x.latent", {"--dry-run"}), {{"TMPDIR", "/nonexistent"}});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("set TMPDIR"));
+    EXPECT_TRUE(folder_.names().empty());
+}
+
 TEST_F(Resume, WrongUsageIsStatus2) {
     EXPECT_EQ(latent::testing::run({tool("latent-render")}).status, 2);
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.latent", {"--shard", "4/4"})).status, 2);
