@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kEyeShare = 0.63, kUniformShare = 0.09, kSpikeShare = 0.28;
 constexpr double kSpikeThreshold = 4;
-constexpr double kNarrowestLine = 0.05;  // nm
+constexpr double kNarrowestLine = 0.05;     // nm
+constexpr std::uint32_t kNearKnots = 1024;  // in units of 2^-20 nm: nearer ones are joined
+constexpr std::size_t kMostKnots = 4096;    // that a header holds: docs/format.md, "Header"
 constexpr double kRange = color::kLambdaMax - color::kLambdaMin;
 
 // The function that transport evaluates for a light (SpectrumTable, Lookup::kNearestNm), as knots of a piecewise linear one: steps
@@ -27,10 +29,15 @@ struct Evaluated {
             for (double nm = color::kLambdaMin; nm < color::kLambdaMax; ++nm) knots.push_back(nm + 0.5);
         }
     }
-    // Over an interval without a knot inside.
+    // Over an interval without a step inside. Knots that were joined with an end are passed over, others between are gone along.
     double integral(double a, double b) const {
-        if (fine) return 0.5 * ((*s)(a) + (*s)(b)) * (b - a);
-        return (*s)(std::floor(0.5 * (a + b) + 0.5)) * (b - a);
+        if (!fine) return (*s)(std::floor(0.5 * (a + b) + 0.5)) * (b - a);
+        const auto nm = s->lambda_nm();
+        auto knot = std::upper_bound(nm.begin(), nm.end(), a + kNearKnots * 0x1p-20);
+        const auto last = std::lower_bound(knot, nm.end(), b - kNearKnots * 0x1p-20);
+        double sum = 0;
+        for (; knot < last; a = *knot++) sum += 0.5 * ((*s)(a) + (*s)(*knot)) * (*knot - a);
+        return sum + 0.5 * ((*s)(a) + (*s)(b)) * (b - a);
     }
 };
 
@@ -99,14 +106,15 @@ sampledb::WavelengthDensity wavelength_density(const std::vector<LightSpectrum>&
         spike_power += light.luminous_power;
     }
 
-    // Knots are integers of 2^-20 nm; nearer ones are one.
     std::vector<std::uint32_t> knots;
     for (const double x : nm) {
         if (x >= color::kLambdaMin && x <= color::kLambdaMax) knots.push_back(static_cast<std::uint32_t>(std::lround(x * 0x1p20)));
     }
     std::sort(knots.begin(), knots.end());
-    knots.erase(std::unique(knots.begin(), knots.end(), [](std::uint32_t a, std::uint32_t b) { return b - a < 1024; }),
-                knots.end());
+    for (std::uint32_t near = kNearKnots; near == kNearKnots || knots.size() > kMostKnots; near *= 2) {
+        const auto joined = std::unique(knots.begin(), knots.end(), [&](std::uint32_t a, std::uint32_t b) { return b - a < near; });
+        knots.erase(joined, knots.end());
+    }
     knots.back() = static_cast<std::uint32_t>(color::kLambdaMax * 0x1p20);
 
     const auto each_interval = [&](auto visit) {

@@ -18,8 +18,9 @@ struct LightSpectrum {
 // p_eye is color::visible_pdf_lambda. p_spike mixes, by luminous power, the normalised spectra of the lights with lines: those that
 // somewhere exceed four times their own mean as the eye weighs it, s(lambda) > 4 integral(s p_eye). Without such a light its share
 // goes to p_eye. This is the balance heuristic between three ways to draw one batch, which all strategies of a sample share
-// [RBA09]. Q has knots at every nm, and where the spectra of lights with lines have theirs: p is constant in between. Its values
-// are rounded to 2^-32, so that the last bit of some libm cannot make another job of the same scene.
+// [RBA09]. Q has knots at every nm, and where the spectra of lights with lines have theirs: p is constant in between. Near knots
+// are joined until a header holds them all. Values of Q are rounded to 2^-32, so that the last bit of some libm cannot make another
+// job of the same scene.
 sampledb::WavelengthDensity wavelength_density(const std::vector<LightSpectrum>& lights);
 
 // The same spectrum, but lines (isolated by zeros) narrower than 0.05 nm are stretched to it about their middle, their area kept:

@@ -96,6 +96,21 @@ TEST(Wavelengths, LinesAreWidenedToTheFinestThatFloatsResolve) {
     EXPECT_NEAR(sum, 1, 2e-3);
 }
 
+// A spectrometer's file: more knots than a header holds.
+TEST(Wavelengths, OfManyKnotsNearOnesAreJoinedAndTheLineIsFound) {
+    std::vector<double> nm, value;
+    for (int i = 0; i <= 9400; ++i) {
+        nm.push_back(360 + 0.05 * i);
+        value.push_back(std::exp(-std::pow((nm.back() - 589) / 0.3, 2)));
+    }
+    const sampledb::WavelengthDensity density = wavelength_density({{samples(nm, value), 1}});
+    EXPECT_LE(density.knots().size(), 4096u);
+    double share = 0;  // of 588..590 nm: all of the line
+    for (int i = 0; i < 2000; ++i) share += 0.001 * static_cast<double>(density.pdf_lambda(static_cast<float>(588 + 0.001 * i)));
+    EXPECT_NEAR(share, 0.28 + 2 * (0.63 * color::visible_pdf_lambda(589) + 0.09 / 470), 1e-3);
+    EXPECT_NEAR(estimate(density, 28, [](double) { return 1.0; }), 470, 0.05);
+}
+
 class Table : public ::testing::Test {
  protected:
     void expect_equal(const color::Spectrum& s, Lookup lookup, const std::function<double(double)>& exact, double tolerance) {
