@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "sampledb/page_codec.h"
 #include "sampledb/run_codec.h"
 #include "sampledb/z_order.h"
 
@@ -204,69 +203,7 @@ Status merge_class(const Gathering& gathering, const CompactGroup& group, Record
     return flush();
 }
 
-// Whether a run covers nothing but whole intervals of S samples.
-bool covers_whole_intervals(const Coverage& coverage, std::uint64_t run_samples) {
-    return std::ranges::all_of(coverage.ranges(), [&](const SampleRange& range) {
-        return range.first % run_samples == 0 && range.end % run_samples == 0;
-    });
-}
-
-// Bytes that a run costs while it is compacted: a decoded page and the list of its pages.
-std::uint64_t memory_of(const Job& job, const SelectedRun& run) {
-    const std::uint64_t pairs = job.kind == RecordKind::kSpectral ? max_page_records(job) * job.batch : 0;
-    const std::uint64_t page = decoded_page_size(job, RecordClass::kCamera, max_page_records(job), pairs);
-    return 2 * page + 2 * run.header.page_count * sizeof(PageInfo);
-}
-
 }  // namespace
-
-std::vector<CompactGroup> compact_groups(const Gathering& gathering, std::uint64_t memory) {
-    const std::vector<SelectedRun>& runs = gathering.runs();
-    const std::uint64_t run_samples = gathering.job().run_samples;
-    std::vector<CompactGroup> groups;
-    CompactGroup group{0, 0};
-    std::uint64_t group_memory = 0, group_pages = 0;
-    Coverage group_coverage;
-    const auto close = [&](std::size_t next) {
-        if (group.end - group.first > 1) groups.push_back(group);
-        group = {next, next};
-        group_memory = group_pages = 0;
-        group_coverage = {};
-    };
-    for (std::size_t i = 0; i < runs.size();) {
-        // The runs of one interval; or one run that is whole intervals already.
-        const std::uint64_t interval = runs[i].header.samples.first / run_samples;
-        Coverage coverage = runs[i].coverage;
-        std::size_t end = i + 1;
-        while (!covers_whole_intervals(coverage, run_samples) && end < runs.size() &&
-               runs[end].header.samples.first / run_samples == interval) {
-            coverage.add(runs[end++].coverage);
-        }
-        if (!covers_whole_intervals(coverage, run_samples)) {
-            close(end);
-            i = end;
-            continue;
-        }
-        std::uint64_t more_memory = 0, more_pages = 0;
-        for (std::size_t j = i; j < end; ++j) {
-            more_memory += memory_of(gathering.job(), runs[j]);
-            more_pages += runs[j].header.page_count;
-        }
-        Coverage both = group_coverage;
-        both.add(coverage);
-        if (group_memory + more_memory > memory / 2 || group_pages + more_pages > kMaxPagesPerRun / 2 ||
-            both.ranges().size() > kMaxIntervalsPerRun) {
-            close(i);
-            both = coverage;
-        }
-        group.end = i = end;
-        group_memory += more_memory;
-        group_pages += more_pages;
-        group_coverage = std::move(both);
-    }
-    close(runs.size());
-    return groups;
-}
 
 Result<RunHeader> compact_runs(const Gathering& gathering, const CompactGroup& group, File& out, std::uint64_t offset,
                                const std::function<void(std::uint64_t)>& report) {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <list>
 
 #include "base/file.h"
 #include "base/size.h"
+#include "sampledb/recent_cache.h"
 #include "tools/merge/compact.h"
 #include "tools/merge/provenance.h"
 
@@ -18,34 +18,11 @@ namespace {
 
 constexpr std::size_t kOpenInputs = 16;  // inputs that are kept open while runs are copied
 
-// The inputs, a few of them open at a time.
-class Inputs {
- public:
-    explicit Inputs(const Gathering& gathering) : gathering_(gathering) {}
-
-    Result<const File*> open(std::uint32_t file) {
-        const auto known = std::find_if(open_.begin(), open_.end(), [&](const auto& entry) { return entry.first == file; });
-        if (known != open_.end()) {
-            open_.splice(open_.begin(), open_, known);
-            return &open_.front().second;
-        }
-        Result<File> opened = File::open_read(gathering_.files()[file]);
-        if (!opened) return opened.error();
-        if (open_.size() == kOpenInputs) open_.pop_back();
-        open_.emplace_front(file, std::move(*opened));
-        return &open_.front().second;
-    }
-
- private:
-    const Gathering& gathering_;
-    std::list<std::pair<std::uint32_t, File>> open_;  // most recently used first
-};
-
 // Grows the output run by run.
 class Output {
  public:
     Output(OutputFile& out, const Gathering& gathering, const Progress& progress)
-        : out_(out), gathering_(gathering), inputs_(gathering), progress_(progress) {
+        : out_(out), gathering_(gathering), progress_(progress) {
         for (const SelectedRun& run : gathering.runs()) bytes_ahead_ += run.header.size();
     }
 
@@ -66,7 +43,7 @@ class Output {
                 runs_.push_back({end_ + length, runs[i].header});
                 length += runs[i].header.size();
             }
-            const Result<const File*> input = inputs_.open(head.file);
+            const Result<std::shared_ptr<const File>> input = open_input(head.file);
             if (!input) return input.error();
             if (Status s = out_.file().copy_from(**input, head.offset, end_, length); !s) return s;
             end_ += length;
@@ -109,11 +86,20 @@ class Output {
     std::uint64_t size() const { return end_; }
 
  private:
+    Result<std::shared_ptr<const File>> open_input(std::uint32_t file) {
+        if (std::shared_ptr<const File> open = inputs_.find(file)) return open;
+        Result<File> opened = File::open_read(gathering_.files()[file]);
+        if (!opened) return opened.error();
+        const auto input = std::make_shared<const File>(std::move(*opened));
+        inputs_.insert(file, input, 1);
+        return input;
+    }
+
     static constexpr std::uint64_t kLongestCopy = std::uint64_t{1} << 30;  // so that the progress bar moves
 
     OutputFile& out_;
     const Gathering& gathering_;
-    Inputs inputs_;
+    RecentCache<File> inputs_{kOpenInputs};
     const Progress& progress_;
     std::vector<RunInfo> runs_;
     std::uint64_t end_ = 0;
