@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/size.h"
+#include "sampledb/grain_queue.h"
 
 namespace latent::render {
 
@@ -30,19 +31,10 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 class Work {
  public:
     Work(const sampledb::Coverage& missing, const std::atomic<bool>& stop, double max_seconds)
-        : ranges_(missing.ranges()), stop_(stop), max_seconds_(max_seconds) {}
+        : grains_(missing), stop_(stop), max_seconds_(max_seconds) {}
 
     // The next grain; empty when there is none, or no more is wanted.
-    SampleRange next() {
-        const std::lock_guard lock(mutex_);
-        if (range_ == ranges_.size() || stopping()) return {};
-        const SampleRange& range = ranges_[range_];
-        const std::uint64_t first = range.first + done_in_range_;
-        const std::uint64_t end = std::min(range.end, first - first % sampledb::kGrainSamples + sampledb::kGrainSamples);
-        done_in_range_ = end - range.first;
-        if (end == range.end) ++range_, done_in_range_ = 0;
-        return {first, end};
-    }
+    SampleRange next() { return stopping() ? SampleRange{} : grains_.next(); }
     bool stopping() { return stop_ || failed_ || (max_seconds_ > 0 && seconds_since(begin_) > max_seconds_); }
     // True once a grain in work is no longer worth waiting for.
     bool give_up() {
@@ -86,7 +78,7 @@ class Work {
     const RadianceFaults& faults() const { return faults_; }
 
  private:
-    const std::vector<SampleRange> ranges_;
+    sampledb::GrainQueue grains_;
     const std::atomic<bool>& stop_;
     const double max_seconds_;
     const Clock::time_point begin_ = Clock::now();
@@ -95,8 +87,6 @@ class Work {
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::size_t range_ = 0;
-    std::uint64_t done_in_range_ = 0;
     std::uint64_t samples_ = 0;
     RadianceFaults faults_;
     Error error_;

@@ -8,6 +8,7 @@
 #include <random>
 #include <thread>
 
+#include "sampledb/grain_queue.h"
 #include "sampledb/part_name.h"
 #include "sampledb/run_assembler.h"
 #include "tests/faults/process.h"
@@ -23,12 +24,10 @@ using synthetic::make_short_job;
 using synthetic::RunContent;
 using synthetic::runs_of;
 
-std::vector<SampleRange> grains_of(const Coverage& missing, SampleRange range) {
+std::vector<SampleRange> grains_of(const Coverage& missing) {
+    GrainQueue queue(missing);
     std::vector<SampleRange> grains;
-    for (const SampleRange& interval : missing.ranges()) {
-        for (std::uint64_t first = interval.first; first < interval.end; first = grains.back().end)
-            grains.push_back(grain_range(first, range));
-    }
+    for (SampleRange grain = queue.next(); !grain.empty(); grain = queue.next()) grains.push_back(grain);
     return grains;
 }
 
@@ -49,8 +48,8 @@ class PartWriterTest : public ::testing::Test {
         EXPECT_FALSE(writer);
         return writer ? Error{} : writer.error();
     }
-    static void submit_all(PartWriter& writer, const Job& job, SampleRange range) {
-        for (const SampleRange& grain : grains_of(writer.missing(), range)) ASSERT_TRUE(writer.submit(make_grain(job, grain)));
+    static void submit_all(PartWriter& writer, const Job& job) {
+        for (const SampleRange& grain : grains_of(writer.missing())) ASSERT_TRUE(writer.submit(make_grain(job, grain)));
     }
     // The selected runs of a render that nothing disturbed.
     static std::vector<RunContent> undisturbed(const Job& job, SampleRange range) {
@@ -58,7 +57,7 @@ class PartWriterTest : public ::testing::Test {
         const auto writer = PartWriter::open({folder / "a.latent", range, 1000, "{}", false}, job);
         EXPECT_TRUE(writer) << writer.error().message;
         if (!writer) return {};
-        submit_all(**writer, job, range);
+        submit_all(**writer, job);
         EXPECT_TRUE((*writer)->finish());
         return runs_of(folder / "a.latent");
     }
@@ -69,7 +68,7 @@ TEST_F(PartWriterTest, ARangeIsWrittenAsCanonicalRunsAndPublishedUnderItsName) {
     const SampleRange range{4096, 14000};
     const auto writer = open(job, range);
     EXPECT_EQ(writer->missing(), Coverage(range));
-    submit_all(*writer, job, range);
+    submit_all(*writer, job);
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
     const std::vector<RunContent> runs = runs_of(name_);
@@ -85,13 +84,13 @@ TEST_F(PartWriterTest, ThreadsAndTheirOrderDoNotChangeAByte) {
         const Job job = make_short_job(kind);
         const SampleRange range{0, 40000};
         const auto alone = open(job, range);
-        submit_all(*alone, job, range);
+        submit_all(*alone, job);
         ASSERT_TRUE(alone->finish());
         const std::string expected = latent::testing::read_text(name_);
         fs::remove(name_);
 
         const auto writer = open(job, range);
-        const std::vector<SampleRange> grains = grains_of(writer->missing(), range);
+        const std::vector<SampleRange> grains = grains_of(writer->missing());
         std::atomic<std::size_t> next = 0;
         std::vector<std::thread> threads;
         for (int t = 0; t < 4; ++t) {
@@ -117,7 +116,7 @@ TEST_F(PartWriterTest, AnInterruptedRenderEndsAsTheOneThatRanThrough) {
         for (int life = 0;; ++life) {
             ASSERT_LT(life, 1000);
             const auto writer = open(job, range);
-            std::vector<SampleRange> grains = grains_of(writer->missing(), range);
+            std::vector<SampleRange> grains = grains_of(writer->missing());
             for (std::size_t i = 0; i + 4 < grains.size(); i += 4)
                 std::shuffle(grains.begin() + static_cast<long>(i), grains.begin() + static_cast<long>(i) + 4, random);
             const std::size_t most = random() % 8;
@@ -177,12 +176,12 @@ TEST_F(PartWriterTest, ASecondWriterTakesUpWhatTheFirstCommittedAndBothEndWell) 
     const Job job = make_short_job();
     const SampleRange range{0, 20000};
     const auto first = open(job, range);
-    const std::vector<SampleRange> grains = grains_of(first->missing(), range);
+    const std::vector<SampleRange> grains = grains_of(first->missing());
     for (std::size_t i = 0; i < 10; ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
     ASSERT_TRUE(first->checkpoint());
     const auto second = open(job, range);
     EXPECT_EQ(second->missing(), Coverage(SampleRange{10240, 20000}));
-    submit_all(*second, job, range);
+    submit_all(*second, job);
     ASSERT_TRUE(second->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
     EXPECT_EQ(runs_of(name_), undisturbed(job, range));
@@ -202,7 +201,7 @@ TEST_F(PartWriterTest, TwoWritersAtOnceLeaveOneFile) {
         for (int w = 0; w < 2; ++w) {
             writers.emplace_back([&] {
                 const auto writer = open(job, range, 0.002);
-                submit_all(*writer, job, range);
+                submit_all(*writer, job);
                 const Status done = writer->finish();
                 EXPECT_TRUE(done) << done.error().message;
             });
@@ -218,7 +217,7 @@ TEST_F(PartWriterTest, AnAttemptThatVanishesIsWrittenAgain) {
     const Job job = make_short_job();
     const SampleRange range{0, 12288};
     const auto writer = open(job, range);
-    for (const SampleRange& grain : grains_of(writer->missing(), range)) {
+    for (const SampleRange& grain : grains_of(writer->missing())) {
         ASSERT_TRUE(writer->submit(make_grain(job, grain)));
         ASSERT_TRUE(writer->checkpoint());
         if (grain.first == 5120) fs::remove(attempts_of(name_).at(0));
@@ -236,7 +235,7 @@ TEST_F(PartWriterTest, RunsOfAnAttemptThatIsGoneAreReportedAndRenderedAgain) {
     const Job job = make_short_job();
     const SampleRange range{0, 12288};
     auto first = open(job, range);
-    const std::vector<SampleRange> grains = grains_of(first->missing(), range);
+    const std::vector<SampleRange> grains = grains_of(first->missing());
     for (std::size_t i = 0; i < 4; ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
     ASSERT_TRUE(first->checkpoint());
     first.reset();
@@ -244,14 +243,14 @@ TEST_F(PartWriterTest, RunsOfAnAttemptThatIsGoneAreReportedAndRenderedAgain) {
     auto second = open(job, range);
     EXPECT_EQ(second->missing(), Coverage(SampleRange{4096, 12288}));
     fs::remove(gone);
-    submit_all(*second, job, range);
+    submit_all(*second, job);
     const Status refused = second->finish();
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find(gone.string()), std::string::npos) << refused.error().message;
     second.reset();
     const auto third = open(job, range);
     EXPECT_EQ(third->missing(), Coverage(SampleRange{0, 4096}));
-    submit_all(*third, job, range);
+    submit_all(*third, job);
     ASSERT_TRUE(third->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
     EXPECT_EQ(runs_of(name_), undisturbed(job, range));
@@ -260,10 +259,10 @@ TEST_F(PartWriterTest, RunsOfAnAttemptThatIsGoneAreReportedAndRenderedAgain) {
 TEST_F(PartWriterTest, ANameThatAnotherJobTakesMeanwhileIsLeftToIt) {
     const Job job = make_short_job(), other = make_short_job(RecordKind::kXyz, 2);
     const auto slow = open(job, {0, 4096});
-    submit_all(*slow, job, {0, 4096});
+    submit_all(*slow, job);
     const TemporaryFolder elsewhere;
     const auto fast = PartWriter::open({elsewhere / "b.latent", {0, 4096}, 1000, "{}", false}, other);
-    submit_all(**fast, other, {0, 4096});
+    submit_all(**fast, other);
     ASSERT_TRUE((*fast)->finish());
     fs::copy(elsewhere / "b.latent", name_);
     const Status refused = slow->finish();
@@ -277,7 +276,7 @@ TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
     const Job job = make_short_job();
     const SampleRange range{0, 10000};
     auto writer = open(job, range);
-    submit_all(*writer, job, range);
+    submit_all(*writer, job);
     ASSERT_TRUE(writer->finish());
     const std::string before = latent::testing::read_text(name_);
     writer = open(job, range);
@@ -291,7 +290,7 @@ TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
 TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForced) {
     const Job job = make_short_job(), other = make_short_job(RecordKind::kXyz, 2);
     auto writer = open(job, {0, 4096});
-    submit_all(*writer, job, {0, 4096});
+    submit_all(*writer, job);
     const Error unfinished = refusal(other, {0, 4096});
     EXPECT_EQ(unfinished.code, ErrorCode::kMismatch);
     ASSERT_TRUE(writer->finish());
@@ -307,7 +306,7 @@ TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForce
     EXPECT_NE(longer.message.find("0..8192"), std::string::npos) << longer.message;
 
     writer = open(other, {0, 8192}, 1000, true);
-    submit_all(*writer, other, {0, 8192});
+    submit_all(*writer, other);
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(runs_of(name_), undisturbed(other, {0, 8192}));
 }
@@ -315,12 +314,12 @@ TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForce
 TEST_F(PartWriterTest, AnUnfinishedShorterRangeIsContinued) {
     const Job job = make_short_job();
     auto writer = open(job, {0, 5500});
-    submit_all(*writer, job, {0, 5500});
+    submit_all(*writer, job);
     while (writer->counts().samples_committed < 5500) std::this_thread::yield();  // the closing run too
     writer.reset();
     writer = open(job, {0, 9000});
     EXPECT_EQ(writer->missing(), Coverage(SampleRange{5120, 9000}));  // 5120..5500 is no whole grain
-    submit_all(*writer, job, {0, 9000});
+    submit_all(*writer, job);
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 9000}));
 }
@@ -328,7 +327,7 @@ TEST_F(PartWriterTest, AnUnfinishedShorterRangeIsContinued) {
 TEST_F(PartWriterTest, PublishingLeavesAttemptsAlongThatHoldMore) {
     const Job job = make_short_job();
     auto longer = open(job, {0, 8192});
-    submit_all(*longer, job, {0, 8192});
+    submit_all(*longer, job);
     while (longer->counts().samples_committed < 8192) std::this_thread::yield();
     longer.reset();
     const auto shorter = open(job, {0, 4096});
@@ -343,7 +342,7 @@ TEST_F(PartWriterTest, AttemptsThatHoldNothingReadableArePassedOver) {
     std::ofstream(name_.string() + ".part.0000000000000000");
     std::ofstream(name_.string() + ".part.0000000000000001") << "not ours";
     auto writer = open(job, {0, 4096});
-    submit_all(*writer, job, {0, 4096});
+    submit_all(*writer, job);
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 4096}));
     EXPECT_TRUE(fs::exists(name_.string() + ".part.0000000000000001"));  // not a file of this job: not ours to remove

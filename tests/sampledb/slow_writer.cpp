@@ -11,8 +11,8 @@
 #include <string>
 #include <thread>
 
+#include "sampledb/grain_queue.h"
 #include "sampledb/part_writer.h"
-#include "sampledb/run_assembler.h"
 #include "tests/support/synthetic.h"
 
 namespace {
@@ -48,15 +48,12 @@ int main(int argc, char** argv) {
     });
     Status status;
     std::uint64_t submitted = (*writer)->counts().samples_committed, uncommitted = 0;
-    for (const SampleRange& interval : (*writer)->missing().ranges()) {
-        for (std::uint64_t first = interval.first; status && first < interval.end;) {
-            const SampleRange grain = grain_range(first, range);
-            std::this_thread::sleep_for(std::chrono::microseconds(std::stoul(argv[5])));
-            status = (*writer)->submit({grain, synthetic::make_records(job, grain)});
-            first = grain.end;
-            submitted += grain.size();
-            uncommitted = std::max(uncommitted, submitted - (*writer)->counts().samples_committed);
-        }
+    GrainQueue grains((*writer)->missing());
+    for (SampleRange grain = grains.next(); status && !grain.empty(); grain = grains.next()) {
+        std::this_thread::sleep_for(std::chrono::microseconds(std::stoul(argv[5])));
+        status = (*writer)->submit({grain, synthetic::make_records(job, grain)});
+        submitted += grain.size();
+        uncommitted = std::max(uncommitted, submitted - (*writer)->counts().samples_committed);
     }
     if (status) status = (*writer)->finish();
     over = true;

@@ -7,40 +7,15 @@
 #include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 #include <vector>
 
 #include "base/size.h"
+#include "sampledb/grain_queue.h"
 
 namespace latent::inspect {
 
 using namespace sampledb;
-
-namespace {
-
-// The grains of what is missing, in ascending order, for any number of threads.
-class GrainQueue {
- public:
-    explicit GrainQueue(const Coverage& missing) : missing_(missing) {}
-    std::optional<SampleRange> next() {
-        const std::lock_guard lock(mutex_);
-        while (interval_ < missing_.ranges().size() && next_ >= missing_.ranges()[interval_].end) ++interval_;
-        if (interval_ == missing_.ranges().size()) return std::nullopt;
-        const SampleRange& interval = missing_.ranges()[interval_];
-        const std::uint64_t first = std::max(next_, interval.first);
-        next_ = std::min(interval.end, first - first % kGrainSamples + kGrainSamples);
-        return SampleRange{first, next_};
-    }
-
- private:
-    std::mutex mutex_;
-    const Coverage& missing_;
-    std::size_t interval_ = 0;
-    std::uint64_t next_ = 0;
-};
-
-}  // namespace
 
 Result<GenReport> generate(const GenOptions& options, const Progress& progress) {
     const auto begin = std::chrono::steady_clock::now();
@@ -65,8 +40,8 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
     std::mutex mutex;
     Status first_failure;
     const auto work = [&](bool reports) {
-        while (const std::optional<SampleRange> range = queue.next()) {
-            const Status s = (*writer)->submit(synthetic_grain(options.scene, report.job, *range));
+        for (SampleRange range = queue.next(); !range.empty(); range = queue.next()) {
+            const Status s = (*writer)->submit(synthetic_grain(options.scene, report.job, range));
             if (!s) {
                 const std::lock_guard lock(mutex);
                 if (first_failure) first_failure = s;
