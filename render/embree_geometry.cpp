@@ -94,6 +94,12 @@ float instance_error_factor(const Affined& m) {
     return static_cast<float>(0x1p-21 * norm(m) * norm(m.inverse().value()));
 }
 
+// Embree's own bound, 1.844e18, beyond which Debian's ends the program, as it does for what is not a number.
+bool is_traceable(const Ray& ray) {
+    const auto size = [](const Vec3f& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+    return size(ray.o) + size(ray.d) < 1.8e18f;
+}
+
 RTCRay embree_ray(const Ray& ray) {
     return {ray.o.x, ray.o.y, ray.o.z, 0, ray.d.x, ray.d.y, ray.d.z, 0, ray.t_max, 0xFFFFFFFFu, 0, 0};
 }
@@ -175,6 +181,7 @@ void EmbreeGeometry::find_bounds() {
 }
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
+    if (!is_traceable(ray)) return std::nullopt;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit rayhit{embree_ray(ray), {}};
@@ -199,6 +206,7 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
 }
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {
+    if (!is_traceable(ray)) return true;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRay shadow = embree_ray(ray);

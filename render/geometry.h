@@ -66,6 +66,7 @@ class Geometry {
     static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd);
     virtual ~Geometry() = default;
 
+    // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
 

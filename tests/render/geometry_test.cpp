@@ -320,6 +320,17 @@ TEST(Geometry, RebuildingGivesTheSameBits) {
     }
 }
 
+// Whatever went wrong before, the renderer goes on: such paths are counted as what they are, not a number.
+TEST(Geometry, RaysThatAreNoneMeetNothing) {
+    const Built scene = build("Shape \"sphere\"\n");
+    for (const float bad : {std::nanf(""), kInfinity, -kInfinity, 1e30f}) {
+        for (const Ray& ray : {Ray{{bad, 0, 0}, {0, 0, 1}}, Ray{{0, 0, -3}, {0, bad, 1}}}) {
+            EXPECT_FALSE(scene.geometry->intersect(ray)) << bad;
+            EXPECT_TRUE(scene.geometry->occluded(ray)) << bad;
+        }
+    }
+}
+
 TEST(Geometry, EmptySceneHasNoHits) {
     const Built scene = build("");
     EXPECT_FALSE(scene.geometry->intersect({{0, 0, 0}, {0, 0, 1}}));
