@@ -9,10 +9,10 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <mutex>
 #include <optional>
 
 #include "base/file.h"
+#include "base/first_error.h"
 #include "image/row_blocks.h"
 
 namespace latent::image {
@@ -78,16 +78,12 @@ class Writer final : public DeepZoomWriter {
     Status write_rows(std::size_t halvings, ByteSpan rows) override {
         const std::vector<RowBlock> bands = blocks_[halvings].take(rows);
         const std::size_t across = static_cast<std::size_t>((levels_[halvings].width + options_.tile - 1) / options_.tile);
-        std::mutex mutex;
-        Status status;
+        FirstError error;
         tbb::parallel_for(std::size_t{0}, bands.size() * across, [&](std::size_t i) {
-            const Status one = write_tile(halvings, bands[i / across], static_cast<int>(i % across));
-            if (one) return;
-            const std::lock_guard lock(mutex);
-            if (status) status = one;
+            error.keep(write_tile(halvings, bands[i / across], static_cast<int>(i % across)));
         });
         blocks_[halvings].settle();
-        return status;
+        return error.status();
     }
 
     Status finish() override { return {}; }

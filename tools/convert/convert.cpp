@@ -8,9 +8,9 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
-#include <mutex>
 #include <set>
 
+#include "base/first_error.h"
 #include "base/parallel.h"
 #include "color/adaptation.h"
 #include "color/auto_exposure.h"
@@ -24,26 +24,6 @@ namespace latent::convert {
 using image::Rect;
 
 namespace {
-
-// The first error that any thread meets; the others stop when they see it.
-class FirstError {
- public:
-    void set(const Error& error) {
-        const std::lock_guard lock(mutex_);
-        if (!failed_) status_ = error;
-        failed_ = true;
-    }
-    void keep(const Status& status) {
-        if (!status) set(status.error());
-    }
-    explicit operator bool() const { return failed_; }
-    const Status& status() const { return status_; }
-
- private:
-    std::mutex mutex_;
-    std::atomic<bool> failed_ = false;
-    Status status_;
-};
 
 // What passes through the whole run besides the picture.
 struct Watch {

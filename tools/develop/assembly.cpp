@@ -4,7 +4,8 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <mutex>
+
+#include "base/first_error.h"
 
 namespace latent::develop {
 
@@ -48,16 +49,7 @@ Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& 
 Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_t z_end) {
     const Pane pane{windows, z_begin, z_end};
     const std::vector<Tile> tiles = tiles_touched(pane);
-    std::mutex mutex;
-    Status status;
-    const auto fail = [&](Status s) {
-        const std::lock_guard lock(mutex);
-        if (status) status = std::move(s);
-    };
-    const auto good = [&] {
-        const std::lock_guard lock(mutex);
-        return status.has_value();
-    };
+    FirstError error;
     struct Task {
         const Tile* tile;
         bool complete;
@@ -74,19 +66,18 @@ Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_
         return new Task{tile, tile->last_z < z_end, {}};
     };
     const auto add_up = [&](Task* task) {
-        if (Status s = add_tile(pane, *task->tile, task->complete, task->pixels); !s) fail(std::move(s));
+        error.keep(add_tile(pane, *task->tile, task->complete, task->pixels));
         return task;
     };
     const auto write = [&](Task* raw) {
         const std::unique_ptr<Task> task(raw);
-        if (!task->complete || !good()) return;
-        if (Status s = sink_.write(task->tile->x, task->tile->y, task->pixels); !s) fail(std::move(s));
+        if (task->complete && !error) error.keep(sink_.write(task->tile->x, task->tile->y, task->pixels));
     };
     tbb::parallel_pipeline(kTilesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
                            tbb::make_filter<void, Task*>(filter_mode::serial_in_order, next_tile) &
                                tbb::make_filter<Task*, Task*>(filter_mode::parallel, add_up) &
                                tbb::make_filter<Task*, void>(filter_mode::serial_in_order, write));
-    return status;
+    return error.status();
 }
 
 // In the order in which they would be complete: by the last cell that reaches them.

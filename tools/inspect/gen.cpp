@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
 
+#include "base/first_error.h"
 #include "base/size.h"
 #include "sampledb/grain_queue.h"
 
@@ -37,16 +37,11 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
     if (!writer) return writer.error();
 
     GrainQueue queue((*writer)->missing());
-    std::mutex mutex;
-    Status first_failure;
+    FirstError error;
     const auto work = [&](bool reports) {
         for (SampleRange range = queue.next(); !range.empty(); range = queue.next()) {
-            const Status s = (*writer)->submit(synthetic_grain(options.scene, report.job, range));
-            if (!s) {
-                const std::lock_guard lock(mutex);
-                if (first_failure) first_failure = s;
-                return;
-            }
+            const Status submitted = (*writer)->submit(synthetic_grain(options.scene, report.job, range));
+            if (!submitted) return error.set(submitted.error());
             if (!reports || !progress) continue;
             const WriterCounts counts = (*writer)->counts();
             progress(static_cast<double>(counts.samples_committed) / static_cast<double>(samples.size()),
@@ -59,7 +54,7 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
     for (unsigned i = 1; i < count; ++i) threads.emplace_back(work, false);
     work(true);
     for (std::thread& thread : threads) thread.join();
-    if (!first_failure) return first_failure.error();
+    if (error) return error.status().error();
     if (Status s = (*writer)->finish(); !s) return s.error();
     report.counts = (*writer)->counts();
     report.seconds = seconds();
