@@ -46,5 +46,7 @@ inline std::string refusal(const std::string& text) {
     ADD_FAILURE() << "was accepted:\n" << text;
     return "";
 }
+// The same with WorldBegin in front.
+inline std::string refused_world(const std::string& text) { return refusal("WorldBegin\n" + text); }
 
 }  // namespace latent::render::testing

@@ -1,0 +1,207 @@
+// What is refused, and what is ignored with a warning: every word by name, and where it stands.
+#include <gmock/gmock.h>
+
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using testing::Folder;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::load;
+using testing::refusal;
+using testing::refused_world;
+
+TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
+    struct Case {
+        const char *text, *message;
+    };
+    for (const Case& c : {
+             Case{"Material \"subsurface\"", "Material \"subsurface\" is not supported"},
+             Case{"Material \"diffuse\" \"texture reflectance\" \"t\"",
+                  "\"texture reflectance\" of Material \"diffuse\" is not supported"},
+             Case{"Material \"diffuse\" \"rgb reflectance\" [ 2 0 0 ]", "no component above 1"},
+             Case{"Material \"diffuse\" \"rgb reflectance\" [ -1 0 0 ]", "not negative"},
+             Case{"Material \"diffuse\" \"spectrum reflectance\" [ 400 1 300 2 ]", "reflectance: "},
+             Case{"Material \"diffuse\" \"spectrum reflectance\" \"nothing\"", "neither a known spectrum nor a file"},
+             Case{"Material \"dielectric\" \"spectrum eta\" [ 400 1.5 700 1.4 ]", "must be positive from 360 to 830"},
+             Case{"LightSource \"infinite\" \"string filename\" \"sky.exr\"", "sky.exr"},
+             Case{"LightSource \"point\" \"spectrum I\" [ 900 1 1000 1 ]", "no visible part"},
+             Case{"Shape \"sphere\" \"float phimax\" 90", "whole quadrics"},
+             Case{"Shape \"sphere\" \"float zmin\" 0", "whole spheres"},
+             Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]",
+                  "beyond the 3 vertices"},
+             Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 ]", "not items of 3"},
+             Case{"Shape \"plymesh\" \"string filename\" \"no.ply\"", "no.ply"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Milk\"", "presets are not supported"},
+             Case{"MediumInterface \"m\" \"m\"", "medium \"m\" is not defined"},
+             Case{"ObjectInstance \"o\"", "object \"o\" is not defined"},
+             Case{"ObjectBegin \"o\"\nObjectInstance \"p\"", "not inside ObjectBegin"},
+             Case{"ObjectBegin \"o\"\nAttributeEnd", "ObjectBegin from line 2 is still open"},
+             Case{"AttributeBegin", "AttributeBegin is never ended"},
+             Case{"AttributeEnd", "this AttributeEnd ends nothing"},
+             Case{"Camera \"perspective\"", "not after WorldBegin"},
+             Case{"Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "projective"},
+             Case{"Transform [ 1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1 ]", "singular"},
+             Case{"Scale 1 0 1", "a factor is 0"},
+             Case{"Rotate 3 0 0 0", "no direction"},
+             Case{"LookAt 0 0 0  0 1 0  0 1 0", "parallel to up"},
+             Case{"CoordSysTransform \"x\"", "was not defined"},
+             Case{"ActiveTransform StartTime", "moving things"},
+             Case{"ColorSpace \"acescg\"", "ColorSpace"},
+             Case{"ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\nObjectEnd", "lights inside ObjectBegin"},
+         }) {
+        const std::string message = refused_world(c.text);
+        EXPECT_THAT(message, HasSubstr(c.message)) << c.text;
+        EXPECT_THAT(message, ::testing::ContainsRegex("room.pbrt:[0-9]+:[0-9]+: ")) << c.text;
+    }
+    EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("Camera \"realistic\" is not supported"));
+    EXPECT_THAT(refusal("Integrator \"path\" \"bool regularize\" true\nWorldBegin"), HasSubstr("regularize"));
+    EXPECT_THAT(refusal("Film \"rgb\""), HasSubstr("ends before WorldBegin"));
+    EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("not before WorldBegin"));
+}
+
+TEST(SceneRefusals, AllErrorsAreToldAtOnce) {
+    const std::string message = refused_world("Material \"hair\"\nShape \"curve\"\nLightSource \"projection\"\n");
+    for (const char* place : {":2:1: ", ":3:1: ", ":4:1: "}) EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + place));
+}
+
+// The warnings of a scene that is read, without the file's name: "line:column: message".
+std::vector<std::string> warnings(const std::string& text, bool another_integrator = false) {
+    const Folder folder;
+    const Result<LoadedScene> scene = load_scene(folder.write("room.pbrt", text), another_integrator);
+    EXPECT_TRUE(scene) << text << (scene ? "" : scene.error().message);
+    std::vector<std::string> out;
+    if (!scene) return out;
+    for (const std::string& warning : scene->warnings) out.push_back(warning.substr(warning.find("room.pbrt:") + 10));
+    return out;
+}
+
+TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
+    struct Case {
+        const char *options, *world, *warning;
+    };
+    for (const Case& c : {
+             Case{"Sampler \"halton\" \"integer pixelsamples\" 4", "", "1:1: Sampler is ignored"},
+             Case{"PixelFilter \"gaussian\"", "", "1:1: PixelFilter"},
+             Case{"Accelerator \"bvh\"", "", "1:1: Accelerator"},
+             Case{"Option \"seed\" 3", "", "1:1: Option \"seed\" is ignored"},
+             Case{"TransformTimes 0 1", "", "1:1: TransformTimes"},
+             Case{"Film \"spectral\"", "", "1:1: Film \"spectral\" is ignored"},
+             Case{"Film \"gbuffer\"", "", "1:1: Film \"gbuffer\" is ignored"},
+             Case{"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "", "1:1: Film: sensor \"canon_eos_5d\" is ignored"},
+             Case{"Film \"rgb\" \"float iso\" 200", "", "1:1: Film: \"iso\" is ignored"},
+             Case{"Film \"rgb\" \"bool savefp16\" false \"string filename\" \"x.exr\"", "",
+                  "1:12: Film: ignored: \"savefp16\", \"filename\""},
+             Case{"Film \"rgb\"\n \"float cropwindow\" [ 0 .5 0 1 ]", "", "2:2: Film: ignored: \"cropwindow\""},
+             Case{"Film \"rgb\" \"float maxcomponentvalue\" 9", "", "1:12: Film: ignored: \"maxcomponentvalue\""},
+             Case{"Film \"rgb\" \"float diagonal\" 24", "", "1:12: Film: ignored: \"diagonal\""},
+             Case{"Camera \"perspective\" \"float shutterclose\" .5", "", "1:1: Camera: \"shutteropen\", \"shutterclose\" are"},
+             Case{"Camera \"spherical\" \"float lensradius\" .5", "", "1:20: Camera: ignored: \"lensradius\""},
+             Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is ignored: \"path\" makes"},
+             Case{"Integrator \"mlt\"", "", "1:1: Integrator \"mlt\""},
+             Case{"Integrator \"simplepath\"", "", "1:1: Integrator \"simplepath\""},
+             Case{"Integrator \"simplevolpath\"", "", "1:1: Integrator \"simplevolpath\""},
+             Case{"Integrator \"path\" \"string lightsampler\" \"bvh\"", "", "1:19: Integrator: ignored: \"lightsampler\""},
+             Case{"Integrator \"path\" \"float radius\" 2", "", "1:19: Integrator: ignored: \"radius\""},
+             Case{"", "Texture \"t\" \"float\" \"fbm\"", "3:1: Texture \"t\" is ignored"},
+             Case{"", "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer faceIndices\" 0",
+                  "3:53: Shape: ignored: \"faceIndices\""},
+             Case{"", "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"vector3 S\" [1 0 0 1 0 0 1 0 0]",
+                  "3:53: S: tangents"},
+         }) {
+        EXPECT_THAT(warnings(std::string(c.options) + "\nWorldBegin\n" + c.world),
+                    ::testing::ElementsAre(::testing::StartsWith(c.warning)))
+            << c.options << c.world;
+    }
+}
+
+TEST(SceneRefusals, IntegratorsThatMakeOurPictureNeedNoWord) {
+    for (const char* name : {"path", "volpath", "bdpt"}) {
+        EXPECT_THAT(warnings(std::string("Integrator \"") + name + "\" \"integer maxdepth\" 3\nWorldBegin"), IsEmpty()) << name;
+    }
+    EXPECT_THAT(warnings("Camera \"perspective\" \"float shutteropen\" 2 \"float shutterclose\" 3\nWorldBegin"), IsEmpty());
+}
+
+TEST(SceneRefusals, IntegratorsOfAnotherPictureAreRefusedUnlessReplaced) {
+    for (const char* name : {"ambientocclusion", "function", "lightpath", "randomwalk", "directlighting", "pathh", ""}) {
+        const std::string text = std::string("Integrator \"") + name + "\"\nWorldBegin\n";
+        EXPECT_THAT(refusal(text), HasSubstr(std::string("room.pbrt:1:1: Integrator \"") + name + "\" is not supported"));
+        EXPECT_THAT(warnings(text, true), IsEmpty()) << name;
+    }
+    EXPECT_THAT(warnings("Integrator \"sppm\"\nWorldBegin\n", true), IsEmpty());
+}
+
+// Every word of pbrt-v4's format that is not read is refused where it stands, if the picture would be another without it.
+TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
+    std::vector<std::string> lines;
+    const auto directives = [&](const std::string& kind, std::initializer_list<const char*> types) {
+        for (const char* type : types) lines.push_back(kind + " \"" + type + "\"");
+    };
+    directives("Shape", {"curve", "cylinder", "loopsubdiv", "nurbs"});
+    directives("Material", {"coatedconductor", "coateddiffuse", "diffusetransmission", "hair", "measured", "mix", "subsurface"});
+    directives("LightSource", {"goniometric", "projection"});
+    directives("AreaLightSource", {"area"});
+    directives("ColorSpace", {"aces2065-1"});
+    for (const char* type : {"uniformgrid", "rgbgrid", "cloud", "nanovdb"})
+        lines.push_back(std::string("MakeNamedMedium \"m\" \"string type\" \"") + type + "\"");
+
+    const auto parameters = [&](const std::string& directive, std::initializer_list<const char*> unsupported) {
+        for (const char* parameter : unsupported) lines.push_back(directive + " " + parameter);
+    };
+    const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ]";
+    parameters(triangle, {"\"float alpha\" 0.5", "\"texture alpha\" \"t\""});
+    parameters("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]", {"\"string emissionfilename\" \"x.exr\""});
+    parameters("Shape \"sphere\"", {"\"float phimax\" 180", "\"float zmin\" 0", "\"float zmax\" 0.5"});
+    parameters("Shape \"disk\"", {"\"float phimax\" 90"});
+    parameters("Material \"diffuse\"", {"\"texture reflectance\" \"t\"", "\"string normalmap\" \"n.png\"", "\"float sigma\" 20",
+                                        "\"texture displacement\" \"t\""});
+    parameters("Material \"conductor\"", {"\"texture roughness\" \"t\"", "\"texture eta\" \"t\""});
+    parameters("Material \"dielectric\"", {"\"texture uroughness\" \"t\"", "\"rgb reflectance\" [ 1 1 1 ]"});
+    parameters("AreaLightSource \"diffuse\"", {"\"string filename\" \"x.exr\""});
+    parameters("LightSource \"infinite\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
+    parameters("LightSource \"spot\"", {"\"string filename\" \"x.exr\""});
+    parameters("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]",
+               {"\"string preset\" \"Apple\"", "\"rgb Le\" [1 1 1]", "\"float Lescale\" 2"});
+    parameters("Attribute \"shape\"", {"\"float alpha\" 0.5", "\"string emissionfilename\" \"x.exr\""});
+    parameters("Attribute \"light\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
+    parameters("Attribute \"material\"", {"\"texture reflectance\" \"t\"", "\"string normalmap\" \"n.png\""});
+    parameters("Attribute \"medium\"", {"\"rgb Le\" [1 1 1]", "\"string preset\" \"Apple\""});
+    parameters("Option", {"\"forcediffuse\" true", "\"disablepixeljitter\" true", "\"disablewavelengthjitter\" true", "\"new\" 1"});
+    lines.push_back("ActiveTransform EndTime");
+
+    std::string text = "WorldBegin";
+    for (const std::string& line : lines) text += "\n" + line;
+    const std::string message = refusal(text);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+        EXPECT_THAT(message, HasSubstr("room.pbrt:" + std::to_string(i + 2) + ":")) << lines[i];
+    for (const char* option : {"Camera \"realistic\"", "Film \"image\"", "Camera \"perspective\" \"float fovv\" 20",
+                               "Film \"rgb\" \"integer yres\" 20", "Integrator \"path\" \"integer depth\" 20"}) {
+        EXPECT_THAT(refusal(std::string(option) + "\nWorldBegin"), HasSubstr("room.pbrt:1:")) << option;
+    }
+}
+
+TEST(SceneRefusals, InheritedParametersThatWouldBeMissedAreRefused) {
+    EXPECT_THAT(refused_world("Attribute \"light\" \"string filename\" \"x.exr\"\nAreaLightSource \"diffuse\""),
+                HasSubstr("room.pbrt:2:19: filename: images on area lights are not supported"));
+    EXPECT_THAT(refused_world("Attribute \"light\" \"float scale\" 2\nAttributeBegin\nAttribute \"light\" \"float scale\" 3"),
+                HasSubstr("room.pbrt:4:19: Attribute: \"scale\" is inherited already"));
+}
+
+TEST(SceneRefusals, TangentsMatterWhereRoughnessHasADirection) {
+    const std::string shape = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ] \"vector3 S\" [ 1 0 0  1 0 0  1 0 0 ]\n";
+    EXPECT_THAT(refused_world("Material \"conductor\" \"float uroughness\" 0.1 \"float vroughness\" 0.2\n" + shape),
+                HasSubstr("room.pbrt:3:53: S: tangents"));
+}
+
+TEST(SceneRefusals, CamerasThatCannotBeMappedAreRefusedWhereTheyStand) {
+    EXPECT_THAT(refusal("Scale 1 2 1\n\n  Camera \"perspective\"\nWorldBegin"),
+                AllOf(HasSubstr("room.pbrt:3:3: "), HasSubstr("skews or stretches")));
+    EXPECT_THAT(refusal("Camera \"orthographic\" \"float lensradius\" .1\nWorldBegin"),
+                AllOf(HasSubstr("room.pbrt:1:1: "), HasSubstr("lensradius")));
+    EXPECT_THAT(refusal("\nCamera \"spherical\" \"string mapping\" \"mercator\"\nWorldBegin"), HasSubstr("room.pbrt:2:1: "));
+}
+
+}  // namespace
+}  // namespace latent::render
