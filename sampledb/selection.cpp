@@ -15,8 +15,9 @@ bool has_gaps(const Candidate& c) { return c.coverage.ranges().size() > 1; }
 // Total order in which nothing but (job, coverage, bytes) has a say: equal coverages stand together, the smaller hash first.
 bool before(const Candidate& a, const Candidate& b) {
     const auto key = [](const Candidate& c) {
-        return std::tuple(c.run.header.samples.end, c.run.header.samples.first, c.coverage.ranges(), c.run.header.content_hash,
-                          c.run.header.pages_size, c.run.header.index_hash);
+        const RunHeader& header = c.run.header;
+        return std::tie(header.samples.end, header.samples.first, c.coverage.ranges(), header.content_hash, header.pages_size,
+                        header.index_hash);
     };
     return key(a) < key(b);
 }
