@@ -192,7 +192,7 @@ TEST(SceneRefusals, InheritedParametersThatWouldBeMissedAreRefused) {
 TEST(SceneRefusals, TangentsMatterWhereRoughnessHasADirection) {
     const std::string shape = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ] \"vector3 S\" [ 1 0 0  1 0 0  1 0 0 ]\n";
     EXPECT_THAT(refused_world("Material \"conductor\" \"float uroughness\" 0.1 \"float vroughness\" 0.2\n" + shape),
-                HasSubstr("room.pbrt:3:53: S: tangents"));
+                HasSubstr("room.pbrt:3:57: S: tangents"));
 }
 
 TEST(SceneRefusals, CamerasThatCannotBeMappedAreRefusedWhereTheyStand) {
