@@ -194,7 +194,10 @@ void SceneBuilder::begin_object(const Directive& d) {
 
 void SceneBuilder::add_instance(const Directive& d) {
     if (object_ != kNone) return messages_.error(d.where, "ObjectInstance: not inside ObjectBegin");
-    if (!state_.ctm.inverse()) return messages_.error(d.where, "ObjectInstance: the transformation is singular");
+    const std::optional<Affined> inverse = state_.ctm.inverse();
+    if (!inverse) return messages_.error(d.where, "ObjectInstance: the transformation is singular");
+    if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15)
+        return messages_.error(d.where, "ObjectInstance: too small to be traced in single precision");
     const Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
     if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
     scene_.instances.push_back({named.index, state_.ctm, d.where});

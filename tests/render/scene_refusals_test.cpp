@@ -45,6 +45,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "projective"},
              Case{"Transform [ 1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1 ]", "singular"},
              Case{"Scale 1 0 1", "a factor is 0"},
+             Case{"ObjectBegin \"o\"\nObjectEnd\nScale 1 1e-20 1\nObjectInstance \"o\"", "ObjectInstance: too small"},
              Case{"Rotate 3 0 0 0", "no direction"},
              Case{"LookAt 0 0 0  0 1 0  0 1 0", "parallel to up"},
              Case{"CoordSysTransform \"x\"", "was not defined"},
