@@ -6,7 +6,7 @@
 
 namespace latent::convert {
 
-std::string report_text(const ConvertReport& r) {
+std::string to_text(const ConvertReport& r) {
     const auto share = [&](std::uint64_t count) {
         return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
     };
@@ -25,7 +25,7 @@ std::string report_text(const ConvertReport& r) {
     return text;
 }
 
-std::string report_json(const ConvertReport& r) {
+std::string to_json(const ConvertReport& r) {
     const nlohmann::ordered_json json{{"width", r.width},
                                       {"height", r.height},
                                       {"sensitivity", r.sigma},

@@ -7,7 +7,7 @@
 
 namespace latent::convert {
 
-std::string report_text(const ConvertReport& report);  // lines "name  value"
-std::string report_json(const ConvertReport& report);  // one object
+std::string to_text(const ConvertReport& report);  // lines "name  value"
+std::string to_json(const ConvertReport& report);  // one object
 
 }  // namespace latent::convert

@@ -2,11 +2,9 @@
 #include <fmt/format.h>
 
 #include "base/cli.h"
-#include "base/json.h"
-#include "base/size.h"
 #include "sampledb/parse.h"
-#include "sampledb/report_json.h"
 #include "tools/merge/merge.h"
+#include "tools/merge/report.h"
 
 namespace {
 
@@ -26,30 +24,6 @@ Examples:
   latent-merge night.latent -o night-large.latent --compact        many small runs become few large ones: develops faster
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed.)";
-
-nlohmann::json to_json(const merge::MergeReport& report) {
-    return {{"job", to_hex(report.job.id)},
-            {"files", report.files},
-            {"runs_in", report.runs_in},
-            {"runs_out", report.runs_out},
-            {"superseded_runs", report.gathering.superseded_runs},
-            {"repeated_runs", report.gathering.repeated_runs},
-            {"samples", report.coverage},
-            {"camera_records", report.camera_records},
-            {"light_records", report.light_records},
-            {"bytes", report.bytes},
-            {"left_out", report.gathering.left_out},
-            {"notes", report.gathering.notes}};
-}
-
-std::string to_text(const merge::MergeReport& report, const merge::MergeOptions& options) {
-    std::string text =
-        fmt::format("{}: {} run{} from {} file{}, samples {}, {} camera and {} light records, {}\n", options.output.string(),
-                    report.runs_out, report.runs_out == 1 ? "" : "s", report.files, report.files == 1 ? "" : "s",
-                    to_string(report.coverage), report.camera_records, report.light_records, format_size(report.bytes));
-    if (options.compact) text += fmt::format("compacted {} runs into {}\n", report.runs_in, report.runs_out);
-    return text;
-}
 
 }  // namespace
 
@@ -83,6 +57,6 @@ int main(int argc, char** argv) {
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
-    std::fputs((common.json ? json_text(to_json(*report)) + "\n" : to_text(*report, options)).c_str(), stdout);
+    fmt::print("{}", common.json ? merge::to_json(*report) : merge::to_text(*report));
     return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
 }

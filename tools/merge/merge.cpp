@@ -144,6 +144,8 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
     if (Status s = output.end(*provenance); !s) return s.error();
 
     MergeReport report;
+    report.output = options.output.string();
+    report.compacted = options.compact;
     report.job = gathering.job();
     report.coverage = gathering.coverage();
     report.runs_in = gathering.runs().size();

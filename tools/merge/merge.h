@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/progress.h"
@@ -27,6 +28,8 @@ struct MergeOptions {
 };
 
 struct MergeReport {
+    std::string output;
+    bool compacted = false;
     sampledb::Job job;
     sampledb::Coverage coverage;
     std::uint64_t files = 0;  // that runs were taken from

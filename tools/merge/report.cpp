@@ -1,0 +1,35 @@
+#include "tools/merge/report.h"
+
+#include <fmt/format.h>
+
+#include "base/json.h"
+#include "base/size.h"
+#include "sampledb/report_json.h"
+
+namespace latent::merge {
+
+std::string to_json(const MergeReport& r) {
+    const nlohmann::json report = {{"job", to_hex(r.job.id)},
+                                   {"files", r.files},
+                                   {"runs_in", r.runs_in},
+                                   {"runs_out", r.runs_out},
+                                   {"superseded_runs", r.gathering.superseded_runs},
+                                   {"repeated_runs", r.gathering.repeated_runs},
+                                   {"samples", r.coverage},
+                                   {"camera_records", r.camera_records},
+                                   {"light_records", r.light_records},
+                                   {"bytes", r.bytes},
+                                   {"left_out", r.gathering.left_out},
+                                   {"notes", r.gathering.notes}};
+    return json_text(report) + "\n";
+}
+
+std::string to_text(const MergeReport& r) {
+    std::string text = fmt::format("{}: {} run{} from {} file{}, samples {}, {} camera and {} light records, {}\n", r.output,
+                                   r.runs_out, r.runs_out == 1 ? "" : "s", r.files, r.files == 1 ? "" : "s", to_string(r.coverage),
+                                   r.camera_records, r.light_records, format_size(r.bytes));
+    if (r.compacted) text += fmt::format("compacted {} runs into {}\n", r.runs_in, r.runs_out);
+    return text;
+}
+
+}  // namespace latent::merge
