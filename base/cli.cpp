@@ -132,6 +132,8 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
     return add_parsed(app, name, seconds, parse_duration, help)->type_name("TIME");
 }
 
+void print(const std::string& report) { std::fwrite(report.data(), 1, report.size(), stdout); }
+
 int fail(const Error& error) {
     failure_was_said = true;
     fmt::print(stderr, "{}: {}\n", program(), printable(error.message));

@@ -54,6 +54,9 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
 CLI::Validator ends_in(const std::string& extension);
 CLI::Validator whole_number();
 
+// Writes a report to standard output. Never fails here: `parse` tells what happens if it cannot be written.
+void print(const std::string& report);
+
 // Prints "PROGRAM: MESSAGE" on stderr; returns kUsage for ErrorCode::kUsage, kStopped for kStopped, else kFailed.
 int fail(const Error& error);
 

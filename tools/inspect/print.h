@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,11 +14,9 @@
 
 namespace latent::inspect {
 
-inline void put(const std::string& text) { std::fputs(text.c_str(), stdout); }
-
 template <class Report>
 void print(const Report& report, bool as_json) {
-    put(as_json ? json_text(to_json(report)) + "\n" : to_text(report));
+    cli::print(as_json ? json_text(to_json(report)) + "\n" : to_text(report));
 }
 
 inline int status_of(const FileInfo& info) { return info.left_out().empty() ? cli::kDone : cli::kDoneWithLosses; }
@@ -58,7 +55,7 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
             }
         }
     }
-    if (as_json) put(json_text(reports.size() == 1 ? reports.front() : nlohmann::json(reports)) + "\n");
+    if (as_json) cli::print(json_text(reports.size() == 1 ? reports.front() : nlohmann::json(reports)) + "\n");
     return gravest;
 }
 

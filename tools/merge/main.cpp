@@ -1,6 +1,4 @@
 // latent-merge: the parts of one job become one file.
-#include <fmt/format.h>
-
 #include "base/cli.h"
 #include "sampledb/parse.h"
 #include "tools/merge/merge.h"
@@ -57,6 +55,6 @@ int main(int argc, char** argv) {
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
-    fmt::print("{}", common.json ? merge::to_json(*report) : merge::to_text(*report));
+    cli::print(common.json ? merge::to_json(*report) : merge::to_text(*report));
     return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
 }
