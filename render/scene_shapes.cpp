@@ -1,6 +1,8 @@
 // Shapes: meshes are brought into the space of `ctm` here, quadrics keep their transformation.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/ply.h"
 #include "render/scene_entities.h"
 
@@ -109,6 +111,15 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (shapes.empty()) list.warn(*name + ": has no faces");
 }
 
+// Whether every vertex, or the corners of the box around a sphere or disk, can be told as floats.
+bool is_finite(const ShapeDescription& shape) {
+    const auto finite = [](const Vec3f& p) { return max_abs(p) < kInfinity; };
+    if (shape.mesh) return std::ranges::all_of(shape.mesh->positions, finite);
+    const Affined& map = shape.to_world;
+    const double reach = (max_abs(map.x) + max_abs(map.y) + max_abs(map.z)) * std::max(shape.radius, std::abs(shape.height));
+    return finite(Vec3f(Vec3d(max_abs(map.t) + reach, 0, 0)));
+}
+
 }  // namespace
 
 std::vector<ShapeDescription> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
@@ -144,6 +155,7 @@ std::vector<ShapeDescription> read_shape(const std::string& type, const Paramete
         list.error(fmt::format("Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, sphere, disk)", type));
         return {};
     }
+    if (!std::ranges::all_of(shapes, is_finite)) list.error("Shape: lies beyond what single precision holds");
     list.report_unused();
     return shapes;
 }
