@@ -1,5 +1,6 @@
 #include "base/cli.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 #include "base/printable.h"
 #include "base/size.h"
@@ -21,6 +23,14 @@ std::string& program_name() {
 }
 
 bool failure_was_said = false;
+
+// Files that are opened must not be taken for a standard stream that was closed (">&-"): reports would be written into them.
+void occupy_closed_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0)
+            ::open("/dev/null", O_RDONLY);  // takes the lowest number that is free; writing to it fails
+    }
+}
 
 // Standard output holds back what is written to it; only when it is flushed does a full disk show.
 void flush_stdout_at_exit() {
@@ -73,6 +83,13 @@ class HelpFormatter final : public CLI::Formatter {
         return first == std::string::npos ? "" : footer.substr(first, last + 1 - first) + "\n";
     }
 };
+
+// CLI11 says "--output: 1 required TEXT:NAME.latent missing" and "--output: At Most 1 required but received 2".
+std::string in_plain_words(const CLI::ParseError& error) {
+    const std::string what = error.what();
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
+    return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": is given more than once");
+}
 }  // namespace
 
 const std::string& program() { return program_name(); }
@@ -89,6 +106,7 @@ void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
 
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     program_name() = app.get_name();
+    occupy_closed_streams();
     std::atexit(flush_stdout_at_exit);
     const auto formatter = std::make_shared<HelpFormatter>();
     app.formatter(formatter);
@@ -99,9 +117,10 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
         // What is missing may be there, but misspelt: so what was not understood comes first.
-        const std::vector<std::string> unknown = app.remaining(true);
+        std::vector<std::string> unknown = app.remaining(true);
+        std::erase(unknown, "--");
         const bool misspelt = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty();
-        const std::string what = misspelt ? unknown.front() + " was not understood" : error.what();
+        const std::string what = misspelt ? unknown.front() + " was not understood" : in_plain_words(error);
         fmt::print(stderr, "{}: {} (--help explains)\n", program(), printable(what));
         return kUsage;
     }
@@ -109,7 +128,8 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 
 CLI::Validator ends_in(const std::string& extension) {
     const auto check = [extension](const std::string& name) {
-        return name.ends_with(extension) ? std::string() : fmt::format("{}: the name must end in {}", name, extension);
+        return std::filesystem::path(name).extension() == extension ? std::string()
+                                                                    : fmt::format("{}: the name must end in {}", name, extension);
     };
     return CLI::Validator(check, "NAME" + extension);
 }

@@ -179,7 +179,7 @@ Status ExrReader::File::find_blocks(int wanted_level) {
         good = exr_get_scanlines_per_chunk(context, 0, &image.block_height) == EXR_ERR_SUCCESS;
     }
     if (good && (wanted_level < 0 || wanted_level >= image.levels)) {
-        return Error{ErrorCode::kOutOfRange,
+        return Error{ErrorCode::kUsage,
                      fmt::format("{}: has no mip level {}; it has {}", path.string(), wanted_level,
                                  image.levels == 1 ? "level 0 only" : fmt::format("levels 0 to {}", image.levels - 1))};
     }

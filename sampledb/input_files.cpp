@@ -60,7 +60,7 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
             if (!found) return found.error();
             if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": holds no file"};
             add_found(*found);
-        } else if (fs::exists(input, error)) {
+        } else if (fs::exists(input, error) || error) {  // what cannot be looked at says why when it is opened
             files.push_back({input, true});
         } else {
             std::vector<fs::path> found = attempts_of(input);

@@ -216,7 +216,7 @@ TEST_F(Convert, ACropIsThatPartOfTheWholeBitForBit) {
     options.crop = Rect{0, 0, 100, 100};
     const Result<ConvertReport> outside = print("a.exr", "b.png", options);
     ASSERT_FALSE(outside);
-    EXPECT_EQ(outside.error().code, ErrorCode::kOutOfRange);
+    EXPECT_EQ(outside.error().code, ErrorCode::kUsage);
     EXPECT_NE(outside.error().message.find("10,20"), std::string::npos) << outside.error().message;
 }
 
@@ -388,11 +388,15 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
                                            {{at("a.exr"), "-o", at("b.png"), "--profile", "1,1,1,1,1,1,1,1"}, 2, "--profile"},
                                            {{at("a.exr"), "-o", at("b.png"), "--crop", "1,2,3"}, 2, "X0,Y0,X1,Y1"},
                                            {{at("a.exr"), "-o", at("b.png"), "-o", at("./b.png")}, 2, "twice"},
+                                           {{at("a.exr"), "-o", "b.png", "-o", "./b.png"}, 2, "twice"},
+                                           {{at("a.exr"), "-o"}, 2, "a value is missing"},
+                                           {{at("a.exr"), "-o", at("b.png"), "--bits", "8", "--bits", "8"}, 2, "is given more"},
+                                           {{at("a.exr"), "-o", at("b.png"), "--crop", "0,0,9999,1"}, 2, "--crop"},
                                            {{at("a.exr"), "-o", at("b.jpg"), "--bits", "16"}, 2, "8 bits"},
                                            {{at("a.exr"), "-o", at("b.dzi"), "--bits", "float"}, 2, "8 bits"},
                                            {{at("a.exr"), "-o", at("b.exr"), "--bits", "8"}, 2, "--bits 16"},
                                            {{at("a.exr"), "-o", at("b.png"), "--memory", "-5"}, 2, "--memory"},
-                                           {{at("a.exr"), "-o", at("b.png"), "--level", "3"}, 1, "level"},
+                                           {{at("a.exr"), "-o", at("b.png"), "--level", "3"}, 2, "level"},
                                            {{at("wide.exr"), "-o", at("b.jpg")}, 1, "65500"},
                                            {{at("wide.exr"), "-o", at("b.png"), "-o", at("c.jpg")}, 1, "65500"}}) {
         const testing::Outcome outcome = run_tool(c.arguments);

@@ -123,7 +123,8 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
         EXPECT_EQ(outcome.status, 2) << bad[0] << ' ' << bad[1] << ": " << outcome.err;
         EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
     }
-    EXPECT_EQ(develop({in, "-o", out("bad.exr"), "--memory", "1M"}).status, 1);
+    EXPECT_EQ(develop({in, "-o", out("bad.exr"), "--memory", "18446744073709551615", "--mipmap"}).status, 1);
+    EXPECT_EQ(develop({in, "-o", out("bad.exr"), "--spectral-bins", "8", "--observer", "cie1931"}).status, 2);
     EXPECT_EQ(develop({out("none.latent"), "-o", out("bad.exr")}).status, 1);
     EXPECT_EQ(develop({in, "-o", out("bad.png")}).status, 2);
     EXPECT_EQ(develop({"/dev/null", "-o", out("bad.exr")}).status, 1);
@@ -193,6 +194,22 @@ TEST_F(Tool, NoSamplesAreNoPictureAndMissingOnesAreNamed) {
     const Outcome whole = develop_samples("5000:8000");
     EXPECT_EQ(whole.status, 0) << whole.err;
     EXPECT_TRUE(nlohmann::json::parse(whole.out)["missing_samples"].empty());
+}
+
+TEST_F(Tool, TooLittleMemoryIsRefusedNamingWhatIsEnough) {
+    const std::string in = file("in.latent", {0, 1});
+    for (const std::string memory : {"0", "1", "1M", "4M"}) {
+        for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{}, {"--mipmap"}, {"--threads", "8"}}) {
+            const Outcome small = develop({in, "-o", out("a.exr"), "--size", "300", "--memory", memory}, more);
+            ASSERT_EQ(small.status, 1) << small.err;
+            const std::string prefix = "latent-develop: --memory: too small; ";
+            ASSERT_TRUE(small.err.starts_with(prefix)) << small.err;
+            const std::string enough = small.err.substr(prefix.size(), small.err.find(" is enough") - prefix.size());
+            const Outcome outcome = develop({in, "-o", out("a.exr"), "--size", "300", "--force", "--memory", enough}, more);
+            EXPECT_EQ(outcome.status, 0) << enough << ": " << outcome.err;
+            std::filesystem::remove(folder_ / "a.exr");
+        }
+    }
 }
 
 TEST_F(Tool, LittleMemoryReadsTheFileOnce) {

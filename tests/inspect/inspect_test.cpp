@@ -187,8 +187,23 @@ TEST_F(InspectTest, NumbersThatAreNoneAndNamesOfAnotherKindAreWrongUsage) {
         EXPECT_EQ(inspect({"gen", "-o", folder_ / "b.latent", option, "-1"}).status, 2) << option;
     }
     EXPECT_EQ(inspect({"gen", "-o", folder_ / "b.txt"}).status, 2);
+    EXPECT_EQ(inspect({"gen", "-o", folder_ / ".latent"}).status, 2);
+    EXPECT_EQ(inspect({"gen", "-o", folder_ / "b.latent", "--run-samples", "1025"}).status, 2);
     EXPECT_EQ(inspect({"recover", file, "-o", folder_ / "b.txt"}).status, 2);
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.latent"});
+}
+
+TEST_F(InspectTest, WhatCannotBeLookedAtSaysWhy) {
+    fs::create_symlink("a.latent", folder_ / "b.latent");
+    fs::create_symlink("b.latent", folder_ / "a.latent");
+    for (const std::string command : {"info", "verify", "cat"}) {
+        const Outcome loop = inspect({command, folder_ / "a.latent"}),
+                      endless = inspect({command, folder_ / std::string(300, 'x')});
+        EXPECT_EQ(loop.status, 1);
+        EXPECT_TRUE(loop.err.ends_with("a.latent: cannot open: Too many levels of symbolic links\n")) << loop.err;
+        EXPECT_EQ(endless.status, 1);
+        EXPECT_TRUE(endless.err.ends_with("cannot open: File name too long\n")) << endless.err;
+    }
 }
 
 TEST_F(InspectTest, OneBadFileDoesNotKeepTheOthersFromBeingLookedAt) {

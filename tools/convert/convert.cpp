@@ -139,7 +139,7 @@ Status check_outputs(const std::vector<std::filesystem::path>& outputs) {
     std::set<std::filesystem::path> places;
     for (const std::filesystem::path& path : outputs) {
         std::error_code ignored;
-        if (!places.insert(std::filesystem::weakly_canonical(path, ignored)).second)
+        if (!places.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)).second)
             return Error{ErrorCode::kUsage, fmt::format("--output {}: is given twice", path.string())};
     }
     return {};

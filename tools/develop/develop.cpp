@@ -89,11 +89,8 @@ class Engine {
         plan_ = &*plan;
         counts_.pages = plan->pages();
         counts_.page_bytes = plan->stored_bytes();
-        if (slab_bytes_ < plan->least_batch() + window_bytes_) {
-            return Error{ErrorCode::kOutOfRange,
-                         fmt::format("--memory {}: too small; give at least {}", format_size(settings_.memory),
-                                     format_size(settings_.memory - slab_bytes_ + plan->least_batch() + window_bytes_))};
-        }
+        if (const std::uint64_t least = plan->least_batch() + window_bytes_; slab_bytes_ < least)
+            return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
         slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
         if (!slab_)
             return Error{ErrorCode::kOutOfRange, fmt::format("--memory {}: the system has less", format_size(settings_.memory))};
@@ -119,13 +116,20 @@ class Engine {
         const std::uint64_t waiting = settings_.memory / 16;
         const std::uint64_t tile_bytes =
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.count());
-        const std::uint64_t own = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
-        slab_bytes_ = settings_.memory > waiting + own ? (settings_.memory - waiting - own) / 64 * 64 : 0;
+        own_bytes_ = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
+        slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
         slab_bytes_ = std::min(slab_bytes_, kMostSlab);
         window_bytes_ = static_cast<std::uint64_t>(grid_.window_width() * grid_.window_height()) * pixel_doubles() * sizeof(double);
         window_bytes_ = (window_bytes_ + 63) / 64 * 64;
         assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, camera_, light_, normalisation_,
                                                settings_.temporary_folder, waiting, sink);
+    }
+
+    // Whole MiB of --memory with which the slab has `slab` bytes: 15/16 of Settings::memory go to it and the threads, and that is
+    // what indexes (1/8 at most) and the levels of a mip map (1/32) leave.
+    std::uint64_t enough_for(std::uint64_t slab) const {
+        const std::uint64_t memory = (slab + own_bytes_ + 64) * 16 / 15 * 32 / 27;
+        return (memory + (2 << 20)) >> 20 << 20;
     }
 
     std::uint64_t pixel_doubles() const {
@@ -334,7 +338,7 @@ class Engine {
     const Plan* plan_ = nullptr;
     const Progress* progress_ = nullptr;
     double cells_done_ = 0;
-    std::uint64_t slab_bytes_ = 0, window_bytes_ = 0;
+    std::uint64_t slab_bytes_ = 0, own_bytes_ = 0, window_bytes_ = 0;
     std::unique_ptr<std::byte, Free> slab_;
     std::vector<Held> held_;
     std::span<std::byte> windows_;

@@ -43,14 +43,15 @@ int main(int argc, char** argv) {
     app.add_option("--size", options.size, "pixels of the whole film; W alone derives the height")->type_name("W|WxH");
     app.add_option("--crop", options.crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter")->capture_default_str()->type_name("NAME[:params]");
-    app.add_option("--observer", options.observer, "who looks at the spectra")->type_name("NAME|FILE.csv");
+    auto* observer = app.add_option("--observer", options.observer, "who looks at the spectra")->type_name("NAME|FILE.csv");
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "only samples A .. B-1")->type_name("A:B");
     app.add_option("--image", options.image, "the picture, or one of the images that add up to it")
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();
     app.add_flag("--mipmap", options.mipmap, "store smaller levels too, each the exact mean of the pixels it covers");
     app.add_option("--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm")
-        ->check(CLI::Range(1, 470));
+        ->check(CLI::Range(1, 470))
+        ->excludes(observer);
     app.add_option("--compression", compression, "of the EXR")->check(CLI::IsMember({"none", "zip"}))->capture_default_str();
     app.add_option("--simd", options.simd, "instructions to use")
         ->capture_default_str()

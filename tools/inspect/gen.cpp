@@ -27,6 +27,7 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
     GenReport report;
     report.output = options.output;
     report.job = synthetic_job(options.scene);
+    if (const Status valid = report.job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
     PartOptions part;
     part.path = options.output;
     part.range = samples;
