@@ -129,7 +129,7 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 CLI::Validator ends_in(const std::string& extension) {
     const auto check = [extension](const std::string& name) {
         return std::filesystem::path(name).extension() == extension ? std::string()
-                                                                    : fmt::format("{}: the name must end in {}", name, extension);
+                                                                    : fmt::format("{}: should be NAME{}", name, extension);
     };
     return CLI::Validator(check, "NAME" + extension);
 }
