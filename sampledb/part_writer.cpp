@@ -47,7 +47,8 @@ class Writer final : public PartWriter {
  private:
     using Lock = std::unique_lock<std::mutex>;
 
-    bool late() const;
+    bool must_wait_for_a_commit(const Grain& grain) const;
+    Clock::time_point in_order_until() const;
     void advance(Lock& lock);
     Result<GrainPtr> next_grain();
     void hand_over(AssembledRun run, Lock& lock);
@@ -71,14 +72,18 @@ class Writer final : public PartWriter {
     std::condition_variable changed_;
     RunAssembler assembler_;
     EarlierAttempts earlier_;
-    std::vector<StoredRun> adopted_;             // runs of the result that earlier attempts hold
-    std::map<std::uint64_t, GrainPtr> waiting_;  // submitted, not yet in their turn; by first sample
-    std::uint64_t waiting_bytes_ = 0;            // of these
+    std::vector<StoredRun> adopted_;  // runs of the result that earlier attempts hold
+    struct Waiting {
+        GrainPtr grain;
+        Clock::time_point since;
+    };
+    std::map<std::uint64_t, Waiting> waiting_;  // submitted, not yet in their turn; by first sample
+    std::uint64_t waiting_bytes_ = 0;           // of these
     Coverage unsubmitted_;
     Coverage committed_;
     bool advancing_ = false;             // a thread is moving grains into runs
     std::optional<AssembledRun> ready_;  // a complete run, not yet taken by the committer
-    Clock::time_point ready_since_;
+    Clock::time_point ready_until_;      // what was submitted before is in it
     bool committing_ = false;
     bool checkpoint_wanted_ = false;
     bool unsaved_ = false;  // the run that is being assembled has a grain that no commit has taken yet
@@ -124,7 +129,7 @@ Status Writer::submit(Grain grain) {
     const auto has_room = [&] {
         return waiting_bytes_ + size <= kWindowBytes || (!advancing_ && grain.range.first == assembler_.next());
     };
-    changed_.wait(lock, [&] { return over() || given_up_ || (has_room() && !late()); });
+    changed_.wait(lock, [&] { return over() || given_up_ || (has_room() && !must_wait_for_a_commit(grain)); });
     if (over()) return status();
     if (!has_room()) return Error{ErrorCode::kStopped, options_.path.string() + ": stopped before an older grain was finished"};
     if (grain.range.empty() || !unsubmitted_.contains(grain.range) ||
@@ -134,7 +139,7 @@ Status Writer::submit(Grain grain) {
     }
     unsubmitted_.remove(grain.range);
     waiting_bytes_ += size;
-    waiting_.emplace(grain.range.first, std::make_shared<const Grain>(std::move(grain)));
+    waiting_.emplace(grain.range.first, Waiting{std::make_shared<const Grain>(std::move(grain)), Clock::now()});
     if (!advancing_) advance(lock);
     return status();
 }
@@ -177,19 +182,19 @@ Result<GrainPtr> Writer::next_grain() {
     if (!earlier || *earlier) return earlier;
     const auto at = waiting_.find(assembler_.next());
     if (at == waiting_.end()) return GrainPtr();
-    waiting_bytes_ -= at->second->records.raw_bytes() + kGrainOverhead;
+    waiting_bytes_ -= at->second.grain->records.raw_bytes() + kGrainOverhead;
     changed_.notify_all();
-    return std::move(waiting_.extract(at).mapped());
+    return std::move(waiting_.extract(at).mapped().grain);
 }
 
 // Gives a complete run to the committer, which must have finished the one before: so at most two are held.
 void Writer::hand_over(AssembledRun run, Lock& lock) {
     if (const StoredRun* const stored = earlier_.run_of(run.samples)) return adopted_.push_back(*stored);
-    const Clock::time_point closed = Clock::now();
+    const Clock::time_point until = in_order_until();
     changed_.wait(lock, [&] { return over() || (!ready_ && !committing_); });
     if (over()) return;
     ready_ = std::move(run);
-    ready_since_ = closed;
+    ready_until_ = until;
     changed_.notify_all();
 }
 
@@ -201,8 +206,18 @@ std::vector<GrainPtr> Writer::uncommitted() const {
     return grains;
 }
 
-// Whether rendering has to wait for a commit: more than the checkpoint interval of it is at stake.
-bool Writer::late() const { return (unsaved_ || ready_ || committing_) && clock_.late(Clock::now()); }
+// More than the checkpoint interval of work is at stake. If all of it waits for an older grain, only that one may pass.
+bool Writer::must_wait_for_a_commit(const Grain& grain) const {
+    const bool at_stake = unsaved_ || ready_ || committing_ || (!waiting_.empty() && grain.range.first != assembler_.next());
+    return at_stake && clock_.late(Clock::now());
+}
+
+// A commit that is taken now holds everything that was submitted before; later grains may wait for an older one.
+Clock::time_point Writer::in_order_until() const {
+    Clock::time_point until = Clock::now();
+    for (const auto& [first, waiting] : waiting_) until = std::min(until, waiting.since);
+    return until;
+}
 
 void Writer::commit_until_stopped() {
     Lock lock(mutex_);
@@ -216,7 +231,7 @@ void Writer::commit_until_stopped() {
             }
             continue;
         }
-        const Clock::time_point begin = Clock::now(), until = checkpoint ? begin : ready_since_;
+        const Clock::time_point begin = Clock::now(), until = checkpoint ? in_order_until() : ready_until_;
         std::vector<GrainPtr> grains = checkpoint ? uncommitted() : std::move(ready_->grains);
         if (checkpoint) unsaved_ = checkpoint_wanted_ = false;
         ready_.reset();

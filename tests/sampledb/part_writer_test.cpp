@@ -431,6 +431,27 @@ TEST_F(PartWriterTest, GrainsFarAheadWaitForTheOldestSoThatMemoryStaysBounded) {
     EXPECT_EQ(submitted, 39);
 }
 
+// A grain takes a millisecond or more, the checkpoint interval is 50: nobody goes on when the oldest grain is overdue but who has
+// it.
+TEST_F(PartWriterTest, GrainsThatWaitForTheOldestAreAtStakeAsWell) {
+    Job job = make_short_job();
+    job.run_samples = 1 << 20;
+    const auto writer = open(job, {0, 400 * 1024}, 0.05);
+    std::atomic<int> submitted = 0;
+    std::thread ahead([&] {
+        for (std::uint64_t first = 1024; first < 400 * 1024; first += 1024, ++submitted) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            EXPECT_TRUE(writer->submit(make_grain(job, {first, first + 1024})));
+        }
+    });
+    settle(submitted);
+    EXPECT_LE(submitted, 50);
+    ASSERT_TRUE(writer->submit(make_grain(job, {0, 1024})));
+    ahead.join();
+    EXPECT_EQ(submitted, 399);
+    ASSERT_TRUE(writer->finish());
+}
+
 TEST_F(PartWriterTest, GivingUpWakesThoseWhoWaitForAGrainThatWillNotCome) {
     Job job = make_short_job();
     job.run_samples = 65536;

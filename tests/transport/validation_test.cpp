@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "tests/faults/process.h"
 #include "tests/transport/blocks.h"
 #include "tests/transport/world_builder.h"
 
@@ -59,11 +61,22 @@ struct Case {
         true;  // else the whole picture alone: caustics that a path finds by chance make errors of blocks too uncertain
 };
 
+// A file of scenes/. The forest's trees are made for it, elsewhere.
+Scene scene_to_compare(const std::string& name) {
+    if (name != "forest") return scene_named(name + ".pbrt");
+    const std::string scenes = LATENT_SOURCE_DIR "/scenes/";
+    const latent::testing::TemporaryFolder folder;
+    const latent::testing::Outcome made = latent::testing::run({scenes + "make_forest", folder.path().string()});
+    if (made.status != 0) throw std::runtime_error(made.err);
+    std::filesystem::copy(scenes + "forest.pbrt", folder / "forest.pbrt");
+    return scene_of(load_scene(folder / "forest.pbrt"));
+}
+
 class Validation : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Validation, BlockMeansAreThoseOfTheReference) {
     const Case& c = GetParam();
-    const Scene scene = scene_named(std::string(c.scene) + ".pbrt");
+    const Scene scene = scene_to_compare(c.scene);
     const Estimate reference = read_reference(std::string(LATENT_SOURCE_DIR) + "/tests/transport/refs/" + c.scene + ".csv");
     const Estimate ours = render(scene, {.kind = c.kind, .connections = c.connections, .max_depth = 0}, c.samples);
     expect_agreement(ours, reference, c.by_blocks);
@@ -83,6 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Validation,
                                            Case{"sodium", IntegratorKind::kPath, Connections::kOne, 65536},
                                            Case{"sodium", IntegratorKind::kBdpt, Connections::kAll, 49152},
                                            Case{"conductors", IntegratorKind::kPath, Connections::kOne, 32768},
+                                           Case{"forest", IntegratorKind::kBdpt, Connections::kOne, 16384},
                                            Case{"fog", IntegratorKind::kBdpt, Connections::kOne, 32768}),
                          [](const auto& instance) {
                              const Case& c = instance.param;
