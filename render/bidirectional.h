@@ -92,7 +92,8 @@ class Bidirectional {
     void see_sky(const Step& step, const Line& line);
 
     // t = 0: the light's step meets the lens before it has gone `limit`. Lights that are a point or a direction are themselves
-    // invisible, as they are to a path from the eye.
+    // invisible, in mirrors and through glass too, as they are to a path from the eye. No other strategy makes such a path, so no
+    // weight counts on this one.
     void reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit);
     void splat(const CameraPoint& point, const Batch& value, bool dispersed);
 

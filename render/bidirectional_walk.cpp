@@ -1,4 +1,6 @@
 // The two subpaths, step by step, and what they meet by themselves: lights (s = 0) and the lens (t = 0).
+#include <algorithm>
+
 #include "render/bidirectional.h"
 
 namespace latent::render {
@@ -198,8 +200,11 @@ void Bidirectional::see_sky(const Step& step, const Line& line) {
 
 void Bidirectional::reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit) {
     CameraPoint point;
-    if (light_.size() == 1 && lights_[chosen_].is_delta()) return;
     if (!world_.camera().hit_lens(ray.o, ray.d, limit, point)) return;
+    if (lights_[chosen_].is_delta() &&
+        std::none_of(light_.begin() + 1, light_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
+        return;
+    }
     Batch value = step.beta;
     Line line = so_far;
     if (step.medium != kNone) {

@@ -1,4 +1,4 @@
-// Light where the answer is known: closed diffuse boxes, and lights seen directly.
+// Light where the answer is known: closed diffuse boxes, lights seen directly, and lights that cannot be seen.
 #include <fmt/format.h>
 
 #include <array>
@@ -224,6 +224,61 @@ TEST(DirectLight, HasTheColourThatItsSpectrumSays) {
     const color::Xyz expected = xyz_from_spectrum(sodium, color::Observer::cie1931());
     EXPECT_NEAR(lamp[1], 1, 1e-3);
     EXPECT_NEAR(lamp[0] / lamp[1], expected.x / expected.y, 1e-3);
+}
+
+// A lens has an area, which light can meet by chance. A point or a direction is invisible all the same, in mirrors, through glass
+// and through panes too: no path from the eye finds it there.
+TEST(DeltaLights, AreInvisibleThroughMirrorsAndGlassToo) {
+    const std::string plate =
+        "Shape \"trianglemesh\" \"point3 P\" [-4 -4 0  4 -4 0  4 4 0  -4 4 0] \"integer indices\" [0 1 2 0 2 3]\n";
+    const std::vector<std::pair<std::string, std::string>> objects = {
+        {"interface", "Material \"interface\"\n" + plate},
+        {"pane", "Material \"thindielectric\" \"float eta\" 1.5\n" + plate},
+        {"glass", "Material \"dielectric\" \"float eta\" 1.5\nShape \"sphere\" \"float radius\" 0.5\n"},
+        {"dispersive glass", "Material \"dielectric\" \"spectrum eta\" \"glass-SF11\"\nShape \"sphere\" \"float radius\" 0.5\n"},
+        {"mirror", "Material \"conductor\" \"float roughness\" 0\nTranslate 0 0 3\n" + plate},
+    };
+    const std::vector<std::pair<std::string, std::string>> lights = {
+        {"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 0.1 1]\n"},
+        {"spot", "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 0.1 1] \"point3 to\" [0 0 -3]\n"},
+        {"spot, away", "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 0.1 1] \"point3 to\" [0 0 3]\n"},
+        {"distant", "LightSource \"distant\" \"spectrum L\" \"stdillum-D65\" \"point3 from\" [0 0.1 1] \"point3 to\" [0 0 0]\n"},
+        {"distant, away",
+         "LightSource \"distant\" \"spectrum L\" \"stdillum-D65\" \"point3 from\" [0 0.1 -1] \"point3 to\" [0 0 0]\n"},
+    };
+    for (const auto& [object, shape] : objects) {
+        for (const auto& [light, source] : lights) {
+            const Scene scene = scene_from(
+                "LookAt 0 0 -3  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 90 \"float lensradius\" 1\nWorldBegin\n" +
+                source + shape);
+            for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+                SCOPED_TRACE(fmt::format("{}, {}, {}", object, light, kind == IntegratorKind::kPath ? "path" : "bdpt"));
+                EXPECT_EQ(mean_of_picture(scene, {.kind = kind, .seed = 7}, 4000).xyz[1], 0);
+            }
+        }
+    }
+}
+
+// What they light is visible: a wall behind a pane, lit through the pane. Only light that meets the lens by chance comes that way,
+// after the wall has scattered it: with `bdpt` and a lens. In focus is the wall, 4 m away, of which the window shows a square of
+// side w = 8 tan 45 deg:  Y = rho / pi Phi (1 - R')^2 / w^2,  Phi what the spot emits, R' the pane's at normal incidence.
+TEST(DeltaLights, LightWallsBehindPanesForALens) {
+    const Scene scene = scene_from(
+        "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nIntegrator \"path\" \"integer maxdepth\" 3\n"
+        "LookAt 0 0 -4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 90 \"float lensradius\" 1 \"float focaldistance\" 4\n"
+        "WorldBegin\nLightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"float power\" 100 \"float coneangle\" 8 \"point3 "
+        "from\" [0 0 -3] "
+        "\"point3 to\" [0 0 0]\n"
+        "Material \"thindielectric\" \"float eta\" 1.5\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-9 -9 -1  9 -9 -1  9 9 -1  -9 9 -1] \"integer indices\" [0 1 2 0 2 3]\n"
+        "Material \"diffuse\" \"spectrum reflectance\" [360 0.5 830 0.5]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-9 -9 0  9 -9 0  9 9 0  -9 9 0] \"integer indices\" [0 1 2 0 2 3]\n");
+    EXPECT_EQ(mean_of_picture(scene, {.kind = IntegratorKind::kPath, .seed = 7}, 4000).xyz[1], 0);
+    const Mean bdpt = mean_of_picture(scene, {.kind = IntegratorKind::kBdpt, .seed = 7}, 200'000);
+    const double f = 0.04, reflected = 2 * f / (1 + f);
+    const double expected = 0.5 / std::numbers::pi * 100 * (1 - reflected) * (1 - reflected) / 64;
+    EXPECT_LT(bdpt.error[1], 0.02 * expected);
+    EXPECT_NEAR(bdpt.xyz[1], expected, 4 * bdpt.error[1]);
 }
 
 }  // namespace
