@@ -1,5 +1,6 @@
 #include "sampledb/film_position.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -43,36 +44,66 @@ std::uint32_t fraction_of_digits(std::uint64_t reversed) {
     return v;
 }
 
+// phi_3 of one number, exactly.
+std::uint32_t phi3(std::uint64_t n) {
+    const auto low = static_cast<std::uint32_t>(n % kPow16);
+    return fraction_of_digits(kReversed[low % kPow8] * kPow32 + kReversed[low / kPow8] * kPow24 + reversed_high_digits(n / kPow16));
+}
+
+// phi_3 of many numbers that share their digits from the 16th on, as those of a run mostly do: what these add is divided once, and
+// the other digits are found in loops that become vectors.
+class Phi3 {
+ public:
+    static constexpr std::size_t kBlock = 256;
+
+    // At most kBlock numbers.
+    void operator()(std::span<const std::uint64_t> n, std::uint32_t shift, std::uint32_t* v) {
+        const std::uint64_t q = n[0] / kPow16;
+        std::array<std::uint32_t, kBlock> first, second;
+        bool shared = true;
+        for (std::size_t i = 0; i < n.size(); ++i) {
+            const std::uint64_t low = n[i] - q * kPow16;
+            shared &= low < kPow16;
+            first[i] = static_cast<std::uint32_t>(low);
+        }
+        if (!shared) {
+            for (std::size_t i = 0; i < n.size(); ++i) v[i] = phi3(n[i]) + shift;
+            return;
+        }
+        for (std::size_t i = 0; i < n.size(); ++i) {
+            second[i] = first[i] / kPow8;
+            first[i] %= kPow8;
+        }
+        if (q != q_) {
+            q_ = q;
+            fraction_ = static_cast<std::uint64_t>((U128{reversed_high_digits(q)} << 64) / kPow40);
+        }
+        for (std::size_t i = 0; i < n.size(); ++i) {
+            // Each term is rounded down, so the sum is too small by less than kFractionError: which matters just below a multiple
+            // of 2^-32 only.
+            const std::uint64_t sum = kReversed[first[i]] * kFraction8 + kReversed[second[i]] * kFraction16 + fraction_;
+            v[i] = static_cast<std::uint32_t>(sum >> 32) + shift;
+            if (static_cast<std::uint32_t>(sum) > ~kFractionError) v[i] = phi3(n[i]) + shift;
+        }
+    }
+
+ private:
+    std::uint64_t q_ = 0, fraction_ = 0;
+};
+
 }  // namespace
 
 void halton23(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec, std::span<std::uint32_t> u,
               std::span<std::uint32_t> v) {
     assert(u.size() == n.size() && v.size() == n.size());
     for (std::size_t i = 0; i < n.size(); ++i) u[i] = reverse_bits(static_cast<std::uint32_t>(n[i])) + spec.shift_u;
-
-    std::uint64_t high = 0, high_digits = 0, high_fraction = 0;  // neighbours in a run share their high digits
-    for (std::size_t i = 0; i < n.size(); ++i) {
-        const std::uint64_t q = n[i] / kPow16;
-        const auto low = static_cast<std::uint32_t>(n[i] - q * kPow16);
-        if (q != high) {
-            high = q;
-            high_digits = reversed_high_digits(q);
-            high_fraction = static_cast<std::uint64_t>((U128{high_digits} << 64) / kPow40);
-        }
-        const std::uint64_t first = kReversed[low % kPow8], second = kReversed[low / kPow8];
-        // Each term is rounded down, so the sum is too small by less than kFractionError: which matters just below a multiple of
-        // 2^-32 only.
-        const std::uint64_t sum = first * kFraction8 + second * kFraction16 + high_fraction;
-        v[i] = static_cast<std::uint32_t>(sum >> 32) + spec.shift_v;
-        if (static_cast<std::uint32_t>(sum) > ~kFractionError)
-            v[i] = fraction_of_digits(first * kPow32 + second * kPow24 + high_digits) + spec.shift_v;
-    }
+    Phi3 phi;
+    for (std::size_t i = 0; i < n.size(); i += Phi3::kBlock)
+        phi(n.subspan(i, std::min(Phi3::kBlock, n.size() - i)), spec.shift_v, &v[i]);
 }
 
 FilmPosition halton23(std::uint64_t n, const PositionSamplerSpec& spec) {
-    FilmPosition p;
-    halton23({&n, 1}, spec, {&p.u, 1}, {&p.v, 1});
-    return p;
+    return {reverse_bits(static_cast<std::uint32_t>(n)) + spec.shift_u, phi3(n) + spec.shift_v};
 }
 
 }  // namespace latent::sampledb

@@ -7,6 +7,8 @@
 #include <cassert>
 #include <mutex>
 
+#include "tools/develop/rows.h"
+
 namespace latent::develop {
 
 namespace {
@@ -158,29 +160,29 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
 void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const {
     cells.clear();
     if (page.count == 0) return;
-    const auto n = static_cast<std::uint32_t>(page.count);
+    constexpr std::size_t kBlock = 256;
+    const std::size_t n = page.count;
     CellRows current{grid_.cell_of(page.u[0]), grid_.cell_of(page.v[0]), 0, 0};
-    std::uint32_t different_u = 0, different_v = 0;
-    for (std::uint32_t i = 0; i < n; ++i) {
-        different_u |= page.u[i] ^ page.u[0];
-        different_v |= page.v[i] ^ page.v[0];
-    }
-    if (grid_.cell_of(different_u | different_v) != 0) {
-        for (std::uint32_t i = 1; i < n; ++i) {
+    for (std::size_t begin = 1; begin < n; begin += kBlock) {
+        const std::size_t end = std::min(begin + kBlock, n);
+        std::uint32_t different = 0;  // bits in which neighbours differ; nearly always those within a cell
+        for (std::size_t i = begin; i < end; ++i) different |= (page.u[i] ^ page.u[i - 1]) | (page.v[i] ^ page.v[i - 1]);
+        if (grid_.cell_of(different) == 0) continue;
+        for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t cell_x = grid_.cell_of(page.u[i]), cell_y = grid_.cell_of(page.v[i]);
             if (cell_x == current.cell_x && cell_y == current.cell_y) continue;
-            current.count = i - current.first;
+            current.count = static_cast<std::uint32_t>(i) - current.first;
             cells.push_back(current);
-            current = {cell_x, cell_y, i, 0};
+            current = {cell_x, cell_y, static_cast<std::uint32_t>(i), 0};
         }
     }
-    current.count = n - current.first;
+    current.count = static_cast<std::uint32_t>(n) - current.first;
     cells.push_back(current);
 }
 
 void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
-    std::transform(&page.u[rows.first], &page.u[rows.first] + rows.count, filling.x + to, grid_.place_x(rows.cell_x));
-    std::transform(&page.v[rows.first], &page.v[rows.first] + rows.count, filling.y + to, grid_.place_y(rows.cell_y));
+    place_rows(grid_.place_x(rows.cell_x), std::span(page.u).subspan(rows.first, rows.count), filling.x + to);
+    place_rows(grid_.place_y(rows.cell_y), std::span(page.v).subspan(rows.first, rows.count), filling.y + to);
     const std::uint64_t not_finite =
         channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * lanes_);
     if (not_finite > 0) {

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "tools/develop/rows.h"
+
 namespace latent::develop {
 
 namespace {
@@ -72,25 +74,6 @@ std::array<double, 3> response(const color::Observer& observer, double nm) {
     std::array<double, 3> value;
     for (int c = 0; c < 3; ++c) value[c] = f[above - 1][c] + part * (f[above][c] - f[above - 1][c]);
     return value;
-}
-
-// Rows of X, Y, Z, 1 for the share of a record that has its sample to itself; false if one of them is not finite.
-bool interleave(const float* x, const float* y, const float* z, float share, std::size_t count, float* out) {
-    const hn::FixedTag<float, 4> d;
-    const auto zero = hn::Zero(d), shares = hn::Set(d, share);
-    auto check = zero;  // times zero: 0 if finite, else NaN
-    std::size_t i = 0;
-    for (; i + 4 <= count; i += 4) {
-        const auto a = hn::LoadU(d, x + i), b = hn::LoadU(d, y + i), c = hn::LoadU(d, z + i);
-        check = hn::Add(check, hn::Add(hn::Mul(a, zero), hn::Add(hn::Mul(b, zero), hn::Mul(c, zero))));
-        hn::StoreInterleaved4(a, b, c, shares, d, out + 4 * i);
-    }
-    float rest = 0;
-    for (; i < count; ++i) {
-        rest += x[i] * 0.0f + y[i] * 0.0f + z[i] * 0.0f;
-        out[4 * i] = x[i], out[4 * i + 1] = y[i], out[4 * i + 2] = z[i], out[4 * i + 3] = share;
-    }
-    return hn::AllTrue(d, hn::Eq(check, zero)) && rest == 0;
 }
 
 }  // namespace
@@ -223,7 +206,7 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int stride = lanes();
     if (kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
-        interleave(&page.x[begin], &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, end - begin, out)) {
+        interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
         return 0;
     }
     std::uint64_t not_finite = 0;
