@@ -45,15 +45,19 @@ File::~File() {
     if (fd_ >= 0) ::close(fd_);
 }
 
+// Inputs are regular files. O_NONBLOCK means nothing to these; a pipe to which nobody writes would be waited for without it.
 Result<File> File::open_read(const std::filesystem::path& path) {
-    const int fd = open_retrying(path.c_str(), O_RDONLY);
+    if (path.empty()) return Error{ErrorCode::kNotFound, "a file name is empty"};
+    const Error irregular{ErrorCode::kForeign, path.string() + ": not a regular file"};
+    const int fd = open_retrying(path.c_str(), O_RDONLY | O_NONBLOCK);
+    if (fd < 0 && errno == ENXIO) return irregular;  // a socket
     if (fd < 0) return error_from_errno(errno, path.string(), "cannot open");
+    File file(fd, path);
     struct stat info;
-    if (::fstat(fd, &info) == 0 && S_ISDIR(info.st_mode)) {
-        ::close(fd);
-        return Error{ErrorCode::kForeign, path.string() + ": is a folder, not a file"};
-    }
-    return File(fd, path);
+    if (::fstat(fd, &info) != 0) return error_from_errno(errno, path.string(), "cannot look at it");
+    if (S_ISDIR(info.st_mode)) return Error{ErrorCode::kForeign, path.string() + ": is a folder, not a file"};
+    if (!S_ISREG(info.st_mode)) return irregular;
+    return file;
 }
 
 Result<File> File::create_exclusive(const std::filesystem::path& path) {

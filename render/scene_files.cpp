@@ -8,10 +8,6 @@
 namespace latent::render {
 
 Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
-    std::error_code ignored;
-    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-        return Error{ErrorCode::kForeign, path.string() + ": not a regular file"};
-    }
     const Result<File> file = File::open_read(path);
     if (!file) return file.error();
     const Result<std::uint64_t> size = file->size();

@@ -84,8 +84,21 @@ TEST_F(FileTest, CopyingARangeCopiesExactlyThatRange) {
     EXPECT_EQ(beyond.error().code, ErrorCode::kTruncated);
 }
 
+TEST_F(FileTest, WhatIsNotARegularFileIsRefusedAtOnce) {
+    const fs::path pipe = folder_ / "pipe", link = folder_ / "link";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);  // nobody writes to it: reading it would wait for ever
+    fs::create_symlink(pipe, link);
+    for (const fs::path& path : {pipe, link, fs::path("/dev/zero")}) {
+        const Result<File> file = File::open_read(path);
+        ASSERT_FALSE(file);
+        EXPECT_EQ(file.error().code, ErrorCode::kForeign);
+        EXPECT_EQ(file.error().message, path.string() + ": not a regular file");
+    }
+}
+
 TEST_F(FileTest, FoldersAndMissingFilesAreNamed) {
     EXPECT_EQ(File::open_read(folder_.path()).error().code, ErrorCode::kForeign);
+    EXPECT_EQ(File::open_read("").error().message, "a file name is empty");
     const Result<File> missing = File::open_read(folder_ / "none");
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);

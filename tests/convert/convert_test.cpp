@@ -3,6 +3,7 @@
 
 #include <ImfInputFile.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstring>
@@ -367,6 +368,7 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
     PictureLayout wide{66000, 1};
     write_picture(folder_ / "wide.exr", wide);
     std::ofstream(folder_ / "there.png") << "x";
+    for (const char* pipe : {"pipe", "p.icc"}) ASSERT_EQ(::mkfifo(at(pipe).c_str(), 0600), 0);  // nobody writes to them
     struct Case {
         std::vector<std::string> arguments;
         int status;
@@ -397,6 +399,9 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
                                            {{at("a.exr"), "-o", at("b.exr"), "--bits", "8"}, 2, "--bits 16"},
                                            {{at("a.exr"), "-o", at("b.png"), "--memory", "-5"}, 2, "--memory"},
                                            {{at("a.exr"), "-o", at("b.png"), "--level", "3"}, 2, "level"},
+                                           {{at("pipe"), "-o", at("b.png")}, 1, "pipe: not a regular file"},
+                                           {{at("a.exr"), "-o", at("b.png"), "--profile", at("p.icc")}, 1, "not a regular file"},
+                                           {{"", "-o", at("b.png")}, 1, "a file name is empty"},
                                            {{at("wide.exr"), "-o", at("b.jpg")}, 1, "65500"},
                                            {{at("wide.exr"), "-o", at("b.png"), "-o", at("c.jpg")}, 1, "65500"}}) {
         const testing::Outcome outcome = run_tool(c.arguments);

@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfTiledInputFile.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <random>
 
 #include "tests/faults/process.h"
@@ -131,20 +132,22 @@ TEST(ExrTileWriter, MipMapPixelsAreTheMeanOfThePixelsTheyCover) {
 }
 
 TEST(ExrTileWriter, AnErrorOfTheDiskNamesTheFile) {
-    Result<File> full = File::open_read("/dev/full");  // opened for reading: every write fails
-    ASSERT_TRUE(full);
+    const TemporaryFolder folder;
+    std::ofstream(folder / "a.exr") << "";
+    Result<File> file = File::open_read(folder / "a.exr");  // opened for reading: every write fails
+    ASSERT_TRUE(file);
     ExrTileSpec spec;
     spec.display_width = spec.display_height = spec.x1 = spec.y1 = 256;
     spec.channels = {"R", "G", "B"};
     Status status;
-    if (auto writer = ExrTileWriter::create(*full, spec, 0); !writer) {
+    if (auto writer = ExrTileWriter::create(*file, spec, 0); !writer) {
         status = writer.error();
     } else {
         status = (*writer)->write(0, 0, std::vector<float>(256 * 256 * 3));
         if (status) status = (*writer)->finish();
     }
     ASSERT_FALSE(status);
-    EXPECT_NE(status.error().message.find("/dev/full"), std::string::npos) << status.error().message;
+    EXPECT_NE(status.error().message.find("a.exr: cannot write"), std::string::npos) << status.error().message;
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST(SceneText, MessagesOfIncludedFilesNameThem) {
 TEST(SceneText, FilesThatIncludeThemselvesAndMissingFilesAreRefused) {
     EXPECT_THAT(refusal("WorldBegin\nInclude \"room.pbrt\""), HasSubstr("files deep"));
     EXPECT_THAT(refusal("WorldBegin\nInclude \"nowhere.pbrt\""), HasSubstr(":2:1: "));
-    EXPECT_THAT(refusal("WorldBegin\nInclude \".\""), HasSubstr("not a regular file"));
+    EXPECT_THAT(refusal("WorldBegin\nInclude \".\""), HasSubstr("is a folder, not a file"));
     EXPECT_THAT(refusal("Import \"x\""), HasSubstr("not before WorldBegin"));
     EXPECT_FALSE(load_scene("/nonexistent/room.pbrt"));
 }
