@@ -67,7 +67,9 @@ sampledb::JobId job_id(const Hash128& scene, const IntegratorSettings& settings,
 Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const FilmDescription& film, std::uint32_t run_samples) {
     const Resolution pixels = settings.resolution.value_or(Resolution{film.width, film.height});
     const double count = std::ceil(settings.spp * pixels.width * pixels.height);
-    if (!settings.samples && !(count >= 1 && count < 0x1p62))
+    if (!settings.samples && count >= 0x1p62)
+        return Error{ErrorCode::kUsage, fmt::format("--spp {}: too large; a job has fewer than 2^62 samples", settings.spp)};
+    if (!settings.samples && !(count >= 1))
         return Error{ErrorCode::kUsage, fmt::format("--spp {}: not a number of samples", settings.spp)};
     const sampledb::SampleRange all = settings.samples.value_or(sampledb::SampleRange{0, static_cast<std::uint64_t>(count)});
     if (all.empty()) return Error{ErrorCode::kUsage, fmt::format("--samples {}:{}: is empty", all.first, all.end)};

@@ -41,8 +41,11 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"negative", report.faults.negative}};
         return json_text(out) + "\n";
     }
-    return fmt::format("job {}\nsamples {}:{}, {} rendered in {} ({:.3f} M samples/s), {} written\n{}", to_hex(job.job.id),
-                       job.range.first, job.range.end, report.samples, format_duration(report.seconds), rate / 1e6,
+    const bool was_complete = report.complete && report.samples == 0 && !report.elsewhere;
+    const std::string rendered = was_complete ? "nothing was left to render"
+                                              : fmt::format("{} rendered in {} ({:.3f} M samples/s)", report.samples,
+                                                            format_duration(report.seconds), rate / 1e6);
+    return fmt::format("job {}\nsamples {}:{}, {}, {} written\n{}", to_hex(job.job.id), job.range.first, job.range.end, rendered,
                        format_size(report.written.bytes_written),
                        report.elsewhere ? "another process has finished this part meanwhile: nothing was left to do\n" : "");
 }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <set>
 
 #include "render/render_arguments.h"
@@ -135,6 +136,17 @@ TEST_F(JobOf, SeedsShiftFilmPositionsButForZero) {
     const auto other = job(seeded);
     EXPECT_NE(other->job.positions.shift_u, 0u);
     EXPECT_NE(other->job.positions.shift_v, other->job.positions.shift_u);
+}
+
+TEST_F(JobOf, MoreSamplesThanNumbersGoAreCalledTooMany) {
+    for (const auto& [spp, says] : {std::pair(1e30, "too large"), {HUGE_VAL, "too large"}, {0.0, "not a number of samples"}}) {
+        RenderSettings wrong = settings();
+        wrong.spp = spp;
+        const auto prepared = prepare(wrong);
+        ASSERT_FALSE(prepared);
+        EXPECT_EQ(prepared.error().code, ErrorCode::kUsage);
+        EXPECT_THAT(prepared.error().message, HasSubstr(says));
+    }
 }
 
 TEST_F(JobOf, RangesBeginARunOrNameTheNearest) {

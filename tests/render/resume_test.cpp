@@ -165,6 +165,8 @@ TEST_F(Resume, ThreadsAndShardsMakeTheSameRuns) {
         shards.push_back(folder_ / ("shard" + std::to_string(i) + ".latent"));
         const Outcome outcome = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
         ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const Outcome again = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
+        EXPECT_THAT(again.out, HasSubstr(", nothing was left to render, "));
     }
     EXPECT_EQ(runs_of(shards), whole_);
 }
