@@ -83,6 +83,7 @@ Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& err
     } else {
         std::string reason = error.message;
         if (reason.starts_with(name + ": ")) reason.erase(0, name.size() + 2);
+        if (fs::is_directory(input.path, ignored)) reason = "a folder inside a folder is not searched";
         found_.report.left_out.push_back({name, reason});
     }
     return {};
@@ -137,7 +138,7 @@ void InputReader::report_state(const InputFile& input, const FileContents& file)
                 fmt::format("{}: unfinished; {} bytes behind its last run are not read", name, file.unfinished_tail));
         }
     } else if (const auto end = damage_at_end(input.path, file)) {
-        found_.report.left_out.push_back({name + ": its end", end->reason});
+        found_.report.left_out.push_back({name, end->reason});
     }
 }
 

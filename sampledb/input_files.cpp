@@ -13,16 +13,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// All files of a folder but hidden ones, sorted, links that lead nowhere among them: the reader lists what is not Latent's.
+// Everything in a folder but what is hidden, sorted, also what is no file: the reader lists what is not Latent's.
 Result<std::vector<fs::path>> files_in(const fs::path& folder) {
     std::vector<fs::path> found;
     std::error_code error;
     fs::directory_iterator it(folder, error);
     for (; !error && it != fs::directory_iterator(); it.increment(error)) {
-        std::error_code ignored;
-        const fs::file_type type = it->status(ignored).type();
-        const bool is_file = type == fs::file_type::regular || type == fs::file_type::not_found;
-        if (is_file && !it->path().filename().string().starts_with('.')) found.push_back(it->path());
+        if (!it->path().filename().string().starts_with('.')) found.push_back(it->path());
     }
     if (error) return error_from_errno(error.value(), folder.string(), "cannot list");
     std::ranges::sort(found);
@@ -60,7 +57,7 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
             if (!found) return found.error();
             if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": holds no file"};
             add_found(*found);
-        } else if (fs::exists(input, error) || error) {  // what cannot be looked at says why when it is opened
+        } else if (input.empty() || fs::exists(input, error) || error) {  // what cannot be read says why when it is opened
             files.push_back({input, true});
         } else {
             std::vector<fs::path> found = attempts_of(input);

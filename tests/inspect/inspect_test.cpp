@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -263,6 +264,32 @@ TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
             EXPECT_EQ(inspect({"recover", output, "-o", folder_ / "c.latent", "--force"}).status, 0);  // nothing more to lose
             EXPECT_EQ(read_text(folder_ / "c.latent"), read_text(output));
         }
+    }
+}
+
+TEST_F(InspectTest, WhereNothingCanBeRecoveredThereIsNoOutput) {
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), std::vector{Coverage(SampleRange{0, 1000})});
+    Bytes broken = sound.bytes;
+    broken[sound.header_size + 2000] ^= std::byte{1};
+    const ByteSpan cut = ByteSpan(sound.bytes).first(sound.run_ends[0] - 1);
+    for (const fs::path& input : {write("broken.latent", broken), write("cut.latent", cut), write("a.latent.part.0", cut)}) {
+        const Outcome outcome = inspect({"recover", input, "-o", folder_ / "b.latent"});
+        EXPECT_EQ(outcome.status, 1) << input;
+        EXPECT_TRUE(outcome.err.ends_with("; nothing could be recovered\n")) << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        EXPECT_FALSE(fs::exists(folder_ / "b.latent"));
+    }
+    const fs::path empty = write("empty.latent", synthetic::make_file(make_short_job(), {}).bytes);  // it has nothing to lose
+    EXPECT_EQ(inspect({"recover", empty, "-o", folder_ / "b.latent"}).status, 0);
+}
+
+TEST_F(InspectTest, APipeIsRefusedAtOnce) {
+    ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody writes to it: reading it would wait for ever
+    for (const std::string command : {"info", "verify", "cat"}) {
+        const Outcome outcome = inspect({command, folder_ / "pipe"});
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_TRUE(outcome.err.ends_with("pipe: not a regular file\n")) << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     }
 }
 

@@ -1,6 +1,7 @@
 #include "tools/merge/merge.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -122,7 +123,10 @@ TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
     std::ofstream(folder_ / "text.latent") << std::string(10000, 'x') << "this is a text file\n";
     expect_refusal({a, other}, {"a.latent", "other.latent", "job"});
     expect_refusal({a, folder_ / "text.latent"}, {"text.latent"});
-    expect_refusal({a, "/dev/null"}, {"/dev/null"});
+    ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody writes to it: reading it would wait for ever
+    expect_refusal({a, folder_ / "pipe"}, {"pipe: not a regular file"});
+    expect_refusal({a, "/dev/null"}, {"/dev/null: not a regular file"});
+    expect_refusal({a, ""}, {"a file name is empty"});
     expect_refusal({a, folder_ / "nowhere.latent"}, {"nowhere.latent"});
     expect_refusal({folder_ / "text.latent"}, {"text.latent"});
     expect_refusal({a}, {"no file is of job", to_hex(job.id)}, {"--job", std::string(32, '7')});
@@ -137,6 +141,17 @@ TEST_F(MergeTest, ATruncatedPartYieldsItsGoodRunsAndExitStatusThree) {
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_NE(outcome.err.find("cut.latent"), std::string::npos) << outcome.err;
     EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
+}
+
+TEST_F(MergeTest, PartsOfWhichNothingIsLeftGiveNoOutputButEmptyPartsGiveAnEmptyPart) {
+    const Job job = make_short_job();
+    const synthetic::FileBytes file = synthetic::make_file(job, runs_between({0, kS}));
+    synthetic::write_file(folder_ / "cut.latent", ByteSpan(file.bytes).first(file.run_ends[0] - 5000));
+    const fs::path empty = part("empty.latent", job, {});
+    expect_refusal({folder_ / "cut.latent"}, {"cut.latent: truncated or damaged at its end", "no run is left to merge"});
+    expect_refusal({folder_ / "cut.latent", empty}, {"cut.latent: truncated or damaged at its end", "no run is left to merge"});
+    EXPECT_EQ(merge_files({empty}).status, 0);
+    EXPECT_TRUE(gather({out_})->runs().empty());
 }
 
 TEST_F(MergeTest, AFolderGivesItsPartsAndAListOfWhatWasLeftOut) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include "tests/faults/process.h"
@@ -105,7 +106,9 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     text("words.latent", "These are not samples.\n");
     text("notes.txt", "These neither.\n");
     text(".hidden", "What other programs keep for themselves.\n");
-    ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody writes to it: opening it would wait for ever
+    ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody writes to it: opening it could wait for ever
+    fs::create_directories(folder_ / "more");
+    part("more/d.latent", 9);
     fs::create_symlink("nowhere", folder_ / "link.latent");
     text("empty.latent", "");
     cut(part("c.latent", 6), 5000);
@@ -113,10 +116,15 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->coverage().size(), 5000u);
     EXPECT_EQ((*g)->report().repeated_runs, 2u);
-    std::vector<std::string> places;
-    for (const LeftOut& left : (*g)->report().left_out) places.push_back(fs::path(left.place).filename().string());
-    std::ranges::sort(places);
-    EXPECT_EQ(places, (std::vector<std::string>{"c.latent: its end", "empty.latent", "link.latent", "notes.txt", "words.latent"}));
+    std::map<std::string, std::string> left_out;
+    for (const LeftOut& left : (*g)->report().left_out) left_out[fs::path(left.place).filename().string()] = left.reason;
+    EXPECT_EQ(left_out.size(), (*g)->report().left_out.size());
+    EXPECT_TRUE(left_out["c.latent"].starts_with("truncated or damaged at its end: ")) << left_out["c.latent"];
+    EXPECT_EQ(left_out["empty.latent"], "is empty, not a Latent file");
+    EXPECT_EQ(left_out["more"], "a folder inside a folder is not searched");
+    EXPECT_EQ(left_out["pipe"], "not a regular file");
+    for (const char* name : {"link.latent", "notes.txt", "words.latent"}) EXPECT_TRUE(left_out.contains(name)) << name;
+    EXPECT_EQ(left_out.size(), 7u);
 }
 
 TEST_F(GatheringTest, AGlobIsAFolderByAnotherName) {

@@ -28,7 +28,8 @@ Examples:
 
 inline constexpr const char* kRecover = R"(
 Copies every run that is sound to a new file and verifies that; the input is never changed. What is lost is listed, with --json as a
-ledger of byte and sample ranges, so that exactly these can be rendered again. Exit status 3 if anything was lost.
+ledger of byte and sample ranges, so that exactly these can be rendered again. Exit status 3 if anything was lost, 1 and no output if
+everything was.
 
 Examples:
   latent-inspect recover broken.latent -o saved.latent

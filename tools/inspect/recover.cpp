@@ -79,6 +79,10 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
         end += run.header.size();
         report.kept.add(coverage_of(source, run, job));
     }
+    if (runs.empty() && (report.lost_anything() || report.unfinished_tail > 0)) {
+        const std::string why = report.lost_anything() ? report.damage.front().reason : "its only write was cut short";
+        return Error{ErrorCode::kCorrupt, fmt::format("{}: {}; nothing could be recovered", input.string(), why)};
+    }
     const Bytes footer = encode_footer({runs, file.footer_provenance}, end);
     if (Status s = out->file().write_all(end, footer); !s) return s.error();
     const FileView written(out->file(), output.string(), end + footer.size());

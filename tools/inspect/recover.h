@@ -25,8 +25,8 @@ struct RecoverReport {
 };
 
 // Reads every byte of `input`, copies each run that is sound to `output` as it is, and verifies the result.
-// Errors: those of reading the header, kExists (`output` is there; or is `input`, by whatever name, even if it may be replaced),
-// kIo, kNoSpace; then there is no output.
+// Errors: those of reading the header, kCorrupt (no run is sound, though there were more bytes), kExists (`output` is there; or is
+// `input`, by whatever name, even if it may be replaced), kIo, kNoSpace; then there is no output.
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress = {});
 

@@ -113,6 +113,14 @@ Status check_required(const MergeOptions& options, const Coverage& coverage) {
     return Error{ErrorCode::kMismatch, fmt::format("samples {} are required but in no part", to_string(missing))};
 }
 
+// A part of an empty shard holds no run, and may be all there is; but not what is left of parts that were damaged.
+Status check_anything_left(const Gathering& gathering) {
+    const std::vector<LeftOut>& left_out = gathering.report().left_out;
+    if (!gathering.runs().empty() || left_out.empty()) return {};
+    return Error{ErrorCode::kCorrupt,
+                 fmt::format("{}: {}; no run is left to merge", left_out.front().place, left_out.front().reason)};
+}
+
 }  // namespace
 
 Result<MergeReport> merge(const MergeOptions& options, const Progress& progress) {
@@ -127,6 +135,7 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
     const Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
     if (!opened) return opened.error();
     const Gathering& gathering = **opened;
+    if (Status s = check_anything_left(gathering); !s) return s.error();
     if (Status s = check_required(options, gathering.coverage()); !s) return s.error();
 
     Output output(*out, gathering, progress);
