@@ -1,5 +1,4 @@
 // The lights of a scene description, their scales resolved and their powers weighed.
-#include "color/observer.h"
 #include "color/visible_density.h"
 #include "render/environment.h"
 #include "render/lights.h"
@@ -26,11 +25,10 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
     const double disk = std::numbers::pi * static_cast<double>(radius) * static_cast<double>(radius);
 
     const auto add = [&](Light light, const color::Spectrum& spectrum, double extent) {
-        const color::Spectrum widened = with_lines_widened(spectrum);
-        light.spectrum = library.add(widened, Lookup::kNearestNm);
+        light.spectrum = library.add(spectrum, Lookup::kNearestNm);
         const double size = static_cast<double>(light.scale) * extent;
-        power.push_back(size * integral_of_product(widened, choice_weight()));
-        lights.spectra_.push_back({widened, size * color::photometric_sum(widened)});
+        power.push_back(size * integral_of_product(spectrum, choice_weight()));
+        lights.spectra_.push_back({spectrum, size * luminance(spectrum)});
         if (light.is_infinite()) lights.infinite_.push_back(static_cast<std::uint32_t>(lights.lights_.size()));
         lights.lights_.push_back(light);
     };

@@ -60,7 +60,7 @@ struct MediumDescription {  // homogeneous, Henyey-Greenstein
     SourceLocation location{};
 };
 
-// Emission everywhere: `spectrum` is normalised as pbrt does, so that it has Y = 1 (an rgb: so that its illuminant has);
+// Emission everywhere: `spectrum` is what is emitted, lines widened, normalised to Y = 1 (an rgb: so that its illuminant has);
 // radiance or intensity is scale x spectrum, and `power` or `illuminance`, where given, further scale it as pbrt does.
 struct AreaLightDescription {
     color::Spectrum spectrum{};

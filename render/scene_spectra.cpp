@@ -6,6 +6,7 @@
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
+#include "render/wavelengths.h"
 
 namespace latent::render {
 
@@ -57,8 +58,9 @@ color::Spectrum SceneSpectra::emission(const ParameterList& list, std::string_vi
         return clamped([&](double lambda) { return (*spectrum)(lambda)*illuminant(lambda); });
     }
     if (spectrum->max_value() == 0) return {};
-    const double y = color::photometric_sum(*spectrum);
-    if (y > 0) return spectrum->scaled(1 / y);
+    const color::Spectrum emitted = with_lines_widened(*spectrum);
+    const double y = luminance(emitted);
+    if (y > 0) return emitted.scaled(1 / y);
     list.error(*p, "has no visible part, so it cannot be normalised to a luminance");
     return {};
 }

@@ -67,7 +67,7 @@ SpectrumTable::SpectrumTable(const color::Spectrum& s, Lookup lookup) {
             knot_nm_.push_back(static_cast<float>(lambda[i]));
             value_.push_back(static_cast<float>(value[i]));
         }
-        knot_nm_.insert(knot_nm_.end(), {std::nextafter(knot_nm_.back(), INFINITY), INFINITY});
+        knot_nm_.insert(knot_nm_.end(), {knot_nm_.back(), INFINITY});  // the last wavelength is outside already, as for the density
         value_.insert(value_.end(), 2, clamped ? value_.back() : 0.0f);
     }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "color/observer.h"
 #include "color/visible_density.h"
 
 namespace latent::render {
@@ -33,6 +34,9 @@ struct Evaluated {
     double integral(double a, double b) const {
         if (!fine) return (*s)(std::floor(0.5 * (a + b) + 0.5)) * (b - a);
         const auto nm = s->lambda_nm();
+        // Beyond an edge at either end there is nothing; a and b are rounded to 2^-20 nm.
+        const bool beyond = nm.front() + 0x1p-20 > b || nm.back() - 0x1p-20 < a;
+        if (beyond && s->outside() == color::Outside::kZero) return 0;
         auto knot = std::upper_bound(nm.begin(), nm.end(), a + kNearKnots * 0x1p-20);
         const auto last = std::lower_bound(knot, nm.end(), b - kNearKnots * 0x1p-20);
         double sum = 0;
@@ -72,12 +76,17 @@ bool has_fine_lines(const color::Spectrum& s) {
 color::Spectrum with_lines_widened(const color::Spectrum& s) {
     std::vector<double> lambda(s.lambda_nm().begin(), s.lambda_nm().end());
     std::vector<double> value(s.values().begin(), s.values().end());
-    for (std::size_t first = 0; first + 2 < lambda.size(); ++first) {
-        if (value[first] != 0 || value[first + 1] == 0) continue;
-        std::size_t last = first + 1;
-        while (last + 1 < lambda.size() && value[last] != 0) ++last;
+    const bool ends = s.outside() == color::Outside::kZero;
+    for (std::size_t next = 0; next < lambda.size();) {
+        std::size_t first = next++;
+        if (value[first] == 0) continue;
+        while (next < lambda.size() && value[next] != 0) ++next;
+        std::size_t last = next - 1;
+        if (!ends && (first == 0 || next == lambda.size())) continue;
+        if (first > 0) --first;
+        if (next < lambda.size()) last = next;
         const double width = lambda[last] - lambda[first];
-        if (value[last] != 0 || width >= kNarrowestLine) continue;
+        if (!(width > 0 && width < kNarrowestLine)) continue;
         const double middle = 0.5 * (lambda[first] + lambda[last]), stretch = kNarrowestLine / width;
         for (std::size_t i = first; i <= last; ++i) {
             lambda[i] = middle + (lambda[i] - middle) * stretch;
@@ -87,6 +96,32 @@ color::Spectrum with_lines_widened(const color::Spectrum& s) {
     // Lines so near to each other that they now overlap are left as they were.
     const Result<color::Spectrum> widened = color::Spectrum::from_samples(std::move(lambda), std::move(value), s.outside());
     return widened ? *widened : s;
+}
+
+double luminance(const color::Spectrum& s) {
+    if (!has_fine_lines(s)) return color::photometric_sum(s);
+    const auto y_bar = [](double nm) { return color::Observer::cie1931().at(nm)[1]; };
+    double sum = 0;
+    // Simpson's rule from whole nm to whole nm, where both functions are straight.
+    const auto add = [&](double from, double value_from, double to, double value_to) {
+        const auto product = [&](double nm) {
+            return (value_from + (nm - from) / (to - from) * (value_to - value_from)) * y_bar(nm);
+        };
+        const double end = std::min(to, color::kLambdaMax);
+        for (double a = std::max(from, color::kLambdaMin); a < end;) {
+            const double b = std::min(std::floor(a) + 1, end);
+            sum += (b - a) / 6 * (product(a) + 4 * product(0.5 * (a + b)) + product(b));
+            a = b;
+        }
+    };
+    const auto nm = s.lambda_nm(), value = s.values();
+    const auto knot = [&](std::size_t i) { return static_cast<double>(static_cast<float>(nm[i])); };  // as SpectrumTable has it
+    for (std::size_t i = 0; i + 1 < nm.size(); ++i) add(knot(i), value[i], knot(i + 1), value[i + 1]);
+    if (s.outside() == color::Outside::kClamped) {
+        add(color::kLambdaMin, value.front(), knot(0), value.front());
+        add(knot(nm.size() - 1), value.back(), color::kLambdaMax, value.back());
+    }
+    return sum;
 }
 
 sampledb::WavelengthDensity wavelength_density(const std::vector<LightSpectrum>& lights) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
@@ -224,6 +225,54 @@ TEST(DirectLight, HasTheColourThatItsSpectrumSays) {
     const color::Xyz expected = xyz_from_spectrum(sodium, color::Observer::cie1931());
     EXPECT_NEAR(lamp[1], 1, 1e-3);
     EXPECT_NEAR(lamp[0] / lamp[1], expected.x / expected.y, 1e-3);
+}
+
+// Spectra that whole nm cannot hold: lines on one and between two, by themselves and over a continuum, with ramps and with edges.
+TEST(DirectLight, OfScaleOneHasTheYOfOneWhateverItsLines) {
+    struct Case {
+        std::string name, parameter;
+        color::Spectrum written;
+    };
+    std::vector<Case> cases = {
+        {"black body", "\"blackbody L\" 2856", *color::Spectrum::blackbody(2856)},
+        {"name", "\"spectrum L\" \"metal-MgO-eta\"", *color::named_spectrum("metal-MgO-eta")},
+    };
+    const Folder folder;
+    const std::pair<const char*, const char*> lines[] = {
+        {"at 589 nm", "360 0  588.9 0  589 1  589.1 0  830 0"},
+        {"between 588 and 589 nm", "588.1 0  588.5 1  588.9 0"},
+        {"doublet", "360 0  588.97 0  588.995 2  589.02 0  589.567 0  589.592 1  589.617 0  830 0"},
+        {"over a continuum", "360 .1  588.99 .1  588.995 3  589 .1  589.59 .1  589.592 2  589.6 .1  830 .1"},
+        {"blue and red", "360 0  449.8 0  450 1  450.2 0  649.6 0  649.8 .7  650 0  830 0"},
+        {"widened", "360 0  545.999 0  546.0003 1000  546.001 0  830 0"},
+        {"edges, widened", "532.3 1  532.301 1"},
+        {"edges", "632.7 1  633 1"},
+        {"steep", "360 0  588.2 0  588.20001 1  588.7 1  588.70001 0  830 0"},
+    };
+    for (const auto& [name, pairs] : lines) {
+        std::vector<double> nm, value;
+        std::istringstream words(pairs);
+        for (double a, b; words >> a >> b;) nm.push_back(a), value.push_back(b);
+        const color::Spectrum written = *color::Spectrum::from_samples(nm, value, color::Outside::kZero);
+        const std::string file = std::string(name) + ".spd";
+        folder.write(file, pairs);
+        cases.push_back({name, fmt::format("\"spectrum L\" [ {} ]", pairs), written});
+        cases.push_back({file, fmt::format("\"spectrum L\" \"{}\"", file), written});
+    }
+    for (const Case& light : cases) {
+        SCOPED_TRACE(light.name);
+        const Scene scene = scene_of(load_scene(
+            folder.write("sky.pbrt", "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\" " + light.parameter + "\n")));
+        const color::Xyz written = xyz_from_spectrum(light.written, color::Observer::cie1931());
+        const double expected[3] = {written.x / written.y, 1, written.z / written.y};
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = 1}, 20'000);
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_LT(mean.error[c], 3e-3 * std::max(1.0, expected[c]));
+                EXPECT_NEAR(mean.xyz[c], expected[c], 4 * mean.error[c] + 1e-4);
+            }
+        }
+    }
 }
 
 // A lens has an area, which light can meet by chance. A point or a direction is invisible all the same, in mirrors, through glass

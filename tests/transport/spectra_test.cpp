@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "color/named_spectra.h"
+#include "color/observer.h"
 #include "color/visible_density.h"
 #include "render/wavelengths.h"
 
@@ -94,6 +95,20 @@ TEST(Wavelengths, LinesAreWidenedToTheFinestThatFloatsResolve) {
         for (std::uint32_t i = 0; i < w.k; ++i) sum += static_cast<double>(value[i] * w.weight[i]) / 65536;
     }
     EXPECT_NEAR(sum, 1, 2e-3);
+}
+
+TEST(Wavelengths, TheLuminanceOfALightIsThatOfItsTable) {
+    for (const color::Spectrum& s : {color::illuminant_d65(), *color::Spectrum::blackbody(2856), sodium()})
+        EXPECT_EQ(luminance(s), color::photometric_sum(s));  // the sum over whole nm, to the bit
+    const auto integral = [](const color::Spectrum& s) { return xyz_from_spectrum(s, color::Observer::cie1931()).y; };
+    const std::vector<double> nm = {350, 400, 588.25, 588.5, 589.75, 700, 900}, value = {1, 2, 0, 5, 1, 1, 3};
+    for (const color::Outside outside : {color::Outside::kZero, color::Outside::kClamped}) {
+        const color::Spectrum s = samples(nm, value, outside);
+        EXPECT_NEAR(luminance(s), integral(s), 1e-12 * integral(s));
+    }
+    const color::Spectrum inner = samples({588.25, 588.5, 589.75}, {4, 5, 1}, color::Outside::kClamped);
+    EXPECT_NEAR(luminance(inner), integral(inner), 1e-12 * integral(inner));
+    EXPECT_EQ(luminance(samples({200, 200.5, 300}, {1, 1, 1})), 0);
 }
 
 // A spectrometer's file: more knots than a header holds.
