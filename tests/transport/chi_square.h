@@ -21,6 +21,16 @@ inline double chi_square_tail(double chi2, double degrees) {
     return 0.5 * std::erfc(z / std::numbers::sqrt2);
 }
 
+// Fails unless independent draws, or such as are more even, fall into cells as often as expected, at level 1e-4.
+inline void expect_counts_follow(const std::vector<double>& counted, const std::vector<double>& expected) {
+    double chi2 = 0;
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+        ASSERT_GE(expected[i], 10);
+        chi2 += (counted[i] - expected[i]) * (counted[i] - expected[i]) / expected[i];
+    }
+    EXPECT_GT(chi_square_tail(chi2, static_cast<double>(counted.size() - 1)), 1e-4) << "chi^2 = " << chi2;
+}
+
 struct DirectionTest {
     std::function<std::optional<Vec3f>(std::uint32_t n)> sample;  // nothing: absorbed
     std::function<double(const Vec3f&)> pdf_omega;

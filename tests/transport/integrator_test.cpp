@@ -6,6 +6,7 @@
 #include "color/observer.h"
 #include "render/records.h"
 #include "render/wavelengths.h"
+#include "tests/transport/chi_square.h"
 #include "tests/transport/world_builder.h"
 
 namespace latent::render::testing {
@@ -135,6 +136,27 @@ TEST(Integrator, DepthZeroSeesLightsOnly) {
         }
         EXPECT_GT(black, 40);
         EXPECT_LT(black, 400);  // the sphere, and nothing else
+    }
+}
+
+// Glass so thin that nothing is reflected, but dispersive: every record keeps one wavelength, of each index as often.
+TEST(Integrator, TheKeptWavelengthIsAnyOfTheBatch) {
+    const Scene scene = scene_from(
+        "Camera \"perspective\" \"float fov\" 40\nWorldBegin\nLightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n"
+        "Material \"dielectric\" \"spectrum eta\" [360 1.0002 830 1.0001]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-4 -4 2  4 -4 2  4 4 2  -4 4 2] \"integer indices\" [0 1 2 0 2 3]\n");
+    for (const std::uint32_t k : {4u, 28u, 32u}) {
+        constexpr std::uint64_t kCount = 20'000;
+        const sampledb::Records r = trace(
+            *scene.integrator({.kind = IntegratorKind::kPath, .batch = k, .record = sampledb::RecordKind::kSpectral, .seed = 5}), 0,
+            kCount);
+        std::vector<double> counted(k);
+        ASSERT_EQ(r.size(), kCount);
+        for (std::size_t row = 0; row < kCount; ++row) {
+            ASSERT_EQ(r.pairs[row], 1);
+            ++counted.at(r.index[row]);
+        }
+        expect_counts_follow(counted, std::vector<double>(k, static_cast<double>(kCount) / k));
     }
 }
 

@@ -140,10 +140,7 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
             const auto index = [](float x) { return static_cast<std::size_t>(std::clamp(x * kSide, 0.0f, kSide - 1.0f)); };
             ++counted[index(cell.x) * kSide + index(cell.y)];
         }
-        double chi2 = 0;
-        constexpr double kExpected = static_cast<double>(kCount) / (kSide * kSide);
-        for (const double n : counted) chi2 += (n - kExpected) * (n - kExpected) / kExpected;
-        EXPECT_GT(chi_square_tail(chi2, kSide * kSide - 1), 1e-4) << chi2;
+        expect_counts_follow(counted, std::vector<double>(counted.size(), static_cast<double>(kCount) / (kSide * kSide)));
     }
 }
 
@@ -155,14 +152,14 @@ TEST(Lights, AreChosenAsOftenAsTheirProbabilitySays) {
     constexpr int kCount = 200'000;
     std::vector<double> counted(weight.size());
     for (int n = 0; n < kCount; ++n) ++counted[choice.sample(u())];
-    double chi2 = 0, whole = 0;
+    std::vector<double> expected;
+    double whole = 0;
     for (std::uint32_t i = 0; i < weight.size(); ++i) {
-        const double expected = kCount * static_cast<double>(choice.probability(i));
-        chi2 += (counted[i] - expected) * (counted[i] - expected) / expected;
+        expected.push_back(kCount * static_cast<double>(choice.probability(i)));
         whole += static_cast<double>(choice.probability(i));
     }
     EXPECT_NEAR(whole, 1, 1e-5);
-    EXPECT_GT(chi_square_tail(chi2, static_cast<double>(weight.size() - 1)), 1e-4) << chi2;
+    expect_counts_follow(counted, expected);
 }
 
 // The sum over rays of emission x cosine / density is the light's power, known in closed form.
@@ -234,6 +231,28 @@ TEST(Lights, AConstantSkyIsDrawnByTheCosineToWhatItLights) {
                                       return behind ? 0 : static_cast<double>(lights.pdf_of_direction(0, w, receiver));
                                   },
                                   .count = 60'000});
+    }
+}
+
+TEST(Lights, AnImageSkyIsDrawnByItsPixels) {
+    const std::unique_ptr<World> world =
+        scene_under_sky(
+            "WorldBegin\nAttributeBegin Rotate 40 1 2 0 LightSource \"infinite\" \"string filename\" \"sky.exr\" AttributeEnd\n" +
+            std::string(kFloor))
+            .world();
+    const Lights& lights = world->lights();
+    for (const Receiver& receiver : {Receiver{}, Receiver{{0, 1, 0}, false}}) {
+        Numbers u(15);
+        expect_directions_follow(
+            {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
+                 LightPoint p;
+                 const float x = u(), y = u();
+                 if (!lights.sample_point(0, {}, receiver, x, y, p)) return std::nullopt;
+                 EXPECT_FLOAT_EQ(p.pdf_omega, lights.pdf_of_direction(0, p.wi, receiver));
+                 return p.wi;
+             },
+             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(lights.pdf_of_direction(0, w, receiver)); },
+             .count = 60'000});
     }
 }
 

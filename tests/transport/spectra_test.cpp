@@ -1,14 +1,18 @@
 // Laws of wavelengths and spectra: sums over a batch are unbiased for any response; tables are the functions that they stand for.
 #include "render/spectra.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
 #include "color/visible_density.h"
 #include "render/wavelengths.h"
+#include "tests/transport/chi_square.h"
 
 namespace latent::render::testing {
 namespace {
@@ -42,6 +46,42 @@ TEST(Wavelengths, AnyResponseIsMetOnAverage) {
         for (const std::uint32_t k : {4u, 28u, 32u}) {
             EXPECT_NEAR(estimate(density, k, smooth), exact, 1e-4 * exact);
             EXPECT_NEAR(estimate(density, k, [](double nm) { return nm >= 585 && nm < 595 ? 1.0 : 0.0; }), 10, 0.01);
+        }
+    }
+}
+
+// One wavelength of each of many independent batches, in cells of 10 nm, about a line of 1/2 nm.
+TEST(Wavelengths, FollowTheDensityOfTheJob) {
+    for (const bool line : {false, true}) {
+        std::vector<LightSpectrum> lights{{color::illuminant_d65(), 1}};
+        if (line) lights.push_back({sodium(), 3});
+        const sampledb::WavelengthDensity density = wavelength_density(lights);
+        std::vector<double> edges;
+        for (int nm = 360; nm <= 830; nm += 10) edges.push_back(nm);
+        for (double nm = 586; nm <= 593; nm += 0.5) {
+            if (nm != 590) edges.push_back(nm);
+        }
+        std::sort(edges.begin(), edges.end());
+        for (const std::uint32_t k : {4u, 28u}) {
+            SCOPED_TRACE(fmt::format("{} wavelengths, {}", k, line ? "a line" : "no line"));
+            constexpr int kCount = 400'000;
+            std::vector<double> counted(edges.size() - 1), expected(counted.size());
+            for (std::size_t i = 0; i < expected.size(); ++i) {
+                // The density is constant between multiples of 1/2 nm.
+                for (double nm = edges[i]; nm < edges[i + 1]; nm += 0.5) {
+                    expected[i] += kCount * 0.5 * static_cast<double>(density.pdf_lambda(static_cast<float>(nm + 0.25)));
+                }
+            }
+            const WavelengthSampler sampler(density, k);
+            std::mt19937 engine(16);
+            Wavelengths w;
+            for (int n = 0; n < kCount; ++n) {
+                sampler.draw(static_cast<std::uint32_t>(engine()), w);
+                const float nm = w.lambda_nm[static_cast<std::uint32_t>(n) % k];
+                const auto above = std::upper_bound(edges.begin(), edges.end(), static_cast<double>(nm));
+                ++counted.at(static_cast<std::size_t>(above - edges.begin()) - 1);
+            }
+            expect_counts_follow(counted, expected);
         }
     }
 }
