@@ -14,7 +14,7 @@ namespace latent::image {
 
 struct DeepZoomOptions {
     int tile = 256;    // pixels a side
-    int overlap = 0;   // pixels of its neighbours around each tile
+    int overlap = 1;   // pixels of its neighbours around each tile
     bool png = false;  // lossless tiles; else JPEG
     JpegOptions jpeg;
     PngOptions png_options;

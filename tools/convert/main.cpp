@@ -85,7 +85,10 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_flag("--tiles", options.tiles, "TIFF in tiles of 256 x 256");
     app.add_flag("--pyramid", options.pyramid, "TIFF with smaller and smaller copies, in tiles");
     app.add_flag("--png-tiles", options.png_tiles, "Deep Zoom in PNG instead of JPEG");
-    app.add_option("--overlap", options.overlap, "pixels that tiles share")->check(CLI::Range(0, 1))->capture_default_str();
+    app.add_option("--overlap", options.overlap,
+                   "pixels of its neighbours around each tile of Deep Zoom; 0 is for other viewers than NAME.html")
+        ->check(CLI::Range(0, 1))
+        ->capture_default_str();
     app.footer(kExamples);
 }
 

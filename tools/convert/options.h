@@ -37,7 +37,7 @@ struct ConvertOptions {
     bool tiles = false;      // TIFF
     bool pyramid = false;    // TIFF
     bool png_tiles = false;  // Deep Zoom
-    int overlap = 0;         // Deep Zoom
+    int overlap = 1;         // Deep Zoom
 
     int threads = 0;
     std::uint64_t memory = std::uint64_t{1} << 30;
