@@ -5,7 +5,11 @@
 
 namespace latent {
 
-Error Error::at(std::string_view place) const { return {code, std::string(place) + ": " + message}; }
+// A message that begins with the place (as those of the system's refusals begin with the file) does not say it twice.
+Error Error::at(std::string_view place) const {
+    const std::string front = std::string(place) + ": ";
+    return {code, message.starts_with(front) ? message : front + message};
+}
 
 Error error_from_errno(int errno_value, std::string_view path, std::string_view verb) {
     ErrorCode code = ErrorCode::kIo;

@@ -40,11 +40,17 @@ Result<HeaderCopy> read_header_copy(const ByteSource& source, std::uint64_t offs
 Result<HeaderCopy> read_header(const ByteSource& source, bool& damaged) {
     if (source.size() == 0) return Error{ErrorCode::kForeign, "is empty, not a Latent file"};
     Result<HeaderCopy> first = read_header_copy(source, 0);
-    damaged = !first || !read_header_copy(source, first->size);
-    if (first || (first.error().code != ErrorCode::kCorrupt && first.error().code != ErrorCode::kForeign)) return first;
+    if (first) {
+        const Result<HeaderCopy> second = read_header_copy(source, first->size);
+        if (!second && second.error().code == ErrorCode::kIo) return second.error();
+        damaged = !second;
+        return first;
+    }
+    if (first.error().code != ErrorCode::kCorrupt && first.error().code != ErrorCode::kForeign) return first;
+    damaged = true;
     for (std::uint64_t at = kBlock; at <= kMaxHeaderSize && at < source.size(); at += kBlock) {
         Result<HeaderCopy> second = read_header_copy(source, at);
-        if (second && second->size == at) return second;
+        if (second ? second->size == at : second.error().code == ErrorCode::kIo) return second;
     }
     return first;
 }
@@ -193,16 +199,26 @@ Result<FileContents> read_file(const ByteSource& source, VerifyLevel level, bool
     if (file.finished) file.unfinished_tail = 0;
 
     // The last run of an unfinished file may have been written when the power went: its header on disk, its pages not.
-    if (!file.finished && !file.runs.empty() && !verify_run(source, file.runs.back(), job, VerifyLevel::kStored)) {
-        file.end = file.runs.back().offset;
-        file.unfinished_tail = source.size() - file.end;
-        file.runs.pop_back();
+    if (!file.finished && !file.runs.empty()) {
+        const Status good = verify_run(source, file.runs.back(), job, VerifyLevel::kStored);
+        if (!good && good.error().code == ErrorCode::kIo) return good.error();
+        if (!good) {
+            file.end = file.runs.back().offset;
+            file.unfinished_tail = source.size() - file.end;
+            file.runs.pop_back();
+        }
     }
-    std::erase_if(file.runs, [&](const RunInfo& run) {
+    std::vector<RunInfo> sound;
+    for (const RunInfo& run : file.runs) {
         const Status good = verify_run(source, run, job, level);
-        if (!good) file.damage.push_back({run.offset, run.header.size(), lost(run, good.error().message)});
-        return !good;
-    });
+        if (!good && good.error().code == ErrorCode::kIo) return good.error();
+        if (good) {
+            sound.push_back(run);
+        } else {
+            file.damage.push_back({run.offset, run.header.size(), lost(run, good.error().message)});
+        }
+    }
+    file.runs = std::move(sound);
     return file;
 }
 

@@ -69,8 +69,9 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
 }
 
 // A file that cannot be read at all. Damage costs a file; a file that should not be there at all costs the command, if the user
-// named it.
+// named it. A read that the system refuses says nothing about the samples: it costs the command, which may fare better next time.
 Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& error) {
+    if (error.code == ErrorCode::kIo) return error;
     const bool damaged = error.code == ErrorCode::kTruncated || error.code == ErrorCode::kCorrupt;
     std::error_code ignored;
     const bool just_begun =
@@ -116,6 +117,7 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     Coverage held;
     for (const RunInfo& run : file.runs) {
         Result<Coverage> coverage = run_coverage(*opened.source, run, found_.job);
+        if (!coverage && coverage.error().code == ErrorCode::kIo) return coverage.error().at(name);
         if (!coverage) {
             found_.report.left_out.push_back({fmt::format("{}: run at byte {}", name, run.offset), coverage.error().message});
             continue;

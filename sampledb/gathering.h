@@ -48,7 +48,7 @@ struct GatherReport {
 // Thread-safe for reading once open. At most 256 files are open at a time; files are opened again when needed.
 class Gathering {
  public:
-    // Errors, naming the files: kNotFound, kForeign and kIo (of files named one by one), kMismatch (another job; a sample that
+    // Errors, naming the files: kIo, kNotFound and kForeign (of files named one by one), kMismatch (another job; a sample that
     // finished files named one by one hold twice).
     static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
     virtual ~Gathering() = default;

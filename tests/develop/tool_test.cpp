@@ -244,6 +244,18 @@ TEST_F(Tool, ASliceReportsTheRecordsOfItsOwnSamples) {
     }
 }
 
+TEST_F(Tool, ManySmallRunsAreAdvisedToBeCompactedHoweverMuchMemoryThereIs) {
+    for (const std::uint64_t runs : {256u, 257u}) {
+        std::vector<Coverage> coverages;
+        for (std::uint64_t run = 0; run < runs; ++run) coverages.push_back(Coverage({run * kRun, run * kRun + 16}));
+        synthetic::write_file(folder_ / "many.latent", synthetic::make_file(job_, coverages).bytes);
+        const Outcome outcome = develop({out("many.latent"), "-o", out("many.exr"), "--size", "90", "--force", "--json"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(nlohmann::json::parse(outcome.out)["regions"], 1);
+        EXPECT_EQ(outcome.err.find("257 small runs") != std::string::npos, runs > 256) << outcome.err;
+    }
+}
+
 TEST_F(Tool, APictureWithoutRecordsIsBlackAndAWarningSaysWhy) {
     job_.light_paths_per_sample = 0;
     const sampledb::Records dark = synthetic::make_records(job_, {0, kRun}, {.light_per_sample = 0});

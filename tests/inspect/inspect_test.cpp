@@ -323,6 +323,7 @@ TEST_F(InspectTest, RecoverFromAFailingDiskLeavesNoHalfOutput) {
                                                         {rule, folder_.path().string()});
             happened = outcome.happened;
             if (fs::exists(folder_ / "b.latent")) {
+                EXPECT_FALSE(happened && std::string(call) == "read") << outcome.err;
                 EXPECT_EQ(inspect({"verify", folder_ / "b.latent"}).status, 0);
             } else {
                 EXPECT_EQ(outcome.status, 1);
@@ -332,6 +333,29 @@ TEST_F(InspectTest, RecoverFromAFailingDiskLeavesNoHalfOutput) {
             fs::remove(folder_ / "b.latent");
         }
         EXPECT_GT(nth, 2) << call;
+    }
+}
+
+TEST_F(InspectTest, AReadErrorIsAnErrorNamingTheFileAndNeverDamage) {
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
+    const std::vector<std::vector<std::string>> kinds = {
+        {"verify"}, {"verify", "--quick"}, {"verify", "--deep"}, {"info"}, {"cat"}};
+    for (const std::vector<std::string>& kind : kinds) {
+        std::vector<std::string> command = {tool("latent-inspect")};
+        command.insert(command.end(), kind.begin(), kind.end());
+        command.push_back(file);
+        int nth = 1;
+        for (bool happened = true; happened; ++nth) {
+            const std::string rule = "read:" + std::to_string(nth) + ":EIO";
+            SCOPED_TRACE(kind.front() + " " + rule);
+            const FaultOutcome outcome = run_with_fault(command, {rule, folder_.path().string()});
+            happened = outcome.happened;
+            EXPECT_EQ(outcome.status, happened ? 1 : 0) << outcome.out << outcome.err;
+            if (happened) {
+                EXPECT_NE(outcome.err.find("a.latent: cannot read"), std::string::npos) << outcome.err;
+            }
+        }
+        EXPECT_GT(nth, 10);  // both headers, the footer, the runs
     }
 }
 

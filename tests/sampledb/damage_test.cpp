@@ -147,6 +147,53 @@ TEST(Damage, ALastRunWhosePagesNeverReachedTheDiskIsATail) {
     EXPECT_EQ(contents->unfinished_tail, file.run_ends[1] - file.run_ends[0]);
 }
 
+// A source of which one read is refused.
+class RefusedOnce final : public ByteSource {
+ public:
+    RefusedOnce(ByteSpan bytes, int nth) : bytes_(bytes), left_(nth) {}
+    std::uint64_t size() const override { return bytes_.size(); }
+    Status read(std::uint64_t offset, std::span<std::byte> into) const override {
+        if (--left_ == 0) return Error{ErrorCode::kIo, "memory: cannot read"};
+        return bytes_.read(offset, into);
+    }
+    std::string name() const override { return bytes_.name(); }
+    bool refused() const { return left_ <= 0; }
+
+ private:
+    MemorySource bytes_;
+    mutable int left_;
+};
+
+// Whichever read it is.
+void expect_refusals(ByteSpan bytes, VerifyLevel level, bool use_footer) {
+    bool refused = true;
+    for (int nth = 1; refused; ++nth) {
+        const RefusedOnce source(bytes, nth);
+        const Result<FileContents> contents = read_file(source, level, use_footer);
+        refused = source.refused();
+        ASSERT_EQ(contents.has_value(), !refused) << nth;
+        if (refused) {
+            EXPECT_EQ(contents.error().code, ErrorCode::kIo) << nth;
+        }
+    }
+}
+
+TEST(Damage, AReadThatIsRefusedIsAnErrorAndNeverDamage) {
+    const std::vector<Coverage> runs = {Coverage(SampleRange{0, 300}), Coverage(SampleRange{16384, 16684})};
+    for (const bool footer : {true, false}) {
+        const FileBytes whole = synthetic::make_file(make_job(RecordKind::kXyz), runs, footer);
+        Bytes beheaded = whole.bytes;  // its first header, and the header of its first run
+        beheaded[100] ^= std::byte{1};
+        beheaded[whole.header_size + 20] ^= std::byte{1};
+        for (const VerifyLevel level : {VerifyLevel::kHeaders, VerifyLevel::kQuick, VerifyLevel::kStored, VerifyLevel::kFull}) {
+            for (const bool use_footer : {true, false}) {
+                expect_refusals(whole.bytes, level, use_footer);
+                expect_refusals(beheaded, level, use_footer);
+            }
+        }
+    }
+}
+
 TEST(Damage, ARunOfAnotherJobInsideADamagedRunIsNotRaised) {
     // A foreign run that stands, block aligned, in what is left of a run whose header is gone.
     const Job job = make_job(RecordKind::kXyz, 1);

@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
     app.add_option("--image", options.image, "the picture, or one of the images that add up to it")
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();
-    app.add_flag("--mipmap", options.mipmap, "store smaller levels too, each the exact mean of the pixels it covers");
+    app.add_flag("--mipmap", options.mipmap, "store smaller levels too, each pixel the mean of those that it covers");
     app.add_option("--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm")
         ->check(CLI::Range(1, 470))
         ->excludes(observer);

@@ -17,11 +17,6 @@ using namespace sampledb;
 
 namespace {
 
-// Samples that a run covers; what its header promises if its index cannot be read.
-Coverage coverage_of(const ByteSource& source, const RunInfo& run, const Job& job) {
-    return run_coverage(source, run, job).value_or(Coverage(run.header.samples));
-}
-
 bool lies_in(const std::vector<Damage>& damage, std::uint64_t offset) {
     return std::ranges::any_of(damage,
                                [&](const Damage& hole) { return offset >= hole.offset && offset < hole.offset + hole.size; });
@@ -69,15 +64,19 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     for (std::size_t i = 0; i < file.runs.size(); ++i) {
         const RunInfo& run = file.runs[i];
         if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source.size()), fmt::format("run {}", i));
-        promised.add(coverage_of(source, run, job));
+        const Result<Coverage> covered = run_coverage(source, run, job);
+        if (!covered && covered.error().code == ErrorCode::kIo) return covered.error().at(input.string());
+        const Coverage held = covered.value_or(Coverage(run.header.samples));  // what its header says if its index is damaged
+        promised.add(held);
         if (Status s = verify_run(source, run, job, VerifyLevel::kFull); !s) {
+            if (s.error().code == ErrorCode::kIo) return s.error().at(input.string());
             report.damage.push_back(lost_run(i, run, s.error()));
             continue;
         }
         if (Status s = out->file().copy_from(source.file(), run.offset, end, run.header.size()); !s) return s.error();
         runs.push_back({end, run.header});
         end += run.header.size();
-        report.kept.add(coverage_of(source, run, job));
+        report.kept.add(held);
     }
     if (runs.empty() && (report.lost_anything() || report.unfinished_tail > 0)) {
         const std::string why = report.lost_anything() ? report.damage.front().reason : "its only write was cut short";

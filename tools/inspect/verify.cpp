@@ -96,6 +96,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     Threads(threads).run([&] { tbb::parallel_for(std::size_t{0}, file->runs.size(), check); });
     for (std::size_t i = 0; i < file->runs.size(); ++i) {
         const RunInfo& run = file->runs[i];
+        if (!checked[i] && checked[i].error().code == ErrorCode::kIo) return checked[i].error().at(path.string());
         if (!checked[i]) {
             report.damage.push_back(lost_run(i, run, checked[i].error()).reason);
             continue;
