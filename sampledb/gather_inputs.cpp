@@ -1,8 +1,10 @@
 #include "sampledb/gather_inputs.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
 
 #include "sampledb/input_files.h"
@@ -71,7 +73,8 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
 // A file that cannot be read at all. Damage costs a file; a file that should not be there at all costs the command, if the user
 // named it. A read that the system refuses says nothing about the samples: it costs the command, which may fare better next time.
 Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& error) {
-    if (error.code == ErrorCode::kIo) return error;
+    const bool forbidden = ::access(input.path.c_str(), R_OK) != 0 && errno == EACCES;
+    if (error.code == ErrorCode::kIo && !forbidden) return error;
     const bool damaged = error.code == ErrorCode::kTruncated || error.code == ErrorCode::kCorrupt;
     std::error_code ignored;
     const bool just_begun =
