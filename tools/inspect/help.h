@@ -51,6 +51,6 @@ Examples:
   latent-inspect gen -o small.latent --records 1M
   latent-inspect gen -o big.latent --records 1.07G --light 0.05 --aspect 3:2
   latent-inspect gen -o spectral.latent --records 10M --kind spectral --wavelengths 28
-  latent-inspect gen -o far.latent --first 8589934592 --records 65536 --every 1024     sparse, beyond 2^32)";
+  latent-inspect gen -o far.latent --first 8589934592 --records 65536 --every 1023     sparse, beyond 2^32)";
 
 }  // namespace latent::inspect::help
