@@ -129,7 +129,7 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
                         "or latent-merge --compact, makes it once",
                         counts.decode_factor()));
     }
-    constexpr double kSmallRead = 256 << 10;
+    constexpr double kSmallRead = 64 << 10;
     const double reads = static_cast<double>(report.runs) * static_cast<double>(counts.regions);
     if (report.runs > 256 && static_cast<double>(counts.page_bytes) / reads < kSmallRead) {
         warnings.push_back(
