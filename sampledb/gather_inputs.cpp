@@ -72,6 +72,7 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
 
 // A file that cannot be read at all. Damage costs a file; a file that should not be there at all costs the command, if the user
 // named it. A read that the system refuses says nothing about the samples: it costs the command, which may fare better next time.
+// What the user may not read is as foreign.
 Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& error) {
     const bool forbidden = ::access(input.path.c_str(), R_OK) != 0 && errno == EACCES;
     if (error.code == ErrorCode::kIo && !forbidden) return error;
