@@ -16,12 +16,16 @@ if(CCACHE)
 endif()
 
 # latent_options: no contraction, so that the same bits come out on every processor (docs/format.md, "Determinism"); on x86 the
-# baseline is SSE4.2 with AES and PCLMUL, which is Highway's SSE4 target: faster instructions are chosen at run time.
+# baseline is SSE4.2 with AES and PCLMUL, which is Highway's SSE4 target: faster instructions are chosen at run time. On 64-bit ARM it is
+# Highway's NEON target, which includes AES, and the only one: SVE vectors have no size that C++ knows, and our structs hold vectors.
 add_library(latent_options INTERFACE)
 target_include_directories(latent_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(latent_options INTERFACE -ffp-contract=off)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(latent_options INTERFACE -msse4.2 -maes -mpclmul)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  target_compile_options(latent_options INTERFACE -march=armv8-a+crypto)
+  target_compile_definitions(latent_options INTERFACE "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
 endif()
 target_compile_options(latent_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual)
 if(LATENT_WERROR)
