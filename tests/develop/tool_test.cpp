@@ -173,11 +173,12 @@ TEST_F(Tool, SamplesDevelopAsIfTheOthersWereNotThere) {
 
 TEST_F(Tool, NoSamplesAreNoPictureAndMissingOnesAreNamed) {
     const std::string two = file("two.latent", {1, 3}), empty = file("empty.latent", {});  // 4096..8192, 12288..16384
-    const auto develop_samples = [&](const std::string& samples) {
-        return develop({two, "-o", out("a.exr"), "--size", "90", "--json", "--force", "--samples", samples});
+    const auto develop_samples = [&](const std::string& samples, const std::vector<std::string>& more = {}) {
+        return develop({two, "-o", out("a.exr"), "--size", "90", "--json", "--force", "--samples", samples}, more);
     };
     for (const char* outside : {"0:4096", "8192:12288", "16384:99999", "1000000:18446744073709551615"}) {
         const Outcome none = develop_samples(outside);
+        EXPECT_EQ(develop_samples(outside, {"--crop", "0,0,9,9"}).err, none.err);
         EXPECT_EQ(none.status, 1) << none.err;
         EXPECT_EQ(none.err,
                   std::string("latent-develop: --samples ") + outside + ": the files hold only 4096..8192, 12288..16384\n");
@@ -212,20 +213,46 @@ TEST_F(Tool, TooLittleMemoryIsRefusedNamingWhatIsEnough) {
     }
 }
 
-TEST_F(Tool, LittleMemoryReadsTheFileOnce) {
+TEST_F(Tool, LittleMemoryReadsTheFileOnceAlsoWhereRunsAreCut) {
     job_.run_samples = 1 << 16;
     std::vector<Coverage> coverages;
     for (std::uint64_t run = 0; run < 16; ++run)
         coverages.push_back(Coverage({run * job_.run_samples, (run + 1) * job_.run_samples}));
     const Bytes bytes = synthetic::make_file(job_, coverages).bytes;
     synthetic::write_file(folder_ / "in.latent", bytes);
-    const Outcome outcome =
-        develop({out("in.latent"), "-o", out("a.exr"), "--size", "3000", "--memory", "28M", "--threads", "2", "--json"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const auto report = nlohmann::json::parse(outcome.out);
-    EXPECT_GE(report["regions"], 4);
-    EXPECT_EQ(report["decode_factor"], 1);
-    EXPECT_LE(report["bytes_read"].get<double>(), 1.05 * static_cast<double>(bytes.size()));
+    for (const char* samples : {"0:1048576", "1:1048575", "1000:600000"}) {
+        const Outcome outcome = develop({out("in.latent"), "-o", out("a.exr"), "--size", "3000", "--memory", "28M", "--threads",
+                                         "2", "--samples", samples, "--json", "--force"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const auto report = nlohmann::json::parse(outcome.out);
+        EXPECT_GE(report["regions"], 4);
+        EXPECT_EQ(report["decode_factor"], 1);
+        EXPECT_LE(report["bytes_read"].get<double>(), 1.05 * report["bytes_stored"].get<double>());
+    }
+}
+
+TEST_F(Tool, EachRecordIsReportedOnceHoweverOftenItsPageIsDecoded) {
+    std::vector<Coverage> coverages;
+    for (std::uint64_t run = 0; run < 96; ++run) coverages.push_back(Coverage({run * kRun, (run + 1) * kRun}));
+    synthetic::write_file(folder_ / "in.latent", synthetic::make_file(job_, coverages).bytes);
+    const auto report = [&](const char* memory, const char* crop) {
+        const Outcome outcome = develop({out("in.latent"), "-o", out("a.exr"), "--size", "600", "--samples", "1000:390000",
+                                         "--crop", crop, "--memory", memory, "--threads", "2", "--json", "--force"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return nlohmann::json::parse(outcome.out);
+    };
+    const sampledb::Records records = synthetic::make_records(job_, {1000, 390000});
+    const std::uint64_t light = static_cast<std::uint64_t>(std::ranges::count(records.record_class, sampledb::RecordClass::kLight));
+    for (const char* crop : {"0,0,600,400", "100,50,300,399"}) {
+        const auto much = report("1G", crop), little = report("18M", crop);
+        EXPECT_EQ(much["decode_factor"], 1);
+        EXPECT_GT(little["decode_factor"], 2);
+        for (const char* key : {"camera_records", "light_records", "fallback_pixels", "empty_pixels"})
+            EXPECT_EQ(little[key], much[key]) << key;
+        const bool all = std::string(crop).starts_with('0');
+        EXPECT_EQ(much["camera_records"] == records.size() - light, all);
+        EXPECT_EQ(much["light_records"] == light, all);
+    }
 }
 
 TEST_F(Tool, ASliceReportsTheRecordsOfItsOwnSamples) {
@@ -269,7 +296,7 @@ TEST_F(Tool, APictureWithoutRecordsIsBlackAndAWarningSaysWhy) {
         EXPECT_EQ(outcome.status, 3) << outcome.err;  // the file has no footer, which is told too
         return outcome.err;
     };
-    EXPECT_NE(warning("dark.latent", {"--image", "light"}).find("no light records"), std::string::npos);
+    EXPECT_NE(warning("dark.latent", {"--image", "light"}).find("no light records reach"), std::string::npos);
     EXPECT_EQ(warning("dark.latent", {}).find("black"), std::string::npos);
 }
 

@@ -204,6 +204,7 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     }
     std::uint32_t count = 0;
     for (const CellRows& rows : cells) count += rows.count;
+    (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_records : counts_.light_records) += count;
     std::uint32_t to = filling.row_count.fetch_add(count);
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -46,7 +46,8 @@ void segments_in_order(std::span<const Batch* const> batches, const PageRange& r
                        sampledb::RecordClass record_class, std::vector<Stretch>& found);
 
 struct DecodeCounts {
-    std::atomic<std::uint64_t> pages = 0, bytes = 0;  // decoded, repeats included
+    std::atomic<std::uint64_t> pages = 0, bytes = 0;                   // decoded, repeats included
+    std::atomic<std::uint64_t> camera_records = 0, light_records = 0;  // taken into batches
     std::atomic<std::uint64_t> camera_not_finite = 0, light_not_finite = 0;
 };
 

@@ -25,31 +25,20 @@ constexpr std::size_t kPagesAtOnce = 1 << 14;                 // references to p
 constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
 constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
 
-struct RecordCounts {
-    std::uint64_t camera = 0, light = 0;
+// Records that the headers promise of the selected samples: of a run that is cut, its samples' share of them.
+struct ExpectedRecords {
+    double camera = 0, light = 0;
 };
 
-// Records of the selected samples. Runs that are taken whole know theirs; of the others, two at most in merged files, the sample
-// numbers are read.
-Result<RecordCounts> count_records(const sampledb::Gathering& gathering) {
-    RecordCounts counts;
-    sampledb::Page page;
-    const sampledb::ColumnSet numbers{.samples = true, .positions = false, .values = false, .share = false, .extra = false};
-    for (std::size_t i = 0; i < gathering.runs().size(); ++i) {
-        const sampledb::SelectedRun& run = gathering.runs()[i];
-        if (!run.cut) {
-            counts.camera += run.header.camera_records;
-            counts.light += run.header.light_records;
-            continue;
-        }
-        const auto pages = gathering.pages(i);
-        if (!pages) return pages.error();
-        for (const sampledb::PageInfo& info : **pages) {
-            if (Status s = gathering.read_page(i, info, numbers, page); !s) return s.error();
-            (info.record_class == RecordClass::kCamera ? counts.camera : counts.light) += page.count;
-        }
+ExpectedRecords expected_records(const sampledb::Gathering& gathering) {
+    ExpectedRecords expected;
+    for (const sampledb::SelectedRun& run : gathering.runs()) {
+        const double selected = static_cast<double>(run.coverage.size()), all = static_cast<double>(run.header.sample_count);
+        const double share = run.cut ? selected / all : 1;
+        expected.camera += share * static_cast<double>(run.header.camera_records);
+        expected.light += share * static_cast<double>(run.header.light_records);
     }
-    return counts;
+    return expected;
 }
 
 // A node of the film, no smaller than a cell, that is developed in one go.
@@ -60,23 +49,21 @@ struct Region {
 
 class Engine {
  public:
-    Engine(const sampledb::Gathering& gathering, const RecordCounts& records, const Channels& channels, const Settings& settings,
-           TileSink& sink)
+    Engine(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings, TileSink& sink)
         : gathering_(gathering),
           channels_(channels),
           settings_(settings),
           grid_(settings.width, settings.height, settings.filter.reach()),
           loader_(gathering, grid_, channels) {
-        counts_.camera_records = records.camera;
-        counts_.light_records = records.light;
+        const ExpectedRecords expected = expected_records(gathering);
         counts_.light_paths = gathering.light_paths();
-        classes_ = {.camera = settings.camera && counts_.camera_records > 0,
-                    .light = settings.light && counts_.light_records > 0 && counts_.light_paths > 0};
+        classes_ = {.camera = settings.camera && expected.camera > 0,
+                    .light = settings.light && expected.light > 0 && counts_.light_paths > 0};
         camera_ = {channels.lanes(), settings.filter.kernel().has_negative_lobes};
         light_ = {channels.lanes(), false};
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
-        const double camera_density = static_cast<double>(std::min(gathering.coverage().size(), records.camera)) / pixels;
+        const double camera_density = std::min(static_cast<double>(gathering.coverage().size()), expected.camera) / pixels;
         normalisation_ = {channels.count(), classes_.camera, classes_.light, camera_density,
                           classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0};
         needed_ = grid_.cells_reaching(settings.crop);
@@ -317,6 +304,8 @@ class Engine {
         const DecodeCounts& decoded = loader_.counts();
         counts.pages_decoded = decoded.pages;
         counts.page_bytes_decoded = decoded.bytes;
+        counts.camera_records = decoded.camera_records;
+        counts.light_records = decoded.light_records;
         counts.camera_not_finite = decoded.camera_not_finite;
         counts.light_not_finite = decoded.light_not_finite;
         counts.fallback_pixels = assembly_->counts().fallback;
@@ -350,9 +339,7 @@ class Engine {
 
 Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
                               TileSink& sink, const Progress& progress) {
-    const Result<RecordCounts> records = count_records(gathering);
-    if (!records) return records.error();
-    return Engine(gathering, *records, channels, settings, sink).run(progress);
+    return Engine(gathering, channels, settings, sink).run(progress);
 }
 
 }  // namespace latent::develop

@@ -117,11 +117,9 @@ static_assert(TileSink::kTile == image::ExrTileWriter::kTile);
 
 void advise(const PictureOptions& options, const PictureReport& report, std::vector<std::string>& warnings) {
     const DevelopCounts& counts = report.counts;
-    const bool camera = options.image != "light" && counts.camera_records > 0;
-    const bool light = options.image != "camera" && counts.light_records > 0 && counts.light_paths > 0;
-    if (!camera && !light) {
+    if (counts.camera_records + counts.light_records == 0) {
         const std::string which = options.image == "both" ? "" : options.image + " ";
-        warnings.push_back(fmt::format("the samples have no {}records: the picture is black", which));
+        warnings.push_back(fmt::format("no {}records reach the picture: it is black", which));
     }
     if (counts.decode_factor() > 1.1) {
         warnings.push_back(
