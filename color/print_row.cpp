@@ -92,7 +92,7 @@ RgbV print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& count
     if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(positive, adaptable)))) {
         counts.nan += hn::CountTrue(d, hn::Not(hn::Eq(y, y)));  // Ne is false for NaN with AVX-512
         counts.negative += hn::CountTrue(d, hn::AndNot(lit, hn::Lt(y, zero)));
-        counts.infinite += hn::CountTrue(d, white);
+        counts.infinite += hn::CountTrue(d, hn::AndNot(adaptable, white));  // not what adaptation only brought beyond the floats
         counts.colourless += hn::CountTrue(d, grey);
     }
 

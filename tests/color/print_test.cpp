@@ -148,6 +148,8 @@ TEST_P(PrintLaws, EveryInstructionSetGivesTheSameBits) {
             in.push(0.5, y, odd);
         }
     }
+    for (int i = 0; i < 47; ++i) in.push(0, kMax, 0);  // adapted beyond kMax: white, but a number, whatever its neighbours are
+    in.push(0, kNan, 0);
     const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290});
     for (const Tone tone : {Tone::kFilm, Tone::kNone}) {
         for (const Matrix3& adaptation : {Matrix3{}, from_e}) {
