@@ -16,7 +16,8 @@ Error error_from_errno(int errno_value, std::string_view path, std::string_view 
     if (errno_value == ENOSPC || errno_value == EDQUOT || errno_value == EFBIG) code = ErrorCode::kNoSpace;
     if (errno_value == ENOENT || errno_value == ENOTDIR) code = ErrorCode::kNotFound;
     if (errno_value == EEXIST) code = ErrorCode::kExists;
-    return {code, std::string(path) + ": " + std::string(verb) + ": " + std::strerror(errno_value)};
+    const char* advice = errno_value == EMFILE ? " (ulimit -n raises the limit)" : "";
+    return {code, std::string(path) + ": " + std::string(verb) + ": " + std::strerror(errno_value) + advice};
 }
 
 }  // namespace latent

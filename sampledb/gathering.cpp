@@ -1,7 +1,9 @@
 #include "sampledb/gathering.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
 
@@ -14,12 +16,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kMostOpenFiles = 224;  // 256 with those that readers still hold and the tool's own
+// 256 open files, or what the system allows (ulimit -n), less what readers still hold and the tool's own.
+std::size_t most_open_files() {
+    constexpr rlim_t kMost = 256, kOthers = 32, kFewest = 4;
+    struct rlimit allowed;
+    const rlim_t all = ::getrlimit(RLIMIT_NOFILE, &allowed) == 0 ? std::min(allowed.rlim_cur, kMost) : kMost;
+    return std::max(all, kOthers + kFewest) - kOthers;
+}
 
 class OpenGathering final : public Gathering {
  public:
     explicit OpenGathering(const GatherOptions& options)
-        : options_(options), indexes_(options.index_memory), sources_(kMostOpenFiles) {}
+        : options_(options), indexes_(options.index_memory), sources_(most_open_files()) {}
 
     Status gather();
 

@@ -45,7 +45,8 @@ struct GatherReport {
     std::uint64_t superseded_runs = 0, repeated_runs = 0;
 };
 
-// Thread-safe for reading once open. At most 256 files are open at a time; files are opened again when needed.
+// Thread-safe for reading once open. At most 256 files, and no more than the system allows, are open at a time; files are
+// opened again when needed.
 class Gathering {
  public:
     // Errors, naming the files: kIo, kNotFound and kForeign (of files named one by one), kMismatch (another job; a sample that

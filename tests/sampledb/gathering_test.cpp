@@ -2,6 +2,7 @@
 #include "sampledb/gathering.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -308,7 +309,7 @@ TEST_F(GatheringTest, ASliceReadsExactlyItsSamples) {
     }
 }
 
-TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndManyThreadsMayRead) {
+TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndFewerIfTheSystemAllowsNoMore) {
     std::vector<fs::path> parts;
     const Job job = make_job(RecordKind::kXyz);
     for (std::uint64_t i = 0; i < 600; ++i) {
@@ -317,7 +318,7 @@ TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndManyThreadsMayRead) {
     GatherOptions options;
     options.inputs = parts;
     options.index_memory = 4096;  // far too little for all: indexes are read again
-    const auto g = Gathering::open(options);
+    auto g = Gathering::open(options);
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->runs().size(), 600u);
     Sums first, second;
@@ -329,6 +330,17 @@ TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndManyThreadsMayRead) {
     const auto descriptors = std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
     EXPECT_LE(descriptors, 256);
     EXPECT_GT((*g)->bytes_read(), 0u);
+    g->reset();
+
+    struct rlimit before;
+    ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+    const struct rlimit low = {40, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &low), 0);
+    const auto with_few = Gathering::open(options);
+    const Sums third = with_few ? read_all(**with_few) : Sums();
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+    ASSERT_TRUE(with_few) << message(with_few);
+    EXPECT_EQ(first, third);
 }
 
 }  // namespace
