@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -33,13 +34,17 @@ void occupy_closed_streams() {
 }
 
 // Standard output holds back what is written to it; only when it is flushed does a full disk show.
-void flush_stdout_at_exit() {
+Status flush_stdout() {
     errno = 0;
     const bool failed_before = std::ferror(stdout) != 0;
-    if ((std::fflush(stdout) == 0 && !failed_before) || failure_was_said) return;
-    const Error error = errno != 0 ? error_from_errno(errno, "standard output", "cannot write")
-                                   : Error{ErrorCode::kIo, "standard output: cannot write"};
-    ::_exit(fail(error));
+    if (std::fflush(stdout) == 0 && !failed_before) return {};
+    return errno != 0 ? error_from_errno(errno, "standard output", "cannot write")
+                      : Error{ErrorCode::kIo, "standard output: cannot write"};
+}
+
+void flush_stdout_at_exit() {
+    const Status flushed = flush_stdout();
+    if (!flushed && !failure_was_said) ::_exit(fail(flushed.error()));
 }
 
 // What stands for the value: a name of our own ("SIZE", "A:B"), or what CLI11 makes of the type and its check: "INT:INT in [1 -
@@ -152,7 +157,17 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
     return add_parsed(app, name, seconds, parse_duration, help)->type_name("TIME");
 }
 
-void print(const std::string& report) { std::fwrite(report.data(), 1, report.size(), stdout); }
+void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+
+int print_report(const std::string& report, int status) {
+    std::signal(SIGPIPE, SIG_IGN);  // a reader who went away is told of like a full disk
+    print(report);
+    const Status flushed = flush_stdout();
+    if (flushed) return status;
+    failure_was_said = true;
+    warn(flushed.error().message + "; only the report is lost, the output is kept");
+    return kDoneWithLosses;
+}
 
 int fail(const Error& error) {
     failure_was_said = true;

@@ -54,8 +54,12 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
 CLI::Validator ends_in(const std::string& extension);
 CLI::Validator whole_number();
 
-// Writes a report to standard output. Never fails here: `parse` tells what happens if it cannot be written.
-void print(const std::string& report);
+// Writes what was asked for to standard output. Never fails here: `parse` tells what happens if it cannot be written.
+void print(const std::string& text);
+
+// Writes the report of outputs that are complete. Returns `status`; if the report cannot be written, says so and returns
+// kDoneWithLosses: the outputs stay.
+int print_report(const std::string& report, int status);
 
 // Prints "PROGRAM: MESSAGE" on stderr; returns kUsage for ErrorCode::kUsage, kStopped for kStopped, else kFailed.
 int fail(const Error& error);

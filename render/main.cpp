@@ -1,8 +1,6 @@
 // latent-render: a pbrt-v4 scene -> one part of raw samples. docs/rendering.md.
 #include <fmt/format.h>
 
-#include <iostream>
-
 #include "base/cli.h"
 #include "base/parallel.h"
 #include "base/size.h"
@@ -59,7 +57,8 @@ int main(int argc, char** argv) {
         "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2\n"
         "  latent-render scenes/cornell.pbrt -o half1.latent --spp 64 --shard 1/2\n"
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 1024 --resolution 4096x4096 --dry-run\n\n"
-        "Exit status: 0 done; 1 failed; 2 wrong usage; 75 stopped with everything so far committed: run it again to go on");
+        "Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not be written; 75 stopped with everything so "
+        "far committed: run it again to go on");
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.force = common.force;
@@ -82,14 +81,14 @@ int main(int argc, char** argv) {
     if (dry_run) {
         const Result<RenderEstimate> estimated = estimate(**job, options, stop_requested);
         if (!estimated) return cli::fail(estimated.error());
-        std::cout << to_text(*estimated, common.json);
+        cli::print(to_text(*estimated, common.json));
         return cli::kDone;
     }
     const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress_to_stderr("latent-render"));
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
-    std::cout << to_text(*report, **job, common.json);
-    if (report->complete) return cli::kDone;
+    const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);
+    if (report->complete) return status;
     return cli::fail(
         {ErrorCode::kStopped, fmt::format("stopped: {} of {} samples are committed; run the same command again to go on",
                                           report->committed, (*job)->range.size())});

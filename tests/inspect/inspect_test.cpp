@@ -377,14 +377,33 @@ TEST_F(InspectTest, CatSaysWhenItsOutputIsFull) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
 }
 
-TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailure) {
+TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailureButCostsNoOutput) {
     const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
-    for (const std::string command :
-         {"latent-inspect info", "latent-inspect verify --json", "latent-merge -o b.latent --json", "latent-inspect --help"}) {
-        const Outcome outcome =
-            run({"/bin/sh", "-c", "cd " + folder_.path().string() + "; " LATENT_BIN_DIR "/" + command + " a.latent > /dev/full"});
+    const auto outcome_of = [&](const std::string& command, const std::string& where) {
+        return run({"/bin/sh", "-c", "cd " + folder_.path().string() + "; " LATENT_BIN_DIR "/" + command + where});
+    };
+    for (const std::string command : {"info a.latent", "verify --json a.latent", "--help"}) {
+        const Outcome outcome = outcome_of("latent-inspect " + command, " > /dev/full");
         EXPECT_EQ(outcome.status, 1) << command;
         EXPECT_NE(outcome.err.find("standard output: cannot write"), std::string::npos) << outcome.err;
+    }
+    const std::vector<std::pair<std::string, std::string>> commands = {{"latent-merge a.latent --json -o ", "merged.latent"},
+                                                                       {"latent-inspect recover a.latent -o ", "saved.latent"},
+                                                                       {"latent-inspect gen --records 1000 -o ", "made.latent"},
+                                                                       {"latent-develop a.latent --size 90 -o ", "a.exr"},
+                                                                       {"latent-convert a.exr --json -o ", "a.png"}};
+    for (const auto& [command, output] : commands) {
+        for (const std::string where : {" > /dev/full", " >&-"}) {
+            fs::remove(folder_ / output);
+            const Outcome outcome = outcome_of(command + output, where);
+            EXPECT_EQ(outcome.status, 3) << command;
+            EXPECT_NE(outcome.err.find("only the report is lost, the output is kept\n"), std::string::npos) << outcome.err;
+            EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        }
+        const std::string kept = read_text(folder_ / output);
+        fs::remove(folder_ / output);
+        EXPECT_EQ(outcome_of(command + output, "").status, 0);
+        EXPECT_TRUE(kept == read_text(folder_ / output)) << output;
     }
 }
 

@@ -112,8 +112,7 @@ int main(int argc, char** argv) {
     ::sigaction(SIGTERM, &action, nullptr);
     const auto report = latent::convert::convert(options, stop_requested, cli::progress_to_stderr("printing"));
     if (!report) return cli::fail(report.error());
-    cli::print(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report));
-    if (report->damaged() == 0) return cli::kDone;
-    cli::warn(fmt::format("{} pixels were not numbers", report->damaged()));
-    return cli::kDoneWithLosses;
+    if (report->damaged() > 0) cli::warn(fmt::format("{} pixels were not numbers", report->damaged()));
+    return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),
+                             report->damaged() > 0 ? cli::kDoneWithLosses : cli::kDone);
 }

@@ -73,6 +73,6 @@ int main(int argc, char** argv) {
     for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const std::string& warning : report->warnings) cli::warn(warning);
     for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
-    cli::print(common.json ? develop::to_json(*report) : develop::to_text(*report));
-    return report->has_losses() ? cli::kDoneWithLosses : cli::kDone;
+    return cli::print_report(common.json ? develop::to_json(*report) : develop::to_text(*report),
+                             report->has_losses() ? cli::kDoneWithLosses : cli::kDone);
 }

@@ -32,8 +32,7 @@ int run_verify(const Paths& named, sampledb::VerifyLevel level) {
 int run_recover(const std::filesystem::path& input, const std::filesystem::path& output) {
     const Result<RecoverReport> report = recover(input, output, common.force, cli::progress_to_stderr("recovering"));
     if (!report) return cli::fail(report.error());
-    print(*report, common.json);
-    return report->lost_anything() ? cli::kDoneWithLosses : cli::kDone;
+    return cli::print_report(text_of(*report, common.json), report->lost_anything() ? cli::kDoneWithLosses : cli::kDone);
 }
 
 int run_cat(const CatOptions& options) {
@@ -49,8 +48,7 @@ int run_gen(GenOptions options) {
     options.threads = common.threads;
     const Result<GenReport> report = generate(options, cli::progress_to_stderr("generating"));
     if (!report) return cli::fail(report.error());
-    print(*report, common.json);
-    return cli::kDone;
+    return cli::print_report(text_of(*report, common.json), cli::kDone);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 namespace latent::inspect {
 
 template <class Report>
-void print(const Report& report, bool as_json) {
-    cli::print(as_json ? json_text(to_json(report)) + "\n" : to_text(report));
+std::string text_of(const Report& report, bool as_json) {
+    return as_json ? json_text(to_json(report)) + "\n" : to_text(report);
 }
 
 inline int status_of(const FileInfo& info) { return info.left_out().empty() ? cli::kDone : cli::kDoneWithLosses; }
@@ -51,7 +51,7 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
             if (as_json) {
                 reports.push_back(to_json(*report));
             } else {
-                print(*report, false);
+                cli::print(to_text(*report));
             }
         }
     }

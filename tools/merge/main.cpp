@@ -55,6 +55,6 @@ int main(int argc, char** argv) {
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
-    cli::print(common.json ? merge::to_json(*report) : merge::to_text(*report));
-    return report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses;
+    return cli::print_report(common.json ? merge::to_json(*report) : merge::to_text(*report),
+                             report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses);
 }
