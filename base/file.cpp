@@ -72,10 +72,9 @@ Result<File> File::create_unnamed(const std::filesystem::path& folder) {
     if (fd >= 0) return File(fd, place);
     if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)
         return error_from_errno(errno, folder.string(), "cannot create a temporary file");
-    const std::filesystem::path name = folder / fmt::format(".latent-{}.tmp", make_nonce());
-    fd = open_retrying(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+    const TemporaryPath name(folder / fmt::format(".latent-{}.tmp", make_nonce()));  // until it is open
+    fd = open_retrying(name.path().c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
     if (fd < 0) return error_from_errno(errno, folder.string(), "cannot create a temporary file");
-    ::unlink(name.c_str());
     return File(fd, place);
 }
 
@@ -168,20 +167,12 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool re
     const std::filesystem::path folder = folder_of(path);
     int fd = open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0666);
     if (fd < 0) {
-        out.temporary_ = hidden_name(path);
-        fd = open_retrying(out.temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL, 0666);
-        if (fd < 0) {
-            const int error = errno;
-            out.temporary_.clear();
-            return error_from_errno(error, path.string(), "cannot create");
-        }
+        out.temporary_ = TemporaryPath(hidden_name(path));
+        fd = open_retrying(out.temporary_.path().c_str(), O_RDWR | O_CREAT | O_EXCL, 0666);
+        if (fd < 0) return error_from_errno(errno, path.string(), "cannot create");
     }
     out.file_ = File(fd, path);
     return out;
-}
-
-OutputFile::~OutputFile() {
-    if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
 Status OutputFile::publish() {
@@ -189,16 +180,13 @@ Status OutputFile::publish() {
     const auto cannot = [&] { return error_from_errno(errno, path_.string(), "cannot name the finished file"); };
     if (temporary_.empty()) {
         const std::string self = fmt::format("/proc/self/fd/{}", file_.descriptor());
-        const std::filesystem::path name = replace_ ? hidden_name(path_) : path_;
+        if (replace_) temporary_ = TemporaryPath(hidden_name(path_));  // only a file with a name can be renamed over another
+        const std::filesystem::path& name = replace_ ? temporary_.path() : path_;
         if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) return cannot();
-        if (replace_) temporary_ = name;  // only a file with a name can be renamed over another
     } else if (!replace_) {
-        if (Status s = name_without_replacing(temporary_, path_); !s) return s;
+        if (Status s = name_without_replacing(temporary_.path(), path_); !s) return s;
     }
-    if (replace_) {
-        if (::rename(temporary_.c_str(), path_.c_str()) != 0) return cannot();
-        temporary_.clear();
-    }
+    if (replace_ && ::rename(temporary_.path().c_str(), path_.c_str()) != 0) return cannot();
     if (Status s = file_.close(); !s) return s;
     return sync_folder(folder_of(path_));
 }

@@ -8,6 +8,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "base/temporary_path.h"
 
 namespace latent {
 
@@ -51,14 +52,13 @@ class File {
 };
 
 // A file that will be `path` once `publish` succeeds; until then nothing of that name is there, or what was there stays. Where
-// the file system allows it the file has no name at all meanwhile, so that even kill -9 leaves nothing.
+// the file system allows it the file has no name at all meanwhile, so that even kill -9 leaves nothing; else a hidden one.
 class OutputFile {
  public:
     // Errors: kExists if `path` exists and `replace` is false (checked again, atomically, by `publish`).
     static Result<OutputFile> create(const std::filesystem::path& path, bool replace);
     OutputFile(OutputFile&&) noexcept = default;
     OutputFile& operator=(OutputFile&&) noexcept = delete;
-    ~OutputFile();
 
     File& file() { return file_; }
     const std::filesystem::path& path() const { return path_; }
@@ -70,7 +70,7 @@ class OutputFile {
 
     File file_;
     std::filesystem::path path_;
-    std::filesystem::path temporary_;  // empty: the file has no name yet
+    TemporaryPath temporary_;  // empty: the file has no name yet
     bool replace_ = false;
 };
 

@@ -13,6 +13,7 @@
 
 #include "base/file.h"
 #include "base/first_error.h"
+#include "base/temporary_path.h"
 #include "image/row_blocks.h"
 
 namespace latent::image {
@@ -46,12 +47,12 @@ class Writer final : public DeepZoomWriter {
         : path_(path), options_(options), tags_(tags), levels_(deep_zoom_levels(width, height)) {
         tags_.texts.clear();
         files_ = fs::path(path).replace_extension() += "_files";
-        hidden_ = folder_of(path) / (hidden_prefix() + make_nonce() + kHiddenSuffix);
+        hidden_ = TemporaryPath(folder_of(path) / (hidden_prefix() + make_nonce() + kHiddenSuffix));
         for (const PixelFormat& level : levels_)
             blocks_.emplace_back(level.height, level.row_bytes(), options.tile, options.overlap, options.overlap);
     }
     ~Writer() override {
-        remove(hidden_);
+        hidden_ = {};
         if (lock_ >= 0) ::close(lock_);
     }
 
@@ -65,10 +66,10 @@ class Writer final : public DeepZoomWriter {
             if (Status s = create_text(fs::path(path_).replace_extension(".html"), page, page_); !s) return s;
         }
         remove_leftovers();
-        if (::mkdir(hidden_.c_str(), 0777) != 0) return error_from_errno(errno, files_.string(), "cannot create");
-        lock_ = open_locked(hidden_);
+        if (::mkdir(hidden_.path().c_str(), 0777) != 0) return error_from_errno(errno, files_.string(), "cannot create");
+        lock_ = open_locked(hidden_.path());
         for (std::size_t level = 0; level < levels_.size(); ++level) {
-            if (fs::create_directory(hidden_ / std::to_string(level), failed); failed) {
+            if (fs::create_directory(hidden_.path() / std::to_string(level), failed); failed) {
                 return error_from_errno(failed.value(), files_.string(), "cannot create");
             }
         }
@@ -90,9 +91,9 @@ class Writer final : public DeepZoomWriter {
 
     Status publish() override {
         sync_tiles();
-        const fs::path aside = hidden_.string() + ".old";
+        const fs::path aside = hidden_.path().string() + ".old";
         const bool replacing = options_.replace && ::rename(files_.c_str(), aside.c_str()) == 0;
-        Status status = rename_folder(hidden_, files_);
+        Status status = rename_folder(hidden_.path(), files_);
         if (status) {
             if (page_) status = page_->publish();
             const bool page_named = status && page_;
@@ -126,7 +127,7 @@ class Writer final : public DeepZoomWriter {
 
     // What writers of the same pyramid left when they were killed.
     void remove_leftovers() const {
-        const std::size_t length = hidden_.filename().string().size();
+        const std::size_t length = hidden_.path().filename().string().size();
         std::vector<fs::path> dead;
         std::error_code failed;
         for (fs::directory_iterator it(folder_of(path_), failed); !failed && it != fs::directory_iterator(); it.increment(failed)) {
@@ -152,7 +153,7 @@ class Writer final : public DeepZoomWriter {
 
     // One sync of the whole file system instead of one for each of thousands of tiles; it is a courtesy, so it may fail.
     void sync_tiles() const {
-        const int fd = ::open(hidden_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        const int fd = ::open(hidden_.path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         if (fd < 0) return;
         ::syncfs(fd);
         ::close(fd);
@@ -171,10 +172,10 @@ class Writer final : public DeepZoomWriter {
         const std::size_t number = levels_.size() - 1 - halvings;
         const fs::path name = fs::path(std::to_string(number)) /
                               fmt::format("{}_{}.{}", column, band.first / options_.tile, options_.png ? "png" : "jpg");
-        const Status written = write_file(hidden_ / name, *tile);
+        const Status written = write_file(hidden_.path() / name, *tile);
         if (written) return {};
         return Error{written.error().code,
-                     (files_ / name).string() + written.error().message.substr((hidden_ / name).string().size())};
+                     (files_ / name).string() + written.error().message.substr((hidden_.path() / name).string().size())};
     }
 
     static Status write_file(const fs::path& path, ByteSpan bytes) {
@@ -184,7 +185,8 @@ class Writer final : public DeepZoomWriter {
         return file->close();
     }
 
-    fs::path path_, files_, hidden_;
+    fs::path path_, files_;
+    TemporaryPath hidden_;
     int lock_ = -1;
     DeepZoomOptions options_;
     ImageTags tags_;

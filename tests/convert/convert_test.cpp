@@ -147,7 +147,7 @@ TEST_F(Convert, ThreadsMemoryAndTheInputsLayoutChangeNoByte) {
         const std::string folder = "out" + std::to_string(number++);
         std::filesystem::create_directory(folder_ / folder);
         for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr", "z.dzi"}) options.outputs.push_back(folder_ / folder / name);
-        const Result<ConvertReport> report = convert(options, never_, {});
+        const Result<ConvertReport> report = convert(options, {});
         ASSERT_TRUE(report) << report.error().message;
         std::size_t files = 0;
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / folder)) {
@@ -263,7 +263,7 @@ TEST_F(Convert, ColourAndSettingsAreWrittenIntoEveryFormatAndNoPathIs) {
     for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr", "z.dzi"}) options.outputs.push_back(folder_ / name);
     options.profile = "display-p3";
     options.sensitivity = 1.75;
-    ASSERT_TRUE(convert(options, never_, {}));
+    ASSERT_TRUE(convert(options, {}));
     const Bytes icc = display_from("display-p3", std::nullopt)->icc;
     const Decoded png = image::decode_png(folder_ / "a.png"), tif = image::decode_tiff(folder_ / "a.tif").at(0),
                   jpg = image::decode_jpeg(folder_ / "a.jpg");
@@ -287,7 +287,7 @@ TEST_F(Convert, ColourAndSettingsAreWrittenIntoEveryFormatAndNoPathIs) {
     }
     options.profile = "srgb";
     options.replace = true;
-    ASSERT_TRUE(convert(options, never_, {}));
+    ASSERT_TRUE(convert(options, {}));
     EXPECT_TRUE(image::decode_png(folder_ / "a.png").srgb);
     EXPECT_TRUE(image::decode_png(folder_ / "a.png").icc.empty());
     EXPECT_TRUE(image::decode_jpeg(folder_ / "z_files" / "9" / "0_0.jpg").icc.empty());
@@ -348,19 +348,6 @@ TEST_F(Convert, ASpaceGivenByItsMatrixPrintsLikeTheSpaceAndASingularOneNeedsItsL
         const std::array<float, 3> light = colourful(static_cast<int>(i / 3 % 300), static_cast<int>(i / 900));
         ASSERT_NEAR(grey[i], -std::expm1(-static_cast<double>(light[1]) * std::log(2.0)), 3e-6) << i;
     }
-}
-
-TEST_F(Convert, AStoppedPrintLeavesNothing) {
-    write_picture(folder_ / "a.exr", {300, 3000}, [](int, int) { return std::array<float, 3>{1, 1, 1}; });
-    ConvertOptions options;
-    options.input = folder_ / "a.exr";
-    options.memory = std::uint64_t{16} << 20;
-    for (const char* name : {"a.png", "a.tif", "a.jpg", "a.exr2.exr", "z.dzi"}) options.outputs.push_back(folder_ / name);
-    std::atomic<bool> stop = false;
-    const Result<ConvertReport> report = convert(options, stop, [&](double done, const std::string&) { stop = stop || done > 0; });
-    ASSERT_FALSE(report);
-    EXPECT_EQ(report.error().code, ErrorCode::kStopped);
-    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.exr"});
 }
 
 TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {

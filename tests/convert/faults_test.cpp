@@ -48,6 +48,25 @@ TEST_F(PrintFaults, WhicheverWriteFailsTheFileIsNamedAndNothingIsLeft) {
     }
 }
 
+// SIGTERM comes with a call, with and without files that have no name.
+TEST_F(PrintFaults, ASignalLeavesNothingOrAllOutputs) {
+    const std::vector<std::string> print = {testing::tool("latent-convert"), at("a.exr"), "-o", at("o.dzi"), "-o", at("o.png")};
+    for (const std::string rule : {"write:1:term", "write:9:term", "create:6:term", "create:1:EROFS,create:3:EROFS,write:9:term"}) {
+        const testing::FaultOutcome outcome = testing::run_with_fault(print, {rule, folder_.path().string()});
+        EXPECT_TRUE(outcome.happened) << rule;
+        EXPECT_EQ(outcome.status, 128 + SIGTERM) << rule << outcome.err;
+        EXPECT_EQ(outcome.err, "");
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.exr"}) << rule;
+    }
+    // While they get their names, one after another, the signal waits.
+    for (const std::string rule : {"link:1:term", "link:2:term", "link:4:term"}) {
+        const testing::FaultOutcome outcome = testing::run_with_fault(print, {rule, folder_.path().string()});
+        EXPECT_TRUE(outcome.happened) << rule;
+        EXPECT_EQ(folder_.names(), (std::vector<std::string>{"a.exr", "o.dzi", "o.html", "o.png", "o_files"})) << rule;
+        remove_outputs();
+    }
+}
+
 TEST_F(PrintFaults, AReadErrorNamesTheInput) {
     for (const char* rule : {"read:1:EIO", "read:3:EIO", "read:9:EIO", "read:5+:EIO"}) {
         const testing::FaultOutcome outcome = testing::run_with_fault(command("o.png"), {rule, "a.exr"});

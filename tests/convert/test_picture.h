@@ -85,13 +85,12 @@ inline void write_picture(const std::filesystem::path& path, const PictureLayout
 class PrintTest : public ::testing::Test {
  protected:
     testing::TemporaryFolder folder_;
-    const std::atomic<bool> never_ = false;
     std::string at(const std::string& name) const { return (folder_ / name).string(); }
 
     Result<ConvertReport> print(const std::string& input, const std::string& output, ConvertOptions options = {}) const {
         options.input = folder_ / input;
         options.outputs = {folder_ / output};
-        return convert(options, never_, {});
+        return convert(options, {});
     }
     testing::Outcome run_tool(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), testing::tool("latent-convert"));

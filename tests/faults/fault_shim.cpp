@@ -8,6 +8,7 @@
 //                                          short: transfer half of the bytes (1 at least); zero: return 0, nothing transferred;
 //                                          flip: transfer all, but with a bit of the middle byte flipped;
 //                                          kill, kill-after: SIGKILL before or after the call;
+//                                          term: SIGTERM and a second to die of it, then the call;
 //                                          slow: nothing wrong, but 0.2 s later
 //   LATENT_FAULT_PATH=TEXT           only calls on files whose path contains TEXT (files without a name: their folder's path)
 //   LATENT_FAULT_HIT=FILE            created when a fault happens, so that a test can count N up until nothing happens any more
@@ -117,6 +118,7 @@ std::string fault_of(const char* call, const std::string& path) {
         if (now != rule.nth && !(rule.and_later && now > rule.nth)) continue;
         mark_hit();
         if (rule.what == "kill") ::kill(::getpid(), SIGKILL);
+        if (rule.what == "term") ::kill(::getpid(), SIGTERM), ::usleep(1'000'000);
         return rule.what;
     }
     return "";

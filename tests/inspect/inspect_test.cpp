@@ -407,6 +407,25 @@ TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailureButCostsNoOutput) {
     }
 }
 
+TEST_F(InspectTest, ASignalEndsEveryToolAndLeavesNothing) {
+    const std::string in = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
+    for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{{"latent-merge", in},
+                                                                                         {"latent-merge", in, "--compact"},
+                                                                                         {"latent-inspect", "recover", in},
+                                                                                         {"latent-develop", in, "--size", "300"}}) {
+        for (const std::string file : {"", "create:1:EROFS,"}) {  // without a name, or with a hidden one
+            std::vector<std::string> words = command;
+            words[0] = tool(words[0]);
+            words.insert(words.end(), {"-o", folder_ / (command[0] == "latent-develop" ? "b.exr" : "b.latent")});
+            const auto outcome = latent::testing::run_with_fault(words, {file + "write:2:term", folder_.path().string()});
+            EXPECT_TRUE(outcome.happened) << command[0];
+            EXPECT_EQ(outcome.status, 128 + SIGTERM) << command[0] << outcome.err;
+            EXPECT_EQ(outcome.err, "");
+            EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.latent"}) << command[0];
+        }
+    }
+}
+
 TEST_F(InspectTest, CatPrintsEveryRecordExactly) {
     Job job = make_short_job();
     job.extra = {{"depth", ColumnType::kF32}};

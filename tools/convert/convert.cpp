@@ -5,13 +5,13 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <set>
 
 #include "base/first_error.h"
 #include "base/parallel.h"
+#include "base/temporary_path.h"
 #include "color/adaptation.h"
 #include "color/auto_exposure.h"
 #include "tools/convert/bands.h"
@@ -25,17 +25,10 @@ using image::Rect;
 
 namespace {
 
-// What passes through the whole run besides the picture.
-struct Watch {
-    const std::atomic<bool>& stop;
-    const Progress& progress;
-
-    // After each band.
-    void tell(FirstError& error, std::size_t done, std::size_t all, const char* what) const {
-        if (stop) error.set({ErrorCode::kStopped, "stopped; nothing was written"});
-        if (progress && !error) progress(static_cast<double>(done) / static_cast<double>(all), what);
-    }
-};
+// After each band.
+void tell(const Progress& progress, std::size_t done, std::size_t all, const char* what) {
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(all), what);
+}
 
 // What one thread works in.
 struct Workbench {
@@ -75,7 +68,7 @@ void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workb
 }
 
 // sigma for the picture, from the luminances under the display's white.
-Result<double> find_sigma(const Source& source, const BandPlan& plan, const color::Matrix3& adapted_xyz, const Watch& watch) {
+Result<double> find_sigma(const Source& source, const BandPlan& plan, const color::Matrix3& adapted_xyz, const Progress& progress) {
     Workbenches benches;
     FirstError error;
     const std::array<double, 3>& y_row = adapted_xyz.m[1];
@@ -90,7 +83,7 @@ Result<double> find_sigma(const Source& source, const BandPlan& plan, const colo
                 bench.histogram.add(g);
             }
         });
-        watch.tell(error, i + 1, plan.band_ends.size(), "measuring the light");
+        tell(progress, i + 1, plan.band_ends.size(), "measuring the light");
     }
     if (error) return error.status().error();
     color::LuminanceHistogram all;
@@ -100,7 +93,7 @@ Result<double> find_sigma(const Source& source, const BandPlan& plan, const colo
 
 // Bands go through printing and encoding one after another; where memory allows, one is printed while the one before is encoded.
 Status print_all(const Source& source, const BandPlan& plan, const color::Print& print,
-                 const std::vector<std::unique_ptr<Sink>>& sinks, const Watch& watch, color::PrintReport& report) {
+                 const std::vector<std::unique_ptr<Sink>>& sinks, const Progress& progress, color::PrintReport& report) {
     Workbenches benches;
     FirstError error;
     std::size_t next = 0, done = 0;
@@ -126,7 +119,7 @@ Status print_all(const Source& source, const BandPlan& plan, const color::Print&
     };
     const auto encode_band = [&](const std::shared_ptr<Bands>& bands) {
         for (std::size_t i = 0; i < sinks.size() && !error; ++i) error.keep(sinks[i]->write((*bands)[i]));
-        watch.tell(error, ++done, plan.band_ends.size(), "");
+        tell(progress, ++done, plan.band_ends.size(), "");
     };
     tbb::parallel_pipeline(plan.overlapped ? 2 : 1,
                            tbb::make_filter<void, std::shared_ptr<Bands>>(tbb::filter_mode::serial_in_order, print_band) &
@@ -145,7 +138,7 @@ Status check_outputs(const std::vector<std::filesystem::path>& outputs) {
     return {};
 }
 
-Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Watch& watch) {
+Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Progress& progress) {
     if (Status s = check_outputs(options.outputs); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
@@ -163,7 +156,7 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Watc
     if (options.auto_exposure) {
         const Result<BandPlan> plan = plan_bands(image, source->area, {}, options.memory, options.threads);
         if (!plan) return plan.error();
-        const Result<double> sigma = find_sigma(*source, *plan, settings.adaptation, watch);
+        const Result<double> sigma = find_sigma(*source, *plan, settings.adaptation, progress);
         if (!sigma) return sigma.error().at(options.input.string());
         settings.sigma = *sigma;
     }
@@ -190,10 +183,11 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Watc
     report.profile = display->space.name;
     report.gamut = options.gamut;
     report.tone = options.tone;
-    if (Status s = print_all(*source, *plan, *print, sinks, watch, report.print); !s) return s.error();
+    if (Status s = print_all(*source, *plan, *print, sinks, progress, report.print); !s) return s.error();
     for (const auto& sink : sinks) {
         if (Status s = sink->finish(); !s) return s.error();
     }
+    const auto held = hold_signals();  // all get their names, or none
     for (const auto& sink : sinks) {
         if (Status s = sink->publish(); !s) return s.error();
     }
@@ -203,13 +197,13 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Watc
 
 }  // namespace
 
-Result<ConvertReport> convert(const ConvertOptions& options, const std::atomic<bool>& stop, const Progress& progress) {
+Result<ConvertReport> convert(const ConvertOptions& options, const Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
     const Threads threads(options.threads);
     ConvertOptions resolved = options;
     resolved.threads = threads.count();
     Result<ConvertReport> report = Error{ErrorCode::kIo, "nothing was done"};
-    threads.run([&] { report = convert_in_arena(resolved, {stop, progress}); });
+    threads.run([&] { report = convert_in_arena(resolved, progress); });
     if (report) report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
 }

@@ -1,16 +1,13 @@
 // tools/convert/convert.h: prints a developed picture: light to display pixels, in memory that does not depend on its size.
 #pragma once
 
-#include <atomic>
-
 #include "base/progress.h"
 #include "tools/convert/options.h"
 
 namespace latent::convert {
 
 // All outputs in one pass (two with automatic exposure); each appears under its name when all are complete. The bytes do not depend
-// on threads or memory. When `stop` turns true, all that was begun is removed. Errors: kStopped; kUsage, kOutOfRange, kExists and
-// those of reading and writing, naming the file.
-Result<ConvertReport> convert(const ConvertOptions& options, const std::atomic<bool>& stop, const Progress& progress);
+// on threads or memory. Errors: kUsage, kOutOfRange, kExists and those of reading and writing, naming the file.
+Result<ConvertReport> convert(const ConvertOptions& options, const Progress& progress);
 
 }  // namespace latent::convert

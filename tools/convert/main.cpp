@@ -1,18 +1,15 @@
 // latent-convert: from developed pixels to a print.
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <array>
-#include <atomic>
 #include <charconv>
 
 #include "base/cli.h"
+#include "base/temporary_path.h"
 #include "tools/convert/convert.h"
 #include "tools/convert/report.h"
 
 namespace {
-
-std::atomic<bool> stop_requested = false;
 
 constexpr const char* kExamples = R"(
 Formats, by the output's extension: .png .tif .jpg (display pixels with a colour profile), .exr (the print in linear light),
@@ -106,11 +103,8 @@ int main(int argc, char** argv) {
     options.threads = common.threads;
     options.memory = common.memory;
     options.replace = common.force;
-    struct sigaction action = {};
-    action.sa_handler = [](int) { stop_requested = true; };
-    ::sigaction(SIGINT, &action, nullptr);
-    ::sigaction(SIGTERM, &action, nullptr);
-    const auto report = latent::convert::convert(options, stop_requested, cli::progress_to_stderr("printing"));
+    latent::remove_temporaries_on_signals();
+    const auto report = latent::convert::convert(options, cli::progress_to_stderr("printing"));
     if (!report) return cli::fail(report.error());
     if (report->damaged() > 0) cli::warn(fmt::format("{} pixels were not numbers", report->damaged()));
     return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),

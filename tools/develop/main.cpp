@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "base/cli.h"
+#include "base/temporary_path.h"
 #include "sampledb/parse.h"
 #include "tools/develop/picture.h"
 #include "tools/develop/report.h"
@@ -68,6 +69,7 @@ int main(int argc, char** argv) {
     options.memory = common.memory;
     options.threads = common.threads;
 
+    remove_temporaries_on_signals();
     const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress_to_stderr("developing"));
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);

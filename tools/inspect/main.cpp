@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/cli.h"
+#include "base/temporary_path.h"
 #include "tools/inspect/arguments.h"
 #include "tools/inspect/cat.h"
 #include "tools/inspect/gen.h"
@@ -82,6 +83,7 @@ int main(int argc, char** argv) {
     add_gen_options(*gen, gen_options);
 
     if (const auto done = cli::parse(app, argc, argv)) return *done;
+    remove_temporaries_on_signals();
     if (common.json) cat_options.format = TextFormat::kJsonLines;
     if (*info) return run_info(files);
     using sampledb::VerifyLevel;

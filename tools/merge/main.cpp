@@ -1,5 +1,6 @@
 // latent-merge: the parts of one job become one file.
 #include "base/cli.h"
+#include "base/temporary_path.h"
 #include "sampledb/parse.h"
 #include "tools/merge/merge.h"
 #include "tools/merge/report.h"
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
     options.memory = common.memory;
     options.verify = verify == "full" ? sampledb::VerifyLevel::kFull : sampledb::VerifyLevel::kQuick;
 
+    remove_temporaries_on_signals();
     const Result<merge::MergeReport> report = merge::merge(options, cli::progress_to_stderr("merging"));
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);
