@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "sampledb/film_position.h"
+#include "sampledb/planes.h"
 
 namespace latent::sampledb {
 
@@ -24,13 +25,13 @@ std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded &
 
 Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
-// Joins a column's byte planes into `values`.
-Status load_planes(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
-    if (entry.planes.size() != value_width) return corrupt("a column with planes missing");
+// Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
+Status load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,
+                   std::size_t value_width) {
+    if (entry.planes.size() != first + value_width) return corrupt("a column with planes missing");
     std::array<ByteSpan, kMaxPlanes> planes;
-    ByteSpan stored = entry.stored;
     for (std::size_t p = 0; p < value_width; ++p) {
-        const PlaneEntry& plane = entry.planes[p];
+        const PlaneEntry& plane = entry.planes[first + p];
         const Result<ByteSpan> bytes =
             decode_plane(plane, stored.first(plane.stored_size), values.size() / value_width, scratch.plane[p]);
         if (!bytes) return bytes.error();
@@ -63,7 +64,7 @@ Status unknown_transform(const ColumnEntry& entry) {
 
 Status decode_plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
     if (values.empty()) return {};
-    if (entry.transform == Transform::kPlanes) return load_planes(entry, values, value_width);
+    if (entry.transform == Transform::kPlanes) return load_planes(entry, 0, entry.stored, values, value_width);
     if (entry.transform != Transform::kPacked || entry.bits != 0 || !entry.planes.empty()) return unknown_transform(entry);
     for (std::size_t at = 0; at < values.size(); at += value_width) std::memcpy(&values[at], &entry.base, value_width);
     return {};
@@ -85,13 +86,42 @@ Status decode_samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
     return {};
 }
 
-Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y) {
+Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& bright) {
+    bright.known = entry.transform == Transform::kSparse;
+    if (!bright.known) return decode_plain(entry, std::as_writable_bytes(values), 4);
+    if (entry.planes.empty()) return corrupt("a column with planes missing");
+    const PlaneEntry& plane = entry.planes[0];
+    const Result<ByteSpan> bitmap =
+        decode_plane(plane, entry.stored.first(plane.stored_size), (values.size() + 7) / 8, scratch.plane[0]);
+    if (!bitmap) return bitmap.error();
+    bright.bitmap.assign(bitmap->begin(), bitmap->end());
+    bright.count = 0;
+    for (const std::byte rows : bright.bitmap)
+        bright.count += static_cast<std::size_t>(std::popcount(std::to_integer<unsigned>(rows)));
+    if (bright.count == 0 || std::to_integer<unsigned>(bright.bitmap.back()) >> ((values.size() - 1) % 8 + 1) != 0) {
+        return corrupt("a bitmap of rows that are none");
+    }
+    const std::span<std::uint32_t> y = at_least(bright.y, bright.count + kExpandPadding).first(bright.count);
+    if (Status s = load_planes(entry, 1, entry.stored.subspan(plane.stored_size), std::as_writable_bytes(y), 4); !s) return s;
+    expand(bright.bitmap, y.data(), std::as_writable_bytes(values));
+    return {};
+}
+
+Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y, const BrightRows& bright) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
-    if (entry.transform != Transform::kCross) return decode_plain(entry, bytes, 4);
-    const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
-    if (Status s = load_planes(entry, std::as_writable_bytes(words), 4); !s) return s;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(y[i]) + unzigzag(words[i]));
+    const bool sparse = entry.transform == Transform::kSparseCross;
+    if (entry.transform != Transform::kCross && !sparse) return decode_plain(entry, bytes, 4);
+    if (sparse && !bright.known) return corrupt("rows that only y could name");
+    const std::size_t count = sparse ? bright.count : values.size();
+    const std::span<std::uint32_t> words = at_least(scratch.words, count + kExpandPadding).first(count);
+    if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
+    if (sparse) {
+        for (std::size_t i = 0; i < count; ++i) words[i] = bright.y[i] + unzigzag(words[i]);
+        expand(bright.bitmap, words.data(), bytes);
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(y[i]) + unzigzag(words[i]));
+        }
     }
     return {};
 }
@@ -100,7 +130,7 @@ Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::spa
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
     if (entry.transform != Transform::kDelta2) return decode_plain(entry, bytes, 4);
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
-    if (Status s = load_planes(entry, std::as_writable_bytes(words), 4); !s) return s;
+    if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
     std::size_t at = 0;
     for (const std::uint16_t n : pairs) {
         if (n == 0) continue;

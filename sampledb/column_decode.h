@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/result.h"
 #include "sampledb/page_layout.h"
@@ -15,8 +16,17 @@ namespace latent::sampledb {
 Status decode_plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width);
 // Sample numbers: packed, or on the lattice.
 Status decode_samples(const ColumnEntry& entry, std::span<std::uint64_t> values);
-// x and z by their difference to y.
-Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y);
+// The rows of a page where y is not zero, if y says so.
+struct BrightRows {
+    bool known = false;
+    Bytes bitmap;  // bit i mod 8 of byte i / 8: row i
+    std::size_t count = 0;
+    std::vector<std::uint32_t> y;  // their bits; longer
+};
+// y, and its bright rows.
+Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& bright);
+// x and z by their difference to y, whose rows `y` and `bright` are.
+Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y, const BrightRows& bright);
 // power and lambda by second differences along each record of `pairs` values, which add up to values.size().
 Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs);
 

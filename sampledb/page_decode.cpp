@@ -129,14 +129,17 @@ class PageDecoder {
         const ColumnEntry& x = *next_++;
         const ColumnEntry& y = *next_++;
         const ColumnEntry& z = *next_++;
-        if (Status s = plain(page_.y, wanted_.values, y); !s) return s;
         if (!wanted_.values) {
-            page_.x.clear(), page_.z.clear();
+            page_.x.clear(), page_.y.clear(), page_.z.clear();
             return {};
         }
+        thread_local BrightRows bright;
+        const std::span<float> luminances = prepare(page_.y, page_.count);
+        if (Status s = decode_y(y, luminances, bright); !s) return s;
+        if (Status s = check(y, luminances); !s) return s;
         const auto crossed = [&](std::vector<float>& column, const ColumnEntry& entry) -> Status {
             const std::span<float> values = prepare(column, page_.count);
-            if (Status s = decode_crossed(entry, values, rows(page_.y, page_.count)); !s) return s;
+            if (Status s = decode_crossed(entry, values, luminances, bright); !s) return s;
             return check(entry, values);
         };
         if (Status s = crossed(page_.x, x); !s) return s;

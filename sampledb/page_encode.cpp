@@ -5,6 +5,7 @@
 #include "sampledb/file_format.h"
 #include "sampledb/page_codec.h"
 #include "sampledb/page_layout.h"
+#include "sampledb/planes.h"
 #include "sampledb/z_order.h"
 
 namespace latent::sampledb {
@@ -13,7 +14,7 @@ namespace {
 
 // Buffers that every page of a thread uses again.
 struct Scratch {
-    Bytes planes, payload;
+    Bytes planes, payload, bitmap;
     std::vector<std::uint32_t> words, u, v;
     std::vector<std::uint64_t> numbers;
     std::vector<ColumnEntry> table;
@@ -108,14 +109,55 @@ void encode_positions(const Page& page, bool follow) {
     }
 }
 
-void encode_crossed(Column column, std::span<const float> values, std::span<const float> y) {
+// The bright rows of a page of XYZ records: those where y is not zero. Black records are so in x, y and z, and the mantissas of
+// bright ones are noise: where a sixteenth is black, only bright rows are stored.
+struct Bright {
+    bool worth_it = false;
+    std::size_t count = 0;  // as scratch.bitmap says
+};
+
+void store_bright(ColumnEntry& entry, const Bright& bright, std::span<std::uint32_t> words) {
+    close_up(scratch.bitmap, words);
+    store_planes(entry, std::as_bytes(words.first(bright.count)), 4);
+}
+
+void encode_crossed(Column column, std::span<const float> values, std::span<const float> y, const Bright& bright) {
     if (begin_column(column, std::as_bytes(values), 4)) return;
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
+    std::uint32_t elsewhere = 0;  // bits of values where y is zero
     for (std::size_t i = 0; i < values.size(); ++i) {
-        words[i] = zigzag(std::bit_cast<std::uint32_t>(values[i]) - std::bit_cast<std::uint32_t>(y[i]));
+        const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[i]), of_y = std::bit_cast<std::uint32_t>(y[i]);
+        words[i] = zigzag(bits - of_y);
+        elsewhere |= of_y == 0 ? bits : 0;
     }
-    scratch.table.back().transform = Transform::kCross;
-    store_planes(scratch.table.back(), std::as_bytes(words), 4);
+    ColumnEntry& entry = scratch.table.back();
+    if (bright.worth_it && elsewhere == 0) {
+        entry.transform = Transform::kSparseCross;
+        store_bright(entry, bright, words);
+    } else {
+        entry.transform = Transform::kCross;
+        store_planes(entry, std::as_bytes(words), 4);
+    }
+}
+
+void encode_y(std::span<const float> y, const Bright& bright) {
+    if (!bright.worth_it) return encode_plain(Column::kY, y);
+    begin_column(Column::kY, std::as_bytes(y), 4);  // never constant: some rows are black and some are not
+    ColumnEntry& entry = scratch.table.back();
+    entry.transform = Transform::kSparse;
+    entry.planes.push_back(encode_plane(scratch.bitmap, scratch.payload));
+    const std::span<std::uint32_t> words = at_least(scratch.words, y.size());
+    std::memcpy(words.data(), y.data(), y.size_bytes());
+    store_bright(entry, bright, words);
+}
+
+void encode_xyz(const Page& page) {
+    const std::span<const float> y = rows(page.y, page.count);
+    Bright bright{.count = find_nonzero(std::as_bytes(y), scratch.bitmap)};
+    bright.worth_it = bright.count > 0 && bright.count <= y.size() - (y.size() + 15) / 16;
+    encode_crossed(Column::kX, rows(page.x, page.count), y, bright);
+    encode_y(y, bright);
+    encode_crossed(Column::kZ, rows(page.z, page.count), y, bright);
 }
 
 // First value as it is, then zigzag(b1 - b0), then zigzag(b_i - 2 b_{i-1} + b_{i-2}), for each record on its own.
@@ -171,10 +213,7 @@ PageInfo encode_page(const Job& job, const Page& page, Bytes& out) {
     }
     std::size_t pair_count = 0;
     if (job.kind == RecordKind::kXyz) {
-        const std::span<const float> y = rows(page.y, page.count);
-        encode_crossed(Column::kX, rows(page.x, page.count), y);
-        encode_plain(Column::kY, y);
-        encode_crossed(Column::kZ, rows(page.z, page.count), y);
+        encode_xyz(page);
     } else {
         const std::span<const std::uint16_t> pairs = rows(page.pairs, page.count);
         for (const std::uint16_t n : pairs) pair_count += n;

@@ -10,7 +10,7 @@
 
 #include "base/bytes.h"
 #include "sampledb/job.h"
-#include "sampledb/planes.h"
+#include "sampledb/plane_codec.h"
 
 namespace latent::sampledb {
 
@@ -33,12 +33,14 @@ enum class Column : std::uint8_t {
 };
 
 enum class Transform : std::uint8_t {
-    kPlanes = 0,   // the values' byte planes
-    kPacked = 1,   // value = base + `bits` bits; 0 bits: a constant column
-    kLattice = 2,  // sample numbers, by the bits that a base 2 radical inverse makes of them
-    kSampler = 3,  // u and v follow from the sample numbers
-    kCross = 4,    // x and z: zigzag of the difference to y's bits
-    kDelta2 = 5,   // power and lambda: zigzag of second differences along each record
+    kPlanes = 0,       // the values' byte planes
+    kPacked = 1,       // value = base + `bits` bits; 0 bits: a constant column
+    kLattice = 2,      // sample numbers, by the bits that a base 2 radical inverse makes of them
+    kSampler = 3,      // u and v follow from the sample numbers
+    kCross = 4,        // x and z: zigzag of the difference to y's bits
+    kDelta2 = 5,       // power and lambda: zigzag of second differences along each record
+    kSparse = 6,       // y: which rows are not zero, and the planes of those
+    kSparseCross = 7,  // x and z: as kCross, of the rows where y is not zero; zero in the others
 };
 
 constexpr std::size_t kColumnEntrySize = 24;

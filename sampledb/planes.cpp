@@ -1,15 +1,10 @@
 #include "sampledb/planes.h"
 
-#include <fmt/format.h>
-#define ZSTD_STATIC_LINKING_ONLY  // ZSTD_c_literalCompressionMode
-#include <zstd.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <cstring>
-#include <memory>
 
 #include "hwy/highway.h"
 
@@ -20,113 +15,38 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<std::uint8_t, 16>;
 
-constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
-
 const std::uint8_t* u8(const std::byte* p) { return reinterpret_cast<const std::uint8_t*>(p); }
 std::uint8_t* u8(std::byte* p) { return reinterpret_cast<std::uint8_t*>(p); }
 
-constexpr std::size_t kBlock = 64, kMostBlocks = 32;  // of the sample of a plane
-
-// n log2(n) in units of 2^-8 bit, for the counts of a sample; integers, so that every machine writes the same file.
-constexpr auto kSelfInformation = [] {
-    std::array<std::uint32_t, kBlock * kMostBlocks + 1> table{};
-    for (std::uint64_t n = 1; n < table.size(); ++n) {
-        const int whole = std::bit_width(n) - 1;
-        std::uint64_t x = n << (30 - whole), log = static_cast<std::uint64_t>(whole);  // 1 <= x / 2^30 < 2
-        for (int bit = 0; bit < 16; ++bit) {
-            x = x * x >> 30;
-            log = log << 1 | x >> 31;
-            x >>= x >> 31;
+// For each set of four rows, as bytes of a vector: which value goes where if those in the set stand in front (close_up), and if the
+// next ones go to the rows of the set (expand); 0x80 makes a zero.
+struct Moves {
+    std::array<std::array<std::uint8_t, 16>, 16> together{}, apart{};
+};
+constexpr Moves kMoves = [] {
+    Moves moves;
+    for (unsigned set = 0; set < 16; ++set) {
+        moves.together[set].fill(0x80);
+        moves.apart[set].fill(0x80);
+        unsigned next = 0;
+        for (unsigned row = 0; row < 4; ++row) {
+            if ((set >> row & 1) == 0) continue;
+            for (unsigned byte = 0; byte < 4; ++byte) {
+                moves.together[set][4 * next + byte] = static_cast<std::uint8_t>(4 * row + byte);
+                moves.apart[set][4 * row + byte] = static_cast<std::uint8_t>(4 * next + byte);
+            }
+            ++next;
         }
-        table[n] = static_cast<std::uint32_t>((n * log) >> 8);
     }
-    return table;
+    return moves;
 }();
 
-// Whether an entropy coder would save a sixteenth: less is worth neither the time to write nor that to read. Estimated from up to
-// 32 blocks of 64 bytes, contiguous so that no stride of the data can hide in them: entropy of the sample, which is too small by
-// (values that occur - 1) / (2 ln 2) bits [Miller55].
-bool would_shrink(ByteSpan plane) {
-    const std::size_t step = std::max(4 * kBlock, (plane.size() + kMostBlocks - 1) / kMostBlocks);
-    std::array<std::array<std::uint16_t, 256>, 2> counts{};  // two, so that equal neighbours do not wait for each other
-    std::size_t sampled = 0;
-    for (std::size_t at = 0; at < plane.size(); at += step) {
-        const ByteSpan block = plane.subspan(at, std::min(kBlock, plane.size() - at));
-        for (std::size_t i = 0; i < block.size(); ++i) ++counts[i & 1][static_cast<std::uint8_t>(block[i])];
-        sampled += block.size();
-    }
-    std::uint64_t information = 0, values = 0;
-    for (std::size_t value = 0; value < 256; ++value) {
-        const std::size_t count = counts[0][value] + counts[1][value];
-        information += kSelfInformation[count];
-        values += count > 0;
-    }
-    const std::uint64_t entropy = kSelfInformation[sampled] - information + (values - 1) * 256 * 721 / 1000;
-    return entropy * 16 < 8 * 256 * sampled * 15;
-}
+const hn::FixedTag<std::uint8_t, 16> kFour;  // values of four bytes
 
-// Level 1, but hasty about matches, which are few in planes like these: looked for at every fifth byte, and long enough not to be
-// chance. Literals are coded in spite of that, as zstd's own faster levels do not.
-struct Compressor {
-    Compressor() {
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, 1);
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 6);
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_targetLength, 4);
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
-    }
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context{ZSTD_createCCtx(), &ZSTD_freeCCtx};
-    Bytes buffer;
-};
+// The bits of rows i .. i + 3, i a multiple of 4.
+unsigned set_of(ByteSpan bitmap, std::size_t i) { return std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 15; }
 
 }  // namespace
-
-PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
-    assert(!plane.empty());
-    if (std::memcmp(plane.data(), plane.data() + 1, plane.size() - 1) == 0) {
-        out.push_back(plane.front());
-        return {PlaneCodec::kConstant, 1};
-    }
-    if (plane.size() >= kMinCompressed && would_shrink(plane)) {
-        thread_local Compressor zstd;
-        const std::size_t bound = ZSTD_compressBound(plane.size());
-        if (zstd.buffer.size() < bound) zstd.buffer.resize(bound);
-        const std::size_t size = ZSTD_compress2(zstd.context.get(), zstd.buffer.data(), bound, plane.data(), plane.size());
-        if (!ZSTD_isError(size) && size < plane.size() - plane.size() / 64) {
-            out.insert(out.end(), zstd.buffer.begin(), zstd.buffer.begin() + static_cast<std::ptrdiff_t>(size));
-            return {PlaneCodec::kZstd, static_cast<std::uint32_t>(size)};
-        }
-    }
-    out.insert(out.end(), plane.begin(), plane.end());
-    return {PlaneCodec::kRaw, static_cast<std::uint32_t>(plane.size())};
-}
-
-Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch) {
-    const auto corrupt = [](const char* why) { return Error{ErrorCode::kCorrupt, why}; };
-    if (entry.codec == PlaneCodec::kRaw) {
-        if (stored.size() != size) return corrupt("a raw plane of another size");
-        return stored;
-    }
-    if (scratch.size() < size) scratch.resize(size);
-    const std::span<std::byte> plane = std::span(scratch).first(size);
-    switch (entry.codec) {
-        case PlaneCodec::kConstant:
-            if (stored.size() != 1) return corrupt("a constant plane of several bytes");
-            std::fill(plane.begin(), plane.end(), stored.front());
-            return ByteSpan(plane);
-        case PlaneCodec::kZstd: {
-            thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-            // exactly one frame, and no skippable one
-            if (stored.size() < 4 || load_le<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER ||
-                ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
-                ZSTD_decompressDCtx(context.get(), plane.data(), size, stored.data(), stored.size()) != size) {
-                return corrupt("a plane that zstd does not read");
-            }
-            return ByteSpan(plane);
-        }
-        default:
-            return Error{ErrorCode::kUnsupported, fmt::format("plane codec {} is not known", static_cast<int>(entry.codec))};
-    }
-}
 
 void split_planes(ByteSpan values, std::size_t value_width, std::span<std::byte> planes) {
     const std::size_t n = values.size() / value_width;
@@ -200,6 +120,56 @@ void unpack_bits(ByteSpan packed, unsigned bits, std::span<std::uint64_t> values
     std::array<std::byte, 32> tail{};
     std::copy(packed.begin() + static_cast<std::ptrdiff_t>(std::min(rest, packed.size())), packed.end(), tail.begin());
     for (; i < values.size(); ++i) values[i] = value_at(tail.data(), i * bits - rest * 8);
+}
+
+std::size_t find_nonzero(ByteSpan values, Bytes& bitmap) {
+    const hn::FixedTag<std::uint32_t, 4> d;
+    const std::size_t n = values.size() / 4;
+    bitmap.assign((n + 7) / 8, std::byte{0});
+    std::size_t count = 0, i = 0;
+    const auto add = [&](unsigned set) {
+        bitmap[i / 8] |= static_cast<std::byte>(set << (i % 8));
+        count += static_cast<std::size_t>(std::popcount(set));
+    };
+    for (; i + 4 <= n; i += 4) {
+        const auto four = hn::BitCast(d, hn::LoadU(kFour, u8(&values[4 * i])));
+        std::array<std::uint8_t, 8> bits;
+        hn::StoreMaskBits(d, hn::Ne(four, hn::Zero(d)), bits.data());
+        add(bits[0]);
+    }
+    for (; i < n; ++i) add(load_le<std::uint32_t>(&values[4 * i]) != 0);
+    return count;
+}
+
+void close_up(ByteSpan bitmap, std::span<std::uint32_t> values) {
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(values.data());
+    std::size_t count = 0, i = 0;
+    for (; i + 4 <= values.size(); i += 4) {
+        const unsigned set = set_of(bitmap, i);
+        const auto four = hn::TableLookupBytesOr0(hn::LoadU(kFour, bytes + 4 * i), hn::LoadU(kFour, kMoves.together[set].data()));
+        hn::StoreU(four, kFour, bytes + 4 * count);
+        count += static_cast<std::size_t>(std::popcount(set));
+    }
+    for (; i < values.size(); ++i) {
+        values[count] = values[i];
+        count += std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 1;
+    }
+}
+
+void expand(ByteSpan bitmap, const std::uint32_t* nonzero, std::span<std::byte> values) {
+    const std::size_t n = values.size() / 4;
+    std::size_t i = 0;
+    for (; i + 4 <= n; i += 4) {
+        const unsigned set = set_of(bitmap, i);
+        const auto next = hn::LoadU(kFour, reinterpret_cast<const std::uint8_t*>(nonzero));
+        hn::StoreU(hn::TableLookupBytesOr0(next, hn::LoadU(kFour, kMoves.apart[set].data())), kFour, u8(&values[4 * i]));
+        nonzero += std::popcount(set);
+    }
+    for (; i < n; ++i) {
+        const bool taken = (std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 1) != 0;
+        store_le(&values[4 * i], taken ? *nonzero : 0);
+        nonzero += taken;
+    }
 }
 
 }  // namespace latent::sampledb

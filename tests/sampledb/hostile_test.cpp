@@ -1,7 +1,10 @@
 // Files made to mislead: every checksum is right, one field is not. Each ceiling of docs/format.md has a file that goes beyond it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "base/hash.h"
+#include "sampledb/column_decode.h"
 #include "sampledb/file_reader.h"
 #include "sampledb/run_codec.h"
 #include "tests/support/synthetic.h"
@@ -179,12 +182,12 @@ TEST(Hostile, PagesThatMakeNoSenseAreRefused) {
         EXPECT_EQ(patched(8, std::uint32_t{33}), ErrorCode::kCorrupt);         // lattice
         EXPECT_EQ(patched(12, std::uint64_t{1}), ErrorCode::kCorrupt);         // other sample numbers: content hash
         EXPECT_EQ(patched(20, std::uint64_t{1}), ErrorCode::kCorrupt);         // another hash: not the page's
-        EXPECT_EQ(patched(28, std::uint32_t{3u << 30}), ErrorCode::kCorrupt);  // plane of unknown codec: it does not fill the page
+        EXPECT_EQ(patched(28, std::uint32_t{3u << 30}), ErrorCode::kCorrupt);  // a plane of no bytes: planes do not fill the page
         Forgery codec(job);
         const std::uint32_t word = get<std::uint32_t>(codec.run, codec.first_page() + 28);
-        put(codec.run, codec.first_page() + 28, word | 3u << 30);
+        put(codec.run, codec.first_page() + 28, word | 3u << 30);  // a raw plane called a dictionary
         codec.seal();
-        EXPECT_EQ(codec.decoded(), ErrorCode::kUnsupported);
+        EXPECT_EQ(codec.decoded(), ErrorCode::kCorrupt);
     }
     Forgery lattice(make_job(RecordKind::kXyz), 20000);
     ASSERT_EQ(get<std::uint8_t>(lattice.run, lattice.first_page() + 5), 2);
@@ -195,6 +198,43 @@ TEST(Hostile, PagesThatMakeNoSenseAreRefused) {
     Forgery f(without);
     f.job.positions = {};
     EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+}
+
+TEST(Hostile, BitmapsThatMisleadAreRefused) {
+    constexpr std::size_t kRows = 12;
+    const auto column = [](Transform transform, ByteSpan stored, std::size_t bitmap, std::size_t planes) {
+        ColumnEntry entry{.column = Column::kY, .transform = transform, .stored = stored};
+        if (bitmap > 0) entry.planes.push_back({PlaneCodec::kRaw, static_cast<std::uint32_t>(bitmap)});
+        for (std::size_t p = 0; p < planes; ++p) entry.planes.push_back({PlaneCodec::kConstant, 1});
+        return entry;
+    };
+    BrightRows bright;
+    const auto y = [&](unsigned rows, std::size_t planes = 4, std::size_t bitmap = 2) {
+        const Bytes stored = {static_cast<std::byte>(rows),
+                              static_cast<std::byte>(rows >> 8),
+                              std::byte{1},
+                              std::byte{2},
+                              std::byte{3},
+                              std::byte{4}};
+        std::vector<float> values(kRows);
+        return decode_y(column(Transform::kSparse, stored, bitmap, planes), values, bright);
+    };
+    EXPECT_TRUE(y(0x0FFF));
+    EXPECT_TRUE(y(0x0001));
+    EXPECT_FALSE(y(0x0000));     // no row
+    EXPECT_FALSE(y(0x1001));     // one behind the page's last
+    EXPECT_FALSE(y(0x0001, 3));  // a plane too few
+    EXPECT_FALSE(y(0x0001, 4, 1));
+    EXPECT_FALSE(y(0x0001, 4, 0));
+    const Bytes differences(4);
+    std::vector<float> values(kRows), of_y(kRows);
+    const ColumnEntry x = column(Transform::kSparseCross, differences, 0, 4);
+    ASSERT_TRUE(y(0x0801));
+    EXPECT_TRUE(decode_crossed(x, values, of_y, bright));
+    EXPECT_EQ(std::ranges::count(values, 0.0f), static_cast<std::ptrdiff_t>(kRows) - 2);
+    const ColumnEntry constant{.column = Column::kY, .transform = Transform::kPacked};
+    ASSERT_TRUE(decode_y(constant, values, bright));  // a y that names no rows
+    EXPECT_FALSE(decode_crossed(x, values, of_y, bright));
 }
 
 TEST(Hostile, FileHeadersBeyondTheirCeilingsAreRefused) {

@@ -108,6 +108,11 @@ def decode_plane(word, data, size):
     if codec == 2:
         check(len(data) == 1, "constant plane")
         return bytes(data) * size
+    if codec == 3:
+        bits, values = data[0], data[1 : 1 + (1 << data[0])]
+        check(1 <= bits <= 7 and len(data) == 1 + (1 << bits) + (size + 7) // 8 * bits, "dictionary plane")
+        packed = int.from_bytes(data[1 + (1 << bits) :], "little")
+        return bytes(values[packed >> (i * bits) & ((1 << bits) - 1)] for i in range(size))
     check(codec == 1, "codec")
     out = ctypes.create_string_buffer(size)
     check(zstd.ZSTD_decompress(out, size, bytes(data), len(data)) == size, "zstd plane")
@@ -142,6 +147,13 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, width, transform, bits, s, base, column_hash, _ in order:
         n = pair_count if number in (11, 12) else records
         planes = stored[number]
+        if transform == 6:
+            bitmap = int.from_bytes(decode_plane(*planes[0], (records + 7) // 8), "little")
+            bright = [i for i in range(8 * ((records + 7) // 8)) if bitmap >> i & 1]
+            check(bright and bright[-1] < records, "bitmap of y")
+            planes = planes[1:]
+        if transform in (6, 7):
+            n = len(bright)
         if transform in (1, 2):
             values = [0] * n
             if bits:
@@ -158,7 +170,11 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
             check(len(planes) == (width if n else 0), "planes of column %d" % number)
             parts = [decode_plane(word, part, n) for word, part in planes] if n else [b""] * width
             values = [sum(parts[p][i] << (8 * p) for p in range(width)) for i in range(n)]
-            if transform == 4:
+            if transform in (6, 7):
+                sparse, values = values, [0] * records
+                for i, v in zip(bright, sparse):
+                    values[i] = v if transform == 6 else (columns[6][i] + unzigzag(v)) & M32
+            elif transform == 4:
                 values = [(y + unzigzag(v)) & M32 for v, y in zip(values, columns[6])]
             elif transform == 5:
                 first = 0

@@ -117,6 +117,25 @@ TEST(Run, RunsOfNoneOneAndBlackRecordsSurvive) {
     }
 }
 
+TEST(Run, BlackRecordsAmongBrightOnesSurviveAndCostNextToNothing) {
+    const Job job = make_job(RecordKind::kXyz);
+    const SampleRange range{0, 20000};
+    const std::size_t bright = encode(job, Coverage(range), make_records(job, range, {.black = 0, .light_per_sample = 0})).size();
+    for (const double black : {0.03, 0.07, 0.5, 0.97}) {
+        const Records records = make_records(job, range, {.black = black, .light_per_sample = 0});
+        expect_round_trip(job, Coverage(range), records);
+        Records stray = records;  // colours without luminance, and a luminance of -0
+        stray.x[10000] = 1, stray.y[10000] = 0;
+        stray.z[19999] = 1, stray.y[19999] = 0;
+        stray.y[5] = -0.0f;
+        expect_round_trip(job, Coverage(range), stray);
+        if (black < 0.06) continue;
+        // what is not x, y, z: two bytes of the sample number, and one bit that says black or not; tables and blocks are in the 2 %
+        const double others = 2.125 * 20000, expected = others + (static_cast<double>(bright) - 2.0 * 20000) * (1 - black);
+        EXPECT_LE(static_cast<double>(encode(job, Coverage(range), records).size()), expected + 0.02 * static_cast<double>(bright));
+    }
+}
+
 TEST(Run, ForeignBitsSurvive) {
     const Job job = make_job(RecordKind::kXyz);
     Records records = make_records(job, {0, 500});
