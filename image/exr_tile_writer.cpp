@@ -3,20 +3,18 @@
 #include <ImathBox.h>
 #include <ImfChannelList.h>
 #include <ImfFloatAttribute.h>
+#include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
 #include <ImfTileDescription.h>
-#include <ImfVersion.h>
-#include <ImfXdr.h>
+#include <ImfTiledOutputFile.h>
 
 #include <algorithm>
 #include <cassert>
-#include <numeric>
 #include <unordered_map>
 
 #include "base/slot_file.h"
-#include "image/deflate.h"
 #include "image/exr_stream.h"
 
 namespace latent::image {
@@ -28,75 +26,38 @@ constexpr int kHalf = kTile / 2;
 
 int half_up(int n) { return (n + 1) / 2; }
 
-// OpenEXR's ZIP: bytes at even places, then those at odd ones, each as its difference from the one before; then zlib.
-Bytes zipped(ByteSpan raw, int level) {
-    Bytes bytes(raw.size());
-    std::size_t to = 0;
-    for (const std::size_t first : {0, 1}) {
-        for (std::size_t i = first; i < raw.size(); i += 2) bytes[to++] = raw[i];
-    }
-    std::uint8_t before = 0;
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-        const auto value = std::to_integer<std::uint8_t>(bytes[i]);
-        if (i > 0) bytes[i] = static_cast<std::byte>(value - before + 128);
-        before = value;
-    }
-    return zlib_stream(bytes, level);
-}
-
-// OpenEXR writes the header. It has no way to write tiles that were compressed beforehand, so chunks and their table are written
-// here, as it would: its files are the same to the byte.
 class Writer final : public ExrTileWriter {
  public:
     Writer(File& file, const ExrTileSpec& spec, std::uint64_t waiting_memory)
         : spec_(spec),
           channels_(spec.channels.size()),
-          by_name_(channels_),
-          file_(file),
+          stream_(file),
           quarters_(folder_of(file.path()), std::size_t{kHalf} * kHalf * channels_ * sizeof(float), waiting_memory) {
         for (int w = spec.x1 - spec.x0, h = spec.y1 - spec.y0;; w = half_up(w), h = half_up(h)) {
-            levels_.push_back({w, h, 0});
+            levels_.push_back({w, h});
             if (!spec.mipmap || (w == 1 && h == 1)) break;
         }
-        std::size_t tiles = 0;
-        for (Level& level : levels_) {
-            level.first_tile = tiles;
-            tiles += static_cast<std::size_t>(level.tiles_x()) * static_cast<std::size_t>(level.tiles_y());
-        }
-        offsets_.resize(tiles);
-        std::iota(by_name_.begin(), by_name_.end(), std::size_t{0});
-        std::ranges::sort(by_name_, {}, [&](std::size_t i) -> const std::string& { return spec.channels[i]; });
     }
 
     Status open() {
-        ExrStream stream(file_);
-        return stream.guard([&] {
-            const Imf::Header header = this->header();
-            zip_level_ = header.zipCompressionLevel();
-            Imf::Xdr::write<Imf::StreamIO>(stream, Imf::MAGIC);
-            Imf::Xdr::write<Imf::StreamIO>(stream, Imf::EXR_VERSION | Imf::TILED_FLAG);
-            header.writeTo(stream, true);
-            table_at_ = stream.tellp();
-            end_ = table_at_ + 8 * offsets_.size();
-            stream.flush();
-        });
+        return stream_.guard([&] { out_ = std::make_unique<Imf::TiledOutputFile>(stream_, header(), 0); });
     }
 
     int tiles_x() const override { return levels_[0].tiles_x(); }
     int tiles_y() const override { return levels_[0].tiles_y(); }
 
-    Bytes encode(int x, int y, std::span<const float> pixels) const override { return encode_level(0, x, y, pixels); }
+    Status write(int x, int y, std::span<const float> pixels) override { return write_level(0, x, y, pixels); }
 
-    Status write(int x, int y, std::span<const float> pixels, ByteSpan encoded) override {
-        return write_level(0, x, y, pixels, encoded);
+    Status finish() override {
+        return stream_.guard([&] {
+            out_.reset();  // writes the table of tiles; OpenEXR swallows exceptions here, the stream keeps the error
+            stream_.flush();
+        });
     }
-
-    Status finish() override { return file_.write_all(table_at_, std::as_bytes(std::span(offsets_))); }
 
  private:
     struct Level {
         int width, height;
-        std::size_t first_tile;  // in the table of offsets
         int tiles_x() const { return (width + kTile - 1) / kTile; }
         int tiles_y() const { return (height + kTile - 1) / kTile; }
         int tile_width(int x) const { return std::min(kTile, width - x * kTile); }
@@ -119,33 +80,21 @@ class Writer final : public ExrTileWriter {
         return header;
     }
 
-    // Row after row, in each the channels one after another, by name; compressed if that makes it smaller.
-    Bytes encode_level(int level, int x, int y, std::span<const float> pixels) const {
-        const std::size_t width = static_cast<std::size_t>(levels_[level].tile_width(x));
-        const std::size_t height = static_cast<std::size_t>(levels_[level].tile_height(y));
-        assert(pixels.size() == width * height * channels_);
-        Bytes raw(pixels.size_bytes());
-        float* to = reinterpret_cast<float*>(raw.data());
-        for (std::size_t row = 0; row < height; ++row) {
-            for (const std::size_t channel : by_name_) {
-                const float* from = &pixels[row * width * channels_ + channel];
-                for (std::size_t i = 0; i < width; ++i) *to++ = from[i * channels_];
+    Status write_level(int level, int x, int y, std::span<const float> pixels) {
+        const Level& size = levels_[level];
+        const std::size_t width = static_cast<std::size_t>(size.tile_width(x));
+        assert(pixels.size() == width * size.tile_height(y) * channels_);
+        Status written = stream_.guard([&] {
+            Imf::FrameBuffer frame;
+            for (std::size_t c = 0; c < channels_; ++c) {
+                char* base = const_cast<char*>(reinterpret_cast<const char*>(pixels.data() + c));  // NOLINT: OpenEXR reads only
+                frame.insert(spec_.channels[c], Imf::Slice(Imf::FLOAT, base, channels_ * sizeof(float),
+                                                           width * channels_ * sizeof(float), 1, 1, 0, true, true));
             }
-        }
-        if (!spec_.zip) return raw;
-        Bytes zip = zipped(raw, zip_level_);
-        return zip.size() < raw.size() ? zip : raw;
-    }
-
-    Status write_level(int level, int x, int y, std::span<const float> pixels, ByteSpan encoded = {}) {
-        const Bytes now = encoded.empty() ? encode_level(level, x, y, pixels) : Bytes();
-        const ByteSpan chunk = encoded.empty() ? ByteSpan(now) : encoded;
-        const std::int32_t front[] = {x, y, level, level, static_cast<std::int32_t>(chunk.size())};
-        if (Status s = file_.write_all(end_, std::as_bytes(std::span(front))); !s) return s;
-        if (Status s = file_.write_all(end_ + sizeof front, chunk); !s) return s;
-        offsets_[levels_[level].first_tile + static_cast<std::size_t>(y) * levels_[level].tiles_x() + x] = end_;
-        end_ += sizeof front + chunk.size();
-        if (level + 1 == static_cast<int>(levels_.size())) return {};
+            out_->setFrameBuffer(frame);
+            out_->writeTile(x, y, level);
+        });
+        if (!written || level + 1 == static_cast<int>(levels_.size())) return written;
         return add_to_coarser(level + 1, x, y, pixels);
     }
 
@@ -212,12 +161,9 @@ class Writer final : public ExrTileWriter {
 
     ExrTileSpec spec_;
     std::size_t channels_;
-    std::vector<std::size_t> by_name_;  // channels in their order in the file
     std::vector<Level> levels_;
-    File& file_;
-    int zip_level_ = 0;
-    std::vector<std::uint64_t> offsets_;    // of all tiles, level by level, row by row
-    std::uint64_t table_at_ = 0, end_ = 0;  // where that table is, and the next chunk
+    ExrStream stream_;
+    std::unique_ptr<Imf::TiledOutputFile> out_;
     SlotFile quarters_;
     std::unordered_map<std::uint64_t, int> arrived_;  // quarters of coarser tiles
 };

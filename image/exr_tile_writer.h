@@ -42,11 +42,8 @@ class ExrTileWriter {
 
     virtual int tiles_x() const = 0;
     virtual int tiles_y() const = 0;
-    // Tile (x, y), its rows one after another, all channels of a pixel together, becomes what the file will hold: from many
-    // threads at once. Takes the memory of two tiles more meanwhile.
-    virtual Bytes encode(int x, int y, std::span<const float> pixels) const = 0;
-    // Tile (x, y), once. `encoded`: by `encode`; if empty, it is encoded now.
-    virtual Status write(int x, int y, std::span<const float> pixels, ByteSpan encoded = {}) = 0;
+    // Tile (x, y), once: its rows one after another, all channels of a pixel together.
+    virtual Status write(int x, int y, std::span<const float> pixels) = 0;
     // After the last tile.
     virtual Status finish() = 0;
 };

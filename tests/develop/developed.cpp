@@ -21,7 +21,7 @@ MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run
     return gathering;
 }
 
-Status MemoryPicture::write(int x, int y, std::span<const float> pixels, ByteSpan) {
+Status MemoryPicture::write(int x, int y, std::span<const float> pixels) {
     const int per_row = static_cast<int>((rect_.width() + kTile - 1) / kTile);
     EXPECT_FALSE(tiles_[y * per_row + x]) << "tile " << x << ' ' << y << " came twice";
     tiles_[y * per_row + x] = 1;

@@ -66,7 +66,7 @@ class MemoryPicture final : public TileSink {
  public:
     MemoryPicture(const PixelRect& rect, int channels)
         : rect_(rect), channels_(channels), pixels_(std::size_t(rect.width() * rect.height()) * channels), tiles_(order_count()) {}
-    Status write(int x, int y, std::span<const float> pixels, ByteSpan) override;
+    Status write(int x, int y, std::span<const float> pixels) override;
 
     // Channel c of pixel (x, y) of the full film.
     float at(std::int64_t x, std::int64_t y, int c) const {

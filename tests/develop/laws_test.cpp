@@ -208,7 +208,7 @@ TEST(Records, NotFiniteOnesCountAsBlackAndAreCounted) {
 // Keeps a hash of all tiles in their order, where pictures are too large to keep.
 class HashSink final : public TileSink {
  public:
-    Status write(int x, int y, std::span<const float> pixels, ByteSpan) override {
+    Status write(int x, int y, std::span<const float> pixels) override {
         const int place[] = {x, y};
         hasher_.update(std::as_bytes(std::span(place)));
         hasher_.update(std::as_bytes(pixels));

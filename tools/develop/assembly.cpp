@@ -54,7 +54,6 @@ Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_
         const Tile* tile;
         bool complete;
         std::vector<float> pixels;
-        Bytes prepared;
     };
     using tbb::filter_mode;
     std::size_t next = 0;
@@ -64,16 +63,15 @@ Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_
             return nullptr;
         }
         const Tile* tile = &tiles[next++];
-        return new Task{tile, tile->last_z < z_end, {}, {}};
+        return new Task{tile, tile->last_z < z_end, {}};
     };
     const auto add_up = [&](Task* task) {
         error.keep(add_tile(pane, *task->tile, task->complete, task->pixels));
-        if (task->complete && !error) task->prepared = sink_.prepare(task->tile->x, task->tile->y, task->pixels);
         return task;
     };
     const auto write = [&](Task* raw) {
         const std::unique_ptr<Task> task(raw);
-        if (task->complete && !error) error.keep(sink_.write(task->tile->x, task->tile->y, task->pixels, task->prepared));
+        if (task->complete && !error) error.keep(sink_.write(task->tile->x, task->tile->y, task->pixels));
     };
     tbb::parallel_pipeline(kTilesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
                            tbb::make_filter<void, Task*>(filter_mode::serial_in_order, next_tile) &

@@ -24,12 +24,8 @@ class TileSink {
 
     virtual ~TileSink() = default;
     // Tile (x, y) of the crop, counted in kTile x kTile pixels from its corner; rows one after another, `channels` floats per
-    // pixel. `prepared`: by `prepare`.
-    virtual Status write(int x, int y, std::span<const float> pixels, ByteSpan prepared) = 0;
-    // What can be done to a tile before its turn comes, by many threads at once.
-    virtual Bytes prepare(int, int, std::span<const float>) const { return {}; }
-    // Memory that `prepare` takes and returns, for each thread, in tiles of floats.
-    virtual std::size_t tiles_per_thread() const { return 0; }
+    // pixel.
+    virtual Status write(int x, int y, std::span<const float> pixels) = 0;
 };
 
 // What turns sums into values.

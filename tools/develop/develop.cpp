@@ -103,7 +103,7 @@ class Engine {
         const std::uint64_t waiting = settings_.memory / 16;
         const std::uint64_t tile_bytes =
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.count());
-        own_bytes_ = threads * (kThreadBytes + (Assembly::kTilesPerThread + sink.tiles_per_thread()) * tile_bytes);
+        own_bytes_ = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
         slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
         slab_bytes_ = std::min(slab_bytes_, kMostSlab);
         window_bytes_ = static_cast<std::uint64_t>(grid_.window_width() * grid_.window_height()) * pixel_doubles() * sizeof(double);

@@ -107,18 +107,11 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
 
 class ExrSink final : public TileSink {
  public:
-    ExrSink(image::ExrTileWriter& writer, bool zip) : writer_(writer), zip_(zip) {}
-    Status write(int x, int y, std::span<const float> pixels, ByteSpan prepared) override {
-        return writer_.write(x, y, pixels, prepared);
-    }
-    Bytes prepare(int x, int y, std::span<const float> pixels) const override {
-        return zip_ ? writer_.encode(x, y, pixels) : Bytes();
-    }
-    std::size_t tiles_per_thread() const override { return zip_ ? 2 + Assembly::kTilesPerThread : 0; }
+    explicit ExrSink(image::ExrTileWriter& writer) : writer_(writer) {}
+    Status write(int x, int y, std::span<const float> pixels) override { return writer_.write(x, y, pixels); }
 
  private:
     image::ExrTileWriter& writer_;
-    bool zip_;
 };
 static_assert(TileSink::kTile == image::ExrTileWriter::kTile);
 
@@ -223,7 +216,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (!out) return out.error();
     const auto writer = image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *observer), waiting_for_mipmap);
     if (!writer) return writer.error();
-    ExrSink sink(**writer, options.zip);
+    ExrSink sink(**writer);
     const auto begin = std::chrono::steady_clock::now();
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(options.threads).run([&] { counts = develop(gathering, *channels, settings, sink, progress); });
