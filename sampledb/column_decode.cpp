@@ -99,7 +99,7 @@ Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& b
     for (const std::byte rows : bright.bitmap)
         bright.count += static_cast<std::size_t>(std::popcount(std::to_integer<unsigned>(rows)));
     if (bright.count == 0 || std::to_integer<unsigned>(bright.bitmap.back()) >> ((values.size() - 1) % 8 + 1) != 0) {
-        return corrupt("a bitmap of rows that are none");
+        return corrupt("a bitmap that names no row, or one behind the last");
     }
     const std::span<std::uint32_t> y = at_least(bright.y, bright.count + kExpandPadding).first(bright.count);
     if (Status s = load_planes(entry, 1, entry.stored.subspan(plane.stored_size), std::as_writable_bytes(y), 4); !s) return s;
@@ -111,7 +111,7 @@ Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::sp
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
     const bool sparse = entry.transform == Transform::kSparseCross;
     if (entry.transform != Transform::kCross && !sparse) return decode_plain(entry, bytes, 4);
-    if (sparse && !bright.known) return corrupt("rows that only y could name");
+    if (sparse && !bright.known) return corrupt("a sparse column beside a y that is not");
     const std::size_t count = sparse ? bright.count : values.size();
     const std::span<std::uint32_t> words = at_least(scratch.words, count + kExpandPadding).first(count);
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;

@@ -21,7 +21,7 @@ PageInfo encode_page(const Job& job, const Page& page, Bytes& out);
 
 // Decodes `stored`, the bytes that `info` describes, into `page`. Columns that are not asked for stay empty.
 // `every_column`: compare each decoded column with its content hash, not only those that were derived.
-// Errors: kCorrupt, kUnsupported (a transform or codec that this version does not know).
+// Errors: kCorrupt, kUnsupported (a transform that this version does not know).
 Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const ColumnSet& columns, Page& page,
                    bool every_column = false);
 

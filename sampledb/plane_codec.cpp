@@ -20,6 +20,8 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+Error corrupt(const char* why) { return {ErrorCode::kCorrupt, why}; }
+
 constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
 
 constexpr std::size_t kBlock = 64, kMostBlocks = 32;  // of the sample of a plane
@@ -164,9 +166,8 @@ bool encode_dictionary(ByteSpan plane, const Sample& sample, Bytes& out) {
 // `plane` has room for 8 bytes more than `size`.
 Status decode_dictionary(ByteSpan stored, std::size_t size, std::byte* plane) {
     const unsigned bits = stored.empty() ? 0 : std::to_integer<unsigned>(stored[0]);
-    if (bits < 1 || bits > kMostDictionaryBits || stored.size() != dictionary_size(bits, size)) {
-        return Error{ErrorCode::kCorrupt, "a dictionary of another size"};
-    }
+    if (bits < 1 || bits > kMostDictionaryBits || stored.size() != dictionary_size(bits, size))
+        return corrupt("a dictionary of another size");
     const ByteSpan values = stored.subspan(1, std::size_t{1} << bits);
     const ByteSpan packed = stored.subspan(1 + values.size());
     const Eight eight(bits);
@@ -219,7 +220,6 @@ PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
 }
 
 Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch) {
-    const auto corrupt = [](const char* why) { return Error{ErrorCode::kCorrupt, why}; };
     if (entry.codec == PlaneCodec::kRaw) {
         if (stored.size() != size) return corrupt("a raw plane of another size");
         return stored;

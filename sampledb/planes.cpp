@@ -43,7 +43,7 @@ constexpr Moves kMoves = [] {
 
 const hn::FixedTag<std::uint8_t, 16> kFour;  // values of four bytes
 
-// The bits of rows i .. i + 3, i a multiple of 4.
+// The bit of row i and, above it, those of the next three, as far as they are in one byte.
 unsigned set_of(ByteSpan bitmap, std::size_t i) { return std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 15; }
 
 }  // namespace
@@ -152,7 +152,7 @@ void close_up(ByteSpan bitmap, std::span<std::uint32_t> values) {
     }
     for (; i < values.size(); ++i) {
         values[count] = values[i];
-        count += std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 1;
+        count += set_of(bitmap, i) & 1;
     }
 }
 
@@ -166,7 +166,7 @@ void expand(ByteSpan bitmap, const std::uint32_t* nonzero, std::span<std::byte> 
         nonzero += std::popcount(set);
     }
     for (; i < n; ++i) {
-        const bool taken = (std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 1) != 0;
+        const bool taken = (set_of(bitmap, i) & 1) != 0;
         store_le(&values[4 * i], taken ? *nonzero : 0);
         nonzero += taken;
     }
