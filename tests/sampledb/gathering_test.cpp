@@ -240,14 +240,14 @@ struct Sums {
     bool operator==(const Sums&) const = default;
 };
 
-Sums read_all(const Gathering& g, const ColumnSet& columns = {}) {
+Sums read_all(const Gathering& g) {
     Sums sums;
     Page page;
     for (std::size_t run = 0; run < g.runs().size(); ++run) {
         const auto pages = g.pages(run);
         EXPECT_TRUE(pages);
         for (const PageInfo& info : **pages) {
-            EXPECT_TRUE(g.read_page(run, info, columns, page));
+            EXPECT_TRUE(g.read_page(run, info, ColumnSet{}, page));
             sums.records += page.count;
             for (std::size_t i = 0; i < page.count; ++i) {
                 sums.samples += page.sample[i];

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -293,6 +294,51 @@ TEST(Pages, AreNodesOfTheFilmThatHoldAllTheirRecords) {
                 ASSERT_TRUE(info.node.level == 0 || (page.u[i] >> shift == info.node.x && page.v[i] >> shift == info.node.y));
                 ASSERT_LE(last_z, z_prefix(page.u[i], page.v[i]));
                 last_z = z_prefix(page.u[i], page.v[i]);
+            }
+        }
+    }
+}
+
+TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {
+    const SampleRange range{0, 1024};
+    for (const Job& job : jobs_of_each_form()) {
+        const Bytes run = encode(job, Coverage(range), make_records(job, range, {.split_shares = true}));
+        const RunHeader header = *decode_run_header(run);
+        const Result<RunIndex> index = decode_run_index(ByteSpan(run).subspan(header.index_offset()), header, job);
+        ASSERT_TRUE(index);
+        Page all, some;
+        for (const PageInfo& info : index->pages) {
+            const ByteSpan stored = ByteSpan(run).subspan(info.offset, info.stored_size);
+            ASSERT_TRUE(decode_page(job, info, stored, ColumnSet{}, all));
+            for (unsigned wanted = 0; wanted < 32; ++wanted) {
+                const ColumnSet columns{.samples = (wanted & 1) != 0,
+                                        .positions = (wanted & 2) != 0,
+                                        .values = (wanted & 4) != 0,
+                                        .share = (wanted & 8) != 0,
+                                        .extra = (wanted & 16) != 0};
+                ASSERT_TRUE(decode_page(job, info, stored, columns, some));
+                const auto expect = [&](bool is_wanted, const auto& column, const auto& of_all, std::size_t count) {
+                    const std::size_t expected = is_wanted && !of_all.empty() ? count : 0;
+                    ASSERT_TRUE(expected == 0 ? column.empty() : column.size() >= count);
+                    EXPECT_EQ(std::memcmp(column.data(), of_all.data(), expected * sizeof(column[0])), 0);
+                };
+                const auto rows = [&](bool is_wanted, const auto& column, const auto& of_all) {
+                    expect(is_wanted, column, of_all, info.record_count);
+                };
+                // Positions that are left out are made from the sample numbers.
+                const bool derived = info.record_class == RecordClass::kCamera && job.positions.sampler != PositionSampler::kNone;
+                rows(columns.samples || (derived && columns.positions), some.sample, all.sample);
+                rows(columns.positions, some.u, all.u), rows(columns.positions, some.v, all.v);
+                rows(columns.share, some.share, all.share);
+                rows(columns.values, some.x, all.x), rows(columns.values, some.y, all.y), rows(columns.values, some.z, all.z);
+                rows(columns.values, some.pairs, all.pairs), rows(columns.values, some.first_pair, all.first_pair);
+                rows(columns.values, some.xi, all.xi), rows(columns.values, some.index, all.index);
+                expect(columns.values, some.power, all.power, info.pair_count);
+                expect(columns.values, some.lambda_nm, all.lambda_nm, info.pair_count);
+                ASSERT_EQ(some.extra.size(), job.extra.size());
+                for (std::size_t i = 0; i < job.extra.size(); ++i) {
+                    expect(columns.extra, some.extra[i].values, all.extra[i].values, info.record_count * width(job.extra[i].type));
+                }
             }
         }
     }
