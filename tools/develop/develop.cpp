@@ -25,7 +25,7 @@ constexpr std::size_t kPagesAtOnce = 1 << 14;                 // references to p
 constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
 constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
 
-// Records that the headers promise of the selected samples: of a run that is cut, its samples' share of them.
+// Records that the headers promise of the selected samples: their share of the run's.
 struct ExpectedRecords {
     double camera = 0, light = 0;
 };
@@ -33,8 +33,7 @@ struct ExpectedRecords {
 ExpectedRecords expected_records(const sampledb::Gathering& gathering) {
     ExpectedRecords expected;
     for (const sampledb::SelectedRun& run : gathering.runs()) {
-        const double selected = static_cast<double>(run.coverage.size()), all = static_cast<double>(run.header.sample_count);
-        const double share = run.cut ? selected / all : 1;
+        const double share = static_cast<double>(run.coverage.size()) / static_cast<double>(run.header.sample_count);
         expected.camera += share * static_cast<double>(run.header.camera_records);
         expected.light += share * static_cast<double>(run.header.light_records);
     }
