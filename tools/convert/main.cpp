@@ -23,7 +23,8 @@ Examples:
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M           two outputs in one pass, any size
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
 
-Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but some pixels were not numbers.)";
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but some pixels were not numbers, or the
+report could not be written.)";
 
 // What is wrong with `text`, if it is not a number of the range: CLI::Range would let NaN pass.
 std::string check_number(const std::string& text, double least, double most, const char* range) {

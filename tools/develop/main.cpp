@@ -29,7 +29,7 @@ Examples:
   latent-develop parts/ --size 1024 --samples 0:1048576 -o preview.exr           some samples of parts not merged yet
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged, foreign, missing or not finite was
-left out.)";
+left out, or the report could not be written.)";
 
 }  // namespace
 

@@ -6,7 +6,8 @@ namespace latent::inspect::help {
 inline constexpr const char* kTool = R"(
 latent-inspect COMMAND --help explains each command, with examples.
 
-Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but something damaged was left out; 4 verify found damage.)";
+Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but something damaged was left out, or the report of
+an output could not be written; 4 verify found damage.)";
 
 inline constexpr const char* kInfo = R"(
 Job, film, samples, runs, and what each column costs (estimated if there are many pages: fast at any size).

@@ -22,7 +22,8 @@ Examples:
   latent-merge parts/ -o complete.latent --require 0:16777216      fail if any of these samples is missing
   latent-merge night.latent -o night-large.latent --compact        many small runs become few large ones: develops faster
 
-Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed.)";
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed,
+or the report could not be written.)";
 
 }  // namespace
 
