@@ -188,7 +188,10 @@ Status OutputFile::publish() {
     }
     if (replace_ && ::rename(temporary_.path().c_str(), path_.c_str()) != 0) return cannot();
     if (Status s = file_.close(); !s) return s;
-    return sync_folder(folder_of(path_));
+    if (Status s = sync_folder(folder_of(path_)); !s) {
+        return Error{s.error().code, fmt::format("{}: complete and in place, but {}", path_.string(), s.error().message)};
+    }
+    return {};
 }
 
 Status name_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to) {

@@ -48,6 +48,26 @@ TEST_F(PrintFaults, WhicheverWriteFailsTheFileIsNamedAndNothingIsLeft) {
     }
 }
 
+TEST_F(PrintFaults, OutputsThatHaveTheirNamesAlreadyAreNamed) {
+    const std::vector<std::string> print = {
+        testing::tool("latent-convert"), at("a.exr"), "-o", at("o1.jpg"), "-o", at("o2.png"), "-o", at("o3.tif")};
+    const testing::FaultOutcome outcome = testing::run_with_fault(print, {"link:3:EIO", folder_.path().string()});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(outcome.err.find(at("o3.tif")) < outcome.err.find("complete and in place: " + at("o1.jpg") + ", " + at("o2.png")))
+        << outcome.err;
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"a.exr", "o1.jpg", "o2.png"}));
+    EXPECT_EQ(image::decode_png(folder_ / "o2.png").pixels.size(), 300u * 280 * 3);
+}
+
+// The file has its name when its folder fails: it says that it is complete.
+TEST_F(PrintFaults, AFolderThatCannotBeSyncedCostsNoOutput) {
+    const std::vector<std::string> print = {testing::tool("latent-convert"), at("a.exr"), "-o", at("o.png")};
+    const testing::FaultOutcome outcome = testing::run_with_fault(print, {"sync:2:EIO", folder_.path().string()});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.err.find(at("o.png") + ": complete and in place, but "), std::string::npos) << outcome.err;
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"a.exr", "o.png"}));
+}
+
 // SIGTERM comes with a call, with and without files that have no name.
 TEST_F(PrintFaults, ASignalLeavesNothingOrAllOutputs) {
     const std::vector<std::string> print = {testing::tool("latent-convert"), at("a.exr"), "-o", at("o.dzi"), "-o", at("o.png")};

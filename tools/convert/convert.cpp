@@ -188,10 +188,13 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
         if (Status s = sink->finish(); !s) return s.error();
     }
     const auto held = hold_signals();  // all get their names, or none
-    for (const auto& sink : sinks) {
-        if (Status s = sink->publish(); !s) return s.error();
+    for (std::size_t i = 0; i < sinks.size(); ++i) {
+        if (Status s = sinks[i]->publish(); !s) {
+            const std::string done = fmt::format("{}", fmt::join(report.outputs, ", "));
+            return Error{s.error().code, s.error().message + (done.empty() ? "" : "; complete and in place: " + done)};
+        }
+        report.outputs.push_back(options.outputs[i].string());
     }
-    for (const std::filesystem::path& path : options.outputs) report.outputs.push_back(path.string());
     return report;
 }
 
