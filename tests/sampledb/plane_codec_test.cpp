@@ -5,17 +5,11 @@
 #include <zstd.h>
 
 #include <algorithm>
-#include <random>
+
+#include "tests/sampledb/noise.h"
 
 namespace latent::sampledb {
 namespace {
-
-Bytes noise(std::size_t size, unsigned values, unsigned seed) {
-    std::mt19937 random(seed);
-    Bytes bytes(size);
-    for (std::byte& b : bytes) b = static_cast<std::byte>(random() % values);
-    return bytes;
-}
 
 TEST(PlaneCodec, EveryCodecComesBackAndIsUsedWhereItPays) {
     const auto codec_of = [](const Bytes& plane) {

@@ -8,15 +8,10 @@
 #include <iterator>
 #include <random>
 
+#include "tests/sampledb/noise.h"
+
 namespace latent::sampledb {
 namespace {
-
-Bytes noise(std::size_t size, unsigned values, unsigned seed) {
-    std::mt19937 random(seed);
-    Bytes bytes(size);
-    for (std::byte& b : bytes) b = static_cast<std::byte>(random() % values);
-    return bytes;
-}
 
 TEST(Planes, JoinIsTheReverseOfSplit) {
     for (const std::size_t width : {1u, 2u, 4u, 8u}) {
