@@ -320,6 +320,7 @@ TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {
                 const auto expect = [&](bool is_wanted, const auto& column, const auto& of_all, std::size_t count) {
                     const std::size_t expected = is_wanted && !of_all.empty() ? count : 0;
                     ASSERT_TRUE(expected == 0 ? column.empty() : column.size() >= count);
+                    if (expected == 0) return;
                     EXPECT_EQ(std::memcmp(column.data(), of_all.data(), expected * sizeof(column[0])), 0);
                 };
                 const auto rows = [&](bool is_wanted, const auto& column, const auto& of_all) {
