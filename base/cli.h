@@ -15,7 +15,7 @@ enum ExitStatus : int {
     kDone = 0,
     kFailed = 1,
     kUsage = 2,
-    kDoneWithLosses = 3,  // finished, but something damaged or missing was left out and reported
+    kDoneWithLosses = 3,  // finished, but something damaged or missing was left out and reported, or the report itself was lost
     kDamaged = 4,         // verify found damage
     kStopped = 75,        // stopped; everything so far is committed: run again to go on
 };
