@@ -15,6 +15,7 @@ struct Transfer {
     static Transfer rec2020();  // [BT2020], alpha and beta to full precision; same curve as BT.709
     static Transfer gamma(double gamma) { return {0, 0, 1, 1 / gamma}; }  // Adobe RGB (1998): 563/256 [AdobeRGB]
 
+    bool operator==(const Transfer&) const = default;
     bool is_linear() const { return exponent == 1; }
     double encode(double linear_value) const;
     double decode(double encoded_value) const;

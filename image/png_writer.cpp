@@ -42,6 +42,11 @@ bool describe(png_structp png, png_infop info, const PixelFormat& format, const 
         png_set_iCCP(png, info, "ICC", PNG_COMPRESSION_TYPE_BASE, reinterpret_cast<png_const_bytep>(tags.icc.data()),
                      static_cast<png_uint_32>(tags.icc.size()));
     }
+    if (tags.cicp && !tags.srgb) {  // libpng 1.6.39 has no call for it
+        png_unknown_chunk cicp{{'c', 'I', 'C', 'P'}, const_cast<png_bytep>(tags.cicp->data()), tags.cicp->size(), PNG_HAVE_IHDR};
+        png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_ALWAYS, cicp.name, 1);
+        png_set_unknown_chunks(png, info, &cicp, 1);
+    }
     png_set_text(png, info, texts, text_count);
     png_write_info(png, info);
     return true;
@@ -77,7 +82,6 @@ Result<Bytes> head(const PixelFormat& format, const ImageTags& tags) {
     const bool good = describe(png, info, format, tags, texts.data(), static_cast<int>(texts.size()));
     png_destroy_write_struct(&png, &info);
     if (!good) return Error{ErrorCode::kUsage, "PNG: " + fault};
-    if (tags.cicp) append_chunk(out, "cICP", std::as_bytes(std::span(*tags.cicp)));
     return out;
 }
 

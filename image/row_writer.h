@@ -29,7 +29,7 @@ struct PixelFormat {
 struct ImageTags {
     Bytes icc;                                        // colour profile; empty for plain sRGB where the format can say that shorter
     bool srgb = false;                                // PNG: sRGB, gAMA and cHRM chunks instead of the profile
-    std::optional<std::array<std::uint8_t, 4>> cicp;  // PNG: code points of ITU-T H.273 beside the profile
+    std::optional<std::array<std::uint8_t, 4>> cicp;  // PNG: code points [H273] beside the profile
     std::vector<std::pair<std::string, std::string>> texts;  // key and value, in Latin letters
 };
 

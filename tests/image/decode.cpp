@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 #include <tiffio.h>
+#include <zlib.h>
 
 #include <cstring>
 
@@ -16,14 +17,27 @@
 
 namespace latent::image {
 
-// libpng reads; the list of chunks is taken from the bytes.
+namespace {
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+    return value;
+}
+
+}  // namespace
+
+// libpng reads; the list of chunks, their checksums and what it does not know are taken from the bytes.
 Decoded decode_png(const std::filesystem::path& path) {
     Decoded d;
     const std::string bytes = testing::read_text(path);
     for (std::size_t at = 8; at + 12 <= bytes.size();) {
-        std::uint32_t size = 0;
-        for (std::size_t i = 0; i < 4; ++i) size = size << 8 | static_cast<unsigned char>(bytes[at + i]);
-        d.chunks.push_back(bytes.substr(at + 4, 4));
+        const std::uint32_t size = big_endian(bytes, at);
+        const std::string type = bytes.substr(at + 4, 4), data = bytes.substr(at + 8, size);
+        const auto crc = static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(&bytes[at + 4]), 4 + data.size()));
+        EXPECT_EQ(big_endian(bytes, at + 8 + size), crc) << path << " " << type;
+        d.chunks.push_back(type);
+        if (type == "cICP" && size == 4) std::memcpy(d.cicp.emplace().data(), data.data(), 4);
         at += 12 + size;
     }
     std::FILE* file = std::fopen(path.c_str(), "rb");

@@ -1,7 +1,9 @@
 // tests/image/decode.h: images read back by the libraries of their formats, which share no code with our writers' compression.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +19,7 @@ struct Decoded {
     std::vector<std::pair<std::string, std::string>> texts;
     std::vector<std::string> chunks;                                  // PNG: their types in order
     bool srgb = false;                                                // PNG: there is an sRGB chunk
+    std::optional<std::array<std::uint8_t, 4>> cicp;                  // PNG: what a cICP chunk holds
     int luminance_sampling = 0;                                       // JPEG: 1 if colour is as fine as luminance
     bool tiled = false, big = false, reduced = false, dated = false;  // TIFF
 };

@@ -1,6 +1,7 @@
 #include "tools/convert/display.h"
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 namespace latent::convert {
@@ -17,6 +18,43 @@ std::optional<color::Matrix3> matrix_of(const std::string& text) {
         at = next + 1;
     }
     return matrix;
+}
+
+// Code points of primaries and white [H273, table 2].
+struct KnownPrimaries {
+    std::uint8_t code;
+    color::Primaries primaries;
+};
+constexpr color::Chromaticity kD65{0.3127, 0.3290}, kIlluminantC{0.310, 0.316}, kDciWhite{0.314, 0.351};
+constexpr KnownPrimaries kKnownPrimaries[] = {
+    {1, {{0.640, 0.330}, {0.300, 0.600}, {0.150, 0.060}, kD65}},
+    {4, {{0.670, 0.330}, {0.210, 0.710}, {0.140, 0.080}, kIlluminantC}},
+    {5, {{0.640, 0.330}, {0.290, 0.600}, {0.150, 0.060}, kD65}},
+    {6, {{0.630, 0.340}, {0.310, 0.595}, {0.155, 0.070}, kD65}},
+    {8, {{0.681, 0.319}, {0.243, 0.692}, {0.145, 0.049}, kIlluminantC}},
+    {9, {{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, kD65}},
+    {11, {{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, kDciWhite}},
+    {12, {{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}, kD65}},
+    {22, {{0.630, 0.340}, {0.295, 0.605}, {0.155, 0.077}, kD65}},
+};
+
+bool near(const color::Primaries& a, const color::Primaries& b) {
+    constexpr double kDigit = 5e-5;  // half of the last digit that anybody gives
+    const auto same = [](color::Chromaticity p, color::Chromaticity q) {
+        return std::abs(p.x - q.x) < kDigit && std::abs(p.y - q.y) < kDigit;
+    };
+    return same(a.red, b.red) && same(a.green, b.green) && same(a.blue, b.blue) && same(a.white, b.white);
+}
+
+// Of a space: primaries, transfer, no matrix (RGB), full range. None if H.273 has no such primaries or no such transfer.
+std::optional<std::array<std::uint8_t, 4>> code_points_of(const color::RgbSpace& space) {
+    const bool srgb = space.transfer == color::Transfer::srgb();
+    if (!srgb && space.transfer != color::Transfer::rec2020()) return std::nullopt;
+    for (const KnownPrimaries& known : kKnownPrimaries) {
+        if (near(space.primaries, known.primaries))
+            return std::array<std::uint8_t, 4>{known.code, static_cast<std::uint8_t>(srgb ? 13 : 14), 0, 1};
+    }
+    return std::nullopt;
 }
 
 }  // namespace
@@ -38,7 +76,7 @@ Result<Display> display_from(const std::string& text, const std::optional<std::a
     display.white = invertible ? space->primaries.white : color::RgbSpace::srgb().primaries.white;
     if (invertible) display.icc = icc_of(*space);
     display.srgb = text == "srgb" && !luminance_row;
-    if (text == "display-p3") display.cicp = {12, 13, 0, 1};
+    if (invertible) display.cicp = code_points_of(*space);
     return display;
 }
 

@@ -17,7 +17,7 @@ struct Display {
     color::Chromaticity white;  // what the picture's white is adapted to
     Bytes icc;                  // a profile that says the same; carries no date
     bool srgb = false;
-    std::optional<std::array<std::uint8_t, 4>> cicp;  // code points of ITU-T H.273, where these say exactly the same
+    std::optional<std::array<std::uint8_t, 4>> cicp;  // code points of ITU-T H.273 that say the same, if there are any
 };
 
 // `text`: a name ("srgb", "display-p3", "rec2020", "adobe-rgb"), 8 numbers "rx,ry,gx,gy,bx,by,wx,wy", 9 numbers,
