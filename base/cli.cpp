@@ -157,7 +157,10 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
     return add_parsed(app, name, seconds, parse_duration, help)->type_name("TIME");
 }
 
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
+void print(const std::string& text) {
+    const std::string shown = printable(text);
+    std::fwrite(shown.data(), 1, shown.size(), stdout);
+}
 
 int print_report(const std::string& report, int status) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader who went away is told of like a full disk

@@ -54,7 +54,8 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
 CLI::Validator ends_in(const std::string& extension);
 CLI::Validator whole_number();
 
-// Writes what was asked for to standard output. Never fails here: `parse` tells what happens if it cannot be written.
+// Writes what was asked for to standard output, without what would steer a terminal. Never fails here: `parse` tells what happens
+// if it cannot be written.
 void print(const std::string& text);
 
 // Writes the report of outputs that are complete. Returns `status`; if the report cannot be written, says so and returns

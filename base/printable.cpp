@@ -23,12 +23,10 @@ std::size_t character_length(std::string_view text) {
     return length;
 }
 
-}  // namespace
-
-std::string printable(std::string_view text) {
+std::string escaped(std::string_view text, bool keep_line_breaks) {
     std::string out;
     while (!text.empty()) {
-        const std::size_t length = text[0] == '\n' ? 1 : character_length(text);
+        const std::size_t length = keep_line_breaks && text[0] == '\n' ? 1 : character_length(text);
         if (length > 0) {
             out += text.substr(0, length);
         } else {
@@ -38,5 +36,10 @@ std::string printable(std::string_view text) {
     }
     return out;
 }
+
+}  // namespace
+
+std::string printable(std::string_view text) { return escaped(text, true); }
+std::string printable_line(std::string_view text) { return escaped(text, false); }
 
 }  // namespace latent

@@ -10,4 +10,7 @@ namespace latent {
 // holds in place of words must not steer a terminal.
 std::string printable(std::string_view text);
 
+// The same with line breaks written so, too: a name, which must not pass for a line of its own.
+std::string printable_line(std::string_view text);
+
 }  // namespace latent

@@ -19,5 +19,10 @@ TEST(Printable, WhatCouldSteerATerminalIsWrittenInDigits) {
     EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a\\x00b");
 }
 
+TEST(Printable, ALineBreakInANameIsNoLineBreak) {
+    EXPECT_EQ(printable("a\nb"), "a\nb");
+    EXPECT_EQ(printable_line("a\nb\x1b"), "a\\x0ab\\x1b");
+}
+
 }  // namespace
 }  // namespace latent

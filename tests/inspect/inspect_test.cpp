@@ -1,4 +1,5 @@
-#include <gtest/gtest.h>
+#include "tests/inspect/inspect_test.h"
+
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -7,9 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/faults/process.h"
 #include "tests/support/gathered.h"
-#include "tests/support/synthetic.h"
 #include "tools/inspect/synthetic.h"
 
 namespace latent::inspect {
@@ -24,22 +23,6 @@ using synthetic::gather;
 using synthetic::make_short_job;
 
 constexpr std::uint64_t kS = synthetic::kShortRun;
-
-std::vector<Coverage> four_runs() { return synthetic::runs_between({0, kS, 2 * kS, 3 * kS, 3 * kS + 500}); }
-
-class InspectTest : public ::testing::Test {
- protected:
-    TemporaryFolder folder_;
-
-    Outcome inspect(std::vector<std::string> words) const {
-        words.insert(words.begin(), tool("latent-inspect"));
-        return run(words);
-    }
-    fs::path write(const std::string& name, ByteSpan bytes) const {
-        synthetic::write_file(folder_ / name, bytes);
-        return folder_ / name;
-    }
-};
 
 TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
     const Job job = make_short_job(RecordKind::kSpectral);

@@ -63,6 +63,9 @@ void add_cat_options(CLI::App& cat, CatOptions& options) {
     cli::add_parsed(cat, "--samples", options.samples, parse_sample_range, "only sample numbers A .. B-1")->type_name("A:B");
     cli::add_parsed(cat, "--region", options.region, parse_region, "only this part of the film, in [0,1]")
         ->type_name("U0,V0,U1,V1");
+    cli::add_parsed(cat, "--job", options.job, parse_job_id,
+                    "where folders hold several jobs: the one to print (32 hexadecimal digits)")
+        ->type_name("ID");
     cat.add_option("--limit", options.limit, "at most this many records")->check(cli::whole_number());
     add_choice<TextFormat>(cat, "--format", options.format, {{"csv", TextFormat::kCsv}, {"json", TextFormat::kJsonLines}},
                            "csv, or one JSON object a line");

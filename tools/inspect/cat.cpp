@@ -9,6 +9,8 @@
 #include <string>
 
 #include "base/bytes.h"
+#include "base/json.h"
+#include "base/printable.h"
 #include "tools/inspect/damage.h"
 
 namespace latent::inspect {
@@ -53,19 +55,39 @@ void put_extra(std::string& line, const ExtraColumn& column, std::size_t row, bo
     }
 }
 
+// A name as a field of CSV [RFC4180], without what would steer a terminal.
+std::string csv_field(const std::string& name) {
+    const std::string shown = printable_line(name);
+    if (shown.find_first_of(",\"") == std::string::npos) return shown;
+    std::string field = "\"";
+    for (const char c : shown) field += c == '"' ? "\"\"" : std::string(1, c);
+    return field + '"';
+}
+
 // Lines of text from decoded pages. Columns: sample, class, u, v, share; then x, y, z, or the wavelengths and their values, joined
-// by spaces in CSV; then the job's extra columns.
+// by spaces in CSV; then the job's extra columns; one that is named like another is "extra.NAME".
 class LineWriter {
  public:
-    LineWriter(const Job& job, TextFormat format) : job_(job), json_(format == TextFormat::kJsonLines), lambda_(kMaxPairs) {}
-
-    std::string heading() const {
-        if (json_) return "";
-        std::string line = "sample,class,u,v,share,";
-        line += job_.kind == RecordKind::kXyz ? "x,y,z" : "lambda_nm,power";
-        for (const ExtraColumnSpec& column : job_.extra) line += "," + column.name;
-        return line + "\n";
+    LineWriter(const Job& job, TextFormat format) : job_(job), json_(format == TextFormat::kJsonLines), lambda_(kMaxPairs) {
+        std::vector<std::string> names = {"sample", "class", "u", "v", "share"};
+        const std::vector<std::string> values =
+            job.kind == RecordKind::kXyz ? std::vector<std::string>{"x", "y", "z"} : std::vector<std::string>{"lambda_nm", "power"};
+        names.insert(names.end(), values.begin(), values.end());
+        const std::size_t own = names.size();
+        for (const ExtraColumnSpec& column : job.extra) {
+            std::string name = column.name;
+            while (std::ranges::find(names, name) != names.end()) name.insert(0, "extra.");
+            names.push_back(std::move(name));
+        }
+        for (std::size_t i = own; i < names.size(); ++i) {
+            extra_names_.push_back(json_ ? fmt::format(",{}:", json_text(nlohmann::json(names[i]), -1)) : ",");
+        }
+        if (json_) return;
+        for (const std::string& name : names) heading_ += (heading_.empty() ? "" : ",") + csv_field(name);
+        heading_ += '\n';
     }
+
+    const std::string& heading() const { return heading_; }  // empty in JSON
 
     void put(std::string& line, const Page& page, std::size_t row) {
         const bool camera = page.record_class == RecordClass::kCamera;
@@ -86,9 +108,9 @@ class LineWriter {
         } else {
             put_pairs(line, page, row);
         }
-        for (const ExtraColumn& column : page.extra) {
-            line += json_ ? fmt::format(",\"{}\":", column.name) : ",";
-            put_extra(line, column, row, json_);
+        for (std::size_t i = 0; i < page.extra.size(); ++i) {
+            line += extra_names_[i];
+            put_extra(line, page.extra[i], row, json_);
         }
         line += json_ ? "}\n" : "\n";
     }
@@ -121,6 +143,8 @@ class LineWriter {
 
     const Job& job_;
     const bool json_;
+    std::string heading_;
+    std::vector<std::string> extra_names_;  // what stands before the value of each
     std::vector<float> lambda_;
 };
 
@@ -137,6 +161,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
     GatherOptions gather;
     gather.inputs = options.inputs;
     gather.samples = options.samples;
+    gather.job = options.job;
     const Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
     if (!opened) return opened.error();
     const Gathering& gathering = **opened;

@@ -20,6 +20,7 @@ struct CatOptions {
     std::vector<std::filesystem::path> inputs;
     TextFormat format = TextFormat::kCsv;
     std::optional<sampledb::SampleRange> samples;
+    std::optional<sampledb::JobId> job;           // where folders hold several: this one
     std::optional<std::array<double, 4>> region;  // u0, v0, u1, v1 in [0,1]
     std::uint64_t limit = ~std::uint64_t{0};      // records
 };

@@ -38,7 +38,7 @@ Examples:
 
 inline constexpr const char* kCat = R"(
 One record a line, in the order of the file. CSV columns: sample, class, u, v, share, then x, y, z, or the wavelengths [nm] and their
-values, separated by spaces; then further columns of the job.
+values, separated by spaces; then further columns of the job (extra.NAME if the name is taken).
 
 Examples:
   latent-inspect cat night.latent --limit 20

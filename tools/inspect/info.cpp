@@ -6,10 +6,12 @@
 
 #include "base/hash.h"
 #include "base/json.h"
+#include "base/printable.h"
 #include "base/size.h"
 #include "sampledb/byte_source.h"
 #include "sampledb/input_files.h"
 #include "sampledb/page_codec.h"
+#include "sampledb/provenance.h"
 #include "sampledb/report_json.h"
 #include "sampledb/selection.h"
 #include "tools/inspect/damage.h"
@@ -87,6 +89,20 @@ Status look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs,
     return {};
 }
 
+// A text of unknown origin as the rest of a line.
+std::string start_of(std::string_view text) {
+    constexpr std::size_t kMost = 2000;
+    if (text.size() <= kMost) return printable_line(text);
+    return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMost)), format_size(text.size()));
+}
+
+std::size_t count_parts(const std::string& footer_provenance) {
+    std::size_t parts = 0;
+    const QuotedProvenance merged = quote_provenance(footer_provenance, kFooterProvenanceDepth);
+    if (merged.objection.empty()) for_each_element(member_of(merged.json, "parts"), [&](std::string_view) { ++parts; });
+    return parts;
+}
+
 std::string grouped(std::uint64_t number) {
     std::string text = std::to_string(number);
     for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, '\'');
@@ -158,13 +174,20 @@ std::vector<std::string> FileInfo::remarks() const {
     if (runs > kManyRuns) {
         remarks.push_back(fmt::format("{} runs: latent-merge --compact makes few large ones of them, which develop faster", runs));
     }
+    const auto object = [&](const char* place, const std::string& provenance, std::size_t depth) {
+        const std::string objection = quote_provenance(provenance, depth).objection;
+        if (!objection.empty())
+            remarks.push_back(fmt::format("the provenance in its {} {}: it is shown as text", place, objection));
+    };
+    object("header", contents.header.provenance_json, kHeaderProvenanceDepth);
+    object("footer", contents.footer_provenance, kFooterProvenanceDepth);
     return remarks;
 }
 
 std::string to_text(const FileInfo& info) {
     const Job& job = info.contents.header.job;
     const std::uint64_t records = info.camera_records + info.light_records;
-    std::string text = info.path.string() + "\n";
+    std::string text = printable_line(info.path.string()) + "\n";
     const auto line = [&](const char* name, const std::string& value) { text += fmt::format("  {:<12}{}\n", name, value); };
     line("job", to_hex(job.id));
     line("film", fmt::format("aspect {}:{}, Y = 1 is {} cd/m^2", job.aspect_width, job.aspect_height, job.light_unit_cd_m2));
@@ -176,7 +199,7 @@ std::string to_text(const FileInfo& info) {
     }
     line("positions",
          job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
-    for (const ExtraColumnSpec& column : job.extra) line("column", column.name);
+    for (const ExtraColumnSpec& column : job.extra) line("column", printable_line(column.name));
     line("samples",
          info.coverage.empty() ? "none" : fmt::format("{} ({} in all)", to_string(info.coverage), grouped(info.coverage.size())));
     if (job.light_paths_per_sample > 0) {
@@ -191,25 +214,24 @@ std::string to_text(const FileInfo& info) {
                                             static_cast<double>(info.stored_bytes) / static_cast<double>(records)));
     const auto per_record = [&](std::uint64_t bytes) { return static_cast<double>(bytes) / static_cast<double>(records); };
     for (const ColumnCost& column : info.columns) {
-        line("", fmt::format("{:<10}{:7.3f} bytes a record, of {:.0f}{}", column.name, per_record(column.stored),
+        line("", fmt::format("{:<10}{:7.3f} bytes a record, of {:.0f}{}", printable_line(column.name), per_record(column.stored),
                              per_record(column.decoded), info.columns_estimated ? " (estimated)" : ""));
     }
     if (!info.columns.empty()) {
         line("", fmt::format("{:<10}{:7.3f} bytes a record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
-    if (!info.contents.header.provenance_json.empty()) line("origin", info.contents.header.provenance_json);
+    if (!info.contents.header.provenance_json.empty()) line("origin", start_of(info.contents.header.provenance_json));
     if (!info.contents.footer_provenance.empty()) {
-        const nlohmann::json merged = json_or_text(info.contents.footer_provenance);
-        const std::size_t parts = merged.contains("parts") ? merged["parts"].size() : 0;
+        const std::size_t parts = count_parts(info.contents.footer_provenance);
         line("merged", parts > 0 ? fmt::format("from {} part{} (--json lists them)", parts, parts == 1 ? "" : "s")
-                                 : info.contents.footer_provenance);
+                                 : start_of(info.contents.footer_provenance));
     }
     for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);
     return text;
 }
 
-nlohmann::json to_json(const FileInfo& info) {
+std::string to_json_text(const FileInfo& info) {
     using nlohmann::json;
     const Job& job = info.contents.header.job;
     json columns = json::object(), extra = json::array(), runs = json::array();
@@ -221,38 +243,43 @@ nlohmann::json to_json(const FileInfo& info) {
     for (const ListedRun& run : info.run_list)
         runs.push_back({{"samples", run.coverage}, {"content_hash", to_hex(run.content_hash)}});
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
-    return {{"file", info.path.string()},
-            {"size", info.size},
-            {"finished", info.contents.finished},
-            {"job", to_hex(job.id)},
-            {"aspect", {job.aspect_width, job.aspect_height}},
-            {"kind", job.kind == RecordKind::kXyz ? "xyz" : "spectral"},
-            {"wavelengths", job.batch},
-            {"explicit_wavelengths", job.kind == RecordKind::kSpectral && job.density.empty()},
-            {"light_unit_cd_m2", job.light_unit_cd_m2},
-            {"light_paths_per_sample", job.light_paths_per_sample},
-            {"run_samples", job.run_samples},
-            {"run_bytes", job.run_bytes},
-            {"extra_columns", extra},
-            {"samples", info.coverage},
-            {"sample_count", info.coverage.size()},
-            {"light_paths", info.light_paths()},
-            {"camera_records", info.camera_records},
-            {"light_records", info.light_records},
-            {"runs", info.runs},
-            {"superseded_runs", info.superseded_runs},
-            {"open_runs", info.open_runs},
-            {"pages", info.pages},
-            {"stored_bytes", info.stored_bytes},
-            {"columns", columns},
-            {"columns_estimated", info.columns_estimated},
-            {"frame_bytes", info.frame_bytes()},
-            {"run_list", runs},
-            {"unfinished_tail", info.contents.unfinished_tail},
-            {"origin", json_or_text(info.contents.header.provenance_json)},
-            {"merged_from", json_or_text(info.contents.footer_provenance)},
-            {"damage", info.left_out()},
-            {"notes", info.remarks()}};
+    const json report = {{"file", info.path.string()},
+                         {"size", info.size},
+                         {"finished", info.contents.finished},
+                         {"job", to_hex(job.id)},
+                         {"aspect", {job.aspect_width, job.aspect_height}},
+                         {"kind", job.kind == RecordKind::kXyz ? "xyz" : "spectral"},
+                         {"wavelengths", job.batch},
+                         {"explicit_wavelengths", job.kind == RecordKind::kSpectral && job.density.empty()},
+                         {"light_unit_cd_m2", job.light_unit_cd_m2},
+                         {"light_paths_per_sample", job.light_paths_per_sample},
+                         {"run_samples", job.run_samples},
+                         {"run_bytes", job.run_bytes},
+                         {"extra_columns", extra},
+                         {"samples", info.coverage},
+                         {"sample_count", info.coverage.size()},
+                         {"light_paths", info.light_paths()},
+                         {"camera_records", info.camera_records},
+                         {"light_records", info.light_records},
+                         {"runs", info.runs},
+                         {"superseded_runs", info.superseded_runs},
+                         {"open_runs", info.open_runs},
+                         {"pages", info.pages},
+                         {"stored_bytes", info.stored_bytes},
+                         {"columns", columns},
+                         {"columns_estimated", info.columns_estimated},
+                         {"frame_bytes", info.frame_bytes()},
+                         {"run_list", runs},
+                         {"unfinished_tail", info.contents.unfinished_tail},
+                         {"damage", info.left_out()},
+                         {"notes", info.remarks()}};
+    // What others wrote is copied, however long it is.
+    const auto quoted = [](const std::string& text, std::size_t depth) {
+        return escape_controls(quote_provenance(text, depth).json);
+    };
+    return with_member(
+        with_member(json_text(report), "origin", quoted(info.contents.header.provenance_json, kHeaderProvenanceDepth)),
+        "merged_from", quoted(info.contents.footer_provenance, kFooterProvenanceDepth));
 }
 
 }  // namespace latent::inspect

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -51,6 +50,6 @@ struct FileInfo {
 Result<FileInfo> read_info(const std::filesystem::path& path);
 
 std::string to_text(const FileInfo& info);
-nlohmann::json to_json(const FileInfo& info);
+std::string to_json_text(const FileInfo& info);
 
 }  // namespace latent::inspect

@@ -1,6 +1,8 @@
 // tools/inspect/print.h: reports on standard output. Whether they could be written shows at the end (base/cli.h). For main.cpp.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -15,8 +17,12 @@
 namespace latent::inspect {
 
 template <class Report>
+std::string to_json_text(const Report& report) {
+    return json_text(to_json(report));
+}
+template <class Report>
 std::string text_of(const Report& report, bool as_json) {
-    return as_json ? json_text(to_json(report)) + "\n" : to_text(report);
+    return as_json ? to_json_text(report) + "\n" : to_text(report);
 }
 
 inline int status_of(const FileInfo& info) { return info.left_out().empty() ? cli::kDone : cli::kDoneWithLosses; }
@@ -33,10 +39,10 @@ inline int graver(int a, int b) {
 template <class Look>
 int print_each(const std::vector<std::filesystem::path>& named, bool as_json, const Look& look) {
     int gravest = cli::kDone;
-    std::vector<nlohmann::json> reports;
+    std::vector<std::string> reports;
     const auto failed = [&](const std::filesystem::path& path, const Error& error) {
         gravest = graver(gravest, cli::fail(error));
-        reports.push_back({{"file", path.string()}, {"error", error.message}});
+        reports.push_back(json_text(nlohmann::json{{"file", path.string()}, {"error", error.message}}));
     };
     for (const std::filesystem::path& name : named) {
         const Result<std::vector<sampledb::InputFile>> files = sampledb::list_input_files({name});
@@ -49,13 +55,14 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
             }
             gravest = graver(gravest, status_of(*report));
             if (as_json) {
-                reports.push_back(to_json(*report));
+                reports.push_back(to_json_text(*report));
             } else {
                 cli::print(to_text(*report));
             }
         }
     }
-    if (as_json) cli::print(json_text(reports.size() == 1 ? reports.front() : nlohmann::json(reports)) + "\n");
+    if (as_json && reports.size() == 1) cli::print(reports.front() + "\n");
+    if (as_json && reports.size() != 1) cli::print(fmt::format("[{}]\n", fmt::join(reports, ",\n")));
     return gravest;
 }
 
