@@ -30,6 +30,7 @@ class ExrWriter final : public RowWriter {
             const auto& c = *tags.chromaticities;
             Imf::addChromaticities(header, Imf::Chromaticities({c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}));
         }
+        if (tags.pixels_per_inch > 0) Imf::addXDensity(header, static_cast<float>(tags.pixels_per_inch));
         for (const auto& [key, value] : tags.texts) header.insert(key, Imf::StringAttribute(value));
         return stream_.guard([&] {
             if (Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);

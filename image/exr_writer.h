@@ -17,6 +17,7 @@ namespace latent::image {
 struct ExrTags {
     std::optional<std::array<float, 8>> chromaticities;      // red, green, blue, white as x, y
     std::vector<std::pair<std::string, std::string>> texts;  // string attributes
+    int pixels_per_inch = 0;                                 // 0: nothing is said of its size on paper
 };
 
 // Rows are interleaved RGB floats, stored as float or (rounded) as half. `threads`: how many compress. Errors: kExists, kIo.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csetjmp>
 
 // clang-format off: jpeglib.h needs what cstdio declares
@@ -65,6 +66,10 @@ class Compressor {
             jpeg_set_defaults(&jpeg_);
             jpeg_set_quality(&jpeg_, options_.quality, TRUE);
             if (options_.quality >= 90) jpeg_.comp_info[0].h_samp_factor = jpeg_.comp_info[0].v_samp_factor = 1;
+            if (tags_.pixels_per_inch > 0) {
+                jpeg_.density_unit = 1;  // inch
+                jpeg_.X_density = jpeg_.Y_density = static_cast<UINT16>(std::min(tags_.pixels_per_inch, 0xffff));
+            }
             jpeg_start_compress(&jpeg_, TRUE);
             for (const auto& [key, value] : tags_.texts) {
                 const auto put = [this](char c) { jpeg_write_m_byte(&jpeg_, static_cast<unsigned char>(c)); };

@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <bit>
+#include <cmath>
 #include <csetjmp>
 #include <cstring>
 
@@ -46,6 +47,10 @@ bool describe(png_structp png, png_infop info, const PixelFormat& format, const 
         png_unknown_chunk cicp{{'c', 'I', 'C', 'P'}, const_cast<png_bytep>(tags.cicp->data()), tags.cicp->size(), PNG_HAVE_IHDR};
         png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_ALWAYS, cicp.name, 1);
         png_set_unknown_chunks(png, info, &cicp, 1);
+    }
+    if (tags.pixels_per_inch > 0) {
+        const auto per_metre = static_cast<png_uint_32>(std::lround(tags.pixels_per_inch / 0.0254));
+        png_set_pHYs(png, info, per_metre, per_metre, PNG_RESOLUTION_METER);
     }
     png_set_text(png, info, texts, text_count);
     png_write_info(png, info);

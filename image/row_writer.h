@@ -31,6 +31,7 @@ struct ImageTags {
     bool srgb = false;                                // PNG: sRGB, gAMA and cHRM chunks instead of the profile
     std::optional<std::array<std::uint8_t, 4>> cicp;  // PNG: code points [H273] beside the profile
     std::vector<std::pair<std::string, std::string>> texts;  // key and value, in Latin letters
+    int pixels_per_inch = 0;                                 // 0: nothing is said of its size on paper
 };
 
 class RowWriter {

@@ -182,6 +182,11 @@ class Writer final : public TiffWriter {
         set(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
         set(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
         set(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+        // Required [TIFF6, section 6]. All images of a pyramid have the same size on paper.
+        const double inch = tags_.pixels_per_inch, width = formats_[0].width, height = formats_[0].height;
+        set(TIFFTAG_RESOLUTIONUNIT, inch > 0 ? RESUNIT_INCH : RESUNIT_NONE);
+        set(TIFFTAG_XRESOLUTION, inch > 0 ? inch * format_.width / width : 1.0);
+        set(TIFFTAG_YRESOLUTION, inch > 0 ? inch * format_.height / height : 1.0);
         set(TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
         set(TIFFTAG_PREDICTOR, floats ? PREDICTOR_FLOATINGPOINT : PREDICTOR_HORIZONTAL);
         if (options_.tiles) {

@@ -292,6 +292,28 @@ TEST_F(Convert, ColourAndSettingsAreWrittenIntoEveryFormatAndNoPathIs) {
     EXPECT_TRUE(image::decode_jpeg(folder_ / "z_files" / "9" / "0_0.jpg").icc.empty());
 }
 
+TEST_F(Convert, EveryFileSaysHowLargeItIsOnPaperButTiles) {
+    write_picture(folder_ / "a.exr", {});
+    for (const int dpi : {300, 240}) {
+        ConvertOptions options;
+        options.replace = true;
+        if (dpi != 300) options.dpi = dpi;
+        for (const char* name : {"a.png", "a.tif", "a.jpg", "print.exr", "z.dzi"}) ASSERT_TRUE(print("a.exr", name, options));
+        const Decoded png = image::decode_png(folder_ / "a.png"), jpg = image::decode_jpeg(folder_ / "a.jpg"),
+                      tif = image::decode_tiff(folder_ / "a.tif").at(0),
+                      tile = image::decode_jpeg(folder_ / "z_files" / "9" / "0_0.jpg");
+        for (const auto& [decoded, unit, resolution] : {std::tuple{&tif, 2, dpi}, {&jpg, 1, dpi}, {&tile, 0, 1}}) {
+            EXPECT_EQ(decoded->resolution_unit, unit);
+            EXPECT_EQ(decoded->x_resolution, resolution);
+            EXPECT_EQ(decoded->y_resolution, resolution);
+        }
+        EXPECT_EQ(png.resolution_unit, 1);  // metre
+        EXPECT_EQ(png.x_resolution, dpi == 300 ? 11811 : 9449);
+        EXPECT_EQ(png.y_resolution, png.x_resolution);
+        EXPECT_EQ(Imf::xDensity(Imf::InputFile(at("print.exr").c_str()).header()), static_cast<float>(dpi));
+    }
+}
+
 // [H273]: primaries, transfer, no matrix, full range.
 TEST_F(Convert, APngCarriesTheCodePointsOfItsProfileBesideItWhereThereAreAny) {
     write_picture(folder_ / "a.exr", {16, 16});
@@ -413,6 +435,8 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
                                            {{at("a.exr"), "-o"}, 2, "a value is missing"},
                                            {{at("a.exr"), "-o", at("b.png"), "--bits", "8", "--bits", "8"}, 2, "is given more"},
                                            {{at("a.exr"), "-o", at("b.png"), "--crop", "0,0,9999,1"}, 2, "--crop"},
+                                           {{at("a.exr"), "-o", at("b.tif"), "--dpi", "0"}, 2, "--dpi"},
+                                           {{at("a.exr"), "-o", at("b.jpg"), "--dpi", "65536"}, 2, "--dpi"},
                                            {{at("a.exr"), "-o", at("b.jpg"), "--bits", "16"}, 2, "8 bits"},
                                            {{at("a.exr"), "-o", at("b.dzi"), "--bits", "float"}, 2, "8 bits"},
                                            {{at("a.exr"), "-o", at("b.exr"), "--bits", "8"}, 2, "--bits 16"},

@@ -71,6 +71,8 @@ Decoded decode_png(const std::filesystem::path& path) {
     if (png_get_iCCP(png, info, &name, &compression, &profile, &size) != 0) {
         d.icc.assign(reinterpret_cast<std::byte*>(profile), reinterpret_cast<std::byte*>(profile) + size);
     }
+    png_uint_32 per_x = 0, per_y = 0;
+    if (png_get_pHYs(png, info, &per_x, &per_y, &d.resolution_unit) != 0) d.x_resolution = per_x, d.y_resolution = per_y;
     png_textp texts;
     int count = 0;
     png_get_text(png, info, &texts, &count);
@@ -99,6 +101,9 @@ Decoded decode_jpeg(const std::filesystem::path& path) {
     for (jpeg_saved_marker_ptr m = jpeg.marker_list; m != nullptr; m = m->next) {
         if (m->marker == JPEG_COM) d.texts.emplace_back("comment", std::string(reinterpret_cast<char*>(m->data), m->data_length));
     }
+    d.x_resolution = jpeg.X_density;
+    d.y_resolution = jpeg.Y_density;
+    d.resolution_unit = jpeg.density_unit;
     d.luminance_sampling = jpeg.comp_info[0].h_samp_factor;
     jpeg_start_decompress(&jpeg);
     d.format = {static_cast<int>(jpeg.output_width), static_cast<int>(jpeg.output_height), SampleType::kU8};
@@ -128,6 +133,11 @@ Decoded decode_directory(TIFF* tiff) {
                 bits == 8    ? SampleType::kU8
                 : bits == 16 ? SampleType::kU16
                              : SampleType::kF32};
+    float x_resolution = 0, y_resolution = 0;
+    std::uint16_t unit = 0;
+    if (TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &x_resolution) == 1) d.x_resolution = static_cast<double>(x_resolution);
+    if (TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &y_resolution) == 1) d.y_resolution = static_cast<double>(y_resolution);
+    if (TIFFGetField(tiff, TIFFTAG_RESOLUTIONUNIT, &unit) == 1) d.resolution_unit = unit;
     d.tiled = TIFFIsTiled(tiff) != 0;
     d.big = TIFFIsBigTIFF(tiff) != 0;
     d.reduced = kind == FILETYPE_REDUCEDIMAGE;

@@ -20,6 +20,8 @@ struct Decoded {
     std::vector<std::string> chunks;                                  // PNG: their types in order
     bool srgb = false;                                                // PNG: there is an sRGB chunk
     std::optional<std::array<std::uint8_t, 4>> cicp;                  // PNG: what a cICP chunk holds
+    double x_resolution = 0, y_resolution = 0;                        // as the file has it: 0 if it says nothing
+    int resolution_unit = 0;                                          // of the format's own codes
     int luminance_sampling = 0;                                       // JPEG: 1 if colour is as fine as luminance
     bool tiled = false, big = false, reduced = false, dated = false;  // TIFF
 };

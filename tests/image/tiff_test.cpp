@@ -1,3 +1,5 @@
+#include <tiffio.h>
+
 #include "image/tiff_writer.h"
 #include "tests/image/decode.h"
 #include "tests/image/test_image.h"
@@ -33,6 +35,9 @@ TEST_F(TiffTest, PixelsComeBackExactlyInStripsAndTilesOfEveryDepth) {
                     EXPECT_EQ(images[0].format.sample, sample);
                     EXPECT_EQ(images[0].tiled, tiles);
                     EXPECT_EQ(images[0].big, big);
+                    EXPECT_EQ(images[0].resolution_unit, RESUNIT_NONE);  // the standard requires the three, known or not
+                    EXPECT_EQ(images[0].x_resolution, 1);
+                    EXPECT_EQ(images[0].y_resolution, 1);
                     const std::string text = testing::read_text(folder_ / name);
                     if (first.empty()) first = text;
                     EXPECT_TRUE(text == first);
@@ -57,6 +62,7 @@ TEST_F(TiffTest, APyramidIsPagesOfShrinkingSizeMarkedAsReduced) {
     ImageTags tags;
     tags.icc.resize(300, std::byte{5});
     tags.texts = {{"Software", "latent-convert 1"}, {"Sensitivity", "2"}};
+    tags.pixels_per_inch = 600;
     auto writer = TiffWriter::create(output("a.tif"), formats, tags, {true});
     ASSERT_TRUE(writer);
     for (int part = 0; part < 2; ++part) {  // interleaved: half of the rows of each, then the rest
@@ -75,6 +81,9 @@ TEST_F(TiffTest, APyramidIsPagesOfShrinkingSizeMarkedAsReduced) {
         EXPECT_EQ(images[i].reduced, i > 0);
         EXPECT_EQ(images[i].icc, tags.icc);
         EXPECT_FALSE(images[i].dated);
+        EXPECT_EQ(images[i].resolution_unit, RESUNIT_INCH);
+        EXPECT_EQ(images[i].x_resolution, 600 >> i) << "each is 7/6 inch wide";
+        EXPECT_EQ(images[i].y_resolution, 600 >> i);
     }
     EXPECT_EQ(images[0].texts, (std::vector<std::pair<std::string, std::string>>{{"Software", "latent-convert 1"},
                                                                                  {"Description", "Sensitivity: 2"}}));

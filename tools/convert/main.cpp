@@ -78,6 +78,9 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_flag("--dither,!--no-dither", options.dither, "hide the steps of 8 bits in noise (default on)");
     latent::cli::add_parsed(app, "--crop", options.crop, parse_crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--level", options.level, "mip level of the input: 1 is half its size, ...")->check(CLI::Range(0, 31));
+    app.add_option("--dpi", options.dpi, "pixels per inch on paper, as TIFF, PNG, JPEG and EXR say it; changes no pixel")
+        ->check(CLI::Range(1, 65535))
+        ->capture_default_str();
     app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles")->check(CLI::Range(1, 100))->capture_default_str();
     app.add_option("--compression", options.png_level, "of PNG and TIFF; 9: small")->check(CLI::Range(1, 9))->capture_default_str();
     app.add_flag("--tiles", options.tiles, "TIFF in tiles of 256 x 256");

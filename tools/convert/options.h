@@ -31,6 +31,7 @@ struct ConvertOptions {
     bool dither = true;               // of 8 bits
     std::optional<image::Rect> crop;  // in the coordinates of the display window
     int level = 0;                    // mip level of the input
+    int dpi = 300;                    // pixels per inch: how large the print is on paper
 
     int quality = 90;        // of JPEG
     int png_level = 1;       // of zlib, in PNG and TIFF

@@ -141,6 +141,7 @@ Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>
 Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const Picture& picture, const Display& display,
                                        const ConvertOptions& options) {
     image::ExrTags tags;
+    tags.pixels_per_inch = options.dpi;
     if (display.space.rgb_from_xyz.invertible()) tags.chromaticities = color::chromaticities_of(display.space.primaries);
     for (auto& [key, value] : texts(picture, display, options)) {
         tags.texts.emplace_back(
@@ -209,7 +210,7 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     Result<OutputFile> out = OutputFile::create(path, options.replace);
     if (!out) return out.error();
     if (type == ".exr") return exr_sink(std::move(*out), picture, display, options);
-    const image::ImageTags tags{display.icc, display.srgb, display.cicp, texts(picture, display, options)};
+    const image::ImageTags tags{display.icc, display.srgb, display.cicp, texts(picture, display, options), options.dpi};
     if (tiff) return tiff_sink(std::move(*out), picture, tags, encoder, options);
     const PixelFormat format{picture.area.width(), picture.area.height(), encoder.sample};
     if (png) return rows_sink(image::create_png(std::move(*out), format, tags, {options.png_level}), picture, encoder);
