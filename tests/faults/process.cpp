@@ -121,6 +121,12 @@ std::string Child::drain() {
     }
 }
 
+Outcome run_python(const std::string& script, const std::vector<std::string>& arguments) {
+    std::vector<std::string> command = {"/usr/bin/env", "python3", "-B", std::string(LATENT_SOURCE_DIR) + "/" + script};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return run(command);
+}
+
 FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault& fault, const Environment& environment) {
     TemporaryFolder scratch;
     Environment all = environment;

@@ -23,6 +23,9 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 // Runs `command` (program and arguments; no shell) with these variables added to the environment, and waits for its end.
 Outcome run(const std::vector<std::string>& command, const Environment& environment = {});
 
+// Runs a Python script, named from the root of the source tree.
+Outcome run_python(const std::string& script, const std::vector<std::string>& arguments);
+
 // A child with its standard output in a pipe, for tests that watch it and end it at a moment of their choice.
 class Child {
  public:

@@ -63,8 +63,7 @@ TEST(Golden, FilesAreReadAsTheyWereWritten) {
 
 // The reader in Python follows the text of the specification, not this library.
 latent::testing::Outcome read_by_specification(const fs::path& file) {
-    return latent::testing::run(
-        {"/usr/bin/env", "python3", (fs::path(LATENT_SOURCE_DIR) / "tests/sampledb/read_latent.py").string(), file.string()});
+    return latent::testing::run_python("tests/sampledb/read_latent.py", {file.string()});
 }
 
 TEST(Golden, TheSpecificationAloneIsEnoughToReadThem) {

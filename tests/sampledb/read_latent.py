@@ -1,34 +1,21 @@
 #!/usr/bin/env python3
 """A second reader of sample files, written from docs/format.md alone and slow on purpose: whatever it cannot read, the page does
-not say. Reads every file given, decodes every column of every page and compares it with its content hash.
-Prints "FILE: RUNS runs, CAMERA camera records, LIGHT light records, COVERAGE"; ends with 1 at the first contradiction."""
-import ctypes
+not say. It reads every file given, decodes every column of every page and checks every rule of the page, those for writers, too.
+
+    read_latent.py [--records] FILE...      "FILE: RUNS runs, CAMERA camera records, LIGHT light records, COVERAGE";
+                                            with --records the records instead: a JSON object a line, values as their bits
+    read_latent.py --vectors docs/format.md checks the test vectors of the page
+
+Ends with 1 at the first contradiction."""
+import json
+import math
 import struct
 import sys
 
-zstd = ctypes.CDLL("libzstd.so.1")
-zstd.ZSTD_decompress.restype = ctypes.c_size_t
-zstd.ZSTD_decompress.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t]
-xxhash = ctypes.CDLL("libxxhash.so.0")
-xxhash.XXH3_64bits.restype = ctypes.c_uint64
-xxhash.XXH3_64bits.argtypes = [ctypes.c_char_p, ctypes.c_size_t]
+from native import hash64, hash128, zstd_decompress, zstd_frame_size
 
-
-class Hash128(ctypes.Structure):
-    _fields_ = [("low", ctypes.c_uint64), ("high", ctypes.c_uint64)]
-
-
-xxhash.XXH3_128bits.restype = Hash128
-xxhash.XXH3_128bits.argtypes = [ctypes.c_char_p, ctypes.c_size_t]
-
-
-def hash64(data):
-    return xxhash.XXH3_64bits(bytes(data), len(data))
-
-
-def hash128(data):
-    h = xxhash.XXH3_128bits(bytes(data), len(data))
-    return (h.low, h.high)
+M32, M64 = 2**32 - 1, 2**64 - 1
+WIDTHS = {1: 1, 2: 2, 3: 4, 4: 8, 5: 4, 6: 8}  # of an extra column's values, by its type
 
 
 def check(condition, what):
@@ -40,23 +27,34 @@ def fields(layout, data, at):
     return struct.unpack_from("<" + layout, data, at)
 
 
-M32, M64 = 2**32 - 1, 2**64 - 1
-TYPES = {1: 1, 2: 2, 3: 4, 4: 8, 5: 4, 6: 8}
+# ---- header
 
 
 class Job:
     def __init__(self, body):
-        self.id = fields("QQ", body, 0)
-        (self.kind, self.sampler, self.k) = fields("BBH", body, 24)
-        (self.shift_u, self.shift_v, knots, extra, provenance) = fields("IIIII", body, 52)
+        (*self.id, width, height, self.kind, self.sampler, self.k, self.light_paths) = fields("QQIIBBHI", body, 0)
+        (unit, run_bytes, run_samples, *self.shifts, knots, extra, provenance) = fields("dQIIIIII", body, 32)
+        check(width > 0 and height > 0 and math.gcd(width, height) == 1, "aspect")
+        check(self.kind in (1, 2) and self.sampler in (0, 1), "kind or sampler")
+        check((1 <= self.k <= 1024) if self.kind == 1 else self.k == 0, "k")
+        check(0 < unit < float("inf") and 2**16 <= run_bytes <= 2**30, "light unit or R")
+        check(run_samples in [2**i for i in range(10, 23)], "S")
+        check(self.sampler or self.shifts == [0, 0], "shifts")
+        check(knots == 0 or (self.kind == 1 and 2 <= knots <= 4096), "number of knots")
+        check(extra <= 16 and provenance <= 2**19, "extra columns or provenance")
         at = 72
         self.knots = [fields("QI", body, at + 12 * i) for i in range(knots)]
         at += 12 * knots
+        if knots:
+            check(self.knots[0][0] == 0 and self.knots[-1][0] == 2**48 and self.knots[-1][1] <= 4000 << 20, "knots")
+            check(all(a[0] < b[0] and a[1] < b[1] for a, b in zip(self.knots, self.knots[1:])), "order of knots")
         self.extra = []
         for _ in range(extra):
             (kind, length) = fields("BB", body, at)
-            self.extra.append((bytes(body[at + 2 : at + 2 + length]).decode(), TYPES[kind]))
+            check(kind in WIDTHS and 1 <= length <= 64, "extra column")
+            self.extra.append((bytes(body[at + 2 : at + 2 + length]).decode(), WIDTHS[kind]))
             at += 2 + length
+        check(len({name for name, _ in self.extra}) == extra, "names of extra columns")
         check(at + provenance == len(body), "the header's fields do not fill it")
 
     def columns(self, camera):
@@ -70,6 +68,9 @@ class Job:
             columns += [(8, 2), (11, 4), (12, 4)]
         return columns + [(64 + i, width) for i, (_, width) in enumerate(self.extra)]
 
+    def most_records(self):
+        return 6144 if self.kind == 2 else min(max(86016 // self.k, 64), 6144)
+
 
 def read_header(data):
     for at in range(0, min(len(data), 2**20 + 1), 4096):
@@ -79,48 +80,110 @@ def read_header(data):
         if hash64(data[at : at + 56]) != fields("Q", data, at + 56)[0] or (at != 0 and at != size):
             continue
         check(major == 1 and features == 0, "another format")
+        check(size % 4096 == 0 and 0 < size <= 2**20 and body_size <= size - 64, "size of the header")
         if hash64(data[at + 64 : at + size]) == body_hash:
+            check(not any(data[at + 40 : at + 56]) and not any(data[at + 64 + body_size : at + size]), "zeros of the header")
+            check(at != 0 or data[:size] == data[size : 2 * size], "the header's copies differ")
             return Job(data[at + 64 : at + 64 + body_size]), 2 * size
     raise ValueError("no header")
 
 
-def halton(n, job):
-    reversed2 = int(format(n & M32, "032b")[::-1], 2)
-    d = 0
-    for _ in range(40):
-        d, n = d * 3 + n % 3, n // 3
-    return (reversed2 + job.shift_u) & M32, ((d << 32) // 3**40 + job.shift_v) & M32
+# ---- samplers and wavelengths
 
 
 def reverse(value, bits):
-    return int(format(value, "0%db" % bits)[::-1], 2) if bits else 0
+    return int(format(value, "0%db" % bits)[::-1], 2)
 
 
-def unzigzag(value):
-    return (value >> 1) ^ (M32 if value & 1 else 0)
+def halton(n, shifts):
+    d, rest = 0, n
+    for _ in range(40):
+        d, rest = d * 3 + rest % 3, rest // 3
+    return (reverse(n & M32, 32) + shifts[0]) & M32, ((d << 32) // 3**40 + shifts[1]) & M32
 
 
-def decode_plane(word, data, size):
-    codec = word >> 30
+def wavelength(knots, k, xi, i):
+    """Bits of wavelength i of the batch (xi, k)."""
+    q = (i * 2**32 + xi) * 2**16 // k
+    j = [cumulative <= q for cumulative, _ in knots].count(True) - 1
+    slope = float(knots[j + 1][1] - knots[j][1]) / float(knots[j + 1][0] - knots[j][0])
+    return fields("I", struct.pack("<f", (float(knots[j][1]) + slope * float(q - knots[j][0])) * 2.0**-20), 0)[0]
+
+
+# ---- planes and transforms: bytes to values, which are unsigned integers, the bits of floats
+
+
+def numbers(data, bits, count):
+    """`count` packed numbers; the bits behind them are zero."""
+    packed = int.from_bytes(data, "little")
+    check(packed >> count * bits == 0, "padding bits")
+    return [packed >> i * bits & ((1 << bits) - 1) for i in range(count)]
+
+
+def decode_plane(codec, data, size):
     if codec == 0:
         check(len(data) == size, "raw plane")
-        return data
+        return bytes(data)
     if codec == 2:
         check(len(data) == 1, "constant plane")
         return bytes(data) * size
     if codec == 3:
         bits, values = data[0], data[1 : 1 + (1 << data[0])]
         check(1 <= bits <= 7 and len(data) == 1 + (1 << bits) + (size + 7) // 8 * bits, "dictionary plane")
-        packed = int.from_bytes(data[1 + (1 << bits) :], "little")
-        return bytes(values[packed >> (i * bits) & ((1 << bits) - 1)] for i in range(size))
-    check(codec == 1, "codec")
-    out = ctypes.create_string_buffer(size)
-    check(zstd.ZSTD_decompress(out, size, bytes(data), len(data)) == size, "zstd plane")
-    return out.raw
+        return bytes(values[i] for i in numbers(data[1 + (1 << bits) :], bits, size))
+    check(bytes(data[:4]) == b"\x28\xb5\x2f\xfd" and zstd_frame_size(data) == len(data), "zstd frame")
+    plane = zstd_decompress(data, size)
+    check(plane is not None, "zstd plane")
+    return plane
+
+
+def unzigzag(value):
+    return (value >> 1) ^ (M32 if value & 1 else 0)
+
+
+def from_planes(planes):
+    return [sum(byte << 8 * p for p, byte in enumerate(value)) for value in zip(*planes)]
+
+
+def from_packed(plane, bits, base, count):
+    return [base + number & M64 for number in numbers(plane, bits, count)]
+
+
+def from_lattice(plane, bits, s, base, count):
+    low = base % 2**s
+    return [base - low + reverse((reverse(low, s) + number) % 2**s, s) for number in numbers(plane, bits, count)]
+
+
+def from_cross(planes, ys):
+    return [y + unzigzag(value) & M32 for value, y in zip(from_planes(planes), ys)]
+
+
+def from_delta2(planes, counts):
+    values, first = from_planes(planes), 0
+    for n in counts:
+        for i in range(first + 1, first + n):
+            before = 2 * values[i - 1] - values[i - 2] if i > first + 1 else values[i - 1]
+            values[i] = before + unzigzag(values[i]) & M32
+        first += n
+    return values
+
+
+def stored_rows(bitmap, records):
+    rows = [i for i, bit in enumerate(numbers(bitmap, 1, records)) if bit]
+    check(rows, "a bitmap that names no row")
+    return rows
+
+
+def from_sparse(rows, values, records):
+    column = dict(zip(rows, values))
+    return [column.get(i, 0) for i in range(records)]
+
+
+# ---- page
 
 
 def decode_page(job, data, camera, records, pair_count, content_hash):
-    """Column number -> list of unsigned integers, the bits of the values."""
+    """Column number -> its values."""
     (count,) = fields("I", data, 0)
     expected = job.columns(camera)
     check(count == len(expected), "columns")
@@ -128,6 +191,9 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, width in expected:
         (column, transform, bits, plane_count, s, base, column_hash) = fields("BBBBIQQ", data, at)
         check(column == number, "column %d instead of %d" % (column, number))
+        check(transform <= 7 and bits <= 64 and plane_count <= 8, "table of columns")
+        check(transform in (1, 2) or (bits, base) == (0, 0), "bits or base of another transform")
+        check(1 <= s <= 32 if transform == 2 else s == 0, "s")
         words = fields("%dI" % plane_count, data, at + 24)
         at += 24 + 4 * plane_count
         table.append((number, width, transform, bits, s, base, column_hash, words))
@@ -137,62 +203,78 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, _, _, _, _, _, _, words in table:
         stored[number] = []
         for word in words:
-            size = word & 0x3FFFFFFF
-            stored[number].append((word, data[at : at + size]))
-            at += size
+            stored[number].append((word >> 30, data[at : at + word % 2**30]))
+            at += word % 2**30
     check(at == len(data), "planes do not fill the page")
 
     columns = {}
     order = sorted(table, key=lambda t: (t[0] != 1, t[0] != 6))  # samples before positions, y before x and z
-    for number, width, transform, bits, s, base, column_hash, _ in order:
+    rows = None
+    for number, width, transform, bits, s, base, column_hash, words in order:
+        allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7), 6: (0, 1, 6), 7: (0, 1, 4, 7), 11: (0, 1, 5), 12: (0, 1, 5)}
+        check(transform in allowed.get(number, (0, 1)), "transform %d of column %d" % (transform, number))
+        check(number == 1 or transform != 1 or (bits == 0 and base < 256**width), "constant column %d" % number)
         n = pair_count if number in (11, 12) else records
-        planes = stored[number]
+        planes = [decode_plane(*plane, (records + 7) // 8) for plane in stored[number][:1]] if transform == 6 else []
         if transform == 6:
-            bitmap = int.from_bytes(decode_plane(*planes[0], (records + 7) // 8), "little")
-            bright = [i for i in range(8 * ((records + 7) // 8)) if bitmap >> i & 1]
-            check(bright and bright[-1] < records, "bitmap of y")
-            planes = planes[1:]
-        if transform in (6, 7):
-            n = len(bright)
-        if transform in (1, 2):
-            values = [0] * n
-            if bits:
-                packed = int.from_bytes(decode_plane(*planes[0], (n * bits + 7) // 8), "little")
-                values = [packed >> (i * bits) & ((1 << bits) - 1) for i in range(n)]
-            if transform == 1:
-                values = [(base + v) & M64 for v in values]
-            else:
-                low = base & ((1 << s) - 1)
-                values = [base - low + reverse((reverse(low, s) + v) % (1 << s), s) for v in values]
-        elif transform == 3:
-            values = [halton(v, job)[number - 2] for v in columns[1]]
+            rows = stored_rows(planes[0], records)
+        check(transform != 7 or rows, "a sparse column beside a y that is not")
+        size = (n * bits + 7) // 8 if transform in (1, 2) else len(rows) if transform in (6, 7) else n
+        planes = [decode_plane(*plane, size) for plane in stored[number][len(planes) :]]
+        check(len(planes) == (bits > 0 if transform in (1, 2) else 0 if transform == 3 or n == 0 else width), "number of planes")
+        if transform == 3:
+            check(job.sampler == 1 and camera and dict(((2, table[1][2]), (3, table[2][2]))) == {2: 3, 3: 3}, "positions left out")
+            values = [halton(sample, job.shifts)[number - 2] for sample in columns[1]]
+        elif n == 0:
+            check(transform == 0, "a column without values")
+            values = []
+        elif transform in (1, 2) and bits == 0:
+            values = [base] * n
         else:
-            check(len(planes) == (width if n else 0), "planes of column %d" % number)
-            parts = [decode_plane(word, part, n) for word, part in planes] if n else [b""] * width
-            values = [sum(parts[p][i] << (8 * p) for p in range(width)) for i in range(n)]
-            if transform in (6, 7):
-                sparse, values = values, [0] * records
-                for i, v in zip(bright, sparse):
-                    values[i] = v if transform == 6 else (columns[6][i] + unzigzag(v)) & M32
-            elif transform == 4:
-                values = [(y + unzigzag(v)) & M32 for v, y in zip(values, columns[6])]
-            elif transform == 5:
-                first = 0
-                for pairs in columns[8]:
-                    for i in range(first + 1, first + pairs):
-                        before = 2 * values[i - 1] - values[i - 2] if i > first + 1 else values[i - 1]
-                        values[i] = (before + unzigzag(values[i])) & M32
-                    first += pairs
-            else:
-                check(transform == 0, "transform")
-        decoded = b"".join(v.to_bytes(width, "little") for v in values)
+            values = {
+                0: lambda: from_planes(planes),
+                1: lambda: from_packed(planes[0], bits, base, n),
+                2: lambda: from_lattice(planes[0], bits, s, base, n),
+                4: lambda: from_cross(planes, columns[6]),
+                5: lambda: from_delta2(planes, columns[8]),
+                6: lambda: from_sparse(rows, from_planes(planes), records),
+                7: lambda: from_sparse(rows, from_cross(planes, [columns[6][i] for i in rows]), records),
+            }[transform]()
+        decoded = b"".join(value.to_bytes(width, "little") for value in values)
         check(hash64(decoded) == column_hash, "column %d does not decode to its hash" % number)
         columns[number] = values
+    if job.kind == 1:
+        counts = columns[8]
+        check(sum(counts) == pair_count and all(n <= job.k for n in counts), "numbers of pairs")
+        if job.knots:
+            check(all(n in (0, 1, job.k) for n in counts), "neither one pair nor the batch")
+            alone = [n == 1 and job.k > 1 for n in counts]
+            check(all(i < job.k if a else i == 65535 for i, a in zip(columns[10], alone)), "index")
     return columns
 
 
-def spread(x):
-    return sum((x >> i & 1) << (2 * i) for i in range(16))
+# ---- run
+
+
+def z_prefix(u, v):
+    spread = lambda x: sum((x >> i & 1) << 2 * i for i in range(16))
+    return spread(v >> 16) << 1 | spread(u >> 16)
+
+
+def page_end(prefixes, begin, most):
+    """Where the page ends that begins at `begin`: it needs more bits than it shares with the record before, and with the one too many."""
+    outside = ([prefixes[begin - 1]] if begin > 0 else []) + prefixes[begin + most : begin + most + 1]
+    bits = max([33 - (prefixes[begin] ^ other).bit_length() for other in outside], default=0)
+    inside = [z >> 32 - min(bits, 32) == prefixes[begin] >> 32 - min(bits, 32) for z in prefixes[begin : begin + most]]
+    return begin + (inside + [False]).index(False)
+
+
+def smallest_square(us, vs):
+    different = 0
+    for u, v in zip(us, vs):
+        different |= u ^ us[0] | v ^ vs[0]
+    level = min(16, 32 - different.bit_length())
+    return level, us[0] >> 32 - level, vs[0] >> 32 - level
 
 
 def read_run(job, data, at):
@@ -200,60 +282,206 @@ def read_run(job, data, at):
     check(header[:8] == b"\x8dLTDBR\r\n" and hash64(header[:248]) == fields("Q", header, 248)[0], "run header")
     (major, _, intervals, features, low, high, first, end, samples, pages) = fields("HHIQQQQQQQ", header, 8)
     (camera, light, pairs, decoded_size, pages_size, index_hash, *content) = fields("QQQQQQQQ", header, 72)
-    check(major == 1 and features == 0 and (low, high) == job.id, "run of another format or job")
+    check(major == 1 and features == 0 and [low, high] == job.id, "run of another format or job")
+    check(not any(header[136:248]), "zeros of the run header")
+    check(1 <= intervals <= 2**16 and pages <= 2**20, "intervals or pages of a run")
+    check(light == 0 or job.light_paths > 0, "light records in a job without light paths")
     index_at = at + 256 + pages_size
     index_size = 16 * intervals + 48 * pages
     size = (256 + pages_size + index_size + 4095) // 4096 * 4096
     check(hash64(data[index_at : at + size]) == index_hash, "index hash")
+    check(not any(data[index_at + index_size : at + size]), "padding of the run")
     ranges = [fields("QQ", data, index_at + 16 * i) for i in range(intervals)]
     check((ranges[0][0], ranges[-1][1]) == (first, end) and sum(e - f for f, e in ranges) == samples, "coverage")
+    check(all(f < e for f, e in ranges) and all(a[1] < b[0] for a, b in zip(ranges, ranges[1:])), "intervals of the coverage")
     entries_at = index_at + 16 * intervals
     entries = [data[entries_at + 48 * i : entries_at + 48 * i + 48] for i in range(pages)]
     check(hash128(b"".join(e[:32] for e in entries)) == tuple(content), "content hash of the run")
 
-    page_at, counted, last = at + 256, [0, 0], (0, 0, 0)
+    page_at, sizes, decoded_pages, last = at + 256, ([], []), [], (0, 0, 0)
+    prefixes = ([], [])
     for entry in entries:
-        (level, kind, _, x, y, records, page_pairs, decoded, page_hash, stored, _, stored_hash) = fields("BBHIIIIIQIIQ", entry, 0)
+        (level, kind, zero, x, y, records, page_pairs, decoded, page_hash, stored, zero2, stored_hash) = fields("BBHIIIIIQIIQ", entry, 0)
+        check((zero, zero2) == (0, 0) and kind in (0, 1) and 1 <= records <= 2**18, "entry of a page")
         page = data[page_at : page_at + stored]
         page_at += stored
         check(hash64(page) == stored_hash, "page hash")
         columns = decode_page(job, page, kind == 0, records, page_pairs, page_hash)
         check(sum((page_pairs if c in (11, 12) else records) * w for c, w in job.columns(kind == 0)) == decoded, "decoded size")
-        counted[kind] += records
+        check((level, x, y) == smallest_square(columns[2], columns[3]), "not the smallest square of the page's records")
         for n, u, v in zip(columns[1], columns[2], columns[3]):
             check(any(f <= n < e for f, e in ranges), "a record outside the coverage")
-            check(u >> 32 - level == x and v >> 32 - level == y, "a record outside its node")
-            place = (kind, spread(v >> 16) << 1 | spread(u >> 16), n)
+            place = (kind, z_prefix(u, v), n)
             check(last <= place, "order of records")
             last = place
-    check(counted == [camera, light] and page_at == index_at, "the pages do not add up")
-    return size, camera, light, ranges
+            prefixes[kind].append(place[1])
+        sizes[kind].append(records)
+        decoded_pages.append((kind, columns, decoded, page_pairs))
+    check((sum(sizes[0]), sum(sizes[1])) == (camera, light) and page_at == index_at, "the pages do not add up")
+    check(sum(p[2] for p in decoded_pages) == decoded_size and sum(p[3] for p in decoded_pages) == pairs, "sums of the run header")
+    for kind in (0, 1):
+        begin = 0
+        for records in sizes[kind]:
+            check(begin + records == page_end(prefixes[kind], begin, job.most_records()), "the page cut")
+            begin += records
+    return size, camera, light, ranges, decoded_pages
 
 
 def read_file(path):
+    """Job, camera and light records, coverage and (class, columns) of every page of every run."""
     with open(path, "rb") as file:
         data = file.read()
     job, at = read_header(data)
-    runs, camera, light, coverage = [], 0, 0, []
+    runs, camera, light, coverage, pages = [], 0, 0, [], []
     while data[at : at + 8] == b"\x8dLTDBR\r\n":
-        size, c, l, ranges = read_run(job, data, at)
+        size, c, l, ranges, decoded = read_run(job, data, at)
         runs.append((at, data[at : at + 256]))
         at, camera, light, coverage = at + size, camera + c, light + l, coverage + ranges
+        pages += [(kind, columns) for kind, columns, _, _ in decoded]
     if at < len(data):
         trailer = data[-64:]
         (offset, size, footer_hash) = fields("QQQ", trailer, 0)
         footer = data[at:-64]
         check(trailer[56:] == footer[:8] == b"\x8dLTDBE\r\n" and hash64(trailer[:48]) == fields("Q", trailer, 48)[0], "trailer")
         check(offset == at and size == len(data) - at and hash64(footer) == footer_hash, "footer")
-        check(fields("Q", footer, 8)[0] == len(runs), "runs of the footer")
+        check(not any(trailer[24:48]), "zeros of the trailer")
+        (count, provenance) = fields("QQ", footer, 8)
+        check(count == len(runs) and len(footer) == 24 + 264 * count + provenance, "sizes of the footer")
         listed = [(fields("Q", footer, 24 + 264 * i)[0], footer[32 + 264 * i : 288 + 264 * i]) for i in range(len(runs))]
         check(listed == runs, "the footer lists other runs")
-    text = " ".join("%d..%d" % r for r in coverage)
-    print("%s: %d runs, %d camera records, %d light records, %s" % (path, len(runs), camera, light, text))
+    return job, len(runs), camera, light, coverage, pages
 
 
-for name in sys.argv[1:]:
+def print_records(job, pages):
+    for kind, columns in pages:
+        first = 0
+        for row, sample in enumerate(columns[1]):
+            record = {"sample": sample, "class": "light" if kind else "camera", "u": columns[2][row], "v": columns[3][row],
+                      "share": 0 if kind else columns[4][row]}
+            if job.kind == 2:
+                record |= {"x": columns[5][row], "y": columns[6][row], "z": columns[7][row]}
+            else:
+                n = columns[8][row]
+                if not job.knots:
+                    record["lambda_nm"] = columns[12][first : first + n]
+                else:
+                    indices = [columns[10][row]] if n == 1 and job.k > 1 else range(n)
+                    record["lambda_nm"] = [wavelength(job.knots, job.k, columns[9][row], i) for i in indices]
+                record["power"] = columns[11][first : first + n]
+                first += n
+            for i, (name, _) in enumerate(job.extra):
+                record[name] = columns[64 + i][row]
+            print(json.dumps(record))
+
+
+# ---- test vectors of the page
+
+
+def vectors(page):
+    """(name, {key: tokens}) or (name, [row of tokens]) of every vector: fenced blocks ```vector NAME, cases apart by blank lines."""
+    with open(page) as file:
+        blocks = file.read().split("\n```vector ")[1:]
+    for block in blocks:
+        name, text = block.split("\n```", 1)[0].split("\n", 1)
+        for case in text.split("\n\n"):
+            lines = case.replace("\n ", " ").split("\n")
+            if " = " in lines[0]:
+                yield name, {key.strip(): value.split() for key, value in (line.split(" = ") for line in lines)}
+            else:
+                yield name, [line.split() for line in lines[1:]]  # behind the names of the rows' fields
+
+
+def hex_numbers(tokens):
+    return [int(token, 16) for token in tokens]
+
+
+def check_vectors(page):
+    plane = lambda case, key: bytes(hex_numbers(case[key]))
+    planes = lambda case, first=0: [plane(case, "plane %d" % p) for p in range(first, 8) if "plane %d" % p in case]
+    ints = lambda tokens: [int(token) for token in tokens]
+    pattern = lambda size: bytes(i % 251 for i in range(size))
+    hash128_hex = lambda data: "%016x%016x" % hash128(data)[::-1]
+    checked = {}
+
+    def expect(name, actual, expected):
+        check(actual == expected, "vector %s: %s instead of %s" % (name, actual, expected))
+        checked[name] = checked.get(name, 0) + 1
+
+    for name, case in vectors(page):
+        if name == "hash":
+            for size, short, long in case:
+                expect(name, ["%016x" % hash64(pattern(int(size))), hash128_hex(pattern(int(size)))], [short, long])
+        elif name == "z-prefix":
+            for u, v, z in case:
+                expect(name, "%08x" % z_prefix(int(u, 16), int(v, 16)), z)
+        elif name == "page-cut":
+            prefixes, ends = hex_numbers(case["prefixes"]), []
+            while (ends or [0])[-1] < len(prefixes):
+                ends.append(page_end(prefixes, (ends or [0])[-1], int(case["M"][0])))
+            expect(name, ends, ints(case["ends"]))
+        elif name == "square":
+            expect(name, list(smallest_square(hex_numbers(case["u"]), hex_numbers(case["v"]))), ints(case["level x y"]))
+        elif name == "planes":
+            expect(name, from_planes(planes(case)), hex_numbers(case["values"]))
+        elif name == "packed":
+            values = hex_numbers(case["values"])
+            expect(name, from_packed(plane(case, "plane 0"), int(case["bits"][0]), int(case["base"][0], 16), len(values)), values)
+        elif name == "lattice":
+            values, (bits,), (s,) = hex_numbers(case["values"]), ints(case["bits"]), ints(case["s"])
+            expect(name, from_lattice(plane(case, "plane 0"), bits, s, int(case["base"][0], 16), len(values)), values)
+        elif name == "cross":
+            expect(name, from_cross(planes(case), hex_numbers(case["y"])), hex_numbers(case["x"]))
+        elif name == "delta2":
+            expect(name, from_delta2(planes(case), ints(case["pairs"])), hex_numbers(case["values"]))
+        elif name == "sparse":
+            ys, xs = hex_numbers(case["y"]), hex_numbers(case["x"])
+            rows = stored_rows(plane(case, "bitmap"), len(ys))
+            of = lambda column: [plane(case, "%s plane %d" % (column, p)) for p in range(4)]
+            expect(name, from_sparse(rows, from_planes(of("y")), len(ys)), ys)
+            expect(name, from_sparse(rows, from_cross(of("x"), [ys[i] for i in rows]), len(ys)), xs)
+        elif name == "codec":
+            expected = plane(case, "plane") if "plane" in case else pattern(int(case["pattern"][0]))
+            expect(name, decode_plane(int(case["codec"][0]), plane(case, "stored"), len(expected)), expected)
+        elif name == "halton23":
+            for n, r2, r3 in case:
+                expect(name, "%08x %08x" % halton(int(n), (0, 0)), r2 + " " + r3)
+        elif name == "halton23-points":
+            shifts = hex_numbers(case["shifts"])
+            samples = [n for first, step, count in zip(ints(case["first"]), hex_numbers(case["step"]), ints(case["count"]))
+                       for n in ((first + i * step) % 2**64 for i in range(count))]
+            points = b"".join(struct.pack("<II", *halton(n, shifts)) for n in samples)
+            expect(name, hash128_hex(points), case["hash128"][0])
+        elif name == "wavelengths":
+            knots = list(zip(hex_numbers(case["cumulative"]), hex_numbers(case["wavelength"])))
+            (k,) = ints(case["k"])
+            batch = [wavelength(knots, k, int(case["xi"][0], 16), i) for i in range(k)]
+            expect(name, batch, hex_numbers(case["lambda"]))
+        elif name == "wavelength-batches":
+            knots, (k,), (count,) = list(zip(hex_numbers(case["cumulative"]), hex_numbers(case["wavelength"]))), ints(case["k"]), ints(case["count"])
+            offsets = [i * int(case["step"][0], 16) % 2**32 for i in range(count)]
+            batches = b"".join(struct.pack("<I", wavelength(knots, k, xi, i)) for xi in offsets for i in range(k))
+            expect(name, hash128_hex(batches), case["hash128"][0])
+        else:
+            raise ValueError("vector %s is not known" % name)
+    print(", ".join("%s %d" % item for item in checked.items()))
+
+
+def main(arguments):
+    if arguments[:1] == ["--vectors"]:
+        check_vectors(arguments[1])
+        return
+    with_records = arguments[:1] == ["--records"]
+    for path in arguments[with_records:]:
+        job, runs, camera, light, coverage, pages = read_file(path)
+        if with_records:
+            print_records(job, pages)
+            continue
+        text = " ".join("%d..%d" % r for r in coverage)
+        print("%s: %d runs, %d camera records, %d light records, %s" % (path, runs, camera, light, text))
+
+
+if __name__ == "__main__":
     try:
-        read_file(name)
+        main(sys.argv[1:])
     except (ValueError, struct.error, KeyError, IndexError) as error:
-        sys.exit("%s: %s" % (name, error))
+        sys.exit("%s: %s" % (" ".join(sys.argv[1:]), error))

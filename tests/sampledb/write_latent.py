@@ -1,0 +1,493 @@
+#!/usr/bin/env python3
+"""A second writer of sample files, written from docs/format.md alone: an example for writers in other programs, and a test of the
+page. Makes up the records of a small file and writes them.
+
+    write_latent.py KIND FILE [--vary SEED] [--parts I,J,...] [--records LINES]
+
+KIND is smallest, xyz, spectral (wavelengths of a density) or explicit (wavelengths as data). The simplest encoding of every column
+is used; with --vary, any that the page allows, chosen at random. --parts writes only these runs of the file. --records writes the
+records as well, one JSON object a line, values as their bits, in the order of the file."""
+import argparse
+import json
+import random
+import struct
+from dataclasses import dataclass, field
+
+from native import hash64, hash128, zstd_compress
+
+BLOCK = 4096
+M32, M64 = 2**32 - 1, 2**64 - 1
+XYZ, SPECTRAL = 2, 1
+WIDTH = {"u8": 1, "u16": 2, "u32": 4, "u64": 8, "f32": 4, "f64": 8}
+TYPE = {"u8": 1, "u16": 2, "u32": 3, "u64": 4, "f32": 5, "f64": 6}
+
+
+@dataclass
+class Job:
+    id: tuple
+    kind: int
+    aspect: tuple = (3, 2)
+    k: int = 0
+    knots: list = field(default_factory=list)  # (cumulative, wavelength)
+    halton: bool = False
+    shifts: tuple = (0, 0)
+    light_paths: int = 0
+    light_unit: float = 1.0
+    run_bytes: int = 2**28
+    run_samples: int = 2**13
+    extra: list = field(default_factory=list)  # (name, type)
+
+
+@dataclass
+class Record:
+    """Values are unsigned integers: the bits of floats."""
+
+    sample: int
+    u: int
+    v: int
+    light: bool = False
+    share: int = 0x3F800000
+    xyz: tuple = ()
+    xi: int = 0
+    index: int = 65535
+    power: list = field(default_factory=list)
+    lambdas: list = field(default_factory=list)
+    extra: tuple = ()
+
+
+def padded(data):
+    return data + bytes(-len(data) % BLOCK)
+
+
+# ---- header
+
+
+def encode_header(job, provenance=b""):
+    body = struct.pack("<QQIIBBHIdQIIIIII", *job.id, *job.aspect, job.kind, job.halton, job.k, job.light_paths, job.light_unit,
+                       job.run_bytes, job.run_samples, *job.shifts, len(job.knots), len(job.extra), len(provenance))
+    body += b"".join(struct.pack("<QI", *knot) for knot in job.knots)
+    for name, kind in job.extra:
+        body += bytes([TYPE[kind], len(name.encode())]) + name.encode()
+    body += provenance
+    rest = padded(bytes(64) + body)[64:]
+    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, 0, 64 + len(rest), 0, len(body), hash64(rest))
+    return 2 * (front + struct.pack("<Q", hash64(front)) + rest)
+
+
+# ---- order of records, pages
+
+
+def z_prefix(u, v):
+    return sum((u >> 16 + i & 1) << 2 * i | (v >> 16 + i & 1) << 2 * i + 1 for i in range(16))
+
+
+def page_ends(prefixes, most):
+    """Where the pages end that ascending Z prefixes are cut into."""
+    ends, begin = [], 0
+    while begin < len(prefixes):
+        for bits in range(33):
+            node = prefixes[begin] >> 32 - bits
+            if begin > 0 and prefixes[begin - 1] >> 32 - bits == node and bits < 32:
+                continue  # the page before lies in this node, too
+            end = begin
+            while end < len(prefixes) and end - begin <= most and prefixes[end] >> 32 - bits == node:
+                end += 1
+            if end - begin <= most or bits == 32:
+                break
+        begin = min(end, begin + most)
+        ends.append(begin)
+    return ends
+
+
+def smallest_square(us, vs):
+    for level in range(16, 0, -1):
+        if len({(u >> 32 - level, v >> 32 - level) for u, v in zip(us, vs)}) == 1:
+            return level, us[0] >> 32 - level, vs[0] >> 32 - level
+    return 0, 0, 0
+
+
+def most_records(job):
+    return 6144 if job.kind == XYZ else max(64, min(6144, 86016 // job.k))
+
+
+# ---- samplers and wavelengths
+
+
+def reverse(value, bits):
+    return int(format(value, "0%db" % bits)[::-1], 2)
+
+
+def halton23(n, shifts):
+    r2, d, rest = reverse(n & M32, 32), 0, n
+    for _ in range(40):
+        d, rest = 3 * d + rest % 3, rest // 3
+    return (r2 + shifts[0]) & M32, ((d << 32) // 3**40 + shifts[1]) & M32
+
+
+def float_bits(x):
+    return struct.unpack("<I", struct.pack("<f", x))[0]
+
+
+def wavelength(job, xi, i):
+    q = ((i << 32) + xi << 16) // job.k
+    j = max(j for j, knot in enumerate(job.knots) if knot[0] <= q)
+    (below, at), (above, to) = job.knots[j], job.knots[j + 1]
+    slope = float(to - at) / float(above - below)
+    return float_bits((float(at) + slope * float(q - below)) * 2.0**-20)
+
+
+# ---- columns of a page: encodings give (transform, bits, s, base, planes)
+
+
+def zigzag(difference):
+    difference &= M32
+    return (difference << 1 & M32) ^ (M32 if difference >> 31 else 0)
+
+
+def byte_planes(values, width):
+    return [bytes(value >> 8 * p & 255 for value in values) for p in range(width)]
+
+
+def packed(values, bits):
+    return sum(value << i * bits for i, value in enumerate(values)).to_bytes((len(values) * bits + 7) // 8, "little")
+
+
+def as_planes(values, width):
+    return (0, 0, 0, 0, byte_planes(values, width) if values else [])
+
+
+def as_constant(value):
+    return (1, 0, 0, value, [])
+
+
+def as_packed(values, bits, base):
+    return (1, bits, 0, base, [packed([value - base & M64 for value in values], bits)])
+
+
+def as_lattice(values, s, bits, base):
+    high, low = base >> s, base % 2**s
+    steps = [reverse(value % 2**s, s) - reverse(low, s) & 2**s - 1 for value in values]
+    assert all(value >> s == high for value in values) and all(step < 2**bits for step in steps)
+    return (2, bits, s, base, [packed(steps, bits)] if bits else [])
+
+
+def as_cross(values, ys):
+    return (4, 0, 0, 0, byte_planes([zigzag(value - y) for value, y in zip(values, ys)], 4))
+
+
+def as_delta2(values, counts):
+    words, at = [], 0
+    for n in counts:
+        b = values[at : at + n]
+        words += b[:1] + [zigzag(y - x) for x, y in zip(b[:1], b[1:2])]
+        words += [zigzag(z - 2 * y + x) for x, y, z in zip(b, b[1:], b[2:])]
+        at += n
+    return (5, 0, 0, 0, byte_planes(words, 4))
+
+
+def as_sparse(ys, stored):
+    return (6, 0, 0, 0, [packed(stored, 1)] + byte_planes([y for y, s in zip(ys, stored) if s], 4))
+
+
+def as_sparse_cross(values, ys, stored):
+    return (7, 0, 0, 0, byte_planes([zigzag(x - y) for x, y, s in zip(values, ys, stored) if s], 4))
+
+
+def raw(plane):
+    return (0, plane)
+
+
+def plane_codecs(plane):
+    """Every way to store a plane: (codec, stored bytes)."""
+    ways = [raw(plane), (1, zstd_compress(plane))]
+    values = sorted(set(plane))
+    if len(values) == 1:
+        ways.append((2, bytes(values)))
+    if len(values) <= 128:
+        bits = max(1, (len(values) - 1).bit_length())
+        numbers = [values.index(byte) for byte in plane] + [0] * (-len(plane) % 8)
+        ways.append((3, bytes([bits]) + bytes(values).ljust(2**bits, b"\0") + packed(numbers, bits)))
+    return ways
+
+
+class Plain:
+    """Takes the first of all possibilities, which is the simplest."""
+
+    def one_of(self, ways):
+        return ways[0]
+
+    def plane(self, plane):
+        return raw(plane)
+
+
+class Varied:
+    """Takes any of them."""
+
+    def __init__(self, seed):
+        self.random = random.Random(seed)
+
+    def one_of(self, ways):
+        return self.random.choice(ways)
+
+    def plane(self, plane):
+        return self.random.choice(plane_codecs(plane))
+
+
+def constant_if_possible(values):
+    return [as_constant(values[0])] if values and len(set(values)) == 1 else []
+
+
+def sample_encodings(samples):
+    least, most = min(samples), max(samples)
+    ways = [as_packed(samples, 64, 0), as_packed(samples, max(1, (most - least).bit_length()), least)]
+    s = max(1, (least ^ most).bit_length())
+    if s <= 32:
+        first = min(samples, key=lambda n: reverse(n % 2**s, s))
+        steps = [reverse(n % 2**s, s) - reverse(first % 2**s, s) for n in samples]
+        ways.append(as_lattice(samples, s, max(steps).bit_length(), first))
+    return ways + constant_if_possible(samples)
+
+
+def encode_columns(job, light, rows, choice):
+    """(number, width, values, encoding) of every column of a page, in order."""
+    columns = []
+
+    def add(number, width, values, ways=()):
+        encoding = choice.one_of([as_planes(values, width), *ways, *constant_if_possible(values)])
+        columns.append((number, width, values, encoding))
+
+    samples = [r.sample for r in rows]
+    columns.append((1, 8, samples, choice.one_of(sample_encodings(samples))))
+    positions = [(r.u, r.v) for r in rows]
+    derived = job.halton and all(halton23(r.sample, job.shifts) == (r.u, r.v) for r in rows)
+    if derived and choice.one_of([False, True]):
+        columns += [(2 + i, 4, [p[i] for p in positions], (3, 0, 0, 0, [])) for i in (0, 1)]
+    else:
+        add(2, 4, [u for u, _ in positions])
+        add(3, 4, [v for _, v in positions])
+    if not light:
+        add(4, 4, [r.share for r in rows])
+    if job.kind == XYZ:
+        xs, ys, zs = ([r.xyz[i] for r in rows] for i in range(3))
+        stored = [y != 0 for y in ys]
+        stored[0] = True  # one at least, and it may be zero
+        encoding = choice.one_of([as_planes(ys, 4), *constant_if_possible(ys), as_sparse(ys, stored)])
+        for number, values in ((5, xs), (6, ys), (7, zs)):
+            if number == 6:
+                columns.append((6, 4, ys, encoding))
+                continue
+            fits = encoding[0] == 6 and all(s or value == 0 for s, value in zip(stored, values))
+            add(number, 4, values, [as_cross(values, ys)] + ([as_sparse_cross(values, ys, stored)] if fits else []))
+    else:
+        counts = [len(r.power) for r in rows]
+        add(8, 2, counts)
+        if job.knots:
+            add(9, 4, [r.xi for r in rows])
+            add(10, 2, [r.index for r in rows])
+        pairs = [(11, [p for r in rows for p in r.power])]
+        if not job.knots:
+            pairs.append((12, [l for r in rows for l in r.lambdas]))
+        for number, values in pairs:
+            add(number, 4, values, [as_delta2(values, counts)] if values else [])
+    for i, (_, kind) in enumerate(job.extra):
+        add(64 + i, WIDTH[kind], [r.extra[i] for r in rows])
+    return columns
+
+
+def encode_page(job, light, rows, choice):
+    """The page's bytes, and its entry in the index."""
+    table, payload, hashes, decoded_size = b"", b"", b"", 0
+    columns = encode_columns(job, light, rows, choice)
+    for number, width, values, (transform, bits, s, base, planes) in columns:
+        decoded = b"".join(value.to_bytes(width, "little") for value in values)
+        decoded_size += len(decoded)
+        hashes += struct.pack("<Q", hash64(decoded))
+        table += struct.pack("<BBBBIQ", number, transform, bits, len(planes), s, base) + hashes[-8:]
+        for plane in planes:
+            codec, stored = choice.plane(plane)
+            table += struct.pack("<I", codec << 30 | len(stored))
+            payload += stored
+    page = struct.pack("<I", len(columns)) + table + payload
+    node = smallest_square([r.u for r in rows], [r.v for r in rows])
+    pairs = sum(len(r.power) for r in rows)
+    return page, struct.pack("<BBHIIIIIQIIQ", node[0], light, 0, *node[1:], len(rows), pairs, decoded_size, hash64(hashes),
+                             len(page), 0, hash64(page))
+
+
+# ---- run, footer, file
+
+
+def in_order(records):
+    return sorted(records, key=lambda r: (r.light, z_prefix(r.u, r.v), r.sample))  # stable: as emitted within a sample
+
+
+def encode_run(job, intervals, records, choice):
+    pages, entries = b"", []
+    for light in (False, True):
+        rows = [r for r in in_order(records) if r.light == light]
+        begin = 0
+        for end in page_ends([z_prefix(r.u, r.v) for r in rows], most_records(job)):
+            page, entry = encode_page(job, light, rows[begin:end], choice)
+            pages += page
+            entries.append(entry)
+            begin = end
+    index = b"".join(struct.pack("<QQ", *interval) for interval in intervals) + b"".join(entries)
+    behind = padded(bytes(256) + pages + index)[256 + len(pages) :]
+    decoded = sum(struct.unpack_from("<I", entry, 20)[0] for entry in entries)
+    header = b"\x8dLTDBR\r\n" + struct.pack(
+        "<HHIQQQQQQQQQQQQQQQ", 1, 0, len(intervals), 0, *job.id, intervals[0][0], intervals[-1][1],
+        sum(end - first for first, end in intervals), len(entries), sum(not r.light for r in records),
+        sum(r.light for r in records), sum(len(r.power) for r in records), decoded, len(pages), hash64(behind),
+        *hash128(b"".join(entry[:32] for entry in entries)))
+    header += bytes(248 - len(header))
+    return header + struct.pack("<Q", hash64(header)) + pages + behind
+
+
+def encode_footer(offset, runs):
+    """`runs`: (offset, header) of each."""
+    front = b"\x8dLTDBE\r\n" + struct.pack("<QQ", len(runs), 0)
+    front += b"".join(struct.pack("<Q", at) + header for at, header in runs)
+    trailer = struct.pack("<QQQ24x", offset, len(front) + 64, hash64(front))
+    return front + trailer + struct.pack("<Q", hash64(trailer)) + b"\x8dLTDBE\r\n"
+
+
+def encode_file(job, runs, choice, provenance=b""):
+    """`runs`: (intervals, records) of each."""
+    file = encode_header(job, provenance)
+    listed = []
+    for intervals, records in runs:
+        run = encode_run(job, intervals, records, choice)
+        listed.append((len(file), run[:256]))
+        file += run
+    return file + encode_footer(len(file), listed)
+
+
+# ---- made-up records
+
+
+def job_id(text):
+    """Here a name decides what the records are; a renderer hashes scene and settings."""
+    return hash128(text.encode())
+
+
+def smallest():
+    job = Job(job_id("the smallest file"), XYZ, aspect=(1, 1), run_samples=2**10)
+    return job, [([(0, 1)], [Record(0, 2**31, 2**30, xyz=(0x3F000000, 0x3F800000, 0x3E800000))])]
+
+
+def noise(r):
+    return float_bits(r.choice([1, 1, 1, 0.1, 1e-3]) * r.expovariate(1))
+
+
+def a_value(r):
+    """Mostly radiance; sometimes what a reader may stumble over: -0, the smallest number, a negative one."""
+    return r.choice([0x80000000, 1, 0xBF000000]) if r.random() < 0.01 else noise(r)
+
+
+def extra_values(job, r):
+    """Any bits for integers, numbers for floats, now and then an infinity or a NaN with a payload."""
+    def value(kind):
+        if kind[0] == "u":
+            return r.getrandbits(8 * WIDTH[kind])
+        if kind == "f32":
+            return r.choice([0x7F800000, 0xFFC12345]) if r.random() < 0.01 else noise(r)
+        return struct.unpack("<Q", struct.pack("<d", r.gauss(0, 1e9)))[0]
+    return tuple(value(kind) for _, kind in job.extra)
+
+
+def make_records(job, intervals, r, fill):
+    """`fill`: a function that gives a record its values."""
+    records = []
+    for first, end in intervals:
+        for n in range(first, end):
+            if r.random() < 0.02:
+                continue  # a sample may be without records
+            u, v = halton23(n, job.shifts) if job.halton else (r.getrandbits(32), r.getrandbits(32))
+            shares = [0.5, 0.5] if r.random() < 0.01 else [1.0]
+            records += [Record(n, u, v, share=float_bits(share)) for share in shares]
+            if job.light_paths and r.random() < 0.1:
+                records.append(Record(n, r.getrandbits(32), r.getrandbits(32), light=True, share=0))
+    for record in records:
+        fill(record)
+        record.extra = extra_values(job, r)
+    return records
+
+
+def xyz():
+    r = random.Random(2)
+    job = Job(job_id("xyz"), XYZ, halton=True, shifts=(0x12345678, 0x9ABCDEF0), light_paths=1,
+              extra=[("group", "u8"), ("camera", "u16"), ("object", "u32"), ("path", "u64"), ("depth", "f32"), ("time", "f64")])
+
+    def fill(record):
+        black = not record.light and r.random() < 0.3
+        record.xyz = (0, 0, 0) if black else tuple(a_value(r) for _ in range(3))
+        if not record.light and r.random() < 0.0002:
+            record.u ^= r.getrandbits(20)  # not where the sampler would put it
+    runs = [[(0, 8192)], [(8192, 8292), (8300, 8400), (8500, 8501)], [(16384, 16400)]]
+    return job, [(intervals, make_records(job, intervals, r, fill)) for intervals in runs] + [([(24576, 24580)], [])]
+
+
+def spectral():
+    r = random.Random(3)
+    knots = [(i * 2**48 // 47, (360 + 10 * i) << 20) for i in range(48)]
+    job = Job(job_id("spectral"), SPECTRAL, k=28, knots=knots, halton=True, light_paths=1, light_unit=683.0)
+
+    def fill(record):
+        record.xi = r.getrandbits(32)
+        kind = r.random()
+        n = 0 if kind < 0.3 and not record.light else 1 if kind < 0.8 else job.k
+        if n == 1:
+            record.index = r.randrange(job.k)
+        record.power = [a_value(r) for _ in range(n)]
+    runs = [[(0, 4000)], [(8192, 8193), (9000, 9064)]]
+    return job, [(intervals, make_records(job, intervals, r, fill)) for intervals in runs]
+
+
+def explicit():
+    r = random.Random(4)
+    job = Job(job_id("explicit"), SPECTRAL, aspect=(16, 9), k=1024, extra=[("light_group", "u8")])
+
+    def fill(record):
+        n = 0 if r.random() < 0.3 else r.choice([1, 2, 3, 4, 31])
+        record.power = [a_value(r) for _ in range(n)]
+        record.lambdas = sorted(float_bits(r.uniform(360, 830)) for _ in range(n))
+    runs = [[(0, 700)], [(700, 800)]]
+    return job, [(intervals, make_records(job, intervals, r, fill)) for intervals in runs]
+
+
+def line_of(job, record):
+    fields = {"sample": record.sample, "class": "light" if record.light else "camera", "u": record.u, "v": record.v,
+              "share": record.share}
+    if job.kind == XYZ:
+        fields |= dict(zip("xyz", record.xyz))
+    else:
+        n = len(record.power)
+        indices = [record.index] if n == 1 and job.k > 1 else range(n)
+        fields["lambda_nm"] = [wavelength(job, record.xi, i) for i in indices] if job.knots else record.lambdas
+        fields["power"] = record.power
+    return json.dumps(fields | {name: bits for (name, _), bits in zip(job.extra, record.extra)}) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    kinds = {"smallest": smallest, "xyz": xyz, "spectral": spectral, "explicit": explicit}
+    parser.add_argument("kind", choices=kinds)
+    parser.add_argument("file")
+    parser.add_argument("--vary", type=int)
+    parser.add_argument("--parts")
+    parser.add_argument("--records")
+    options = parser.parse_args()
+    job, runs = kinds[options.kind]()
+    if options.parts:
+        runs = [runs[int(i)] for i in options.parts.split(",")]
+    choice = Plain() if options.vary is None else Varied(options.vary)
+    with open(options.file, "wb") as file:
+        file.write(encode_file(job, runs, choice))
+    if options.records:
+        with open(options.records, "w") as file:
+            for _, records in runs:
+                file.writelines(line_of(job, record) for record in in_order(records))
+
+
+if __name__ == "__main__":
+    main()
