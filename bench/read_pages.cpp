@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 
 using namespace latent;
 

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "sampledb/page_codec.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/run_codec.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

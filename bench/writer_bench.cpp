@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "base/file.h"
-#include "sampledb/gathering.h"
-#include "sampledb/part_writer.h"
-#include "sampledb/run_assembler.h"
+#include "sampledb/read/gathering.h"
+#include "sampledb/write/part_writer.h"
+#include "sampledb/write/run_assembler.h"
 #include "tests/support/synthetic.h"
 
 namespace {

@@ -4,10 +4,10 @@
 #include "base/cli.h"
 #include "base/parallel.h"
 #include "base/size.h"
-#include "render/render.h"
-#include "render/render_arguments.h"
-#include "render/render_report.h"
-#include "render/stop_signals.h"
+#include "render/program/arguments.h"
+#include "render/program/loop.h"
+#include "render/program/report.h"
+#include "render/program/stop_signals.h"
 
 int main(int argc, char** argv) {
     using namespace latent;

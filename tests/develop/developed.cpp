@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sampledb/page_codec.h"
+#include "sampledb/codec/page_codec.h"
 
 namespace latent::develop {
 

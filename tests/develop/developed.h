@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "color/observer.h"
-#include "sampledb/gathering.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/read/gathering.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/develop.h"
 #include "tools/develop/splat.h"

@@ -10,8 +10,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "sampledb/file_format.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/format/file_format.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/picture.h"

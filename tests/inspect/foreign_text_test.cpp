@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "sampledb/file_format.h"
-#include "sampledb/file_reader.h"
+#include "sampledb/format/file_format.h"
+#include "sampledb/read/file_reader.h"
 #include "tests/inspect/inspect_test.h"
 
 namespace latent::inspect {

@@ -1,5 +1,5 @@
 // Spheres, disks and patches against what their equations say.
-#include "render/exact_shapes.h"
+#include "render/geometry/exact_shapes.h"
 
 #include <gtest/gtest.h>
 

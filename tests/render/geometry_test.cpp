@@ -1,10 +1,10 @@
 // Geometry against brute force, and the promises that light transport builds on: orientation, clear ray origins, emitters.
-#include "render/geometry.h"
+#include "render/geometry/geometry.h"
 
 #include <random>
 
-#include "render/exact_shapes.h"
-#include "render/simd.h"
+#include "render/geometry/exact_shapes.h"
+#include "render/program/simd.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {

@@ -1,5 +1,5 @@
 // Meshes come out the same from every encoding that PLY has, and no file does harm.
-#include "render/ply.h"
+#include "render/load/mesh/ply.h"
 
 #include <gmock/gmock.h>
 

@@ -1,13 +1,12 @@
 // What names a job, and which samples a process renders.
-#include "render/render_job.h"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <set>
 
-#include "render/render_arguments.h"
-#include "render/simd.h"
+#include "render/program/arguments.h"
+#include "render/program/job.h"
+#include "render/program/simd.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {

@@ -7,7 +7,7 @@
 #include <set>
 #include <thread>
 
-#include "render/render.h"
+#include "render/program/loop.h"
 #include "tests/faults/process.h"
 
 namespace latent::render {

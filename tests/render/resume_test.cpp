@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 #include "tests/faults/process.h"
 
 namespace latent::render {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "render/directive.h"
+#include "render/load/pbrt/directive.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "image/exr_writer.h"
-#include "render/load_scene.h"
+#include "render/load/load_scene.h"
 #include "tests/faults/process.h"
 
 namespace latent::render::testing {

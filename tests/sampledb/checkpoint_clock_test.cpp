@@ -1,4 +1,4 @@
-#include "sampledb/checkpoint_clock.h"
+#include "sampledb/write/checkpoint_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Coverage behaves like the set of numbers that it stands for.
-#include "sampledb/coverage.h"
+#include "sampledb/data/coverage.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "sampledb/file_reader.h"
+#include "sampledb/read/file_reader.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

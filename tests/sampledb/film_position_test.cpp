@@ -1,5 +1,5 @@
 // Positions of sample numbers, against the definition in exact arithmetic and against the vectors of docs/format.md.
-#include "sampledb/film_position.h"
+#include "sampledb/data/film_position.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Files of another writer: tests/sampledb/write_latent.py, which was written from docs/format.md alone.
 #include <gtest/gtest.h>
 
-#include "sampledb/file_reader.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/read/file_reader.h"
 #include "tests/faults/process.h"
 
 namespace latent::sampledb {

@@ -1,5 +1,5 @@
 // What a tool sees of the files that it was given: docs/format.md, "Selection".
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "sampledb/file_reader.h"
+#include "sampledb/read/file_reader.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 

@@ -1,11 +1,11 @@
-#include "sampledb/grain_queue.h"
+#include "sampledb/write/grain_queue.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 #include <vector>
 
-#include "sampledb/record.h"
+#include "sampledb/data/record.h"
 
 namespace latent::sampledb {
 namespace {

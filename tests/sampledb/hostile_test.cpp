@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "base/hash.h"
-#include "sampledb/column_decode.h"
-#include "sampledb/file_reader.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/column_decode.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/read/file_reader.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

@@ -1,12 +1,12 @@
 // A job is what its header says, field by field.
-#include "sampledb/job.h"
+#include "sampledb/data/job.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <limits>
 
-#include "sampledb/file_format.h"
+#include "sampledb/format/file_format.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

@@ -1,4 +1,4 @@
-#include "sampledb/part_writer.h"
+#include "sampledb/write/part_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <random>
 #include <thread>
 
-#include "sampledb/grain_queue.h"
-#include "sampledb/part_name.h"
-#include "sampledb/run_assembler.h"
+#include "sampledb/read/part_name.h"
+#include "sampledb/write/grain_queue.h"
+#include "sampledb/write/run_assembler.h"
 #include "tests/faults/process.h"
 #include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"

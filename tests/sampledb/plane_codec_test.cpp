@@ -1,5 +1,5 @@
 // Planes come back by every codec, each used where it pays; stored planes that mislead are refused.
-#include "sampledb/plane_codec.h"
+#include "sampledb/codec/plane_codec.h"
 
 #include <gtest/gtest.h>
 #include <zstd.h>

@@ -1,5 +1,5 @@
 // Planes, bits and rows come back as they went in.
-#include "sampledb/planes.h"
+#include "sampledb/codec/planes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "sampledb/run_assembler.h"
+#include "sampledb/write/run_assembler.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/run_codec.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

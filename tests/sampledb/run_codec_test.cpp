@@ -1,5 +1,5 @@
 // Records survive a run bit for bit, and a run is a function of its records alone.
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/run_codec.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <numeric>
 #include <random>
 
-#include "sampledb/page_codec.h"
-#include "sampledb/z_order.h"
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/data/z_order.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

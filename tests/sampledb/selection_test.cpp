@@ -1,5 +1,5 @@
 // Which runs are chosen is a function of the set of runs.
-#include "sampledb/selection.h"
+#include "sampledb/read/selection.h"
 
 #include <gtest/gtest.h>
 

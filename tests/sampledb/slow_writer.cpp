@@ -11,8 +11,8 @@
 #include <string>
 #include <thread>
 
-#include "sampledb/grain_queue.h"
-#include "sampledb/part_writer.h"
+#include "sampledb/write/grain_queue.h"
+#include "sampledb/write/part_writer.h"
 #include "tests/support/synthetic.h"
 
 namespace {

@@ -8,12 +8,12 @@
 #include <sstream>
 
 #include "base/hash.h"
-#include "sampledb/column_decode.h"
-#include "sampledb/page_codec.h"
-#include "sampledb/page_layout.h"
-#include "sampledb/planes.h"
-#include "sampledb/run_codec.h"
-#include "sampledb/z_order.h"
+#include "sampledb/codec/column_decode.h"
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_layout.h"
+#include "sampledb/codec/planes.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/data/z_order.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 

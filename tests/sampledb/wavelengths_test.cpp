@@ -1,5 +1,5 @@
 // Wavelengths are a stratified draw from their density, and the same bits everywhere.
-#include "sampledb/wavelengths.h"
+#include "sampledb/data/wavelengths.h"
 
 #include <gtest/gtest.h>
 

@@ -77,11 +77,11 @@ TEST(Structure, EveryIncludePointsDownTheArrows) {
 
 TEST(Structure, AReversedArrowIsCaught) {
     std::istringstream up("#include \"render/scene.h\"\n");
-    EXPECT_EQ(reversed_arrows("sampledb/page.h", up).size(), 1u);
-    std::istringstream across("  # include  \"sampledb/page.h\"\n");
+    EXPECT_EQ(reversed_arrows("sampledb/data/page.h", up).size(), 1u);
+    std::istringstream across("  # include  \"sampledb/data/page.h\"\n");
     EXPECT_EQ(reversed_arrows("tools/convert/convert.cpp", across).size(), 1u);
     std::istringstream down("#include \"base/result.h\"\n");
-    EXPECT_TRUE(reversed_arrows("sampledb/page.h", down).empty());
+    EXPECT_TRUE(reversed_arrows("sampledb/data/page.h", down).empty());
 }
 
 TEST(Structure, EveryMainIsATableOfContents) {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 
 namespace latent::synthetic {
 

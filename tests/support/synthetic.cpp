@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iostream>
 
-#include "sampledb/file_format.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/format/file_format.h"
 
 namespace latent::synthetic {
 

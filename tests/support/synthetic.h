@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "sampledb/coverage.h"
-#include "sampledb/job.h"
-#include "sampledb/record.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/record.h"
 
 namespace latent::synthetic {
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <numbers>
 
-#include "render/bdpt.h"
+#include "render/transport/bidirectional/bdpt.h"
 #include "tests/transport/blocks.h"
 #include "tests/transport/world_builder.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "render/integrator.h"
+#include "render/transport/integrator.h"
 #include "tests/transport/comparison.h"
 
 namespace latent::render::testing {

@@ -1,5 +1,5 @@
 // Laws of cameras: a ray and the way back agree, and the density of rays is the Jacobian of that map.
-#include "render/camera.h"
+#include "render/camera/camera.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/math.h"
+#include "render/math/vec.h"
 
 namespace latent::render::testing {
 

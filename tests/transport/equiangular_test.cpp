@@ -1,10 +1,10 @@
 // Laws of distances drawn by the angle that a light sees: they follow their density, and light that is scattered once beside a
 // point adds up to the integral, no sample brighter than the distance of the ray allows.
-#include "render/equiangular.h"
+#include "render/medium/equiangular.h"
 
 #include <cmath>
 
-#include "render/medium.h"
+#include "render/medium/medium.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/world_builder.h"

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "color/observer.h"
-#include "render/records.h"
-#include "render/wavelengths.h"
+#include "render/spectral/wavelength_density.h"
+#include "render/transport/records.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/world_builder.h"
 

@@ -1,10 +1,10 @@
 // Laws of lights: points and rays are drawn as their densities say, and both ways of asking give the same light.
-#include "render/lights.h"
+#include "render/light/lights.h"
 
 #include <cmath>
 
 #include "color/observer.h"
-#include "render/environment.h"
+#include "render/light/environment.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/world_builder.h"

@@ -1,10 +1,10 @@
 // Laws of media: distances are drawn as their density says, and the weights of a step add up to transmittance and single scattering
 // in every wavelength, however differently these are absorbed.
-#include "render/medium.h"
+#include "render/medium/medium.h"
 
 #include <cmath>
 
-#include "render/wavelengths.h"
+#include "render/spectral/wavelength_density.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 

@@ -1,11 +1,11 @@
 // Laws of BSDFs and phase functions: they are drawn as their densities say, reciprocal, and give back no more than they get.
-#include "render/scattering.h"
+#include "render/bsdf/scattering.h"
 
 #include <array>
 #include <cmath>
 #include <optional>
 
-#include "render/fresnel.h"
+#include "render/bsdf/fresnel.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 

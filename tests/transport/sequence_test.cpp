@@ -1,13 +1,13 @@
 // Laws of the numbers of a sample, and of the functions that turn them into points.
-#include "render/sequence.h"
+#include "render/sampling/sequence.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "render/sampling.h"
-#include "sampledb/film_position.h"
+#include "render/sampling/sampling.h"
+#include "sampledb/data/film_position.h"
 #include "tests/transport/numbers.h"
 
 namespace latent::render::testing {

@@ -1,5 +1,5 @@
 // Laws of wavelengths and spectra: sums over a batch are unbiased for any response; tables are the functions that they stand for.
-#include "render/spectra.h"
+#include "render/spectral/spectra.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "color/named_spectra.h"
 #include "color/observer.h"
 #include "color/visible_density.h"
-#include "render/wavelengths.h"
+#include "render/spectral/wavelength_density.h"
 #include "tests/transport/chi_square.h"
 
 namespace latent::render::testing {

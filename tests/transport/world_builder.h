@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "render/integrator.h"
-#include "render/load_scene.h"
-#include "render/world.h"
+#include "render/load/load_scene.h"
+#include "render/transport/integrator.h"
+#include "render/world/world.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render::testing {

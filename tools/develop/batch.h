@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 #include "tools/develop/channels.h"
 #include "tools/develop/film_grid.h"
 #include "tools/develop/splat.h"

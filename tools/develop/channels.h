@@ -7,8 +7,8 @@
 
 #include "base/result.h"
 #include "color/observer.h"
-#include "sampledb/job.h"
-#include "sampledb/page.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
 
 namespace latent::develop {
 

@@ -6,7 +6,7 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 #include "tools/develop/assembly.h"
 #include "tools/develop/channels.h"
 #include "tools/develop/film_grid.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sampledb/page.h"
+#include "sampledb/data/page.h"
 
 namespace latent::develop {
 

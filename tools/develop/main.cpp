@@ -4,7 +4,7 @@
 
 #include "base/cli.h"
 #include "base/temporary_path.h"
-#include "sampledb/parse.h"
+#include "sampledb/data/parse.h"
 #include "tools/develop/picture.h"
 #include "tools/develop/report.h"
 #include "tools/develop/splat.h"

@@ -9,7 +9,7 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 #include "tools/develop/develop.h"
 
 namespace latent::develop {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 #include "tools/develop/batch.h"
 #include "tools/develop/film_grid.h"
 

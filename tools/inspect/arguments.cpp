@@ -7,7 +7,7 @@
 #include <charconv>
 
 #include "base/cli.h"
-#include "sampledb/parse.h"
+#include "sampledb/data/parse.h"
 
 namespace latent::inspect {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/coverage.h"
-#include "sampledb/gathering.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/read/gathering.h"
 
 namespace latent::inspect {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/byte_source.h"
-#include "sampledb/file_reader.h"
+#include "sampledb/read/byte_source.h"
+#include "sampledb/read/file_reader.h"
 
 namespace latent::inspect {
 

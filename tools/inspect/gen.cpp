@@ -11,7 +11,7 @@
 
 #include "base/first_error.h"
 #include "base/size.h"
-#include "sampledb/grain_queue.h"
+#include "sampledb/write/grain_queue.h"
 
 namespace latent::inspect {
 

@@ -9,7 +9,7 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/part_writer.h"
+#include "sampledb/write/part_writer.h"
 #include "tools/inspect/synthetic.h"
 
 namespace latent::inspect {

@@ -8,12 +8,12 @@
 #include "base/json.h"
 #include "base/printable.h"
 #include "base/size.h"
-#include "sampledb/byte_source.h"
-#include "sampledb/input_files.h"
-#include "sampledb/page_codec.h"
-#include "sampledb/provenance.h"
-#include "sampledb/report_json.h"
-#include "sampledb/selection.h"
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/read/byte_source.h"
+#include "sampledb/read/input_files.h"
+#include "sampledb/read/provenance.h"
+#include "sampledb/read/report_json.h"
+#include "sampledb/read/selection.h"
 #include "tools/inspect/damage.h"
 
 namespace latent::inspect {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/coverage.h"
-#include "sampledb/file_reader.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/read/file_reader.h"
 
 namespace latent::inspect {
 

@@ -10,7 +10,7 @@
 
 #include "base/cli.h"
 #include "base/json.h"
-#include "sampledb/input_files.h"
+#include "sampledb/read/input_files.h"
 #include "tools/inspect/info.h"
 #include "tools/inspect/verify.h"
 

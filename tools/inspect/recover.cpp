@@ -6,9 +6,9 @@
 
 #include "base/file.h"
 #include "base/size.h"
-#include "sampledb/byte_source.h"
-#include "sampledb/input_files.h"
-#include "sampledb/report_json.h"
+#include "sampledb/read/byte_source.h"
+#include "sampledb/read/input_files.h"
+#include "sampledb/read/report_json.h"
 #include "tools/inspect/damage.h"
 
 namespace latent::inspect {

@@ -9,8 +9,8 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/coverage.h"
-#include "sampledb/file_reader.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/read/file_reader.h"
 
 namespace latent::inspect {
 

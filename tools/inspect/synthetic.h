@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "sampledb/job.h"
-#include "sampledb/part_writer.h"
+#include "sampledb/data/job.h"
+#include "sampledb/write/part_writer.h"
 
 namespace latent::inspect {
 

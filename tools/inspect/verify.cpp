@@ -10,9 +10,9 @@
 
 #include "base/parallel.h"
 #include "base/size.h"
-#include "sampledb/byte_source.h"
-#include "sampledb/input_files.h"
-#include "sampledb/part_name.h"
+#include "sampledb/read/byte_source.h"
+#include "sampledb/read/input_files.h"
+#include "sampledb/read/part_name.h"
 #include "tools/inspect/damage.h"
 
 namespace latent::inspect {

@@ -9,7 +9,7 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/file_reader.h"
+#include "sampledb/read/file_reader.h"
 
 namespace latent::inspect {
 

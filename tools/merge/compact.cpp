@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "sampledb/run_codec.h"
-#include "sampledb/z_order.h"
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/data/z_order.h"
 
 namespace latent::merge {
 

@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "base/result.h"
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 
 namespace latent::merge {
 

@@ -1,8 +1,8 @@
 // Which runs are compacted together: compact_groups.
 #include <algorithm>
 
-#include "sampledb/page_codec.h"
-#include "sampledb/run_codec.h"
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/run_codec.h"
 #include "tools/merge/compact.h"
 
 namespace latent::merge {

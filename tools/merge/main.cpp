@@ -1,7 +1,7 @@
 // latent-merge: the parts of one job become one file.
 #include "base/cli.h"
 #include "base/temporary_path.h"
-#include "sampledb/parse.h"
+#include "sampledb/data/parse.h"
 #include "tools/merge/merge.h"
 #include "tools/merge/report.h"
 

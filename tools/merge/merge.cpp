@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/size.h"
-#include "sampledb/recent_cache.h"
+#include "sampledb/read/recent_cache.h"
 #include "tools/merge/compact.h"
 #include "tools/merge/provenance.h"
 

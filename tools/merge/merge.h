@@ -10,8 +10,8 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/coverage.h"
-#include "sampledb/gathering.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/read/gathering.h"
 
 namespace latent::merge {
 

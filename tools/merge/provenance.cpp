@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/json.h"
-#include "sampledb/file_reader.h"
-#include "sampledb/provenance.h"
-#include "sampledb/report_json.h"
+#include "sampledb/read/file_reader.h"
+#include "sampledb/read/provenance.h"
+#include "sampledb/read/report_json.h"
 
 namespace latent::merge {
 

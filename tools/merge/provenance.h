@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "sampledb/gathering.h"
+#include "sampledb/read/gathering.h"
 
 namespace latent::merge {
 

@@ -4,7 +4,7 @@
 
 #include "base/json.h"
 #include "base/size.h"
-#include "sampledb/report_json.h"
+#include "sampledb/read/report_json.h"
 
 namespace latent::merge {
 

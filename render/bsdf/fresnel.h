@@ -1,0 +1,51 @@
+// render/bsdf/fresnel.h: reflectance of smooth interfaces. Unpolarised light. docs/rendering.md, "Surfaces".
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/math/vec.h"
+#include "render/spectral/batch.h"
+
+namespace latent::render {
+
+// Dielectric whose index of refraction is `eta` times that of the side of the ray, which arrives at cosine c > 0.
+//   r_par = (eta c - c_t) / (eta c + c_t),  r_perp = (c - eta c_t) / (c + eta c_t),  F = (r_par^2 + r_perp^2) / 2
+// 1 where Snell's law has no transmitted direction (total reflection).
+inline float fresnel_dielectric(float c, float eta) {
+    const float sin2_t = std::max(0.0f, 1 - c * c) / (eta * eta);
+    if (sin2_t >= 1) return 1;
+    const float ct = std::sqrt(1 - sin2_t);
+    const float parallel = (eta * c - ct) / (eta * c + ct), perpendicular = (c - eta * ct) / (c + eta * ct);
+    return 0.5f * (parallel * parallel + perpendicular * perpendicular);
+}
+
+// Conductor of complex index eta + i k, in each wavelength, at cosine c of the angle of incidence [Lagarde13]:
+//   2 a^2 = sqrt((eta^2 - k^2 - s^2)^2 + 4 eta^2 k^2) + eta^2 - k^2 - s^2,   s = sin, a^2 + b^2 = that square root
+//   R_perp = (a^2 + b^2 - 2 a c + c^2) / (a^2 + b^2 + 2 a c + c^2)
+//   R_par = R_perp (c^2 (a^2 + b^2) - 2 a c s^2 + s^4) / (c^2 (a^2 + b^2) + 2 a c s^2 + s^4)
+inline Batch fresnel_conductor(float c, const Batch& eta, const Batch& k) {
+    const float c2 = c * c, s2 = std::max(0.0f, 1 - c2);
+    return batch_of([&](std::uint32_t i) {
+        const float n2 = eta.v[i] * eta.v[i], k2 = k.v[i] * k.v[i];
+        const float t = n2 - k2 - s2;
+        const float a2b2 = std::sqrt(t * t + 4 * n2 * k2);
+        const float a2 = 0.5f * (a2b2 + t);
+        const float a = std::sqrt(a2 > 0 ? a2 : 0.0f);
+        const float perpendicular = (a2b2 + c2 - 2 * a * c) / (a2b2 + c2 + 2 * a * c);
+        const float p = c2 * a2b2 + s2 * s2, q = 2 * a * c * s2;
+        return 0.5f * perpendicular * (1 + (p - q) / (p + q));
+    });
+}
+
+// Direction that `w` (towards the light or the eye, on the side of unit normal n) is refracted to, `eta` the index of the other
+// side over that of w's side. False: total reflection.
+inline bool refract(const Vec3f& w, const Vec3f& n, float eta, Vec3f& out) {
+    const float c = dot(w, n);
+    const float sin2_t = std::max(0.0f, 1 - c * c) / (eta * eta);
+    if (sin2_t >= 1) return false;
+    out = n * (c / eta - std::sqrt(1 - sin2_t)) - w / eta;
+    return true;
+}
+
+}  // namespace latent::render

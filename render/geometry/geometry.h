@@ -1,0 +1,85 @@
+// render/geometry/geometry.h: where rays meet surfaces. Embree 3 underneath; spheres, disks and curved patches are solved in
+// double.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "render/math/vec.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+struct Ray {
+    Vec3f o, d;  // d need not have unit length; t counts in lengths of d
+    float t_max = kInfinity;
+};
+
+// A point that rays may leave from: the true point is within `error` of `p` in each coordinate; `ng` is unit length, or 0 for a
+// point that lies on no surface (in a medium, on a lens).
+struct Anchor {
+    Vec3f p;
+    float error = 0;
+    Vec3f ng;
+};
+
+// Everything about the surface at a hit; nothing depends on the side that the ray came from.
+struct SurfaceHit {
+    Vec3f p;
+    float error;  // bound on the distance of each coordinate of p from the true surface
+    float t;
+    Vec3f ng;    // geometric normal, unit: outside is where it points (pbrt's orientation rules, ReverseOrientation included)
+    Vec3f ns;    // shading normal, unit, in the hemisphere of ng
+    Vec3f dpdu;  // never parallel to ng, of any length: orients anisotropic materials
+    std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
+    std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
+    std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
+
+    Anchor anchor() const { return {p, error, ng}; }
+};
+
+// A piece of a light that has area: one triangle, or one whole sphere (of a uniform scale).
+struct Emitter {
+    std::uint32_t area_light = kNone;
+    bool is_sphere = false;
+    Vec3f p{}, e1{}, e2{};  // triangle: a vertex and the edges from it; sphere: its centre in p
+    Vec3f n{};              // triangle: unit normal as SurfaceHit::ng
+    float radius = 0;       // sphere
+    bool inward = false;    // sphere: ng points to the centre
+    float area = 0;
+    float scale = 0;  // radiance = scale x AreaLightDescription::spectrum; AreaLightDescription::scale and power are in it
+    std::uint32_t inside_medium = kNone, outside_medium = kNone;
+};
+
+// A ray from `from` in direction `d`: starts clear of the surface, on the side that d points to [PBRT4 6.8.6].
+Ray spawn_ray(const Anchor& from, const Vec3f& d);
+// The same to a point: d = to - from, t_max just short of 1, clear of both surfaces.
+Ray spawn_ray(const Anchor& from, const Anchor& to);
+
+class Geometry {
+ public:
+    // `simd` is an Embree isa name (render/program/simd.h chooses). Errors: kUnsupported, of a light naming the shape; kOutOfRange:
+    // the scene does not fit into memory.
+    static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd);
+    virtual ~Geometry() = default;
+
+    // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
+    virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
+    virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
+
+    const std::vector<Emitter>& emitters() const { return emitters_; }
+    // A ball about everything.
+    const Vec3f& center() const { return center_; }
+    float radius() const { return radius_; }
+
+ protected:
+    std::vector<Emitter> emitters_;
+    Vec3f center_;
+    float radius_ = 0;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,40 @@
+// render/light/environment.h: a sky given by an image on the equal-area square. docs/rendering.md, "Lights".
+#pragma once
+
+#include "color/named_spectra.h"
+#include "color/rgb_to_spectrum.h"
+#include "render/math/equal_area.h"
+#include "render/sampling/sampling.h"
+#include "render/scene/description.h"
+#include "render/spectral/spectra.h"
+
+namespace latent::render {
+
+// Every pixel is a constant radiance: rgb as a spectrum times the light's illuminant. The spectrum of rgb is a sum of smooth ones
+// of fixed colours, so that no pixel needs to be solved for: the smallest component of white (1 at every wavelength), what the
+// middle one exceeds it by of the secondary colour of the two larger ones, the rest of the largest's primary [Smits99]. Its colour
+// under the illuminant is rgb exactly, as colours add up.
+class Environment {
+ public:
+    Environment(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library);
+
+    Vec3f sample(float u, float v) const;  // unit direction towards the sky
+    float pdf_omega(const Vec3f& w) const;
+    void multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const;
+
+    double mean_luminance() const { return mean_luminance_; }
+    double upper_illuminance() const;  // integral over z > 0 of light space of luminance times cosine
+
+ private:
+    std::size_t pixel(const Vec2f& p) const;
+    Vec2f square_of(const Vec3f& w) const;
+
+    std::shared_ptr<const ImageDescription> image_;
+    Affinef world_from_light_, light_from_world_;  // rotations
+    std::uint32_t basis_[6];                       // red, green, blue, cyan, magenta, yellow
+    std::vector<float> row_cdf_, column_cdf_;      // of rows; of the pixels of each row, one row after another
+    std::vector<float> probability_;               // of each pixel
+    double mean_luminance_ = 0;
+};
+
+}  // namespace latent::render

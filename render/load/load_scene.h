@@ -1,0 +1,26 @@
+// render/load/load_scene.h: a .pbrt file, with all that it includes, becomes a SceneDescription.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/hash.h"
+#include "base/result.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+struct LoadedScene {
+    SceneDescription description;
+    Hash128 content;                    // of everything that shapes the picture: directives and the content of files, not names
+    std::vector<std::string> warnings;  // "room.pbrt:3:1: ...": what was ignored, though the picture is right without it
+};
+
+// Errors: kNotFound, kIo; kCorrupt for a syntax error; kUnsupported if anything was found that would make the picture wrong: the
+// message then holds one line for each, all of them.
+//
+// With `another_integrator`, that of the scene is replaced: whatever its name is, the picture is as asked.
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool another_integrator = false);
+
+}  // namespace latent::render

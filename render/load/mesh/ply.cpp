@@ -1,0 +1,255 @@
+#include "render/load/mesh/ply.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <optional>
+
+namespace latent::render {
+
+namespace {
+
+enum class Type : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+constexpr std::size_t kSize[] = {1, 1, 2, 2, 4, 4, 4, 8};
+
+std::optional<Type> type_of(std::string_view name) {
+    static constexpr struct {
+        std::string_view name, other;
+    } kNames[] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
+                  {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
+    for (std::size_t i = 0; i < std::size(kNames); ++i) {
+        if (name == kNames[i].name || name == kNames[i].other) return static_cast<Type>(i);
+    }
+    return std::nullopt;
+}
+
+struct Property {
+    std::string_view name;
+    Type type;
+    std::optional<Type> list;  // type of the count in front of a list
+};
+struct Element {
+    std::string_view name;
+    std::uint64_t count = 0;
+    std::vector<Property> properties{};
+};
+enum class Format { kAscii, kLittle, kBig };
+
+// Takes values off the body, whatever its encoding. Past the end it returns 0 and clears `ok`.
+class Body {
+ public:
+    Body(std::string_view bytes, Format format) : bytes_(bytes), format_(format) {}
+
+    double value(Type type) {
+        if (format_ == Format::kAscii) return ascii();
+        const std::size_t size = kSize[static_cast<std::size_t>(type)];
+        if (bytes_.size() < size) return fail();
+        char raw[8];
+        for (std::size_t i = 0; i < size; ++i) raw[i] = bytes_[format_ == little_format() ? i : size - 1 - i];
+        bytes_.remove_prefix(size);
+        switch (type) {
+            case Type::kInt8:
+                return as<std::int8_t>(raw);
+            case Type::kUint8:
+                return as<std::uint8_t>(raw);
+            case Type::kInt16:
+                return as<std::int16_t>(raw);
+            case Type::kUint16:
+                return as<std::uint16_t>(raw);
+            case Type::kInt32:
+                return as<std::int32_t>(raw);
+            case Type::kUint32:
+                return as<std::uint32_t>(raw);
+            case Type::kFloat32:
+                return as<float>(raw);
+            case Type::kFloat64:
+                return as<double>(raw);
+        }
+        return 0;
+    }
+    bool ok() const { return ok_; }
+    std::size_t remaining() const { return bytes_.size(); }
+
+ private:
+    static Format little_format() { return std::endian::native == std::endian::little ? Format::kLittle : Format::kBig; }
+    template <class T>
+    static double as(const char* raw) {
+        T value;
+        std::memcpy(&value, raw, sizeof(T));
+        return static_cast<double>(value);
+    }
+    double ascii() {
+        const std::size_t begin = bytes_.find_first_not_of(" \t\r\n");
+        if (begin == std::string_view::npos) return fail();
+        bytes_.remove_prefix(begin);
+        double value = 0;
+        const auto [end, error] = std::from_chars(bytes_.data(), bytes_.data() + bytes_.size(), value);
+        if (error != std::errc{}) return fail();
+        bytes_.remove_prefix(static_cast<std::size_t>(end - bytes_.data()));
+        return value;
+    }
+    double fail() {
+        ok_ = false;
+        bytes_ = {};
+        return 0;
+    }
+
+    std::string_view bytes_;
+    Format format_;
+    bool ok_ = true;
+};
+
+struct Header {
+    Format format = Format::kAscii;
+    std::vector<Element> elements;
+    std::size_t size = 0;  // bytes, the line "end_header" included
+};
+
+std::vector<std::string_view> words(std::string_view line) {
+    std::vector<std::string_view> out;
+    for (std::size_t at = line.find_first_not_of(" \t\r"); at != std::string_view::npos; at = line.find_first_not_of(" \t\r", at)) {
+        const std::size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
+        out.push_back(line.substr(at, end - at));
+        at = end;
+    }
+    return out;
+}
+
+Result<Header> parse_header(std::string_view bytes) {
+    Header header;
+    bool have_format = false;
+    for (int number = 1;; ++number) {
+        const std::size_t end = bytes.find('\n', header.size);
+        if (end == std::string_view::npos)
+            return Error{number == 1 ? ErrorCode::kForeign : ErrorCode::kTruncated,
+                         number == 1 ? "not a PLY file" : "the header does not end"};
+        const std::vector<std::string_view> line = words(bytes.substr(header.size, end - header.size));
+        header.size = end + 1;
+        const auto wrong = [&] { return Error{ErrorCode::kCorrupt, fmt::format("line {} of the header makes no sense", number)}; };
+        if (number == 1) {
+            if (line.size() != 1 || line[0] != "ply") return Error{ErrorCode::kForeign, "not a PLY file"};
+        } else if (line.empty() || line[0] == "comment" || line[0] == "obj_info") {
+            continue;
+        } else if (line[0] == "end_header") {
+            if (!have_format) return wrong();
+            return header;
+        } else if (line[0] == "format" && line.size() >= 2) {
+            have_format = true;
+            if (line[1] == "ascii") {
+                header.format = Format::kAscii;
+            } else if (line[1] == "binary_little_endian") {
+                header.format = Format::kLittle;
+            } else if (line[1] == "binary_big_endian") {
+                header.format = Format::kBig;
+            } else {
+                return wrong();
+            }
+        } else if (line[0] == "element" && line.size() == 3) {
+            Element element{.name = line[1]};
+            const auto [stop, error] = std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
+            if (error != std::errc{} || stop != line[2].data() + line[2].size()) return wrong();
+            header.elements.push_back(element);
+        } else if (line[0] == "property" && !header.elements.empty()) {
+            const bool list = line.size() == 5 && line[1] == "list";
+            if (!list && line.size() != 3) return wrong();
+            const std::optional<Type> type = type_of(line[list ? 3 : 1]), count = list ? type_of(line[2]) : std::nullopt;
+            if (!type || (list && !count)) return wrong();
+            header.elements.back().properties.push_back({line.back(), *type, count});
+        } else {
+            return wrong();
+        }
+    }
+}
+
+// Columns of `names` among the properties of a vertex; empty unless all are there.
+std::vector<std::size_t> columns(const Element& element, std::initializer_list<std::string_view> names) {
+    std::vector<std::size_t> found;
+    for (const std::string_view name : names) {
+        for (std::size_t i = 0; i < element.properties.size(); ++i) {
+            if (element.properties[i].name == name && !element.properties[i].list) found.push_back(i);
+        }
+    }
+    return found.size() == names.size() ? found : std::vector<std::size_t>{};
+}
+
+Error cut(const Element& element, std::uint64_t row) {
+    return {ErrorCode::kTruncated, fmt::format("ends, or makes no sense, in {} {} of {}", element.name, row, element.count)};
+}
+
+Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
+    const std::vector<std::size_t> xyz = columns(element, {"x", "y", "z"}), normal = columns(element, {"nx", "ny", "nz"});
+    std::vector<std::size_t> uv = columns(element, {"u", "v"});
+    if (uv.empty()) uv = columns(element, {"s", "t"});
+    if (uv.empty()) uv = columns(element, {"texture_u", "texture_v"});
+    if (uv.empty()) uv = columns(element, {"texture_s", "texture_t"});
+    if (xyz.empty()) return Error{ErrorCode::kCorrupt, "vertices have no x, y and z"};
+    for (const Property& p : element.properties) {
+        if (p.list) return Error{ErrorCode::kUnsupported, fmt::format("vertices with a list ({})", p.name)};
+    }
+    std::vector<float> row(element.properties.size());
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+        for (std::size_t c = 0; c < row.size(); ++c) row[c] = static_cast<float>(body.value(element.properties[c].type));
+        if (!body.ok()) return cut(element, i);
+        for (const float x : row) {
+            if (!std::isfinite(x)) return Error{ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i)};
+        }
+        mesh.positions.emplace_back(row[xyz[0]], row[xyz[1]], row[xyz[2]]);
+        if (!normal.empty()) mesh.normals.emplace_back(row[normal[0]], row[normal[1]], row[normal[2]]);
+        if (!uv.empty()) mesh.uvs.push_back({row[uv[0]], row[uv[1]]});
+    }
+    return {};
+}
+
+// Any element but the vertices; `faces`: its list of vertex indices counts.
+Status read_rows(const Element& element, bool faces, Body& body, PlyMesh& mesh) {
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+        for (const Property& p : element.properties) {
+            if (!p.list) {
+                body.value(p.type);
+                continue;
+            }
+            const double count = body.value(*p.list);
+            const bool wanted = faces && (p.name == "vertex_indices" || p.name == "vertex_index");
+            if (!body.ok() || count < 0 || count > static_cast<double>(body.remaining())) return cut(element, i);
+            if (wanted && count != 3 && count != 4)
+                return Error{ErrorCode::kUnsupported, fmt::format("face {} has {} sides; triangles and quads are read", i, count)};
+            std::vector<std::uint32_t>& out = count == 3 ? mesh.triangles : mesh.quads;
+            for (double k = 0; k < count && body.ok(); ++k) {
+                const double index = body.value(p.type);
+                if (!wanted) continue;
+                if (!(index >= 0 && index <= 4294967295.0))
+                    return Error{ErrorCode::kCorrupt, fmt::format("face {} has an index out of range", i)};
+                out.push_back(static_cast<std::uint32_t>(index));
+            }
+        }
+        if (!body.ok()) return cut(element, i);
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<PlyMesh> parse_ply(std::string_view bytes) {
+    const Result<Header> header = parse_header(bytes);
+    if (!header) return header.error();
+    PlyMesh mesh;
+    Body body(bytes.substr(header->size), header->format);
+    for (const Element& element : header->elements) {
+        if (element.properties.empty()) continue;
+        const Status read =
+            element.name == "vertex" ? read_vertices(element, body, mesh) : read_rows(element, element.name == "face", body, mesh);
+        if (!read) return read.error();
+    }
+    for (const std::vector<std::uint32_t>* indices : {&mesh.triangles, &mesh.quads}) {
+        for (std::size_t i = 0; i < indices->size(); ++i) {
+            if ((*indices)[i] >= mesh.positions.size())
+                return Error{ErrorCode::kCorrupt,
+                             fmt::format("index {} is beyond the {} vertices", (*indices)[i], mesh.positions.size())};
+        }
+    }
+    return mesh;
+}
+
+}  // namespace latent::render

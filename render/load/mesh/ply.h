@@ -1,0 +1,25 @@
+// render/load/mesh/ply.h: meshes of triangles and quads from PLY files, ascii or binary of either byte order [Turk94].
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "render/math/vec.h"
+
+namespace latent::render {
+
+struct PlyMesh {
+    std::vector<Vec3f> positions;          // x y z
+    std::vector<Vec3f> normals;            // nx ny nz, or empty
+    std::vector<Vec2f> uvs;                // u v, s t, texture_u texture_v or texture_s texture_t, or empty
+    std::vector<std::uint32_t> triangles;  // 3 indices each
+    std::vector<std::uint32_t> quads;      // 4 indices each, around the quad
+};
+
+// Other elements and properties are skipped. Errors: kForeign (no PLY header), kTruncated, kCorrupt (an index out of range, a
+// position that is not finite), kUnsupported (a face with more than 4 sides); each says where.
+Result<PlyMesh> parse_ply(std::string_view bytes);
+
+}  // namespace latent::render

@@ -1,0 +1,238 @@
+#include "render/load/pbrt/builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/load/pbrt/entities.h"
+
+namespace latent::render {
+
+namespace {
+
+// Parameters that would change everything that inherits them.
+constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfilename", "Le", "normalmap", "portal", "preset"};
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator)
+    : scene_(scene), files_(files), messages_(messages), spectra_(files), another_integrator_(another_integrator) {
+    scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
+    interface_.push_back(false);
+}
+
+ParameterList SceneBuilder::list(const Directive& d, std::string_view target) {
+    spectra_.set_color_space(state_.color_space);
+    const auto inherited = state_.attributes.find(target);
+    return {d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, messages_};
+}
+
+void SceneBuilder::push(const std::string& by, const SourceLocation& where) { stack_.push_back({state_, by, where}); }
+
+void SceneBuilder::pop(const std::string& by, const SourceLocation& where) {
+    if (stack_.empty())
+        return messages_.error(where,
+                               fmt::format("this {} ends nothing", by == "Import" ? by : by.substr(0, by.size() - 5) + "End"));
+    if (stack_.back().by != by)
+        messages_.error(where, fmt::format("{} from line {} is still open here", stack_.back().by, stack_.back().where.line));
+    state_ = std::move(stack_.back().state);
+    stack_.pop_back();
+}
+
+SceneBuilder::Named& SceneBuilder::name(Names& names, const std::string& text, const SourceLocation& where, std::size_t next) {
+    return names.try_emplace(text, Named{static_cast<std::uint32_t>(next), std::nullopt, where}).first->second;
+}
+
+std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation& where) {
+    if (text.empty()) return kNone;
+    const Named& named = name(media_, text, where, scene_.media.size());
+    if (named.index == scene_.media.size()) scene_.media.push_back({.name = text, .location = where});
+    return named.index;
+}
+
+void SceneBuilder::apply(const Directive& d) {
+    const bool ignored = d.name == "Sampler" || d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option" ||
+                         d.name == "TransformTimes";
+    if (!ignored && d.name != "Film" && d.name != "Integrator") files_.count(d);  // those two count in the job, as they are used
+    if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
+    if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": not before WorldBegin");
+    if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
+    if (d.name == "MakeNamedMedium") return add_medium(d);
+    if (d.name == "AreaLightSource") return add_area_light(d);
+    if (d.name == "Shape") return add_shape(d);
+    if (d.name == "ObjectBegin") return begin_object(d);
+    if (d.name == "ObjectInstance") return add_instance(d);
+    if (d.name == "LightSource") {
+        LightDescription light = read_light(d.strings[0], list(d, "light"), spectra_, files_);
+        light.world_from_light = state_.ctm;
+        light.medium = state_.outside_medium;
+        scene_.lights.push_back(std::move(light));
+        return;
+    }
+    // Who uses it is told by name, and that is an error.
+    messages_.warn(d.where, fmt::format("Texture \"{}\" is ignored: textures are not supported", d.strings[0]));
+}
+
+bool SceneBuilder::apply_state(const Directive& d) {
+    if (d.name == "AttributeBegin" || d.name == "TransformBegin") {
+        push(d.name, d.where);
+    } else if (d.name == "AttributeEnd" || d.name == "TransformEnd") {
+        pop(d.name == "AttributeEnd" ? "AttributeBegin" : "TransformBegin", d.where);
+    } else if (d.name == "ObjectEnd") {
+        pop("ObjectBegin", d.where);
+        object_ = kNone;
+    } else if (d.name == "ReverseOrientation") {
+        state_.reverse_orientation = !state_.reverse_orientation;
+    } else if (d.name == "NamedMaterial") {
+        const Named& named = name(materials_, d.strings[0], d.where, scene_.materials.size());
+        if (named.index == scene_.materials.size()) {
+            scene_.materials.push_back({.name = d.strings[0], .location = d.where});
+            interface_.push_back(false);
+        }
+        state_.material = named.index;
+    } else if (d.name == "MediumInterface") {
+        state_.inside_medium = medium(d.strings.front(), d.where);
+        state_.outside_medium = medium(d.strings.back(), d.where);
+    } else if (d.name == "ColorSpace") {
+        if (!spectra_.set_color_space(d.strings[0])) {
+            messages_.error(d.where, fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020)", d.strings[0]));
+        } else {
+            state_.color_space = d.strings[0];
+        }
+    } else if (d.name == "Attribute") {
+        const std::string& target = d.strings[0];
+        if (target != "shape" && target != "light" && target != "material" && target != "medium" && target != "texture") {
+            messages_.error(d.where, fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
+        }
+        for (Parameter p : d.parameters) {
+            if (p.type == "texture" || std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
+                messages_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
+            }
+            std::vector<Parameter>& inherited = state_.attributes[target];
+            if (std::ranges::find(inherited, p.name, &Parameter::name) != inherited.end())
+                messages_.error(p.where,
+                                fmt::format("Attribute: \"{}\" is inherited already, and cannot be changed again", p.name));
+            p.inherited = true;
+            inherited.push_back(std::move(p));
+        }
+    } else {
+        return false;
+    }
+    return true;
+}
+
+void SceneBuilder::add_material(const Directive& d) {
+    const ParameterList parameters = list(d, "material");
+    const bool has_name = d.name == "MakeNamedMaterial";
+    std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
+    if (!type) return parameters.error("MakeNamedMaterial: \"string type\" is needed");
+    std::optional<MaterialDescription> material = read_material(*type, parameters, spectra_);
+    std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
+    if (has_name) {
+        Named& named = name(materials_, d.strings[0], d.where, index);
+        if (named.defined)
+            return parameters.error(
+                fmt::format("MakeNamedMaterial \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+        named.defined = d.where;
+        index = named.index;
+    }
+    if (index == scene_.materials.size()) {
+        scene_.materials.emplace_back();
+        interface_.push_back(false);
+    }
+    interface_[index] = !material;
+    scene_.materials[index] = std::move(material).value_or(MaterialDescription{.location = d.where});
+    scene_.materials[index].name = has_name ? d.strings[0] : "";
+    if (!has_name) state_.material = index;
+}
+
+void SceneBuilder::add_medium(const Directive& d) {
+    const ParameterList parameters = list(d, "medium");
+    const std::optional<std::string> type = parameters.string("type");
+    if (!type) return parameters.error("MakeNamedMedium: \"string type\" is needed");
+    const std::uint32_t index = medium(d.strings[0], d.where);
+    if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
+    Named& named = media_.at(d.strings[0]);
+    if (named.defined)
+        return parameters.error(
+            fmt::format("MakeNamedMedium \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+    named.defined = d.where;
+    scene_.media[index] = read_medium(*type, parameters, spectra_);
+    scene_.media[index].name = d.strings[0];
+}
+
+void SceneBuilder::add_area_light(const Directive& d) {
+    state_.area_light = static_cast<std::uint32_t>(scene_.area_lights.size());
+    scene_.area_lights.push_back(read_area_light(d.strings[0], list(d, "light"), spectra_));
+}
+
+void SceneBuilder::add_shape(const Directive& d) {
+    const ParameterList parameters = list(d, "shape");
+    if (!state_.ctm.inverse()) return parameters.error("Shape: the transformation is singular");
+    if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
+    std::vector<ShapeDescription> shapes = read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_);
+    for (ShapeDescription& shape : shapes) {
+        shape.material = state_.material;
+        shape.area_light = state_.area_light;
+        shape.inside_medium = state_.inside_medium;
+        shape.outside_medium = state_.outside_medium;
+        if (object_ != kNone && shape.area_light != kNone) parameters.error("Shape: lights inside ObjectBegin are not supported");
+        (object_ == kNone ? scene_.shapes : scene_.objects[object_].shapes).push_back(std::move(shape));
+    }
+}
+
+void SceneBuilder::begin_object(const Directive& d) {
+    push("ObjectBegin", d.where);
+    if (object_ != kNone) return messages_.error(d.where, "ObjectBegin: inside another object");
+    Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
+    if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
+    if (named.defined)
+        messages_.error(d.where, fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+    named.defined = d.where;
+    object_ = named.index;
+}
+
+void SceneBuilder::add_instance(const Directive& d) {
+    if (object_ != kNone) return messages_.error(d.where, "ObjectInstance: not inside ObjectBegin");
+    const std::optional<Affined> inverse = state_.ctm.inverse();
+    if (!inverse) return messages_.error(d.where, "ObjectInstance: the transformation is singular");
+    if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15)
+        return messages_.error(d.where, "ObjectInstance: too small to be traced in single precision");
+    const Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
+    if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
+    scene_.instances.push_back({named.index, state_.ctm, d.where});
+}
+
+void SceneBuilder::finish(const SourceLocation& end) {
+    if (!in_world_) messages_.error(end, "the scene ends before WorldBegin");
+    for (const Pushed& open : stack_) messages_.error(open.where, open.by + " is never ended");
+    const auto check = [&](const Names& names, std::string_view what) {
+        for (const auto& [text, named] : names) {
+            if (!named.defined) messages_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
+        }
+    };
+    check(materials_, "material");
+    check(media_, "medium");
+    check(objects_, "object");
+    for (const auto& [index, where] : with_tangents_) {
+        const MaterialDescription& material = scene_.materials[index];
+        if (material.alpha_x != material.alpha_y) {
+            messages_.error(where, "S: tangents of a material whose roughness has a direction are not supported");
+        } else {
+            messages_.warn(where, "S: tangents are ignored: the material has no direction");
+        }
+    }
+    const auto resolve = [&](ShapeDescription& shape) {
+        if (!interface_[shape.material]) return;
+        shape.material = kNone;
+        if (shape.area_light != kNone)
+            messages_.warn(shape.location, "Shape: \"interface\" emits nothing: the area light is ignored");
+        shape.area_light = kNone;
+    };
+    for (ShapeDescription& shape : scene_.shapes) resolve(shape);
+    for (ObjectDescription& object : scene_.objects) {
+        for (ShapeDescription& shape : object.shapes) resolve(shape);
+    }
+}
+
+}  // namespace latent::render

@@ -1,0 +1,88 @@
+// render/load/pbrt/builder.h: the graphics state: applies directives one after another and collects the scene they describe.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/load/files/diagnostics.h"
+#include "render/load/files/scene_files.h"
+#include "render/load/pbrt/directive.h"
+#include "render/load/pbrt/spectra.h"
+
+namespace latent::render {
+
+class SceneBuilder {
+ public:
+    // `scene` is filled; it, `files` and `messages` outlive the builder. `another_integrator` replaces the scene's.
+    SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator);
+
+    // Any directive but Include and Import.
+    void apply(const Directive& directive);
+    // After the last directive: unresolved names, missing ends.
+    void finish(const SourceLocation& end);
+
+    // Import: what the file changes in the graphics state ends with it.
+    void begin_import(const SourceLocation& where) { push("Import", where); }
+    void end_import(const SourceLocation& where) { pop("Import", where); }
+    bool in_world() const { return in_world_; }
+
+ private:
+    struct State {
+        Affined ctm;
+        bool reverse_orientation = false;
+        std::uint32_t material = 0;
+        std::uint32_t area_light = kNone;
+        std::uint32_t inside_medium = kNone, outside_medium = kNone;
+        std::string color_space = "srgb";
+        std::map<std::string, std::vector<Parameter>, std::less<>> attributes;  // by target: "shape", "light" ...
+    };
+    struct Pushed {
+        State state;
+        std::string by;  // "AttributeBegin" ...
+        SourceLocation where;
+    };
+    // A name that may be used before it is defined: an index is reserved at its first mention.
+    struct Named {
+        std::uint32_t index;
+        std::optional<SourceLocation> defined;
+        SourceLocation mentioned;
+    };
+    using Names = std::map<std::string, Named>;
+
+    void push(const std::string& by, const SourceLocation& where);
+    void pop(const std::string& by, const SourceLocation& where);
+    bool apply_transform(const Directive& d);
+    bool apply_option(const Directive& d);  // before WorldBegin
+    bool apply_state(const Directive& d);
+    void add_material(const Directive& d);
+    void add_medium(const Directive& d);
+    void add_area_light(const Directive& d);
+    void add_shape(const Directive& d);
+    void begin_object(const Directive& d);
+    void add_instance(const Directive& d);
+    Named& name(Names& names, const std::string& text, const SourceLocation& where, std::size_t next);
+    ParameterList list(const Directive& d, std::string_view target);
+    std::uint32_t medium(const std::string& text, const SourceLocation& where);
+    void place_camera();
+
+    SceneDescription& scene_;
+    SceneFiles& files_;
+    Messages& messages_;
+    SceneSpectra spectra_;
+    State state_;
+    std::vector<Pushed> stack_;
+    std::optional<Directive> camera_;  // built at WorldBegin: it needs the film's aspect
+    State camera_state_;
+    std::map<std::string, Affined> coordinate_systems_;
+    Names materials_, media_, objects_;
+    std::vector<bool> interface_;                                          // of each material: "interface"
+    std::uint32_t object_ = kNone;                                         // that is being defined
+    std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
+    const bool another_integrator_;
+    bool in_world_ = false;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,226 @@
+#include "render/load/pbrt/directive.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace latent::render {
+
+namespace {
+
+// What follows the name of each directive: quoted strings, then numbers (in brackets or not), then parameters.
+struct Grammar {
+    std::string_view name;
+    int strings = 0;
+    int optional_strings = 0;
+    int numbers = 0;
+    bool brackets = false;
+    bool parameters = false;
+    bool word = false;  // one bare word or string, kept among the strings
+};
+
+constexpr Grammar kGrammar[] = {
+    {.name = "Accelerator", .strings = 1, .parameters = true},
+    {.name = "ActiveTransform", .word = true},
+    {.name = "AreaLightSource", .strings = 1, .parameters = true},
+    {.name = "Attribute", .strings = 1, .parameters = true},
+    {.name = "AttributeBegin"},
+    {.name = "AttributeEnd"},
+    {.name = "Camera", .strings = 1, .parameters = true},
+    {.name = "ColorSpace", .strings = 1},
+    {.name = "ConcatTransform", .numbers = 16, .brackets = true},
+    {.name = "CoordSysTransform", .strings = 1},
+    {.name = "CoordinateSystem", .strings = 1},
+    {.name = "Film", .strings = 1, .parameters = true},
+    {.name = "Identity"},
+    {.name = "Import", .strings = 1},
+    {.name = "Include", .strings = 1},
+    {.name = "Integrator", .strings = 1, .parameters = true},
+    {.name = "LightSource", .strings = 1, .parameters = true},
+    {.name = "LookAt", .numbers = 9},
+    {.name = "MakeNamedMaterial", .strings = 1, .parameters = true},
+    {.name = "MakeNamedMedium", .strings = 1, .parameters = true},
+    {.name = "Material", .strings = 1, .parameters = true},
+    {.name = "MediumInterface", .strings = 1, .optional_strings = 1},
+    {.name = "NamedMaterial", .strings = 1},
+    {.name = "ObjectBegin", .strings = 1},
+    {.name = "ObjectEnd"},
+    {.name = "ObjectInstance", .strings = 1},
+    {.name = "Option", .strings = 1, .word = true},
+    {.name = "PixelFilter", .strings = 1, .parameters = true},
+    {.name = "ReverseOrientation"},
+    {.name = "Rotate", .numbers = 4},
+    {.name = "Sampler", .strings = 1, .parameters = true},
+    {.name = "Scale", .numbers = 3},
+    {.name = "Shape", .strings = 1, .parameters = true},
+    {.name = "Texture", .strings = 3, .parameters = true},
+    {.name = "Transform", .numbers = 16, .brackets = true},
+    {.name = "TransformBegin"},
+    {.name = "TransformEnd"},
+    {.name = "TransformTimes", .numbers = 2},
+    {.name = "Translate", .numbers = 3},
+    {.name = "WorldBegin"},
+};
+
+enum class Values { kNumbers, kFlags, kStrings, kNumbersOrStrings };
+struct TypeGrammar {
+    std::string_view name;
+    Values values;
+};
+constexpr TypeGrammar kTypes[] = {
+    {"integer", Values::kNumbers},   {"float", Values::kNumbers},
+    {"point2", Values::kNumbers},    {"vector2", Values::kNumbers},
+    {"point3", Values::kNumbers},    {"vector3", Values::kNumbers},
+    {"normal", Values::kNumbers},    {"rgb", Values::kNumbers},
+    {"blackbody", Values::kNumbers}, {"spectrum", Values::kNumbersOrStrings},
+    {"string", Values::kStrings},    {"texture", Values::kStrings},
+    {"bool", Values::kFlags},
+};
+
+std::string quote(std::string_view text) { return fmt::format("\"{}\"", text.substr(0, 64)); }
+
+const Grammar* grammar_of(const Token& token) {
+    for (const Grammar& g : kGrammar) {
+        if (token.kind == Token::Kind::kWord && g.name == token.text) return &g;
+    }
+    return nullptr;
+}
+
+// Where the next directive begins, or the file ends, nothing more of this one can come.
+bool ends_list(const std::optional<Token>& token) { return !token || grammar_of(*token) != nullptr; }
+
+ParseError missing(const SourceLocation& where, std::string_view of, std::string_view what, const std::optional<Token>& found) {
+    return {where, fmt::format("{}: {} is missing before {}", of, what, found ? quote(found->text) : "the end of the file")};
+}
+
+}  // namespace
+
+tl::expected<Token, ParseError> DirectiveReader::require(Token::Kind kind, const Directive& of, std::string_view what) {
+    const tl::expected<std::optional<Token>, ParseError> token = tokens_.next();
+    if (!token) return tl::unexpected(token.error());
+    if (ends_list(*token)) return tl::unexpected(missing(of.where, of.name, what, *token));
+    if ((*token)->kind != kind)
+        return tl::unexpected(ParseError{(*token)->where, fmt::format("{} is not {}", quote((*token)->text), what)});
+    return **token;
+}
+
+tl::expected<double, ParseError> DirectiveReader::number(const Directive& of) {
+    const tl::expected<Token, ParseError> token = require(Token::Kind::kWord, of, "a number");
+    if (!token) return tl::unexpected(token.error());
+    if (const std::optional<double> value = parse_number(token->text)) return *value;
+    return tl::unexpected(ParseError{token->where, quote(token->text) + " is not a finite number"});
+}
+
+tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
+    const tl::expected<std::optional<Token>, ParseError> first = tokens_.next();
+    if (!first) return tl::unexpected(first.error());
+    if (!*first) return std::optional<Directive>{};
+    Directive directive{.name = std::string((*first)->text), .where = (*first)->where};
+    const Grammar* grammar = grammar_of(**first);
+    if (grammar == nullptr) return tl::unexpected(ParseError{directive.where, quote(directive.name) + " is not a directive"});
+
+    for (int i = 0; i < grammar->strings; ++i) {
+        const auto token = require(Token::Kind::kString, directive, "a quoted name");
+        if (!token) return tl::unexpected(token.error());
+        directive.strings.emplace_back(token->text);
+    }
+    if (grammar->optional_strings > 0 || grammar->word) {
+        const auto token = tokens_.next();
+        if (!token) return tl::unexpected(token.error());
+        const bool fits = !ends_list(*token) &&
+                          ((*token)->kind == Token::Kind::kString || (grammar->word && (*token)->kind == Token::Kind::kWord));
+        if (fits) {
+            directive.strings.emplace_back((*token)->text);
+        } else if (grammar->word) {
+            return tl::unexpected(ParseError{directive.where, fmt::format("{} wants a word after it", directive.name)});
+        } else if (*token) {
+            tokens_.unget(**token);
+        }
+    }
+    if (grammar->brackets) {
+        if (const auto token = require(Token::Kind::kOpen, directive, "["); !token) return tl::unexpected(token.error());
+    }
+    for (int i = 0; i < grammar->numbers; ++i) {
+        const auto value = number(directive);
+        if (!value) return tl::unexpected(value.error());
+        directive.numbers.push_back(*value);
+    }
+    if (grammar->brackets) {
+        if (const auto token = require(Token::Kind::kClose, directive, "]"); !token) return tl::unexpected(token.error());
+    }
+    while (grammar->parameters) {
+        auto one = parameter();
+        if (!one) return tl::unexpected(one.error());
+        if (!*one) break;
+        directive.parameters.push_back(std::move(**one));
+    }
+    return directive;
+}
+
+tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() {
+    const auto declaration = tokens_.next();
+    if (!declaration) return tl::unexpected(declaration.error());
+    if (!*declaration) return std::optional<Parameter>{};
+    if ((*declaration)->kind != Token::Kind::kString) {
+        tokens_.unget(**declaration);
+        return std::optional<Parameter>{};
+    }
+    Parameter parameter{.where = (*declaration)->where};
+    const std::string_view text = (*declaration)->text;
+    const std::size_t type_begin = text.find_first_not_of(" \t"), type_end = text.find_first_of(" \t", type_begin);
+    const std::size_t name_begin = text.find_first_not_of(" \t", type_end), name_end = text.find_first_of(" \t", name_begin);
+    if (name_begin >= text.size() || text.find_first_not_of(" \t", name_end) < text.size()) {
+        return tl::unexpected(ParseError{parameter.where, quote(text) + " is not a parameter, which reads \"type name\""});
+    }
+    parameter.type = text.substr(type_begin, type_end - type_begin);
+    parameter.name = text.substr(name_begin, name_end - name_begin);
+    const TypeGrammar* type = nullptr;
+    for (const TypeGrammar& t : kTypes) {
+        if (t.name == parameter.type) type = &t;
+    }
+    if (type == nullptr) return tl::unexpected(ParseError{parameter.where, quote(parameter.type) + " is not a type of parameters"});
+
+    const auto add = [&](const Token& token) -> std::optional<ParseError> {
+        const auto wrong = [&](std::string_view what) {
+            return ParseError{token.where, fmt::format("{}: {} is not {}", parameter.name, quote(token.text), what)};
+        };
+        const bool is_string = token.kind == Token::Kind::kString;
+        if (is_string && (type->values == Values::kStrings || type->values == Values::kNumbersOrStrings) &&
+            parameter.numbers.empty()) {
+            parameter.strings.emplace_back(token.text);
+        } else if (type->values == Values::kStrings) {
+            return wrong("a quoted string");
+        } else if (type->values == Values::kFlags) {
+            if (is_string || (token.text != "true" && token.text != "false")) return wrong("true or false");
+            parameter.flags.push_back(token.text == "true");
+        } else {
+            const std::optional<double> value = is_string || !parameter.strings.empty() ? std::nullopt : parse_number(token.text);
+            if (!value) return wrong("a finite number");
+            if (parameter.type == "integer" && (*value != std::floor(*value) || std::abs(*value) > 2147483648.0))
+                return wrong("a 32-bit integer");
+            parameter.numbers.push_back(*value);
+        }
+        return std::nullopt;
+    };
+    auto token = tokens_.next();
+    if (!token) return tl::unexpected(token.error());
+    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < Values::kStrings;
+    if (ends_list(*token) || next_parameter) return tl::unexpected(missing(parameter.where, parameter.name, "a value", *token));
+    if ((*token)->kind != Token::Kind::kOpen) {
+        if ((*token)->kind == Token::Kind::kClose)
+            return tl::unexpected(ParseError{(*token)->where, parameter.name + ": ] without ["});
+        if (auto error = add(**token)) return tl::unexpected(*error);
+        return parameter;
+    }
+    while (true) {
+        token = tokens_.next();
+        if (!token) return tl::unexpected(token.error());
+        if (ends_list(*token)) return tl::unexpected(missing(parameter.where, parameter.name, "]", *token));
+        if ((*token)->kind == Token::Kind::kClose) return parameter;
+        if ((*token)->kind == Token::Kind::kOpen)
+            return tl::unexpected(ParseError{(*token)->where, parameter.name + ": [ inside ["});
+        if (auto error = add(**token)) return tl::unexpected(*error);
+    }
+}
+
+}  // namespace latent::render

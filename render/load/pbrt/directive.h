@@ -1,0 +1,49 @@
+// render/load/pbrt/directive.h: the sentences of a .pbrt file: a directive, its arguments and its parameter list.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/load/pbrt/tokenizer.h"
+
+namespace latent::render {
+
+// "type name" [ values ]: one of the three arrays holds the values, as the type demands (a spectrum: numbers, or one string).
+struct Parameter {
+    std::string type{}, name{};
+    SourceLocation where{};
+    std::vector<double> numbers{};
+    std::vector<std::string> strings{};
+    std::vector<bool> flags{};
+    bool inherited = false;     // from an Attribute directive: need not be of use
+    mutable bool used = false;  // somebody asked for it
+};
+
+struct Directive {
+    std::string name{};
+    SourceLocation where{};
+    std::vector<std::string> strings{};  // quoted arguments before the parameters: "perspective"
+    std::vector<double> numbers{};       // of transformations
+    std::vector<Parameter> parameters{};
+};
+
+class DirectiveReader {
+ public:
+    // `text` must outlive the reader.
+    DirectiveReader(std::string_view text, std::uint32_t file) : tokens_(text, file) {}
+
+    // The next directive; nothing at the end. Any error is one of syntax: nothing after it can be trusted.
+    tl::expected<std::optional<Directive>, ParseError> next();
+
+ private:
+    // What is missing is an error of the directive or parameter, `of`, whose line may be long past.
+    tl::expected<Token, ParseError> require(Token::Kind kind, const Directive& of, std::string_view what);
+    tl::expected<double, ParseError> number(const Directive& of);
+    tl::expected<std::optional<Parameter>, ParseError> parameter();
+
+    Tokenizer tokens_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,96 @@
+// Film, camera and integrator. Defaults are pbrt-v4's.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/load/pbrt/entities.h"
+
+namespace latent::render {
+
+FilmDescription read_film(const std::string& type, const ParameterList& list) {
+    FilmDescription film;
+    film.width = static_cast<std::uint32_t>(list.integer("xresolution", 1280, 1, 1 << 24));
+    film.height = static_cast<std::uint32_t>(list.integer("yresolution", 720, 1, 1 << 24));
+    if (type == "spectral") {
+        list.warn("Film \"spectral\" is ignored: latent-develop --spectral-bins makes spectra of any samples");
+    } else if (type == "gbuffer") {
+        list.warn("Film \"gbuffer\" is ignored: the picture is made, what else it holds (positions, normals, albedo) is not");
+    } else if (type != "rgb") {
+        list.error(fmt::format("Film \"{}\" is not supported (rgb)", type));
+    }
+    if (const std::string sensor = list.string("sensor").value_or("cie1931"); sensor != "cie1931")
+        list.warn(fmt::format("Film: sensor \"{}\" is ignored: latent-develop --observer chooses who looks", sensor));
+    if (list.number("iso", 100) != 100) list.warn("Film: \"iso\" is ignored: latent-convert --sensitivity decides the exposure");
+    list.ignore({"filename", "savefp16"}, "-o names the samples, latent-develop writes the picture");
+    list.ignore({"pixelbounds", "cropwindow"}, "samples cover the whole film; latent-develop --crop takes a part");
+    list.ignore({"maxcomponentvalue", "whitebalance", "nbuckets", "lambdamin", "lambdamax"},
+                "it is decided when samples become pixels");
+    list.ignore({"diagonal", "coordinatesystem"}, "it does not change the picture");
+    list.report_unused();
+    return film;
+}
+
+CameraDescription read_camera(const std::string& type, const ParameterList& list, const FilmDescription& film) {
+    CameraDescription camera{.location = list.directive().where};
+    // Nothing moves; what is left of the shutter is the exposure.
+    if (list.number("shutterclose", 1) - list.number("shutteropen", 0) != 1)
+        list.warn("Camera: \"shutteropen\", \"shutterclose\" are ignored: latent-convert --sensitivity decides the exposure");
+    const double aspect = list.number("frameaspectratio", static_cast<double>(film.width) / film.height, 1e-6, 1e6);
+    camera.x1 = std::max(aspect, 1.0);
+    camera.y1 = std::max(1 / aspect, 1.0);
+    camera.x0 = -camera.x1;
+    camera.y0 = -camera.y1;
+    if (type == "spherical") {
+        camera.kind = CameraKind::kSpherical;
+        const std::string mapping = list.string("mapping").value_or("equalarea");
+        if (mapping != "equalarea" && mapping != "equirectangular")
+            list.error(fmt::format("mapping \"{}\" is neither equalarea nor equirectangular", mapping));
+        camera.mapping = mapping == "equirectangular" ? SphericalMapping::kEquirectangular : SphericalMapping::kEqualArea;
+        list.ignore({"screenwindow", "lensradius", "focaldistance"}, "a spherical camera has none");
+        list.report_unused();
+        return camera;
+    }
+    const std::span<const double> window = list.array("screenwindow", "float", 4);
+    if (window.size() > 4 || (window.size() == 4 && !(window[0] < window[1] && window[2] < window[3]))) {
+        list.error("screenwindow: wants x0 < x1 and y0 < y1");
+    } else if (window.size() == 4) {
+        camera.x0 = window[0], camera.x1 = window[1], camera.y0 = window[2], camera.y1 = window[3];
+    }
+    camera.lens_radius = list.number("lensradius", 0, 0, 1e6);
+    camera.focal_distance = list.number("focaldistance", 1e6, 1e-6, 1e30);
+    if (type == "perspective") {
+        const double fov = list.number("fov", 90, 1e-3, 179.999);
+        const double scale = std::tan(fov / 2 * std::numbers::pi / 180);
+        camera.x0 *= scale, camera.x1 *= scale, camera.y0 *= scale, camera.y1 *= scale;
+    } else if (type == "orthographic") {
+        camera.kind = CameraKind::kOrthographic;
+    } else {
+        list.error(fmt::format("Camera \"{}\" is not supported (perspective, orthographic, spherical)", type));
+        return camera;
+    }
+    list.report_unused();
+    return camera;
+}
+
+void read_integrator(const std::string& type, const ParameterList& list, bool replaced, SceneDescription& scene) {
+    // All of these have the same picture as their limit.
+    static constexpr std::string_view kOurs[] = {"path", "volpath", "bdpt"},
+                                      kOthers[] = {"simplepath", "simplevolpath", "mlt", "sppm"};
+    scene.integrator = type;
+    scene.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 5, 0, 1 << 30));
+    if (list.flag("regularize", false)) list.error("Integrator: \"regularize\" blurs reflections and is not supported");
+    list.ignore({"lightsampler", "visualizestrategies", "visualizeweights"}, "it does not change the picture");
+    list.ignore(
+        {"samplelights", "samplebsdf", "bootstrapsamples", "chains", "mutationsperpixel", "largestepprobability", "sigma",
+         "photonsperiteration", "radius", "seed", "cossample", "maxdistance", "function", "filename", "skipbad", "imagefilename"},
+        "it belongs to another integrator");
+    if (replaced) return list.report_unused();
+    if (std::ranges::find(kOthers, type) != std::end(kOthers)) {
+        list.warn(fmt::format("Integrator \"{}\" is ignored: \"path\" makes the same picture", type));
+    } else if (std::ranges::find(kOurs, type) == std::end(kOurs)) {
+        list.error(fmt::format("Integrator \"{}\" is not supported (path, volpath, bdpt); --integrator takes another", type));
+    }
+    list.report_unused();
+}
+
+}  // namespace latent::render

@@ -1,0 +1,72 @@
+// Lights. Defaults are pbrt-v4's.
+#include <fmt/format.h>
+
+#include "render/load/pbrt/entities.h"
+
+namespace latent::render {
+
+namespace {
+
+// pbrt reads a negative power or illuminance as "not given".
+std::optional<double> positive(const ParameterList& list, std::string_view name) {
+    const std::optional<double> value = list.number(name);
+    return value && *value > 0 ? value : std::nullopt;
+}
+
+}  // namespace
+
+AreaLightDescription read_area_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra) {
+    AreaLightDescription light{.location = list.directive().where};
+    if (type != "diffuse") {
+        list.error(fmt::format("AreaLightSource \"{}\" is not supported (diffuse)", type));
+        return light;
+    }
+    light.spectrum = spectra.emission(list, "L");
+    light.scale = list.number("scale", 1, 0, 1e30);
+    light.power = positive(list, "power");
+    light.two_sided = list.flag("twosided", false);
+    if (const Parameter* image = list.find("filename", {"string"})) list.error(*image, "images on area lights are not supported");
+    list.report_unused();
+    return light;
+}
+
+LightDescription read_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra, SceneFiles& files) {
+    LightDescription light{.location = list.directive().where};
+    light.scale = list.number("scale", 1, 0, 1e30);
+    if (type == "point" || type == "spot") {
+        light.kind = type == "point" ? LightKind::kPoint : LightKind::kSpot;
+        light.spectrum = spectra.emission(list, "I");
+        light.power = positive(list, "power");
+        light.from = list.point("from", {0, 0, 0});
+        if (type == "spot") {
+            light.to = list.point("to", {0, 0, 1});
+            light.cone_degrees = list.number("coneangle", 30, 0, 180);
+            light.cone_delta_degrees = list.number("conedeltaangle", 5, 0, 180);
+        }
+    } else if (type == "distant") {
+        light.kind = LightKind::kDistant;
+        light.spectrum = spectra.emission(list, "L");
+        light.illuminance = positive(list, "illuminance");
+        light.from = list.point("from", {0, 0, 0});
+        light.to = list.point("to", {0, 0, 1});
+    } else if (type == "infinite") {
+        light.kind = LightKind::kInfinite;
+        light.illuminance = positive(list, "illuminance");
+        if (const std::optional<std::string> name = list.string("filename")) {
+            if (list.find("L", {"rgb", "spectrum", "blackbody"}) != nullptr) list.error("L excludes filename");
+            light.spectrum = spectra.white();
+            light.image = read_environment(list, *name, files);
+        } else {
+            light.spectrum = spectra.emission(list, "L");
+        }
+    } else {
+        list.error(fmt::format("LightSource \"{}\" is not supported (point, spot, distant, infinite)", type));
+        return light;
+    }
+    if ((light.kind == LightKind::kSpot || light.kind == LightKind::kDistant) && light.from == light.to)
+        list.error("from and to are the same point");
+    list.report_unused();
+    return light;
+}
+
+}  // namespace latent::render

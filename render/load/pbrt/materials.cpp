@@ -1,0 +1,110 @@
+// Materials and media. Defaults are pbrt-v4's.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "color/named_spectra.h"
+#include "render/load/pbrt/entities.h"
+
+namespace latent::render {
+
+namespace {
+
+// GGX alpha of "roughness", or of one axis where that is given; pbrt's remapping is alpha = sqrt(roughness).
+void read_roughness(const ParameterList& list, MaterialDescription& material) {
+    const double roughness = list.number("roughness", 0, 0, 1e6);
+    const double u = list.number("uroughness", roughness, 0, 1e6), v = list.number("vroughness", roughness, 0, 1e6);
+    const bool remap = list.flag("remaproughness", true);
+    material.alpha_x = static_cast<float>(remap ? std::sqrt(u) : u);
+    material.alpha_y = static_cast<float>(remap ? std::sqrt(v) : v);
+}
+
+// A refractive index is positive wherever we look.
+void check_index(const ParameterList& list, const color::Spectrum& eta) {
+    bool positive = eta(color::kLambdaMin) > 0 && eta(color::kLambdaMax) > 0;
+    for (const double lambda : eta.lambda_nm()) {
+        if (lambda >= color::kLambdaMin && lambda <= color::kLambdaMax) positive &= eta(lambda) > 0;
+    }
+    if (positive) return;
+    list.error("eta: must be positive from 360 to 830 nm (an inline spectrum is 0 outside its samples: give values at both ends)");
+}
+
+void read_dielectric_index(const ParameterList& list, SceneSpectra& spectra, MaterialDescription& material) {
+    material.eta = color::Spectrum::constant(list.number("eta", 1.5, 1e-3, 1e3));
+    if (const auto eta = spectra.find(list, "eta", SpectrumRole::kUnbounded)) material.eta = *eta;
+    check_index(list, material.eta);
+    const double first = material.eta(color::kLambdaMin);
+    for (double lambda = color::kLambdaMin; lambda <= color::kLambdaMax; ++lambda)
+        material.dispersive |= material.eta(lambda) != first;
+}
+
+void read_conductor_index(const ParameterList& list, SceneSpectra& spectra, MaterialDescription& material) {
+    const auto reflectance = spectra.find(list, "reflectance", SpectrumRole::kReflectance);
+    const auto eta = spectra.find(list, "eta", SpectrumRole::kUnbounded), k = spectra.find(list, "k", SpectrumRole::kUnbounded);
+    if (!reflectance) {
+        material.eta = eta ? *eta : color::named_spectrum("metal-Cu-eta").value();
+        material.k = k ? *k : color::named_spectrum("metal-Cu-k").value();
+        check_index(list, material.eta);
+        return;
+    }
+    if (eta || k) list.error("reflectance excludes eta and k");
+    // At normal incidence R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2); eta = 1 leaves k = 2 sqrt(R / (1 - R)).
+    material.eta = color::Spectrum::constant(1);
+    const auto k_of = [&](double lambda) {
+        const double r = std::min((*reflectance)(lambda), 0.9999);
+        return 2 * std::sqrt(r) / std::sqrt(1 - r);
+    };
+    material.k = color::Spectrum::from_function(k_of, color::Outside::kClamped);
+}
+
+}  // namespace
+
+std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneSpectra& spectra) {
+    MaterialDescription material{.location = list.directive().where};
+    if (type == "interface") {
+        list.report_unused();
+        return std::nullopt;
+    }
+    if (type == "diffuse") {
+        material.kind = MaterialKind::kDiffuse;
+        const auto reflectance = spectra.find(list, "reflectance", SpectrumRole::kReflectance);
+        material.reflectance = reflectance ? *reflectance : color::Spectrum::constant(0.5);
+        if (material.reflectance.max_value() > 1) list.warn("reflectance: above 1: such a surface makes light");
+    } else if (type == "conductor") {
+        material.kind = MaterialKind::kConductor;
+        read_conductor_index(list, spectra, material);
+        read_roughness(list, material);
+    } else if (type == "dielectric") {
+        material.kind = MaterialKind::kDielectric;
+        read_dielectric_index(list, spectra, material);
+        read_roughness(list, material);
+    } else if (type == "thindielectric") {
+        material.kind = MaterialKind::kThinDielectric;
+        read_dielectric_index(list, spectra, material);
+    } else {
+        list.error(
+            fmt::format("Material \"{}\" is not supported (diffuse, conductor, dielectric, thindielectric, interface)", type));
+        return std::nullopt;
+    }
+    list.report_unused();
+    return material;
+}
+
+MediumDescription read_medium(const std::string& type, const ParameterList& list, SceneSpectra& spectra) {
+    MediumDescription medium{.location = list.directive().where};
+    if (type != "homogeneous") {
+        list.error(fmt::format("Medium \"{}\" is not supported (homogeneous)", type));
+        return medium;
+    }
+    const auto sigma_a = spectra.find(list, "sigma_a", SpectrumRole::kUnbounded),
+               sigma_s = spectra.find(list, "sigma_s", SpectrumRole::kUnbounded);
+    if (!sigma_a || !sigma_s) list.error("sigma_a and sigma_s: both are needed (presets are not supported)");
+    if (sigma_a) medium.sigma_a = *sigma_a;
+    if (sigma_s) medium.sigma_s = *sigma_s;
+    medium.scale = list.number("scale", 1, 0, 1e12);
+    medium.g = list.number("g", 0, -0.9999, 0.9999);
+    list.report_unused();
+    return medium;
+}
+
+}  // namespace latent::render

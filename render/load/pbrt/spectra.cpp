@@ -1,0 +1,145 @@
+#include "render/load/pbrt/spectra.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "color/named_spectra.h"
+#include "color/observer.h"
+#include "render/spectral/wavelength_density.h"
+
+namespace latent::render {
+
+namespace {
+
+std::string space_of(const std::string& pbrt_name) { return pbrt_name == "dci-p3" ? "display-p3" : pbrt_name; }
+
+color::Spectrum clamped(const std::function<double(double)>& f) {
+    return color::Spectrum::from_function(f, color::Outside::kClamped);
+}
+
+bool is_grey(std::span<const double> rgb) { return rgb[0] == rgb[1] && rgb[1] == rgb[2]; }
+
+}  // namespace
+
+bool SceneSpectra::set_color_space(const std::string& name) {
+    if (name != "srgb" && name != "dci-p3" && name != "rec2020") return false;
+    color_space_ = name;
+    return true;
+}
+
+const color::RgbToSpectrum& SceneSpectra::rgb() {
+    const auto known = rgb_.find(color_space_);
+    if (known != rgb_.end()) return known->second;
+    const color::RgbSpace space = color::RgbSpace::parse(space_of(color_space_)).value();
+    return rgb_.emplace(color_space_, color::RgbToSpectrum(space, color::illuminant_d65())).first->second;
+}
+
+color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }
+
+std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std::string_view name, SpectrumRole role) {
+    const Parameter* p = list.find(name, {"rgb", "spectrum", "blackbody"});
+    if (p == nullptr) return std::nullopt;
+    std::optional<color::Spectrum> spectrum = resolve(list, *p, role);
+    if (spectrum && spectrum->min_value() < 0) {
+        list.error(*p, "has negative values");
+        return std::nullopt;
+    }
+    return spectrum;
+}
+
+color::Spectrum SceneSpectra::emission(const ParameterList& list, std::string_view name) {
+    const Parameter* p = list.find(name, {"rgb", "spectrum", "blackbody"});
+    if (p == nullptr) return white();
+    const std::optional<color::Spectrum> spectrum = find(list, name, SpectrumRole::kUnbounded);
+    if (!spectrum) return {};
+    if (p->type == "rgb") {
+        const color::Spectrum illuminant = white();
+        return clamped([&](double lambda) { return (*spectrum)(lambda)*illuminant(lambda); });
+    }
+    if (spectrum->max_value() == 0) return {};
+    const color::Spectrum emitted = with_lines_widened(*spectrum);
+    const double y = luminance(emitted);
+    if (y > 0) return emitted.scaled(1 / y);
+    list.error(*p, "has no visible part, so it cannot be normalised to a luminance");
+    return {};
+}
+
+std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, const Parameter& p, SpectrumRole role) {
+    if (p.type == "blackbody") {
+        if (p.numbers.size() != 1) {
+            list.error(p, "wants one temperature in kelvin");
+            return std::nullopt;
+        }
+        Result<color::Spectrum> spectrum = color::Spectrum::blackbody(p.numbers[0]);
+        if (spectrum) return *spectrum;
+        list.error(p, spectrum.error().message);
+        return std::nullopt;
+    }
+    if (p.type == "rgb") {
+        if (p.numbers.size() != 3 || *std::min_element(p.numbers.begin(), p.numbers.end()) < 0) {
+            list.error(p, "wants three numbers that are not negative");
+            return std::nullopt;
+        }
+        if (is_grey(p.numbers)) {
+            if (role == SpectrumRole::kUnbounded || p.numbers[0] <= 1) return color::Spectrum::constant(p.numbers[0]);
+        }
+        const color::Rgb value{p.numbers[0], p.numbers[1], p.numbers[2]};
+        if (role == SpectrumRole::kUnbounded)
+            return clamped([s = rgb().unbounded(value)](double l) { return s(static_cast<float>(l)); });
+        if (*std::max_element(p.numbers.begin(), p.numbers.end()) > 1) {
+            list.error(p, "a reflectance has no component above 1");
+            return std::nullopt;
+        }
+        return clamped([s = rgb().reflectance(value)](double l) { return s(static_cast<float>(l)); });
+    }
+    if (p.strings.empty()) return from_pairs(list, p, p.numbers);
+    if (p.strings.size() > 1) {
+        list.error(p, "wants one name");
+        return std::nullopt;
+    }
+    if (Result<color::Spectrum> named = color::named_spectrum(p.strings[0])) return *named;
+    return from_file(list, p);
+}
+
+std::optional<color::Spectrum> SceneSpectra::from_pairs(const ParameterList& list, const Parameter& p,
+                                                        std::span<const double> pairs) {
+    if (pairs.empty() || pairs.size() % 2 != 0) {
+        list.error(p, "wants pairs of wavelength and value");
+        return std::nullopt;
+    }
+    std::vector<double> lambda, value;
+    for (std::size_t i = 0; i < pairs.size(); i += 2) {
+        lambda.push_back(pairs[i]);
+        value.push_back(pairs[i + 1]);
+    }
+    Result<color::Spectrum> spectrum = color::Spectrum::from_samples(std::move(lambda), std::move(value), color::Outside::kZero);
+    if (spectrum) return *spectrum;
+    list.error(p, spectrum.error().message);
+    return std::nullopt;
+}
+
+std::optional<color::Spectrum> SceneSpectra::from_file(const ParameterList& list, const Parameter& p) {
+    const Result<std::string> text = files_.read(p.strings[0]);
+    if (!text) {
+        const bool missing = text.error().code == ErrorCode::kNotFound;
+        list.error(p, missing ? fmt::format("\"{}\" is neither a known spectrum nor a file", p.strings[0]) : text.error().message);
+        return std::nullopt;
+    }
+    std::vector<double> pairs;
+    Tokenizer words(*text, 0);
+    while (true) {
+        const auto token = words.next();
+        if (token && !*token) break;
+        const std::optional<double> value = token ? parse_number((*token)->text) : std::nullopt;
+        if (!value) {
+            const std::uint32_t line = token ? (*token)->where.line : token.error().where.line;
+            list.error(p, fmt::format("{}: line {}: not a number", p.strings[0], line));
+            return std::nullopt;
+        }
+        pairs.push_back(*value);
+    }
+    return from_pairs(list, p, pairs);
+}
+
+}  // namespace latent::render

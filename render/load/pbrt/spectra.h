@@ -1,0 +1,41 @@
+// render/load/pbrt/spectra.h: spectra as scenes write them: rgb, inline samples, names, files, black bodies.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "color/rgb_to_spectrum.h"
+#include "color/spectrum.h"
+#include "render/load/files/scene_files.h"
+#include "render/load/pbrt/parameters.h"
+
+namespace latent::render {
+
+enum class SpectrumRole { kReflectance, kUnbounded };
+
+class SceneSpectra {
+ public:
+    explicit SceneSpectra(SceneFiles& files) : files_(files) {}
+
+    // The colour space that rgb parameters are in: pbrt's "srgb", "dci-p3" or "rec2020". False if there is no such space.
+    bool set_color_space(const std::string& name);
+
+    // The spectrum of a parameter; nothing if it is not there or an error was reported.
+    std::optional<color::Spectrum> find(const ParameterList& list, std::string_view name, SpectrumRole role);
+    // An emission, normalised as AreaLightDescription says; the colour space's white if the parameter is not there.
+    color::Spectrum emission(const ParameterList& list, std::string_view name);
+    color::Spectrum white();  // normalised illuminant of the colour space
+
+ private:
+    std::optional<color::Spectrum> resolve(const ParameterList& list, const Parameter& p, SpectrumRole role);
+    std::optional<color::Spectrum> from_pairs(const ParameterList& list, const Parameter& p, std::span<const double> pairs);
+    std::optional<color::Spectrum> from_file(const ParameterList& list, const Parameter& p);
+    const color::RgbToSpectrum& rgb();
+
+    SceneFiles& files_;
+    std::string color_space_ = "srgb";
+    std::map<std::string, color::RgbToSpectrum> rgb_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,82 @@
+// The directives that change the current transformation.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "render/load/pbrt/builder.h"
+
+namespace latent::render {
+
+namespace {
+
+Affined translation(const Vec3d& t) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, t}; }
+
+// Rotation by `degrees` about `axis`, counterclockwise where the axis points at the viewer in right-handed coordinates.
+Affined rotation(double degrees, const Vec3d& axis) {
+    const Vec3d a = normalize(axis);
+    const double s = std::sin(degrees * std::numbers::pi / 180), c = std::cos(degrees * std::numbers::pi / 180);
+    const auto image = [&](const Vec3d& v) { return a * dot(a, v) * (1 - c) + v * c + cross(a, v) * s; };
+    return {image({1, 0, 0}), image({0, 1, 0}), image({0, 0, 1}), {0, 0, 0}};
+}
+
+// Camera space from world space: z looks along, x is to the right in the image, which is what left-handed coordinates make of it.
+std::optional<Affined> look_at(const Vec3d& eye, const Vec3d& at, const Vec3d& up) {
+    const Vec3d z = normalize(at - eye), right = normalize(cross(normalize(up), z));
+    if (!std::isfinite(dot(z, z)) || !std::isfinite(dot(right, right))) return std::nullopt;
+    return Affined(right, cross(z, right), z, eye).inverse();
+}
+
+Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+bool SceneBuilder::apply_transform(const Directive& d) {
+    const std::vector<double>& n = d.numbers;
+    if (d.name == "Identity") {
+        state_.ctm = {};
+    } else if (d.name == "Translate") {
+        state_.ctm = state_.ctm * translation(vec(n));
+    } else if (d.name == "Scale") {
+        if (n[0] == 0 || n[1] == 0 || n[2] == 0) messages_.error(d.where, "Scale: a factor is 0");
+        state_.ctm = state_.ctm * Affined({n[0], 0, 0}, {0, n[1], 0}, {0, 0, n[2]}, {0, 0, 0});
+    } else if (d.name == "Rotate") {
+        const Vec3d axis{n[1], n[2], n[3]};
+        if (!(length(axis) > 0)) {
+            messages_.error(d.where, "Rotate: the axis has no direction");
+        } else {
+            state_.ctm = state_.ctm * rotation(n[0], axis);
+        }
+    } else if (d.name == "LookAt") {
+        const std::optional<Affined> view = look_at(vec(n), vec(std::span(n).subspan(3)), vec(std::span(n).subspan(6)));
+        if (view) {
+            state_.ctm = state_.ctm * *view;
+        } else {
+            messages_.error(d.where, "LookAt: the direction is 0, or parallel to up");
+        }
+    } else if (d.name == "Transform" || d.name == "ConcatTransform") {
+        // The file holds columns: the images of x, y, z and the origin, each with its w.
+        const Affined map(vec(n), vec(std::span(n).subspan(4)), vec(std::span(n).subspan(8)), vec(std::span(n).subspan(12)));
+        if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1)
+            messages_.error(d.where, d.name + ": projective transformations are not supported");
+        if (!map.inverse()) messages_.error(d.where, d.name + ": the matrix is singular");
+        state_.ctm = d.name == "Transform" ? map : state_.ctm * map;
+    } else if (d.name == "CoordinateSystem") {
+        coordinate_systems_[d.strings[0]] = state_.ctm;
+    } else if (d.name == "CoordSysTransform") {
+        const auto found = coordinate_systems_.find(d.strings[0]);
+        if (found == coordinate_systems_.end()) {
+            messages_.error(d.where, fmt::format("CoordSysTransform: \"{}\" was not defined", d.strings[0]));
+        } else {
+            state_.ctm = found->second;
+        }
+    } else if (d.name == "ActiveTransform") {
+        if (d.strings[0] != "All") messages_.error(d.where, "ActiveTransform: moving things are not supported");
+    } else if (d.name == "TransformTimes") {
+        messages_.warn(d.where, "TransformTimes is ignored: nothing moves");
+    } else {
+        return false;
+    }
+    return true;
+}
+
+}  // namespace latent::render

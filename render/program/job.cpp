@@ -1,0 +1,136 @@
+#include "render/program/job.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "render/program/simd.h"
+
+namespace latent::render {
+
+namespace {
+
+using sampledb::RecordKind;
+
+// Raw bytes that a sample takes at least, so that S brings runs near their size: one camera record, and for bdpt as much again.
+std::uint64_t bytes_per_sample(const IntegratorSettings& settings) {
+    const std::uint64_t fixed = 8 + 1 + 8 + 4;
+    const std::uint64_t record = fixed + (settings.record == RecordKind::kXyz ? 12 : 2 + 4 + 2 + 4 * std::uint64_t{settings.batch});
+    return settings.kind == IntegratorKind::kBdpt ? 2 * record : record;
+}
+
+// Shifts of the film positions: none for seed 0.
+sampledb::PositionSamplerSpec positions_of(std::uint64_t seed) {
+    sampledb::PositionSamplerSpec spec{sampledb::PositionSampler::kHalton23, 0, 0};
+    if (seed == 0) return spec;
+    std::byte bytes[8];
+    store_le(bytes, seed);
+    const std::uint64_t hash = hash64(bytes);
+    spec.shift_u = static_cast<std::uint32_t>(hash);
+    spec.shift_v = static_cast<std::uint32_t>(hash >> 32);
+    return spec;
+}
+
+IntegratorSettings integrator_settings(const RenderSettings& settings, const SceneDescription& scene) {
+    IntegratorSettings out;
+    out.kind = settings.integrator.value_or(scene.integrator == "bdpt" ? IntegratorKind::kBdpt : IntegratorKind::kPath);
+    out.connections = settings.connections;
+    out.max_depth = settings.max_depth.value_or(scene.max_depth);
+    out.batch = settings.wavelengths;
+    out.record = settings.record;
+    out.positions = positions_of(settings.seed);
+    out.seed = settings.seed;
+    return out;
+}
+
+// The hash of everything that decides what a sample number's records are, and how they are cut into runs.
+sampledb::JobId job_id(const Hash128& scene, const IntegratorSettings& settings, const sampledb::WavelengthDensity& density,
+                       const sampledb::Job& job) {
+    Bytes bytes;
+    ByteWriter writer(bytes);
+    for (const std::uint64_t field :
+         {std::uint64_t{kRenderEpoch}, scene.low, scene.high, std::uint64_t{job.aspect_width}, std::uint64_t{job.aspect_height},
+          static_cast<std::uint64_t>(settings.kind),
+          settings.kind == IntegratorKind::kBdpt ? static_cast<std::uint64_t>(settings.connections) : 0,
+          std::uint64_t{settings.max_depth}, settings.seed, static_cast<std::uint64_t>(job.positions.sampler),
+          static_cast<std::uint64_t>(job.kind), std::uint64_t{settings.batch}, std::uint64_t{job.run_samples}, job.run_bytes}) {
+        writer.put(field);
+    }
+    for (const sampledb::WavelengthDensity::Knot& knot : density.knots()) {
+        writer.put(knot.lambda);
+        writer.put(knot.cumulative);
+    }
+    return hash128(bytes);
+}
+
+Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const FilmDescription& film, std::uint32_t run_samples) {
+    const Resolution pixels = settings.resolution.value_or(Resolution{film.width, film.height});
+    const double count = std::ceil(settings.spp * pixels.width * pixels.height);
+    if (!settings.samples && count >= 0x1p62)
+        return Error{ErrorCode::kUsage, fmt::format("--spp {}: too large; a job has fewer than 2^62 samples", settings.spp)};
+    if (!settings.samples && !(count >= 1))
+        return Error{ErrorCode::kUsage, fmt::format("--spp {}: not a number of samples", settings.spp)};
+    const sampledb::SampleRange all = settings.samples.value_or(sampledb::SampleRange{0, static_cast<std::uint64_t>(count)});
+    if (all.empty()) return Error{ErrorCode::kUsage, fmt::format("--samples {}:{}: is empty", all.first, all.end)};
+    if (const std::uint64_t beyond = all.first % run_samples; beyond != 0) {
+        return Error{
+            ErrorCode::kUsage,
+            fmt::format("--samples {}:{}: the first must be a multiple of {}, the samples of a run; the nearest are {} and {}",
+                        all.first, all.end, run_samples, all.first - beyond, all.first - beyond + run_samples)};
+    }
+    return shard_of(all, settings.shard, run_samples);
+}
+
+}  // namespace
+
+sampledb::SampleRange shard_of(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples) {
+    const std::uint64_t runs = all.size() / run_samples + (all.size() % run_samples != 0 ? 1 : 0);
+    // floor(runs i / count) without overflow
+    const auto boundary = [&](std::uint64_t i) {
+        const std::uint64_t run = runs / shard.count * i + runs % shard.count * i / shard.count;
+        return run >= runs ? all.end : all.first + run * run_samples;
+    };
+    return {boundary(shard.index), boundary(shard.index + 1)};
+}
+
+Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
+    auto out = std::make_unique<RenderJob>();
+    Result<std::string> simd = choose_simd(settings.simd);
+    if (!simd) return simd.error();
+    out->simd = *simd;
+    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value());
+    if (!scene) return scene.error();
+    out->scene = std::move(*scene);
+    const SceneDescription& description = out->scene.description;
+    Result<std::unique_ptr<Geometry>> geometry = Geometry::build(description, out->simd);
+    if (!geometry) return geometry.error();
+    out->geometry = std::move(*geometry);
+    const IntegratorSettings integrator_options = integrator_settings(settings, description);
+    Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, *out->geometry, integrator_options);
+    if (!integrator) return integrator.error();
+    out->integrator = std::move(*integrator);
+
+    sampledb::Job& job = out->job;
+    const std::uint32_t divisor = std::gcd(description.film.width, description.film.height);
+    job.aspect_width = description.film.width / divisor;
+    job.aspect_height = description.film.height / divisor;
+    job.kind = settings.record;
+    if (job.kind == RecordKind::kSpectral) {
+        job.batch = static_cast<std::uint16_t>(settings.wavelengths);
+        job.density = out->integrator->density();
+    }
+    job.light_paths_per_sample = out->integrator->light_paths_per_sample();
+    job.run_samples =
+        settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(bytes_per_sample(integrator_options));
+    job.positions = integrator_options.positions;
+    job.id = job_id(out->scene.content, integrator_options, out->integrator->density(), job);
+    if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
+
+    const Result<sampledb::SampleRange> range = range_of(settings, description.film, job.run_samples);
+    if (!range) return range.error();
+    out->range = *range;
+    return out;
+}
+
+}  // namespace latent::render

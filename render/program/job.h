@@ -1,0 +1,66 @@
+// render/program/job.h: from a scene and settings to the job that files name, and to the samples that this process is to render.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "render/geometry/geometry.h"
+#include "render/load/load_scene.h"
+#include "render/transport/integrator.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/data/job.h"
+
+namespace latent::render {
+
+// Raised by every change of the code that changes the value of a record: files of different epochs are different jobs.
+inline constexpr std::uint32_t kRenderEpoch = 4;
+
+struct Resolution {
+    std::uint32_t width, height;
+};
+struct Shard {
+    std::uint64_t index = 0, count = 1;
+};
+
+// What the command line says; what it leaves out, the scene decides.
+struct RenderSettings {
+    std::filesystem::path scene;
+    std::optional<IntegratorKind> integrator;
+    Connections connections = Connections::kOne;
+    std::optional<std::uint32_t> max_depth;
+    sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
+    std::uint32_t wavelengths = 28;
+    std::uint64_t seed = 0;
+    std::uint32_t run_samples = 0;  // 0: such that a run is near 64 MiB
+    std::string simd;               // Embree isa; empty: chosen for this processor
+
+    double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
+    std::optional<Resolution> resolution;
+    std::optional<sampledb::SampleRange> samples;  // instead of spp
+    Shard shard;
+};
+
+// Everything that tracing needs. Parts refer to each other: it stays where it is.
+struct RenderJob {
+    LoadedScene scene;
+    std::string simd;
+    std::unique_ptr<Geometry> geometry;
+    std::unique_ptr<Integrator> integrator;
+    sampledb::Job job;
+    sampledb::SampleRange range;  // of this process
+};
+
+// Errors: those of the scene; kUsage for a range that does not begin a run, naming its neighbours, or a SIMD level that this
+// processor does not have.
+Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings);
+
+// The samples of shard `shard` of `all`: whole runs (but for the end of `all`), contiguous, in order, as even as can be. A shard
+// may be empty where there are more shards than runs.
+sampledb::SampleRange shard_of(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples);
+
+}  // namespace latent::render

@@ -1,0 +1,174 @@
+#include "render/program/loop.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/file.h"
+#include "base/size.h"
+#include "sampledb/write/grain_queue.h"
+
+namespace latent::render {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using sampledb::Grain;
+using sampledb::SampleRange;
+
+constexpr double kGraceSeconds = 4;     // after a stop: grains that are nearly done may end, slower ones are given up
+constexpr double kEstimateSeconds = 2;  // that a dry run renders
+constexpr double kProgressSeconds = 0.2;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+// Grains of what is missing, in order of sample number; the state that the threads share.
+class Work {
+ public:
+    Work(const sampledb::Coverage& missing, const std::atomic<bool>& stop, double max_seconds)
+        : grains_(missing), stop_(stop), max_seconds_(max_seconds) {}
+
+    // The next grain; empty when there is none, or no more is wanted.
+    SampleRange next() { return stopping() ? SampleRange{} : grains_.next(); }
+    bool stopping() { return stop_ || failed_ || (max_seconds_ > 0 && seconds_since(begin_) > max_seconds_); }
+    // True once a grain in work is no longer worth waiting for.
+    bool give_up() {
+        if (failed_) return true;
+        if (!stopping()) return false;
+        double stopped = stopped_at_.load();
+        if (stopped < 0 && stopped_at_.compare_exchange_strong(stopped, seconds_since(begin_))) return false;
+        return seconds_since(begin_) > stopped_at_.load() + kGraceSeconds;
+    }
+    void fail(const Error& error) {
+        const std::lock_guard lock(mutex_);
+        if (!failed_) error_ = error;
+        failed_ = true;
+    }
+    void finished(const SampleRange& grain, const RadianceFaults& faults) {
+        const std::lock_guard lock(mutex_);
+        samples_ += grain.size();
+        faults_ += faults;
+    }
+    void thread_ended() {
+        const std::lock_guard lock(mutex_);
+        ++ended_;
+        changed_.notify_all();
+    }
+    // Waits until `threads` have ended, telling of progress meanwhile.
+    void wait(int threads, std::uint64_t total, const sampledb::PartWriter& writer, const Progress& progress) {
+        std::unique_lock lock(mutex_);
+        while (!changed_.wait_for(lock, std::chrono::duration<double>(kProgressSeconds), [&] { return ended_ == threads; })) {
+            if (!progress) continue;
+            const auto samples = static_cast<double>(samples_);
+            lock.unlock();
+            progress(samples / static_cast<double>(total),
+                     fmt::format("{:.3f} M samples/s, {}", samples / seconds() / 1e6, format_size(writer.counts().bytes_written)));
+            lock.lock();
+        }
+    }
+    double seconds() const { return seconds_since(begin_); }
+    bool failed() const { return failed_; }
+    const Error& error() const { return error_; }
+    std::uint64_t samples() const { return samples_; }
+    const RadianceFaults& faults() const { return faults_; }
+
+ private:
+    sampledb::GrainQueue grains_;
+    const std::atomic<bool>& stop_;
+    const double max_seconds_;
+    const Clock::time_point begin_ = Clock::now();
+    std::atomic<double> stopped_at_{-1};
+    std::atomic<bool> failed_{false};
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::uint64_t samples_ = 0;
+    RadianceFaults faults_;
+    Error error_;
+    int ended_ = 0;
+};
+
+void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Work& work) {
+    for (SampleRange range = work.next(); !range.empty() && !writer.published_elsewhere(); range = work.next()) {
+        Grain grain{.range = range, .records = {}};
+        RadianceFaults faults;
+        for (std::uint64_t n = range.first; n < range.end; ++n) {
+            if (work.give_up()) return writer.give_up();
+            integrator.trace(n, grain.records, faults);
+        }
+        const Status submitted = writer.submit(std::move(grain));
+        if (!submitted && submitted.error().code == ErrorCode::kStopped) return;
+        if (!submitted) return work.fail(submitted.error());
+        work.finished(range, faults);
+    }
+}
+
+}  // namespace
+
+Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop,
+                            const Progress& progress) {
+    const sampledb::PartOptions part{.path = options.output,
+                                     .range = job.range,
+                                     .checkpoint_seconds = options.checkpoint_seconds,
+                                     .provenance_json = options.provenance_json,
+                                     .force = options.force};
+    Result<std::unique_ptr<sampledb::PartWriter>> opened = sampledb::PartWriter::open(part, job.job);
+    if (!opened) return opened.error();
+    sampledb::PartWriter& writer = **opened;
+
+    Work work(writer.missing(), stop, options.max_seconds);
+    const std::uint64_t total = writer.missing().size();
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < options.threads; ++i) {
+            threads.emplace_back([&] {
+                trace_grains(*job.integrator, writer, work);
+                work.thread_ended();
+            });
+        }
+        work.wait(options.threads, total, writer, progress);
+    }
+    if (work.failed()) return work.error();
+
+    RenderReport report;
+    report.elsewhere = total > 0 && writer.published_elsewhere();
+    report.complete = report.elsewhere || work.samples() == total;
+    const Status closed = report.complete ? writer.finish() : writer.checkpoint();
+    if (!closed) return closed.error();
+    report.samples = work.samples();
+    report.seconds = work.seconds();
+    report.faults = work.faults();
+    report.written = writer.counts();
+    report.committed = report.written.samples_committed;
+    return report;
+}
+
+Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
+    if (job.range.empty()) return RenderEstimate{};
+    std::error_code error;
+    const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+    if (error) return Error{ErrorCode::kIo, "no folder for temporary files, set TMPDIR: " + error.message()};
+    const std::filesystem::path folder = temporary / ("latent-dry-run-" + make_nonce());
+    if (!std::filesystem::create_directory(folder, error))
+        return Error{ErrorCode::kIo, fmt::format("{}: cannot be created: {}", folder.string(), error.message())};
+    RenderOptions trial = options;
+    trial.output = folder / "trial.latent";
+    trial.max_seconds = kEstimateSeconds;
+    const Result<RenderReport> report = render(job, trial, stop, {});
+    std::filesystem::remove_all(folder, error);
+    if (!report) return report.error();
+    if (report->samples == 0) return Error{ErrorCode::kStopped, "no sample was finished in the time of a dry run"};
+    const double factor = static_cast<double>(job.range.size()) / static_cast<double>(report->samples);
+    return RenderEstimate{
+        .samples = job.range.size(),
+        .bytes = static_cast<std::uint64_t>(std::min(static_cast<double>(report->written.bytes_written) * factor, 0x1p63)),
+        .seconds = report->seconds * factor,
+        .measured_samples = report->samples};
+}
+
+}  // namespace latent::render

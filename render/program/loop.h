@@ -1,0 +1,50 @@
+// render/program/loop.h: the loop of latent-render: threads trace grains of samples into one part, which can be stopped at any
+// moment.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "base/progress.h"
+#include "base/result.h"
+#include "render/program/job.h"
+#include "render/transport/integrator.h"
+#include "sampledb/write/part_writer.h"
+
+namespace latent::render {
+
+struct RenderOptions {
+    std::filesystem::path output;
+    double checkpoint_seconds = 60;
+    double max_seconds = 0;  // 0: no limit
+    int threads = 1;
+    bool force = false;
+    std::string provenance_json;
+};
+
+struct RenderReport {
+    bool complete = false;        // else stopped: what was rendered is committed
+    bool elsewhere = false;       // complete because another process published the whole range meanwhile
+    std::uint64_t samples = 0;    // rendered now
+    std::uint64_t committed = 0;  // of the range, earlier work included
+    double seconds = 0;
+    RadianceFaults faults;
+    sampledb::WriterCounts written;
+};
+
+// Renders what is missing of the job's range into `options.output`. `stop` may become true at any moment, from a signal handler.
+// Errors: those of sampledb::PartWriter.
+Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop,
+                            const Progress& progress);
+
+// What the whole range would take, from a few seconds of it rendered into a temporary file that is gone afterwards.
+struct RenderEstimate {
+    std::uint64_t samples = 0, bytes = 0;
+    double seconds = 0;
+    std::uint64_t measured_samples = 0;
+};
+Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop);
+
+}  // namespace latent::render

@@ -1,0 +1,17 @@
+// render/program/report.h: what latent-render tells at its end, as text or JSON, and what it notes in the file's header.
+#pragma once
+
+#include <string>
+
+#include "render/program/loop.h"
+
+namespace latent::render {
+
+std::string to_text(const RenderReport& report, const RenderJob& job, bool json);
+std::string to_text(const RenderEstimate& estimate, bool json);
+std::string to_text(const RadianceFaults& faults);
+
+// Program and version, scene, SIMD level, render epoch, seed, host and date, as JSON for the file's header.
+std::string provenance(const RenderJob& job, const RenderSettings& settings);
+
+}  // namespace latent::render

@@ -1,0 +1,87 @@
+#include "render/sampling/sequence.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace latent::render {
+namespace {
+
+constexpr std::array<std::uint32_t, Sequence::kPrimes> kBases = {5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
+constexpr std::uint64_t kOne = std::uint64_t{1} << 60;
+
+// A bijection of 64 bits whose every output bit depends on every input bit [Stafford11, variant 13].
+std::uint64_t mix(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+// A permutation of 0..base-1 that is a function of `key` (Fisher-Yates).
+std::vector<std::uint32_t> permutation(std::uint32_t base, std::uint64_t key) {
+    std::vector<std::uint32_t> p(base);
+    std::iota(p.begin(), p.end(), 0u);
+    for (std::uint32_t i = base - 1; i > 0; --i) {
+        key = mix(key + 0x9e3779b97f4a7c15u);
+        std::swap(p[i], p[static_cast<std::uint32_t>((key >> 32) * (i + 1) >> 32)]);
+    }
+    return p;
+}
+
+// Mirrors `digits` base-b digits of every number below b^digits about the point that follows `done` digits. The permutation of a
+// digit depends on the digits before it in the block (nested scrambling [Owen95]), blocks are scrambled independently.
+std::vector<std::uint64_t> scrambled_block(std::uint32_t base, std::uint32_t digits, std::uint64_t unit, std::uint64_t key) {
+    std::vector<std::uint64_t> value{0};
+    for (std::uint32_t d = 0; d < digits; ++d) {
+        unit /= base;
+        std::vector<std::uint64_t> longer(value.size() * base);
+        for (std::size_t prefix = 0; prefix < value.size(); ++prefix) {
+            const std::vector<std::uint32_t> p = permutation(base, mix(key + (d << 16) + prefix));
+            for (std::uint32_t digit = 0; digit < base; ++digit)
+                longer[prefix + digit * value.size()] = value[prefix] + p[digit] * unit;
+        }
+        value = std::move(longer);
+    }
+    return value;
+}
+
+}  // namespace
+
+Sequence::Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important) : seed_(mix(seed + 0x6a09e667f3bcc909u)) {
+    for (const std::uint32_t dimension : important) {
+        if (radicals_.size() == kPrimes) break;
+        const std::uint32_t base = kBases[radicals_.size()];
+        Radical r;
+        std::uint32_t digits = 0;
+        for (r.block = 1; r.block * base <= 4096; r.block *= base) ++digits;
+        r.reciprocal = ~std::uint64_t{0} / r.block + 1;
+        std::uint64_t unit = kOne;
+        while (unit > kOne >> 34) {
+            r.table.push_back(scrambled_block(base, digits, unit, mix(seed_ + (std::uint64_t{base} << 40) + r.table.size())));
+            for (std::uint32_t d = 0; d < digits; ++d) unit /= base;
+        }
+        r.tail = unit;
+        radicals_.push_back(std::move(r));
+        radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
+    }
+}
+
+std::uint64_t Sequence::hash(std::uint64_t n, std::uint32_t dimension) const {
+    return mix(mix(n + seed_) + (std::uint64_t{dimension} + 1) * 0x9e3779b97f4a7c15u);
+}
+
+std::uint32_t Sequence::bits(std::uint64_t n, std::uint32_t dimension) const {
+    if (dimension >= kTabulated || radical_of_[dimension] == 0) return static_cast<std::uint32_t>(hash(n, dimension) >> 32);
+    const Radical& r = radicals_[radical_of_[dimension] - 1];
+    constexpr std::uint64_t kExact = std::uint64_t{1} << 52;
+    std::uint64_t rest = n < kExact ? n : hash(n, dimension) % kExact;  // nobody renders so many
+    std::uint64_t sum = 0;
+    for (const std::vector<std::uint64_t>& table : r.table) {
+        const std::uint64_t quotient = static_cast<std::uint64_t>(static_cast<unsigned __int128>(rest) * r.reciprocal >> 64);
+        sum += table[rest - quotient * r.block];
+        rest = quotient;
+    }
+    sum += (hash(rest, dimension) >> 4) % r.tail;  // the digits beyond the tables, as one random number
+    return static_cast<std::uint32_t>(std::min(sum >> 28, std::uint64_t{0xFFFFFFFF}));
+}
+
+}  // namespace latent::render

@@ -1,0 +1,79 @@
+// render/sampling/sequence.h: the numbers that a sample is made of: a function of (seed, sample number, dimension).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace latent::render {
+
+// What each random decision of a sample is called. Camera and light subpaths have blocks of their own, one per vertex.
+struct Dimension {
+    enum : std::uint32_t { kXi, kKeptWavelength, kLensU, kLensV, kCameraVertices = 8, kLightVertices = 1u << 20 };
+    // Within the block of a vertex. At a scattering vertex; a light subpath's first block is that of the light itself.
+    enum : std::uint32_t {
+        kDistanceChannel,
+        kDistance,
+        kLight,
+        kLightU,
+        kLightV,
+        kLobe,
+        kDirectionU,
+        kDirectionV,
+        kSurvival,
+        kConnection,
+        kEquiangularLight,
+        kEquiangular,
+        kBlock
+    };
+
+    static std::uint32_t of_camera_vertex(std::uint32_t vertex, std::uint32_t what) {
+        return kCameraVertices + vertex * kBlock + what;
+    }
+    static std::uint32_t of_light_vertex(std::uint32_t vertex, std::uint32_t what) {
+        return kLightVertices + vertex * kBlock + what;
+    }
+};
+
+// The film position of sample n is Halton(2, 3)(n), so samples of one pixel, at whatever size the film is developed, are those
+// whose n agree modulo 2^a 3^b. The dimensions that matter most are therefore scrambled radical inverses in the *other* primes:
+// along every such subsequence they are as well spread as along n itself [Halton60], [Owen95]; a sequence in base 2 would not be.
+// All further dimensions are hashes of (seed, n, dimension).
+class Sequence {
+ public:
+    static constexpr std::size_t kPrimes = 16;  // 5 .. 61
+
+    // `important`: dimensions, most important first; the i-th takes the i-th prime from 5 on; those beyond kPrimes are hashed.
+    Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important);
+
+    // In [0, 1), a multiple of 2^-24.
+    float at(std::uint64_t n, std::uint32_t dimension) const { return static_cast<float>(bits(n, dimension) >> 8) * 0x1p-24f; }
+    // The same number as a 32-bit fraction.
+    std::uint32_t bits(std::uint64_t n, std::uint32_t dimension) const;
+
+ private:
+    // Digits are looked up several at a time: `table[j]` maps a block of base-b digits to its scrambled mirror image, in units of
+    // 2^-60.
+    struct Radical {
+        std::uint32_t block = 0;       // b^digits, at most 4096
+        std::uint64_t reciprocal = 0;  // ceil(2^64 / block): exact quotients below 2^52
+        std::uint64_t tail = 0;        // b^-(all digits): the room left for what the digits do not reach, in units of 2^-60
+        std::vector<std::vector<std::uint64_t>> table;
+    };
+    static constexpr std::uint32_t kTabulated = 64;  // dimensions below this may have a prime
+
+    std::uint64_t hash(std::uint64_t n, std::uint32_t dimension) const;
+
+    std::uint64_t seed_;
+    std::array<std::uint8_t, kTabulated> radical_of_{};  // 0: hashed, else 1 + index
+    std::vector<Radical> radicals_;
+};
+
+// The numbers of one sample.
+struct SampleNumbers {
+    const Sequence* sequence;
+    std::uint64_t n;
+    float operator()(std::uint32_t dimension) const { return sequence->at(n, dimension); }
+};
+
+}  // namespace latent::render

@@ -1,0 +1,144 @@
+// render/scene/description.h: what a .pbrt file says, resolved: plain data that geometry, lights and materials are built from.
+// Conventions are pbrt-v4's (docs/scenes.md): left-handed coordinates; world-space values unless said otherwise.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "color/spectrum.h"
+#include "render/math/vec.h"
+
+namespace latent::render {
+
+inline constexpr std::uint32_t kNone = 0xFFFFFFFF;       // no material, medium, light ...
+inline constexpr std::uint32_t kUnlimited = 0xFFFFFFFF;  // depth without a bound
+
+struct SourceLocation {
+    std::uint32_t file = 0;  // index into SceneDescription::files
+    std::uint32_t line = 1, column = 1;
+};
+
+struct FilmDescription {
+    std::uint32_t width = 1280, height = 720;  // their ratio is the film's aspect; the numbers only count samples for --spp
+};
+
+enum class CameraKind : std::uint8_t { kPerspective, kOrthographic, kSpherical };
+enum class SphericalMapping : std::uint8_t { kEqualArea, kEquirectangular };
+
+// Camera space: x right in the image, y up, z forward (left-handed). Film point (u, v) is the point
+// (x0 + u (x1 - x0), y1 + v (y0 - y1)) of the window, which lies at z = 1 for a perspective camera.
+struct CameraDescription {
+    CameraKind kind = CameraKind::kPerspective;
+    Affined world_from_camera{};
+    double x0 = -1, x1 = 1, y0 = -1, y1 = 1;  // the visible window; fov and screenwindow are resolved into it
+    double lens_radius = 0, focal_distance = 1e6;
+    SphericalMapping mapping = SphericalMapping::kEqualArea;
+    std::uint32_t medium = kNone;
+    SourceLocation location{};
+};
+
+enum class MaterialKind : std::uint8_t { kDiffuse, kConductor, kDielectric, kThinDielectric };
+
+struct MaterialDescription {
+    MaterialKind kind = MaterialKind::kDiffuse;
+    std::string name{};              // of MakeNamedMaterial; else empty
+    color::Spectrum reflectance{};   // diffuse
+    color::Spectrum eta{}, k{};      // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
+                                     // dielectric, thindielectric: eta
+    bool dispersive = false;         // eta of a dielectric or thindielectric varies with wavelength
+    float alpha_x = 0, alpha_y = 0;  // GGX alpha, remapped already where the scene asks for it; 0: smooth
+    SourceLocation location{};
+};
+
+struct MediumDescription {  // homogeneous, Henyey-Greenstein
+    std::string name{};
+    color::Spectrum sigma_a{}, sigma_s{};  // 1/m, `scale` not applied
+    double scale = 1, g = 0;
+    SourceLocation location{};
+};
+
+// Emission everywhere: `spectrum` is what is emitted, lines widened, normalised to Y = 1 (an rgb: so that its illuminant has);
+// radiance or intensity is scale x spectrum, and `power` or `illuminance`, where given, further scale it as pbrt does.
+struct AreaLightDescription {
+    color::Spectrum spectrum{};
+    double scale = 1;
+    std::optional<double> power{};  // of each triangle, patch or sphere by itself; Emitter::scale holds the outcome
+    bool two_sided = false;         // else emits on the side of the geometric normal
+    SourceLocation location{};
+};
+
+// Linear rgb with sRGB primaries, rows from the top: the square of pbrt's equal-area octahedral mapping.
+struct ImageDescription {
+    std::uint32_t width = 0, height = 0;
+    std::vector<float> rgb{};
+};
+
+enum class LightKind : std::uint8_t { kPoint, kSpot, kDistant, kInfinite };
+
+struct LightDescription {
+    LightKind kind = LightKind::kPoint;
+    color::Spectrum spectrum{};  // of an image: the normalised illuminant that its rgb multiplies
+    double scale = 1;
+    std::optional<double> power{};        // point, spot
+    std::optional<double> illuminance{};  // distant, infinite
+    Affined world_from_light{};           // the current transformation alone; `from` and `to` are not part of it
+    Vec3d from{0, 0, 0}, to{0, 0, 1};     // in light space: point, spot and distant
+    double cone_degrees = 30, cone_delta_degrees = 5;
+    std::shared_ptr<const ImageDescription> image{};  // infinite; null: constant
+    std::uint32_t medium = kNone;                     // that a point or spot light lies in
+    SourceLocation location{};
+};
+
+enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kSphere, kDisk };
+
+// Vertices are in world space, or in the space of the object that the shape belongs to.
+struct MeshDescription {
+    std::vector<Vec3f> positions{};
+    std::vector<Vec3f> normals{};          // per vertex, unit length, or empty
+    std::vector<Vec2f> uvs{};              // per vertex, or empty
+    std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11)
+};
+
+struct ShapeDescription {
+    ShapeKind kind = ShapeKind::kTriangles;
+    std::shared_ptr<const MeshDescription> mesh{};
+    Affined to_world{};                               // sphere and disk: from their own space
+    double radius = 1, inner_radius = 0, height = 0;  // sphere: radius; disk: all
+    bool flip_normal = false;                         // triangles: ng = -(p1 - p0) x (p2 - p0); quadrics: ng points inwards, down
+    bool pairs = false;                               // triangles 2 i and 2 i + 1 are the halves of a flat patch
+    std::uint32_t material = kNone;                   // kNone: "interface", which scatters nothing
+    std::uint32_t area_light = kNone;
+    std::uint32_t inside_medium = kNone, outside_medium = kNone;  // equal: crossing the surface changes nothing, as in pbrt
+    SourceLocation location{};
+};
+
+// Shapes that are placed several times; they carry no area lights.
+struct ObjectDescription {
+    std::string name{};
+    std::vector<ShapeDescription> shapes{};
+};
+struct InstanceDescription {
+    std::uint32_t object = 0;
+    Affined world_from_object{};
+    SourceLocation location{};
+};
+
+struct SceneDescription {
+    std::vector<std::string> files{};  // that directives were read from; locations refer to them
+    FilmDescription film;
+    CameraDescription camera;
+    std::string integrator = "volpath";  // as the scene names it
+    std::uint32_t max_depth = 5;
+    std::vector<MaterialDescription> materials{};
+    std::vector<MediumDescription> media{};
+    std::vector<LightDescription> lights{};
+    std::vector<AreaLightDescription> area_lights{};
+    std::vector<ShapeDescription> shapes{};
+    std::vector<ObjectDescription> objects{};
+    std::vector<InstanceDescription> instances{};
+};
+
+}  // namespace latent::render

@@ -1,0 +1,98 @@
+// render/spectral/spectra.h: the wavelengths of one sample, and every spectrum of a scene evaluated at them. docs/rendering.md,
+// "Wavelengths".
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "color/spectrum.h"
+#include "render/spectral/batch.h"
+#include "sampledb/data/wavelengths.h"
+
+namespace latent::render {
+
+// k wavelengths and where they lie in tables of one value per nm.
+struct Wavelengths {
+    std::uint32_t k = 0;
+    std::uint32_t xi = 0;
+    float lambda_nm[kLanes];        // ascending; lanes from k on repeat the last one
+    std::uint32_t below[kLanes];    // floor(lambda) - 360, at most 469
+    float fraction[kLanes];         // lambda - floor(lambda)
+    std::uint32_t nearest[kLanes];  // round(lambda) - 360
+    Batch weight;                   // 1 / (k p(lambda_i)); 0 in lanes from k on
+};
+
+// Draws Wavelengths from a density, as sampledb::WavelengthDensity::batch does, with the density at each.
+class WavelengthSampler {
+ public:
+    WavelengthSampler(const sampledb::WavelengthDensity& density, std::uint32_t k);
+    void draw(std::uint32_t xi, Wavelengths& out) const;
+
+ private:
+    sampledb::WavelengthDensity density_;
+    std::uint32_t k_;
+    std::vector<float> knot_nm_;        // of the density
+    std::vector<float> weight_;         // 1 / (k slope) after each knot
+    std::vector<std::uint16_t> guide_;  // knot at or below every integer nm from 360 on
+};
+
+// How a spectrum is looked up.
+enum class Lookup : std::uint8_t {
+    kNearestNm,  // the sample at the nearest integer nm: pbrt's rule for lights and media [PBRT4 4.5]
+    kLinear,     // exactly piecewise linear: reflectances, indices of refraction
+};
+
+// One spectrum, ready to be evaluated.
+class SpectrumTable {
+ public:
+    // With kLinear, knots that all lie on integer nm are joined through a table of one value per nm, which is the same function;
+    // others are walked along with the (ascending) wavelengths. Lights with knots nearer than 1 nm to each other (lines) are walked
+    // too, as no table of integer nm could hold them.
+    SpectrumTable(const color::Spectrum& s, Lookup lookup);
+    void evaluate(const Wavelengths& w, Batch& out) const;
+    bool operator==(const SpectrumTable&) const = default;
+
+ private:
+    enum class Form : std::uint8_t { kConstant, kNearest, kLinear, kKnots };
+    Form form_ = Form::kConstant;
+    std::vector<float> knot_nm_;  // kKnots, padded with a zero or a repeated value at both ends
+    std::vector<float> value_;
+};
+
+// All spectra of a scene, by number; equal ones are stored once.
+class SpectrumLibrary {
+ public:
+    std::uint32_t add(const color::Spectrum& s, Lookup lookup);
+    const SpectrumTable& operator[](std::uint32_t id) const { return tables_[id]; }
+    std::size_t size() const { return tables_.size(); }
+
+ private:
+    std::vector<SpectrumTable> tables_;
+};
+
+// A scene's spectra at one sample's wavelengths, each evaluated when it is first asked for. One per thread, used sample after
+// sample.
+class SampledSpectra {
+ public:
+    explicit SampledSpectra(const SpectrumLibrary& library)
+        : library_(library), value_(library.size()), stamp_(library.size(), 0) {}
+
+    Wavelengths wavelengths;
+
+    void start_sample() { ++now_; }  // after `wavelengths` changed
+    const Batch& operator[](std::uint32_t id) {
+        if (stamp_[id] != now_) {
+            library_[id].evaluate(wavelengths, value_[id]);
+            stamp_[id] = now_;
+        }
+        return value_[id];
+    }
+
+ private:
+    const SpectrumLibrary& library_;
+    std::vector<Batch> value_;
+    std::vector<std::uint64_t> stamp_;
+    std::uint64_t now_ = 0;
+};
+
+}  // namespace latent::render

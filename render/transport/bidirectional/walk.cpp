@@ -1,0 +1,233 @@
+// The two subpaths, step by step, and what they meet by themselves: lights (s = 0) and the lens (t = 0).
+#include <algorithm>
+
+#include "render/transport/bidirectional/subpaths.h"
+
+namespace latent::render {
+
+void Bidirectional::trace_eye(double u, double v) {
+    const Camera& camera = world_.camera();
+    const bool lens = camera.has_lens();
+    eye_.resize(1);
+    SubpathVertex& x = eye_[0];
+    Step step;
+    Vec3f origin;
+    camera.ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : 0, lens ? sample_.numbers(Dimension::kLensV) : 0, origin, step.d);
+    x = {};
+    x.at = {origin, 0, {}};
+    x.normal = camera.axis();
+    x.forward = lens ? 1 / camera.lens_area() : 1;
+    x.open = lens ? 1 : 0;
+    step.pdf = camera.jacobian(step.d);
+    step.parallel = camera.parallel();
+    step.before = x.open;
+    step.medium = camera.medium();
+    step.beta = Batch(1.0f);
+    walk(eye_, true, step);
+}
+
+void Bidirectional::trace_light() {
+    chosen_ = lights_.choose(light_number(0, Dimension::kLight));
+    const Light& light = lights_[chosen_];
+    LightRay ray;
+    lights_.sample_ray(chosen_, light_number(0, Dimension::kLightU), light_number(0, Dimension::kLightV),
+                       light_number(0, Dimension::kDirectionU), light_number(0, Dimension::kDirectionV), ray);
+    const float odds = lights_.probability(chosen_);
+    light_.resize(1);
+    SubpathVertex& x = light_[0];
+    x = {};
+    x.at = ray.anchor;
+    x.normal = ray.anchor.ng;
+    x.forward = odds * (light.is_infinite() ? ray.pdf_direction : ray.pdf_position);
+    x.open = light.is_delta() ? 0 : 1;
+    Step step;
+    step.d = ray.d;
+    step.pdf = light.is_infinite() ? ray.pdf_position : ray.pdf_direction;
+    step.parallel = light.is_infinite();
+    step.before = x.open;
+    step.medium = light.is_infinite() ? kNone : ray.medium;
+    if (!(ray.pdf_direction > 0)) return;
+    if (light.is_infinite() && world_.medium_at_infinity() != kNone) return;  // nothing comes through
+    step.beta = Batch(ray.cosine * ray.profile / (odds * ray.pdf_position * ray.pdf_direction));
+    lights_.multiply_emission(chosen_, ray.anchor.ng, ray.d, sample_.spectra, step.beta);
+    if (!step.beta.is_black()) walk(light_, false, step);
+}
+
+void Bidirectional::walk(Subpath& path, bool from_eye, Step& step) {
+    float eta2 = 1;
+    while (find_vertex(path, from_eye, step)) {
+        const std::size_t i = path.size() - 1;
+        const SubpathVertex& x = path[i];
+        Scattering::Sample next;
+        Batch weight(1.0f);
+        if (!x.scattering.sample(x.wo, from_eye, number(from_eye, i, Dimension::kLobe), number(from_eye, i, Dimension::kDirectionU),
+                                 number(from_eye, i, Dimension::kDirectionV), next, weight)) {
+            return;
+        }
+        step.through *= weight;
+        step.beta *= weight;
+        step.dispersed = x.dispersed || x.scattering.disperses(x.wo, next.wi);
+        if (from_eye) eta2 *= next.eta2;
+        const float odds = survival_odds(step.through, eta2, step.dispersed, sample_.kept, i);
+        if (odds <= 0) return;
+        if (i >= 2 && odds < 1) {
+            if (number(from_eye, i, Dimension::kSurvival) >= odds) return;
+            step.through *= 1 / odds;
+            step.beta *= 1 / odds;
+        }
+        step.before = x.open + chained(next.pdf_reverse * x.to_previous, path[i - 1].forward, x.before);
+        step.d = next.wi;
+        step.pdf = next.pdf;
+        step.parallel = false;
+        step.medium = x.medium_towards(next.wi);
+    }
+}
+
+bool Bidirectional::find_vertex(Subpath& path, bool from_eye, Step& step) {
+    const std::size_t i = path.size();
+    const bool from_sky = !from_eye && i == 1 && step.parallel;
+    Line line;
+    line.first_medium = step.medium;
+    Ray ray = from_sky ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
+    for (std::uint32_t stretch = 0;; ++stretch) {
+        const std::optional<SurfaceHit> hit = world_.geometry().intersect(ray);
+        MediumStep length{false, hit ? hit->t : kFar, 1, 1};
+        Batch weight(1.0f);
+        if (step.medium != kNone) {
+            const std::uint32_t again = stretch << 24;  // behind an interface a step needs numbers of its own
+            length = sample_step(world_.medium(step.medium), length.t, number(from_eye, i, Dimension::kDistanceChannel + again),
+                                 number(from_eye, i, Dimension::kDistance + again), sample_.spectra, weight);
+        }
+        if (!from_eye && world_.camera().has_lens()) reach_lens(step, line, ray, length.t);
+        step.beta *= weight;
+        step.through *= weight;
+        line.last_medium = step.medium;
+        line.last_length = length.t;
+        if (stretch == 0) line.first_length = length.t;
+        const float density = line.passing * length.density;
+        line.passing *= length.passing;
+        if (length.scattered) {
+            SubpathVertex x;
+            x.at = {ray.o + ray.d * length.t, 0, {}};
+            x.in_medium = true;
+            x.scattering = Scattering::phase(world_.medium(step.medium).g);
+            return append(path, from_eye, x, step, line, density);
+        }
+        if (!hit) {
+            if (from_eye) see_sky(step, line);
+            return false;
+        }
+        if (from_eye && hit->emitter != kNone) see_light(*hit, step, line);
+        if (!World::is_interface(hit->material)) {
+            if (i + 2 > most_) return false;
+            SubpathVertex x;
+            x.at = hit->anchor();
+            x.normal = hit->ng;
+            x.scattering = world_.scattering(*hit, sample_.spectra, sample_.kept);
+            x.inside_medium = hit->inside_medium;
+            x.outside_medium = hit->outside_medium;
+            return append(path, from_eye, x, step, line, density);
+        }
+        step.medium = World::medium_beyond(*hit, step.d, step.medium);
+        ray = spawn_ray(hit->anchor(), step.d);
+    }
+}
+
+bool Bidirectional::append(Subpath& path, bool from_eye, SubpathVertex& x, const Step& step, const Line& line, float density) {
+    const std::size_t i = path.size();
+    if (i + 2 > most_) return false;
+    const SubpathVertex& previous = path[i - 1];
+    const float d2 = length_squared(x.at.p - previous.at.p);
+    x.wo = -step.d;
+    x.beta = step.beta;
+    x.medium = step.medium;
+    x.dispersed = step.dispersed;
+    x.before = step.before;
+    x.forward = density * step.pdf * x.cosine(step.d) / (step.parallel ? 1 : d2);
+    x.to_previous = passed_to(previous, line) * (step.parallel ? 1 : previous.cosine(step.d) / d2);
+    x.open = (i == 1 || previous.connectible()) && x.connectible() ? 1 : 0;
+    if (!from_eye && i == 1) x.open *= resampled(x, previous, step.d, d2);
+    path.push_back(x);
+    return true;
+}
+
+float Bidirectional::resampled(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
+    const Light& light = lights_[chosen_];
+    if (light.is_delta()) return 1;
+    const float ratio = light.is_infinite() ? lights_.pdf_of_direction(chosen_, -d, x.scattering.receiver(x.wo)) /
+                                                  lights_.pdf_of_emission(chosen_, {}, d)
+                                            : lights_.pdf_of_point(chosen_, x.at.p, first.at.p, first.normal) * first.cosine(d) /
+                                                  d2 / lights_.pdf_of_position(chosen_);
+    return ratio * ratio;
+}
+
+void Bidirectional::add_emission(Batch value, const Step& step, float forward, float point, float ray, float reverse) {
+    const SubpathVertex& last = eye_.back();
+    const bool connected = eye_.size() >= 2 && last.connectible();
+    const float sampled = connected ? chained(point, forward, 1) : 0;
+    const float shorter = chained(ray, forward, chained(reverse, last.forward, step.before));
+    value *= weight(0, eye_.size() + 1, sampled + shorter);
+    camera_.add(value, step.dispersed, sample_.kept, sample_.k());
+}
+
+void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const Line& line) {
+    const Light& light = lights_[hit.emitter];
+    if (!light.two_sided && dot(hit.ng, step.d) >= 0) return;
+    Batch value = step.beta;
+    lights_.multiply_emission(hit.emitter, hit.ng, -step.d, sample_.spectra, value);
+    const SubpathVertex& last = eye_.back();
+    const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
+                odds = lights_.probability(hit.emitter);
+    add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.passing,
+                 odds * lights_.pdf_of_point(hit.emitter, last.at.p, hit.p, hit.ng) * to_area,
+                 odds * lights_.pdf_of_position(hit.emitter),
+                 lights_.pdf_of_emission(hit.emitter, hit.ng, -step.d) * last.cosine(step.d) / d2 * passed_to(last, line));
+}
+
+void Bidirectional::see_sky(const Step& step, const Line& line) {
+    const SubpathVertex& last = eye_.back();
+    for (const std::uint32_t i : lights_.infinite()) {
+        if (lights_[i].is_delta()) continue;
+        Batch value = step.beta;
+        lights_.multiply_emission(i, {}, -step.d, sample_.spectra, value);
+        const float odds = lights_.probability(i),
+                    point = odds * lights_.pdf_of_direction(i, step.d, last.scattering.receiver(last.wo));
+        const float ray = odds * lights_.pdf_of_emission(i, {}, -step.d);
+        add_emission(value, step, step.pdf * line.passing, point, ray,
+                     lights_.pdf_of_position(i) * last.cosine(step.d) * passed_to(last, line));
+    }
+}
+
+void Bidirectional::reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit) {
+    CameraPoint point;
+    if (!world_.camera().hit_lens(ray.o, ray.d, limit, point)) return;
+    if (lights_[chosen_].is_delta() &&
+        std::none_of(light_.begin() + 1, light_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
+        return;
+    }
+    Batch value = step.beta;
+    Line line = so_far;
+    if (step.medium != kNone) {
+        const float passing = multiply_transmittance(world_.medium(step.medium), point.distance, sample_.spectra, value);
+        value *= 1 / passing;
+        line.passing *= passing;
+    }
+    if (line.first_length == 0) line.first_length = point.distance;
+    const SubpathVertex& last = light_.back();
+    const float d2 = length_squared(point.p - last.at.p), area = world_.camera().lens_area();
+    const float cosine = abs_dot(point.w, world_.camera().axis());
+    const float forward = step.pdf * line.passing * cosine / (step.parallel ? 1 : d2);
+    const float reverse = point.jacobian * passed_to(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
+    const float open = light_.size() >= 2 && last.connectible() ? 1 : 0;
+    value *= point.jacobian / (area * cosine) *
+             weight(light_.size() + 1, 0, chained(1 / area, forward, open + chained(reverse, last.forward, step.before)));
+    splat(point, value, step.dispersed);
+}
+
+void Bidirectional::splat(const CameraPoint& point, const Batch& value, bool dispersed) {
+    Radiance radiance;
+    radiance.add(value, dispersed, sample_.kept, sample_.k());
+    records_.light(sample_.numbers.n, point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_, faults_);
+}
+
+}  // namespace latent::render

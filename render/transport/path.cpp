@@ -1,0 +1,219 @@
+// Path tracing: from the eye, with a light sampled at every vertex, and what the path runs into by itself; the two weighed by the
+// power heuristic. In a medium the light of points is sampled along the ray too. docs/rendering.md, "Path tracing" and "Media".
+#include "render/medium/equiangular.h"
+#include "render/transport/transport.h"
+
+namespace latent::render {
+namespace {
+
+// Weight of the strategy with density a against one with density b [Veach97 9.2.3].
+float power_heuristic(float a, float b) {
+    if (!(a < kInfinity)) return 1;
+    const float r = b / a;
+    return 1 / (1 + r * r);
+}
+
+// One path from the eye, at its last vertex.
+class Path {
+ public:
+    Path(const World& world, SampleState& sample, std::uint32_t max_depth, Radiance& camera)
+        : world_(world), lights_(world.lights()), sample_(sample), max_depth_(max_depth), camera_(camera) {}
+
+    void trace(double u, double v) {
+        const bool lens = world_.camera().has_lens();
+        Vec3f origin;
+        world_.camera().ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : 0, lens ? sample_.numbers(Dimension::kLensV) : 0,
+                            origin, d_);
+        at_ = {origin, 0, {}};
+        medium_ = world_.camera().medium();
+        Scattering scattering = Scattering::phase(0);
+        for (; find_vertex(scattering) && depth_ < max_depth_; ++depth_) {
+            if (!scattering.is_delta()) sample_light(scattering);
+            if (!scatter(scattering)) return;
+        }
+    }
+
+ private:
+    float number(std::uint32_t what) const { return sample_.numbers(Dimension::of_camera_vertex(depth_, what)); }
+
+    // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
+    bool find_vertex(Scattering& scattering) {
+        Ray ray = spawn_ray(at_, d_);
+        passing_ = 1;
+        for (std::uint32_t stretch = 0;; ++stretch) {
+            const std::optional<SurfaceHit> hit = world_.geometry().intersect(ray);
+            if (medium_ != kNone) {
+                const Medium& medium = world_.medium(medium_);
+                const std::uint32_t again = stretch << 24;  // behind an interface a step needs numbers of its own
+                stretch_ = {ray.o, hit ? hit->t : kFar, {}};
+                if (depth_ < max_depth_) sample_point_light(medium, again);
+                const MediumStep step = sample_step(medium, stretch_.length, number(Dimension::kDistanceChannel + again),
+                                                    number(Dimension::kDistance + again), sample_.spectra, beta_);
+                if (step.scattered) {
+                    stretch_.step = step;
+                    at_ = {ray.o + ray.d * step.t, 0, {}};
+                    scattering = Scattering::phase(medium.g);
+                    return true;
+                }
+                passing_ *= step.density;
+            }
+            if (!hit) {
+                see_sky();
+                return false;
+            }
+            if (hit->emitter != kNone) see_light(*hit);
+            if (!world_.is_interface(hit->material)) {
+                at_ = hit->anchor();
+                surface_ = *hit;
+                if (depth_ < max_depth_) scattering = world_.scattering(*hit, sample_.spectra, sample_.kept);
+                return true;
+            }
+            medium_ = World::medium_beyond(*hit, d_, medium_);
+            ray = spawn_ray(hit->anchor(), d_);
+        }
+    }
+
+    // `light_pdf`: density [1/sr] with which sample_light would have come here.
+    void add_emission(Batch value, float light_pdf) {
+        if (!delta_) value *= power_heuristic(pdf_ * passing_, light_pdf);
+        camera_.add(value, dispersed_, sample_.kept, sample_.k());
+    }
+    void see_light(const SurfaceHit& hit) {
+        const Light& light = lights_[hit.emitter];
+        if (!light.two_sided && dot(hit.ng, d_) >= 0) return;
+        Batch value = beta_;
+        lights_.multiply_emission(hit.emitter, hit.ng, -d_, sample_.spectra, value);
+        add_emission(value, lights_.probability(hit.emitter) * lights_.pdf_of_point(hit.emitter, at_.p, hit.p, hit.ng));
+    }
+    void see_sky() {
+        for (const std::uint32_t i : lights_.infinite()) {
+            if (lights_[i].is_delta()) continue;
+            Batch value = beta_;
+            lights_.multiply_emission(i, {}, -d_, sample_.spectra, value);
+            add_emission(value, lights_.probability(i) * lights_.pdf_of_direction(i, d_, receiver_));
+        }
+    }
+
+    Equiangular equiangular_to(const Light& light) const {
+        return {stretch_.o, d_, stretch_.length, light.p, light.n, light.cos_outer};
+    }
+
+    // One vertex more on the stretch, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
+    // the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and f / p in sample_light.
+    void sample_point_light(const Medium& medium, std::uint32_t again) {
+        const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
+        if (!lights_[i].is_point()) return;
+        const Equiangular equiangular = equiangular_to(lights_[i]);
+        if (equiangular.is_empty()) return;
+        const float t = equiangular.sample(number(Dimension::kEquiangular + again));
+        const Anchor at{stretch_.o + d_ * t, 0, {}};
+        LightPoint point;
+        if (!lights_.sample_point(i, at.p, {}, 0, 0, point)) return;
+        Batch value = beta_;
+        const float walk_pdf = scatter_at(medium, t, sample_.spectra, value).density;
+        Line line;
+        if (!receive(at, Scattering::phase(medium.g), i, point, medium_, value, line)) return;
+        value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
+        camera_.add(value, dispersed_, sample_.kept, sample_.k());
+    }
+
+    void sample_light(const Scattering& scattering) {
+        const std::uint32_t i = lights_.choose(number(Dimension::kLight));
+        LightPoint point;
+        if (!lights_.sample_point(i, at_.p, scattering.receiver(-d_), number(Dimension::kLightU), number(Dimension::kLightV),
+                                  point))
+            return;
+        const Vec3f wo = -d_;
+        const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
+        if (!(scattering_pdf > 0)) return;
+        Batch value = beta_;
+        const std::uint32_t medium = scattering.in_medium() ? medium_ : World::medium_beyond(surface_, point.wi, medium_);
+        Line line;
+        if (!receive(at_, scattering, i, point, medium, value, line)) return;
+        const float light_pdf = lights_.probability(i) * point.pdf_omega;
+        value *= point.falloff / light_pdf;
+        if (lights_[i].is_point() && scattering.in_medium()) {
+            const float pdf = equiangular_to(lights_[i]).pdf(stretch_.step.t);
+            value *= stretch_.step.density / (stretch_.step.density + pdf);
+        }
+        if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.passing);
+        camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
+    }
+
+    // value *= what comes from a point of light i and goes on along -d_. False: nothing does.
+    bool receive(const Anchor& at, const Scattering& scattering, std::uint32_t i, const LightPoint& point, std::uint32_t medium,
+                 Batch& value, Line& line) {
+        scattering.multiply_f_cos(-d_, point.wi, value);
+        lights_.multiply_emission(i, point.anchor.ng, -point.wi, sample_.spectra, value);
+        if (value.is_black()) return false;
+        return lights_[i].is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_.spectra, value, line)
+                                        : world_.connect(at, point.anchor, medium, sample_.spectra, value, line);
+    }
+
+    // Goes on in a direction of the scattering's own choice. False: absorbed.
+    bool scatter(const Scattering& scattering) {
+        const Vec3f wo = -d_;
+        Scattering::Sample next;
+        if (!scattering.sample(wo, true, number(Dimension::kLobe), number(Dimension::kDirectionU), number(Dimension::kDirectionV),
+                               next, beta_)) {
+            return false;
+        }
+        dispersed_ = dispersed_ || scattering.disperses(wo, next.wi);
+        receiver_ = scattering.receiver(wo);
+        pdf_ = next.pdf;
+        delta_ = next.delta;
+        eta2_ *= next.eta2;
+        d_ = next.wi;
+        if (!scattering.in_medium()) medium_ = World::medium_beyond(surface_, d_, medium_);
+
+        const float odds = survival_odds(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
+        if (odds <= 0) return false;
+        if (depth_ >= 1 && odds < 1) {
+            if (number(Dimension::kSurvival) >= odds) return false;
+            beta_ *= 1 / odds;
+        }
+        return true;
+    }
+
+    const World& world_;
+    const Lights& lights_;
+    SampleState& sample_;
+    std::uint32_t max_depth_;
+    Radiance& camera_;
+
+    Anchor at_;           // the last vertex
+    SurfaceHit surface_;  // the same, if it is on a surface
+    Vec3f d_;             // from it, or towards the next one
+    struct {              // of the ray, in one medium
+        Vec3f o;
+        float length;
+        MediumStep step;  // to the last vertex, if that is in the medium
+    } stretch_;
+    Batch beta_{1.0f};
+    std::uint32_t medium_ = kNone;
+    std::uint32_t depth_ = 0;  // scattering vertices before this one
+    bool dispersed_ = false, delta_ = true;
+    float eta2_ = 1;     // of all refractions so far
+    float pdf_ = 0;      // [1/sr] of d_
+    Receiver receiver_;  // the last vertex, as lights were sampled for it
+    float passing_ = 1;  // odds of passing the media since the last vertex
+};
+
+class PathIntegrator final : public Transport {
+ public:
+    using Transport::Transport;
+
+ protected:
+    void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records&,
+                     RadianceFaults&) const override {
+        Path(world(), sample, settings().max_depth, camera).trace(u, v);
+    }
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_path_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings) {
+    return std::make_unique<PathIntegrator>(std::move(world), settings);
+}
+
+}  // namespace latent::render

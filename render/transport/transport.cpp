@@ -1,0 +1,63 @@
+#include "render/transport/transport.h"
+
+#include "render/transport/bidirectional/bdpt.h"
+
+namespace latent::render {
+
+Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& settings)
+    : world_(std::move(world)),
+      settings_(settings),
+      density_(wavelength_density(world_->lights().spectra())),
+      wavelengths_(density_, settings.batch),
+      sequence_(settings.seed, important_dimensions(*world_)),
+      records_(settings.record),
+      spectra_([this] { return SampledSpectra(world_->library()); }) {}
+
+void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
+    SampledSpectra& spectra = spectra_.local();
+    wavelengths_.draw(sequence_.bits(n, Dimension::kXi), spectra.wavelengths);
+    spectra.start_sample();
+    const SampleNumbers numbers{&sequence_, n};
+    const std::uint32_t k = spectra.wavelengths.k;
+    const std::uint32_t kept =
+        std::min(static_cast<std::uint32_t>(numbers(Dimension::kKeptWavelength) * static_cast<float>(k)), k - 1);
+    SampleState sample{numbers, spectra, kept};
+
+    const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
+    Radiance camera;
+    trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, camera, out, faults);
+    records_.camera(n, film.u, film.v, camera, spectra.wavelengths, kept, out, faults);
+}
+
+std::vector<std::uint32_t> important_dimensions(const World& world) {
+    using D = Dimension;
+    std::vector<std::uint32_t> list;
+    const auto vertex = [&](std::uint32_t v, std::initializer_list<std::uint32_t> what) {
+        for (const std::uint32_t w : what) list.push_back(D::of_camera_vertex(v, w));
+    };
+    if (world.camera().has_lens()) {
+        list.push_back(D::kLensU);
+        list.push_back(D::kLensV);
+    }
+    if (world.has_media()) vertex(0, {D::kDistance});
+    vertex(0, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV});
+    if (world.lights().size() > 1) vertex(0, {D::kLight});
+    list.push_back(D::kXi);
+    if (world.has_dispersion()) list.push_back(D::kKeptWavelength);
+    vertex(0, {D::kLobe});
+    if (world.has_media()) vertex(1, {D::kDistance});
+    vertex(1, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV, D::kLobe, D::kLight, D::kSurvival});
+    if (world.has_media()) vertex(0, {D::kEquiangular});
+    return list;
+}
+
+Result<std::unique_ptr<Integrator>> make_integrator(const SceneDescription& scene, const Geometry& geometry,
+                                                    const IntegratorSettings& settings) {
+    if (settings.batch < 4 || settings.batch > kLanes) return Error{ErrorCode::kOutOfRange, "--wavelengths: wants 4 to 32"};
+    Result<std::unique_ptr<World>> world = World::build(scene, geometry);
+    if (!world) return world.error();
+    if (settings.kind == IntegratorKind::kBdpt) return make_bdpt_integrator(std::move(*world), settings);
+    return make_path_integrator(std::move(*world), settings);
+}
+
+}  // namespace latent::render

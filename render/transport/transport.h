@@ -1,0 +1,66 @@
+// render/transport/transport.h: what the integrators share: the scene, the numbers and the wavelengths of a sample, the way into
+// records.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <memory>
+#include <vector>
+
+#include "render/sampling/sequence.h"
+#include "render/transport/integrator.h"
+#include "render/transport/records.h"
+#include "render/world/world.h"
+
+namespace latent::render {
+
+// A sample on its way: its numbers, its wavelengths, and the one it keeps where it is dispersed.
+struct SampleState {
+    SampleNumbers numbers;
+    SampledSpectra& spectra;
+    std::uint32_t kept;
+
+    std::uint32_t k() const { return spectra.wavelengths.k; }
+};
+
+// Odds of a path to go on, of its throughput since it left the eye or the light. The eta^2 of radiance in denser media is no loss.
+// A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on they are at most 0.95: light that nothing
+// absorbs and nothing lets out, reflected totally in a block of glass, must end too.
+inline float survival_odds(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept, std::size_t scatterings) {
+    const float odds = (dispersed ? beta[kept] : beta.max()) * eta2;
+    return scatterings < 64 || odds < 0.95f ? odds : 0.95f;
+}
+
+class Transport : public Integrator {
+ public:
+    Transport(std::unique_ptr<World> world, const IntegratorSettings& settings);
+
+    void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const final;
+    const sampledb::WavelengthDensity& density() const final { return density_; }
+    std::uint32_t light_paths_per_sample() const override { return 0; }
+
+ protected:
+    // Adds to `camera` what the eye sees at film point (u, v); may append light records.
+    virtual void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records& out,
+                             RadianceFaults& faults) const = 0;
+
+    const World& world() const { return *world_; }
+    const IntegratorSettings& settings() const { return settings_; }
+    const RecordMaker& records() const { return records_; }
+
+ private:
+    std::unique_ptr<World> world_;
+    IntegratorSettings settings_;
+    sampledb::WavelengthDensity density_;
+    WavelengthSampler wavelengths_;
+    Sequence sequence_;
+    RecordMaker records_;
+    mutable tbb::enumerable_thread_specific<SampledSpectra> spectra_;  // caches of single samples: nothing outlives one
+};
+
+// The dimensions of one sample in the order in which they should be well spread, for the camera subpath of this world.
+std::vector<std::uint32_t> important_dimensions(const World& world);
+
+std::unique_ptr<Integrator> make_path_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings);
+
+}  // namespace latent::render

@@ -1,0 +1,148 @@
+#include "sampledb/codec/column_decode.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "sampledb/codec/planes.h"
+#include "sampledb/data/film_position.h"
+
+namespace latent::sampledb {
+
+namespace {
+
+// Buffers that every column of a thread uses again.
+struct Scratch {
+    std::array<Bytes, kMaxPlanes> plane;
+    std::vector<std::uint32_t> words;
+};
+thread_local Scratch scratch;
+
+std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded & 1)); }
+
+Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
+
+// Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
+Status load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,
+                   std::size_t value_width) {
+    if (entry.planes.size() != first + value_width) return corrupt("a column with planes missing");
+    std::array<ByteSpan, kMaxPlanes> planes;
+    for (std::size_t p = 0; p < value_width; ++p) {
+        const PlaneEntry& plane = entry.planes[first + p];
+        const Result<ByteSpan> bytes =
+            decode_plane(plane, stored.first(plane.stored_size), values.size() / value_width, scratch.plane[p]);
+        if (!bytes) return bytes.error();
+        planes[p] = *bytes;
+        stored = stored.subspan(plane.stored_size);
+    }
+    join_planes(std::span(planes).first(value_width), values);
+    return {};
+}
+
+Status load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
+    if (entry.bits == 0) {
+        std::ranges::fill(values, 0);
+        return entry.planes.empty() ? Status{} : corrupt("a constant column with planes");
+    }
+    if (entry.planes.size() != 1) return corrupt("a packed column of several planes");
+    const Result<ByteSpan> packed =
+        decode_plane(entry.planes[0], entry.stored, packed_size(values.size(), entry.bits), scratch.plane[0]);
+    if (!packed) return packed.error();
+    unpack_bits(*packed, entry.bits, values);
+    return {};
+}
+
+Status unknown_transform(const ColumnEntry& entry) {
+    return Error{ErrorCode::kUnsupported, fmt::format("column {}: transform {} is not known here", static_cast<int>(entry.column),
+                                                      static_cast<int>(entry.transform))};
+}
+
+}  // namespace
+
+Status decode_plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
+    if (values.empty()) return {};
+    if (entry.transform == Transform::kPlanes) return load_planes(entry, 0, entry.stored, values, value_width);
+    if (entry.transform != Transform::kPacked || entry.bits != 0 || !entry.planes.empty()) return unknown_transform(entry);
+    for (std::size_t at = 0; at < values.size(); at += value_width) std::memcpy(&values[at], &entry.base, value_width);
+    return {};
+}
+
+Status decode_samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
+    if (entry.transform != Transform::kPacked && entry.transform != Transform::kLattice) return unknown_transform(entry);
+    if (Status s = load_packed(entry, n); !s) return s;
+    if (entry.transform == Transform::kPacked) {
+        for (std::uint64_t& value : n) value += entry.base;
+        return {};
+    }
+    const unsigned s = entry.lattice_bits;
+    if (s == 0) return corrupt("a lattice of no bits");
+    const std::uint64_t mask = (std::uint64_t{1} << s) - 1;
+    const std::uint64_t high = entry.base & ~mask;
+    const std::uint32_t f0 = reverse_bits(static_cast<std::uint32_t>(entry.base & mask));  // in its s high bits
+    for (std::uint64_t& value : n) value = high | reverse_bits(f0 + static_cast<std::uint32_t>(value << (32 - s)));
+    return {};
+}
+
+Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& bright) {
+    bright.known = entry.transform == Transform::kSparse;
+    if (!bright.known) return decode_plain(entry, std::as_writable_bytes(values), 4);
+    if (entry.planes.empty()) return corrupt("a column with planes missing");
+    const PlaneEntry& plane = entry.planes[0];
+    const Result<ByteSpan> bitmap =
+        decode_plane(plane, entry.stored.first(plane.stored_size), (values.size() + 7) / 8, scratch.plane[0]);
+    if (!bitmap) return bitmap.error();
+    bright.bitmap.assign(bitmap->begin(), bitmap->end());
+    bright.count = 0;
+    for (const std::byte rows : bright.bitmap)
+        bright.count += static_cast<std::size_t>(std::popcount(std::to_integer<unsigned>(rows)));
+    if (bright.count == 0 || std::to_integer<unsigned>(bright.bitmap.back()) >> ((values.size() - 1) % 8 + 1) != 0) {
+        return corrupt("a bitmap that names no row, or one behind the last");
+    }
+    const std::span<std::uint32_t> y = at_least(bright.y, bright.count + kExpandPadding).first(bright.count);
+    if (Status s = load_planes(entry, 1, entry.stored.subspan(plane.stored_size), std::as_writable_bytes(y), 4); !s) return s;
+    expand(bright.bitmap, y.data(), std::as_writable_bytes(values));
+    return {};
+}
+
+Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y, const BrightRows& bright) {
+    const std::span<std::byte> bytes = std::as_writable_bytes(values);
+    const bool sparse = entry.transform == Transform::kSparseCross;
+    if (entry.transform != Transform::kCross && !sparse) return decode_plain(entry, bytes, 4);
+    if (sparse && !bright.known) return corrupt("a sparse column beside a y that is not");
+    const std::size_t count = sparse ? bright.count : values.size();
+    const std::span<std::uint32_t> words = at_least(scratch.words, count + kExpandPadding).first(count);
+    if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
+    if (sparse) {
+        for (std::size_t i = 0; i < count; ++i) words[i] = bright.y[i] + unzigzag(words[i]);
+        expand(bright.bitmap, words.data(), bytes);
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(y[i]) + unzigzag(words[i]));
+        }
+    }
+    return {};
+}
+
+Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
+    const std::span<std::byte> bytes = std::as_writable_bytes(values);
+    if (entry.transform != Transform::kDelta2) return decode_plain(entry, bytes, 4);
+    const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
+    if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
+    std::size_t at = 0;
+    for (const std::uint16_t n : pairs) {
+        if (n == 0) continue;
+        std::uint32_t before = words[at], slope = 0;
+        values[at++] = std::bit_cast<float>(before);
+        for (std::uint16_t i = 1; i < n; ++i, ++at) {
+            slope += unzigzag(words[at]);
+            before += slope;
+            values[at] = std::bit_cast<float>(before);
+        }
+    }
+    return {};
+}
+
+}  // namespace latent::sampledb

@@ -1,0 +1,80 @@
+// sampledb/codec/page_layout.h: what the encoder and the decoder of pages share: columns, transforms, the table at a page's front.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/bytes.h"
+#include "sampledb/codec/plane_codec.h"
+#include "sampledb/data/job.h"
+
+namespace latent::sampledb {
+
+static_assert(std::endian::native == std::endian::little, "columns are copied to and from disk as they stand in memory");
+
+enum class Column : std::uint8_t {
+    kSample = 1,
+    kU = 2,
+    kV = 3,
+    kShare = 4,
+    kX = 5,
+    kY = 6,
+    kZ = 7,
+    kPairs = 8,
+    kXi = 9,
+    kIndex = 10,
+    kPower = 11,
+    kLambda = 12,
+    kFirstExtra = 64,
+};
+
+enum class Transform : std::uint8_t {
+    kPlanes = 0,       // the values' byte planes
+    kPacked = 1,       // value = base + `bits` bits; 0 bits: a constant column
+    kLattice = 2,      // sample numbers, by the bits that a base 2 radical inverse makes of them
+    kSampler = 3,      // u and v follow from the sample numbers
+    kCross = 4,        // x and z: zigzag of the difference to y's bits
+    kDelta2 = 5,       // power and lambda: zigzag of second differences along each record
+    kSparse = 6,       // y: which rows are not zero, and the planes of those
+    kSparseCross = 7,  // x and z: as kCross, of the rows where y is not zero; zero in the others
+};
+
+constexpr std::size_t kColumnEntrySize = 24;
+// One column of a page's table. kColumnEntrySize bytes on disk, then one word per plane.
+struct ColumnEntry {
+    Column column{};
+    Transform transform = Transform::kPlanes;
+    std::uint8_t bits = 0;
+    std::uint8_t lattice_bits = 0;  // s of kLattice
+    std::uint64_t base = 0;
+    std::uint64_t hash = 0;  // XXH3-64 of the decoded values
+    std::vector<PlaneEntry> planes{};
+    ByteSpan stored{};  // decoding: its planes
+};
+constexpr std::size_t kMaxPlanes = 8;
+
+// The columns of a page, in the order of its table.
+std::vector<Column> columns_of(const Job& job, RecordClass record_class);
+
+// XXH3-64 over the hashes of the decoded columns.
+std::uint64_t content_hash(const std::vector<ColumnEntry>& table);
+
+// The first `count` values of a column, which may be longer (Page::kPadding).
+template <class T>
+std::span<const T> rows(const std::vector<T>& column, std::size_t count) {
+    assert(column.size() >= count);
+    return {column.data(), count};
+}
+
+// The same of a buffer, which grows if it has to.
+template <class T>
+std::span<T> at_least(std::vector<T>& buffer, std::size_t count) {
+    if (buffer.size() < count) buffer.resize(count);
+    return {buffer.data(), count};
+}
+
+}  // namespace latent::sampledb

@@ -1,0 +1,250 @@
+#include "sampledb/codec/plane_codec.h"
+
+#define ZSTD_STATIC_LINKING_ONLY  // ZSTD_c_literalCompressionMode
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <span>
+
+#include "hwy/highway.h"
+
+namespace latent::sampledb {
+
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+Error corrupt(const char* why) { return {ErrorCode::kCorrupt, why}; }
+
+constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
+
+constexpr std::size_t kBlock = 64, kMostBlocks = 32;  // of the sample of a plane
+constexpr std::uint64_t kBit = 256;                   // unit of information: 2^-8 bit
+
+// n log2(n) for the counts of a sample; integers, so that every machine writes the same file.
+constexpr auto kSelfInformation = [] {
+    std::array<std::uint32_t, kBlock * kMostBlocks + 1> table{};
+    for (std::uint64_t n = 1; n < table.size(); ++n) {
+        const int whole = std::bit_width(n) - 1;
+        std::uint64_t x = n << (30 - whole), log = static_cast<std::uint64_t>(whole);  // 1 <= x / 2^30 < 2
+        for (int bit = 0; bit < 16; ++bit) {
+            x = x * x >> 30;
+            log = log << 1 | x >> 31;
+            x >>= x >> 31;
+        }
+        table[n] = static_cast<std::uint32_t>((n * log) >> 8);
+    }
+    return table;
+}();
+
+// What up to 32 blocks of 64 bytes tell of a plane; contiguous ones, so that no stride of the data can hide in them.
+struct Sample {
+    std::uint64_t size = 0;
+    std::array<std::uint32_t, 256> counts{};  // of each value
+    std::uint64_t values = 0;                 // that occur
+    std::uint64_t information = 0;            // entropy times size
+
+    // Whether an entropy coder would save a sixteenth: less is worth neither the time to write nor that to read.
+    bool would_shrink() const { return information * 16 < 8 * kBit * size * 15; }
+    // Whether `bits` bits a value are nearly what an entropy coder would take.
+    bool fills(unsigned bits) const { return bits * kBit * size <= information + kBit * 3 / 4 * size; }
+};
+
+Sample sample_of(ByteSpan plane) {
+    const std::size_t step = std::max(4 * kBlock, (plane.size() + kMostBlocks - 1) / kMostBlocks);
+    std::array<std::array<std::uint16_t, 256>, 2> counts{};  // two, so that equal neighbours do not wait for each other
+    Sample sample;
+    for (std::size_t at = 0; at < plane.size(); at += step) {
+        const ByteSpan block = plane.subspan(at, std::min(kBlock, plane.size() - at));
+        for (std::size_t i = 0; i < block.size(); ++i) ++counts[i & 1][static_cast<std::uint8_t>(block[i])];
+        sample.size += block.size();
+    }
+    sample.information = kSelfInformation[sample.size];
+    for (std::size_t value = 0; value < 256; ++value) {
+        const std::uint32_t count = counts[0][value] + counts[1][value];
+        sample.counts[value] = count;
+        sample.information -= kSelfInformation[count];
+        sample.values += count > 0;
+    }
+    sample.information +=
+        (sample.values - 1) * kBit * 721 / 1000;  // a sample's is too small by (values - 1) / (2 ln 2) bits [Miller55]
+    return sample;
+}
+
+// Whether neighbours are equal in more than half of the cases that chance leaves room for: then zstd finds repetitions.
+bool repeats(ByteSpan plane, const Sample& sample) {
+    std::uint64_t squares = 0, equal = 0;
+    for (const std::uint64_t count : sample.counts) squares += count * count;
+    const hn::FixedTag<std::uint8_t, 16> d;
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(plane.data());
+    std::size_t i = 0;
+    for (; i + 17 <= plane.size(); i += 16) equal += hn::CountTrue(d, hn::Eq(hn::LoadU(d, bytes + i), hn::LoadU(d, bytes + i + 1)));
+    return 2 * equal * sample.size * sample.size > i * (squares + sample.size * sample.size);
+}
+
+// Level 1, but hasty about matches, which are few in planes like these: looked for at every fifth byte, and long enough not to be
+// chance. Literals are coded in spite of that, as zstd's own faster levels do not.
+struct Compressor {
+    Compressor() {
+        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, 1);
+        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 6);
+        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_targetLength, 4);
+        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
+    }
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+    Bytes buffer;
+};
+
+// Eight numbers of `bits` bits, 1..7, packed from the low bit on <-> one in each byte of a word: halves are moved apart (or
+// together) until each has its own byte.
+struct Eight {
+    explicit Eight(unsigned bits_of_one)
+        : bits(bits_of_one),
+          ones(((1u << bits) - 1) * 0x0001'0001'0001'0001),
+          twos(((1u << 2 * bits) - 1) * 0x0000'0001'0000'0001),
+          fours((std::uint64_t{1} << 4 * bits) - 1) {}
+
+    std::uint64_t spread(std::uint64_t x) const {
+        x = (x & fours) | (x >> 4 * bits & fours) << 32;
+        x = (x & twos) | (x >> 2 * bits & twos) << 16;
+        return (x & ones) | (x >> bits & ones) << 8;
+    }
+    std::uint64_t pack(std::uint64_t x) const {
+        x = (x & ones) | (x >> 8 & ones) << bits;
+        x = (x & twos) | (x >> 16 & twos) << 2 * bits;
+        return (x & fours) | (x >> 32 & fours) << 4 * bits;
+    }
+
+    unsigned bits;
+    std::uint64_t ones, twos, fours;
+};
+
+constexpr unsigned kMostDictionaryBits = 7;
+
+std::size_t dictionary_size(unsigned bits, std::size_t count) { return 1 + (std::size_t{1} << bits) + (count + 7) / 8 * bits; }
+
+// Appends the plane by its dictionary, if it has one of a size that suits the sample.
+bool encode_dictionary(ByteSpan plane, const Sample& sample, Bytes& out) {
+    const auto bits_of = [](std::uint64_t values) { return static_cast<unsigned>(std::bit_width(values - 1)); };
+    if (bits_of(sample.values) > kMostDictionaryBits || !sample.fills(bits_of(sample.values)) || repeats(plane, sample))
+        return false;
+    std::array<std::uint8_t, 256> index{};
+    for (const std::byte value : plane) index[static_cast<std::uint8_t>(value)] = 1;
+    const unsigned bits = bits_of(std::accumulate(index.begin(), index.end(), std::uint64_t{0}));
+    if (bits > kMostDictionaryBits || !sample.fills(bits)) return false;
+    const std::size_t size = dictionary_size(bits, plane.size());
+    if (size > plane.size() - plane.size() / 16) return false;
+
+    const std::size_t begin = out.size();
+    out.resize(begin + size + 8);  // whole words are written, then cut
+    std::byte* to = out.data() + begin;
+    *to++ = static_cast<std::byte>(bits);
+    std::uint8_t next = 0;
+    for (unsigned value = 0; value < 256; ++value) {
+        if (index[value] == 0) continue;
+        to[next] = static_cast<std::byte>(value);
+        index[value] = next++;
+    }
+    to += std::size_t{1} << bits;
+    const Eight eight(bits);
+    for (std::size_t i = 0; i < plane.size(); i += 8, to += bits) {
+        std::array<std::uint8_t, 8> indices{};
+        for (std::size_t k = 0; k < std::min<std::size_t>(8, plane.size() - i); ++k)
+            indices[k] = index[static_cast<std::uint8_t>(plane[i + k])];
+        store_le(to, eight.pack(std::bit_cast<std::uint64_t>(indices)));
+    }
+    out.resize(begin + size);
+    return true;
+}
+
+// `plane` has room for 8 bytes more than `size`.
+Status decode_dictionary(ByteSpan stored, std::size_t size, std::byte* plane) {
+    const unsigned bits = stored.empty() ? 0 : std::to_integer<unsigned>(stored[0]);
+    if (bits < 1 || bits > kMostDictionaryBits || stored.size() != dictionary_size(bits, size))
+        return corrupt("a dictionary of another size");
+    const ByteSpan values = stored.subspan(1, std::size_t{1} << bits);
+    const ByteSpan packed = stored.subspan(1 + values.size());
+    const Eight eight(bits);
+    std::size_t i = 0, at = 0;
+    for (; at + 8 <= packed.size(); i += 8, at += bits) store_le(plane + i, eight.spread(load_le<std::uint64_t>(&packed[at])));
+    for (; i < size; i += 8, at += bits) {  // the last ones: from a copy that can be read past its end
+        std::array<std::byte, 8> word{};
+        std::copy_n(&packed[at], bits, word.data());
+        store_le(plane + i, eight.spread(load_le<std::uint64_t>(word.data())));
+    }
+    i = 0;
+    if (bits <= 4) {
+        const hn::FixedTag<std::uint8_t, 16> d;
+        std::array<std::uint8_t, 16> table{};
+        std::memcpy(table.data(), values.data(), values.size());
+        const auto dictionary = hn::LoadU(d, table.data());
+        auto* const bytes = reinterpret_cast<std::uint8_t*>(plane);
+        for (; i + 16 <= size; i += 16) hn::StoreU(hn::TableLookupBytes(dictionary, hn::LoadU(d, bytes + i)), d, bytes + i);
+    }
+    for (; i < size; ++i) plane[i] = values[std::to_integer<std::size_t>(plane[i])];
+    return {};
+}
+
+}  // namespace
+
+PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
+    assert(!plane.empty());
+    const std::size_t begin = out.size();
+    const auto entry = [&](PlaneCodec codec) { return PlaneEntry{codec, static_cast<std::uint32_t>(out.size() - begin)}; };
+    if (std::memcmp(plane.data(), plane.data() + 1, plane.size() - 1) == 0) {
+        out.push_back(plane.front());
+        return entry(PlaneCodec::kConstant);
+    }
+    if (plane.size() >= kMinCompressed) {
+        const Sample sample = sample_of(plane);
+        if (encode_dictionary(plane, sample, out)) return entry(PlaneCodec::kDictionary);
+        if (sample.would_shrink()) {
+            thread_local Compressor zstd;
+            const std::size_t bound = ZSTD_compressBound(plane.size());
+            if (zstd.buffer.size() < bound) zstd.buffer.resize(bound);
+            const std::size_t size = ZSTD_compress2(zstd.context.get(), zstd.buffer.data(), bound, plane.data(), plane.size());
+            if (!ZSTD_isError(size) && size < plane.size() - plane.size() / 64) {
+                out.insert(out.end(), zstd.buffer.begin(), zstd.buffer.begin() + static_cast<std::ptrdiff_t>(size));
+                return entry(PlaneCodec::kZstd);
+            }
+        }
+    }
+    out.insert(out.end(), plane.begin(), plane.end());
+    return entry(PlaneCodec::kRaw);
+}
+
+Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch) {
+    if (entry.codec == PlaneCodec::kRaw) {
+        if (stored.size() != size) return corrupt("a raw plane of another size");
+        return stored;
+    }
+    if (scratch.size() < size + 8) scratch.resize(size + 8);
+    const std::span<std::byte> plane = std::span(scratch).first(size);
+    switch (entry.codec) {
+        case PlaneCodec::kConstant:
+            if (stored.size() != 1) return corrupt("a constant plane of several bytes");
+            std::fill(plane.begin(), plane.end(), stored.front());
+            break;
+        case PlaneCodec::kZstd: {
+            thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+            // exactly one frame, and no skippable one
+            if (stored.size() < 4 || load_le<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER ||
+                ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
+                ZSTD_decompressDCtx(context.get(), plane.data(), size, stored.data(), stored.size()) != size) {
+                return corrupt("a plane that zstd does not read");
+            }
+            break;
+        }
+        default:
+            if (Status s = decode_dictionary(stored, size, plane.data()); !s) return s.error();
+    }
+    return ByteSpan(plane);
+}
+
+}  // namespace latent::sampledb

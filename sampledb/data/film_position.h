@@ -1,0 +1,42 @@
+// sampledb/data/film_position.h: named position samplers, in integers only: what lets a file leave positions out. docs/format.md,
+// "Samplers".
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace latent::sampledb {
+
+struct FilmPosition {
+    std::uint32_t u, v;  // floor(x 2^32)
+    bool operator==(const FilmPosition&) const = default;
+};
+
+enum class PositionSampler : std::uint8_t {
+    kNone = 0,      // positions are data
+    kHalton23 = 1,  // u = radical inverse of n in base 2, v in base 3, each shifted mod 1
+};
+
+struct PositionSamplerSpec {
+    PositionSampler sampler = PositionSampler::kNone;
+    std::uint32_t shift_u = 0, shift_v = 0;  // added mod 2^32
+    bool operator==(const PositionSamplerSpec&) const = default;
+};
+
+// Position of sample n: (floor(phi_2(n) 2^32) + shift_u, floor(phi_3(n) 2^32) + shift_v) mod 2^32, phi_b the radical inverse.
+// phi_2 uses the 32 low bits of n, phi_3 its 40 low ternary digits (all of them below 3^40).
+FilmPosition halton23(std::uint64_t n, const PositionSamplerSpec& spec);
+// The same for many; fast when neighbours lie within one run. All spans have the same size.
+void halton23(std::span<const std::uint64_t> n, const PositionSamplerSpec& spec, std::span<std::uint32_t> u,
+              std::span<std::uint32_t> v);
+
+// Bit 0 becomes bit 31, and so on: phi_2 in 32-bit fixed point.
+inline std::uint32_t reverse_bits(std::uint32_t x) {
+    x = (x >> 1 & 0x55555555) | (x & 0x55555555) << 1;
+    x = (x >> 2 & 0x33333333) | (x & 0x33333333) << 2;
+    x = (x >> 4 & 0x0F0F0F0F) | (x & 0x0F0F0F0F) << 4;
+    x = (x >> 8 & 0x00FF00FF) | (x & 0x00FF00FF) << 8;
+    return x >> 16 | x << 16;
+}
+
+}  // namespace latent::sampledb

@@ -1,0 +1,85 @@
+#include "sampledb/data/job.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "sampledb/format/file_format.h"
+
+namespace latent::sampledb {
+
+namespace {
+
+constexpr std::uint32_t kMinRunSamples = 1u << 10, kMaxRunSamples = 1u << 22;
+constexpr std::uint64_t kMinRunBytes = std::uint64_t{64} << 10, kMaxRunBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kRunTargetBytes = std::uint64_t{64} << 20;
+
+Error refuse(std::string what) { return {ErrorCode::kOutOfRange, "job: " + std::move(what)}; }
+
+Error differs(std::string_view field) { return {ErrorCode::kMismatch, fmt::format("another job: {} differs", field)}; }
+
+}  // namespace
+
+Status Job::validate() const {
+    if (aspect_width == 0 || aspect_height == 0 || std::gcd(aspect_width, aspect_height) != 1) {
+        return refuse(fmt::format("film aspect {}:{} is not in lowest terms", aspect_width, aspect_height));
+    }
+    if (kind == RecordKind::kSpectral) {
+        if (batch < 1 || batch > kMaxPairs) return refuse(fmt::format("batch of {} wavelengths, not 1 to {}", batch, kMaxPairs));
+    } else if (kind == RecordKind::kXyz) {
+        if (batch != 0 || !density.empty()) return refuse("XYZ records have no wavelengths");
+    } else {
+        return refuse("unknown record kind");
+    }
+    if (!std::isfinite(light_unit_cd_m2) || light_unit_cd_m2 <= 0) return refuse("light unit is not a positive number");
+    if (!std::has_single_bit(run_samples) || run_samples < kMinRunSamples || run_samples > kMaxRunSamples) {
+        return refuse(
+            fmt::format("{} samples per run: not a power of two from {} to {}", run_samples, kMinRunSamples, kMaxRunSamples));
+    }
+    if (run_bytes < kMinRunBytes || run_bytes > kMaxRunBytes)
+        return refuse(fmt::format("run cap of {} bytes, not 64K to 1G", run_bytes));
+    if (positions.sampler != PositionSampler::kNone && positions.sampler != PositionSampler::kHalton23) {
+        return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
+    }
+    if (positions.sampler == PositionSampler::kNone && (positions.shift_u != 0 || positions.shift_v != 0)) {
+        return refuse("a shift of positions without a sampler");
+    }
+    if (extra.size() > kMaxExtraColumns) return refuse(fmt::format("{} extra columns, at most {}", extra.size(), kMaxExtraColumns));
+    std::set<std::string> names;
+    for (const ExtraColumnSpec& column : extra) {
+        if (column.name.empty() || column.name.size() > kMaxNameSize) return refuse("an extra column's name is empty or too long");
+        if (width(column.type) == 0) return refuse(fmt::format("column {} has an unknown type", column.name));
+        if (!names.insert(column.name).second) return refuse(fmt::format("two columns are named {}", column.name));
+    }
+    return {};
+}
+
+Status same_job(const Job& a, const Job& b) {
+    if (a.id != b.id)
+        return Error{ErrorCode::kMismatch, fmt::format("another job: its id is {}, not {}", to_hex(a.id), to_hex(b.id))};
+    if (a.aspect_width != b.aspect_width || a.aspect_height != b.aspect_height) return differs("the film aspect");
+    if (a.kind != b.kind) return differs("the record kind");
+    if (a.batch != b.batch) return differs("the number of wavelengths");
+    if (!(a.density == b.density)) return differs("the wavelength density");
+    if (std::bit_cast<std::uint64_t>(a.light_unit_cd_m2) != std::bit_cast<std::uint64_t>(b.light_unit_cd_m2))
+        return differs("the light unit");
+    if (a.light_paths_per_sample != b.light_paths_per_sample) return differs("the number of light paths per sample");
+    if (a.run_samples != b.run_samples) return differs("the number of samples per run");
+    if (a.run_bytes != b.run_bytes) return differs("the cap of a run's bytes");
+    if (!(a.positions == b.positions)) return differs("the position sampler");
+    if (a.extra != b.extra) return differs("the list of extra columns");
+    return {};
+}
+
+std::uint32_t default_run_samples(std::uint64_t bytes_per_sample) {
+    const std::uint64_t samples = kRunTargetBytes / std::max<std::uint64_t>(bytes_per_sample, 1);
+    if (samples <= kMinRunSamples) return kMinRunSamples;
+    if (samples >= kMaxRunSamples) return kMaxRunSamples;
+    const std::uint64_t below = std::bit_floor(samples);
+    return static_cast<std::uint32_t>(samples * samples > 2 * below * below ? 2 * below : below);  // the nearer one by ratio
+}
+
+}  // namespace latent::sampledb

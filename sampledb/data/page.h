@@ -1,0 +1,62 @@
+// sampledb/data/page.h: the unit of decoding: the records of one class that lie in one quadtree node of the film. docs/format.md,
+// "Page".
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sampledb/data/job.h"
+#include "sampledb/data/record.h"
+
+namespace latent::sampledb {
+
+// A dyadic square (a rectangle in pixels) of the film: side 2^-level, at (x, y) in units of its side.
+struct FilmNode {
+    std::uint8_t level = 0;  // 0: the whole film .. 32
+    std::uint32_t x = 0, y = 0;
+    bool operator==(const FilmNode&) const = default;
+};
+
+// What the index says of a page, before it is decoded.
+struct PageInfo {
+    FilmNode node;  // all its records lie in it
+    RecordClass record_class;
+    std::uint32_t record_count;
+    std::uint32_t pair_count;    // spectral: pairs of all its records
+    std::uint64_t offset;        // absolute in the file
+    std::uint32_t stored_size;   // bytes on disk
+    std::uint32_t decoded_size;  // bytes of all columns
+    std::uint64_t stored_hash;   // XXH3-64 of the stored bytes
+    std::uint64_t content_hash;  // XXH3-64 over the hashes of its decoded columns
+};
+
+// Which columns a reader needs; the others stay empty and cost nothing.
+struct ColumnSet {
+    bool samples = true;
+    bool positions = true;
+    bool values = true;  // x,y,z or pairs, power, xi, index, lambda_nm
+    bool share = true;
+    bool extra = true;
+};
+
+// Decoded columns of one page; `Page` objects are reused, so decoding allocates only when a page is larger than any before.
+// Columns have `count` rows (and kPadding readable rows after them, for SIMD loads).
+struct Page {
+    static constexpr std::size_t kPadding = 16;
+    RecordClass record_class = RecordClass::kCamera;
+    std::size_t count = 0;
+    std::vector<std::uint64_t> sample;
+    std::vector<std::uint32_t> u, v;
+    bool unit_share = true;  // every share is 1: `share` is empty
+    std::vector<float> share;
+    std::vector<float> x, y, z;
+    std::vector<std::uint16_t> pairs;       // spectral, as in Records
+    std::vector<std::uint32_t> first_pair;  // where each record's pairs begin in `power`
+    std::vector<std::uint32_t> xi;
+    std::vector<std::uint16_t> index;
+    std::vector<float> power, lambda_nm;
+    std::vector<ExtraColumn> extra;
+};
+
+}  // namespace latent::sampledb

@@ -1,0 +1,74 @@
+#include "sampledb/data/wavelengths.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace latent::sampledb {
+
+namespace {
+
+constexpr std::uint64_t kOne = std::uint64_t{1} << 48;  // Q = 1
+constexpr int kGuideShift = 36;                         // 4096 steps
+constexpr double kUnitNm = 0x1p-20;
+constexpr double kUnitQ = 0x1p-48;
+constexpr std::uint32_t kMaxLambda = 4000u << 20;
+constexpr std::size_t kMaxKnots = 4096;
+
+// floor((xi / 2^32 + i) / k 2^48), the cumulative that wavelength i of the batch stands at.
+std::uint64_t target(std::uint32_t xi, std::uint32_t i, std::uint32_t k) { return (((std::uint64_t{i} << 32) + xi) << 16) / k; }
+
+}  // namespace
+
+Result<WavelengthDensity> WavelengthDensity::from_knots(std::vector<Knot> knots) {
+    const auto refuse = [](std::string why) { return Error{ErrorCode::kOutOfRange, "wavelength density: " + std::move(why)}; };
+    if (knots.size() < 2 || knots.size() > kMaxKnots) return refuse(fmt::format("{} knots, not 2 to {}", knots.size(), kMaxKnots));
+    if (knots.front().cumulative != 0 || knots.back().cumulative != kOne) return refuse("does not go from 0 to 1");
+    if (knots.back().lambda > kMaxLambda) return refuse("a wavelength above 4000 nm");
+    for (std::size_t i = 1; i < knots.size(); ++i) {
+        if (knots[i].lambda <= knots[i - 1].lambda || knots[i].cumulative <= knots[i - 1].cumulative) {
+            return refuse(fmt::format("knot {} does not lie above the one before", i));
+        }
+    }
+    WavelengthDensity density;
+    density.knots_ = std::move(knots);
+    for (std::size_t j = 0; j + 1 < density.knots_.size(); ++j) {
+        const Knot& a = density.knots_[j];
+        const Knot& b = density.knots_[j + 1];
+        density.slopes_.push_back(static_cast<double>(b.lambda - a.lambda) / static_cast<double>(b.cumulative - a.cumulative));
+    }
+    std::uint16_t segment = 0;
+    for (std::uint64_t step = 0; step < kOne >> kGuideShift; ++step) {
+        while (density.knots_[segment + 1].cumulative <= step << kGuideShift) ++segment;
+        density.guide_.push_back(segment);
+    }
+    return density;
+}
+
+float WavelengthDensity::wavelength(std::uint32_t xi, std::uint32_t i, std::uint32_t k) const {
+    assert(!empty() && i < k);
+    const std::uint64_t q = target(xi, i, k);
+    std::size_t j = guide_[q >> kGuideShift];
+    while (knots_[j + 1].cumulative <= q) ++j;
+    const double above = slopes_[j] * static_cast<double>(q - knots_[j].cumulative);
+    return static_cast<float>((static_cast<double>(knots_[j].lambda) + above) * kUnitNm);
+}
+
+void WavelengthDensity::batch(std::uint32_t xi, std::span<float> lambda_nm) const {
+    const std::uint32_t k = static_cast<std::uint32_t>(lambda_nm.size());
+    for (std::uint32_t i = 0; i < k; ++i) lambda_nm[i] = wavelength(xi, i, k);
+}
+
+float WavelengthDensity::pdf_lambda(float lambda_nm) const {
+    if (empty()) return 0;
+    const double lambda = static_cast<double>(lambda_nm) / kUnitNm;
+    const double first = knots_.front().lambda, last = knots_.back().lambda;
+    if (!(lambda >= first && lambda <= last)) return 0;
+    const auto above = std::upper_bound(knots_.begin(), knots_.end(), lambda,
+                                        [](double l, const Knot& knot) { return l < static_cast<double>(knot.lambda); });
+    const std::size_t j = std::min<std::size_t>(static_cast<std::size_t>(above - knots_.begin()), slopes_.size()) - 1;
+    return static_cast<float>(kUnitQ / (slopes_[j] * kUnitNm));
+}
+
+}  // namespace latent::sampledb

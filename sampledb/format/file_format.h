@@ -1,0 +1,102 @@
+// sampledb/format/file_format.h: the frames of a file: header, run headers, run index, footer. Bytes <-> structs. docs/format.md
+// rules.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/bytes.h"
+#include "base/hash.h"
+#include "base/result.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
+
+namespace latent::sampledb {
+
+inline constexpr std::uint64_t kBlock = 4096;  // headers, runs and the footer begin at multiples of it
+inline constexpr std::size_t kRunHeaderSize = 256;
+inline constexpr std::size_t kPageEntrySize = 48;
+inline constexpr std::size_t kFooterTrailerSize = 64;  // the last bytes of a finished file
+
+// Ceilings: checked before anything of that size is allocated.
+inline constexpr std::uint64_t kMaxHeaderSize = std::uint64_t{1} << 20;
+inline constexpr std::uint64_t kMaxFooterSize = std::uint64_t{1} << 30;
+inline constexpr std::uint64_t kMaxRunsPerFile = std::uint64_t{1} << 26;
+inline constexpr std::uint64_t kMaxPagesPerRun = std::uint64_t{1} << 20;
+inline constexpr std::uint64_t kMaxIntervalsPerRun = std::uint64_t{1} << 16;
+inline constexpr std::uint64_t kMaxRecordsPerPage = std::uint64_t{1} << 18;
+inline constexpr std::uint64_t kMaxDecodedPage = std::uint64_t{256} << 20;
+inline constexpr std::uint64_t kMaxStoredOverhead = std::uint64_t{64} << 10;  // a stored page is at most this larger than decoded
+inline constexpr std::size_t kMaxExtraColumns = 16;
+inline constexpr std::size_t kMaxNameSize = 64;  // UTF-8 bytes of an extra column's name
+inline constexpr std::size_t kMaxProvenanceSize = std::size_t{512} << 10;
+
+// The file header: the job, and where this file comes from. It stands twice at the start of a file, so that no single
+// damage makes the runs behind it unreadable.
+struct FileHeader {
+    Job job;
+    std::string provenance_json;  // "" or a JSON object
+};
+// Both copies, ready to be written at offset 0; a multiple of kBlock. Errors: kOutOfRange (job.validate(), provenance too long).
+Result<Bytes> encode_file_header(const FileHeader& header);
+// Decodes one copy from bytes that begin with it. `copy_size`, if given, becomes the bytes that one copy occupies.
+// Errors: kForeign (another magic), kTruncated, kUnsupported (a newer format), kCorrupt.
+Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size = nullptr);
+
+// What stands at the front of a run. All but pages_size and index_hash is a function of (job, coverage).
+struct RunHeader {
+    JobId job;
+    SampleRange samples;               // from the first to the end of its coverage
+    std::uint64_t sample_count = 0;    // samples that it covers: samples.size() unless the coverage has gaps
+    std::uint32_t interval_count = 0;  // of the coverage
+    std::uint32_t page_count = 0;
+    std::uint64_t camera_records = 0, light_records = 0;
+    std::uint64_t pair_count = 0;    // spectral: pairs of all records
+    std::uint64_t decoded_size = 0;  // bytes of all columns of all pages
+    std::uint64_t pages_size = 0;    // stored bytes of all pages
+    std::uint64_t index_hash = 0;    // XXH3-64 of index and padding
+    Hash128 content_hash;            // XXH3-128 over nodes, counts and decoded columns of all pages
+
+    std::uint64_t index_offset() const { return kRunHeaderSize + pages_size; }  // in the run
+    std::uint64_t index_size() const;                                           // bytes of the index, without padding
+    std::uint64_t size() const;  // bytes that the run takes in the file: header, pages, index, padding
+    bool operator==(const RunHeader&) const = default;
+};
+// Exactly kRunHeaderSize bytes.
+Bytes encode_run_header(const RunHeader& header);
+// Errors: kTruncated, kForeign (no run begins here), kUnsupported, kCorrupt (hash, or a field over its ceiling).
+Result<RunHeader> decode_run_header(ByteSpan bytes);
+
+// A run's coverage and pages, as they stand behind its pages.
+struct RunIndex {
+    Coverage coverage;
+    std::vector<PageInfo> pages;  // offsets are relative to the run's first byte
+};
+// The index and its padding, which end the run; fills in the header's counts, sizes and hashes.
+Bytes encode_run_index(const RunIndex& index, RunHeader& header);
+// `bytes`: index and padding. Checks everything that the header says about it.
+Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const Job& job);
+
+// A run and where it begins in its file.
+struct RunInfo {
+    std::uint64_t offset = 0;
+    RunHeader header;
+    bool operator==(const RunInfo&) const = default;
+};
+
+// The footer: a hint that saves a reader the walk over all runs. Runs are the truth.
+struct Footer {
+    std::vector<RunInfo> runs;    // ascending by offset
+    std::string provenance_json;  // "" or JSON: what a merged file was made from
+};
+// Ready to be written at `offset`, the end of the last run; ends with the trailer.
+Bytes encode_footer(const Footer& footer, std::uint64_t offset);
+// Where the footer begins, from the last kFooterTrailerSize bytes of a file of `file_size` bytes.
+// Errors: kTruncated (there is no footer here), kCorrupt.
+Result<std::uint64_t> decode_footer_trailer(ByteSpan trailer, std::uint64_t file_size);
+// `bytes`: all of the footer, trailer included; it begins at `offset`. Errors: kCorrupt.
+Result<Footer> decode_footer(ByteSpan bytes, std::uint64_t offset, const JobId& job);
+
+}  // namespace latent::sampledb

@@ -1,0 +1,37 @@
+// sampledb/format/frames.h: what the three kinds of frame (file header, run, footer) share. docs/format.md, first section.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "base/bytes.h"
+#include "base/hash.h"
+#include "base/result.h"
+#include "sampledb/format/file_format.h"
+
+namespace latent::sampledb {
+
+// A byte that is no text, what follows, and a line end that text-mode transfers would break.
+using Magic = std::array<unsigned char, 8>;
+inline constexpr Magic kFileMagic = {0x8D, 'L', 'T', 'D', 'B', 'F', '\r', '\n'};
+inline constexpr Magic kRunMagic = {0x8D, 'L', 'T', 'D', 'B', 'R', '\r', '\n'};
+inline constexpr Magic kFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'E', '\r', '\n'};
+inline constexpr std::uint16_t kMajor = 1, kMinor = 0;
+inline constexpr std::uint64_t kKnownFeatures = 0;
+
+inline ByteSpan bytes_of(const Magic& magic) { return std::as_bytes(std::span(magic)); }
+bool begins_with(ByteSpan bytes, const Magic& magic);
+
+constexpr std::uint64_t round_up_to_block(std::uint64_t size) { return (size + kBlock - 1) / kBlock * kBlock; }
+
+// Errors: kUnsupported if the format is one that this program cannot read.
+Status check_version(std::uint16_t major, std::uint64_t features);
+
+inline Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
+
+void put_hash(ByteWriter& out, const Hash128& hash);
+Hash128 get_hash(ByteReader& in);
+std::string get_text(ByteReader& in, std::size_t size);
+
+}  // namespace latent::sampledb

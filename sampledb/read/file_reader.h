@@ -1,0 +1,67 @@
+// sampledb/read/file_reader.h: what one file holds: by its footer, or by walking from run to run. docs/format.md, "Reading".
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/data/page.h"
+#include "sampledb/format/file_format.h"
+#include "sampledb/read/byte_source.h"
+
+namespace latent::sampledb {
+
+// How closely a run is looked at before it is believed.
+enum class VerifyLevel : std::uint8_t {
+    kHeaders,  // header only; from a footer: the footer's copy of it
+    kQuick,    // header, index and one page
+    kStored,   // every stored byte
+    kFull,     // every stored byte; every column decoded and compared with its content hash; every record where it belongs
+};
+
+struct Damage {
+    std::uint64_t offset, size;  // bytes that hold no readable run
+    std::string reason;          // "run 3: checksum mismatch, samples 65536..131072 lost"
+};
+
+// A file as found. The runs are those that passed the level asked for; damage lists what did not.
+struct FileContents {
+    FileHeader header;
+    bool header_damaged = false;        // one of its two copies; the other was read
+    bool finished = false;              // has a footer that agrees with itself
+    std::string footer_provenance;      // finished files
+    std::vector<RunInfo> runs;          // ascending by offset
+    std::vector<Damage> damage;         // holes between runs, runs that failed
+    std::uint64_t unfinished_tail = 0;  // bytes behind the last run of a file without footer: a write that was cut short
+    std::uint64_t end = 0;              // where the next run would begin
+};
+
+// Reads a file's list of runs. `use_footer = false` walks from run to run even if there is a footer.
+// Errors: kForeign (not a Latent file), kTruncated (ends inside its header), kUnsupported, kCorrupt (both headers), kIo.
+Result<FileContents> read_file(const ByteSource& source, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
+
+// A file that could be opened, and what it holds.
+struct FoundFile {
+    std::shared_ptr<const FileSource> source;
+    FileContents contents;
+};
+// Errors: those of FileSource::open and read_file, naming the file.
+Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
+
+// Coverage and pages of a run (offsets absolute in the file). Errors: kCorrupt (the run's own header is damaged, or not
+// the one in `run`), kIo.
+Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job);
+
+// The samples that a run holds: its header tells, or its index if there are gaps. Errors as above.
+Result<Coverage> run_coverage(const ByteSource& source, const RunInfo& run, const Job& job);
+
+// Checks one run. Errors as above, naming page and place.
+Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level);
+
+// Decodes the columns asked for; stored checksum and derived columns verified. Errors: kCorrupt, kTruncated, kUnsupported, kIo.
+Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, Page& page);
+
+}  // namespace latent::sampledb

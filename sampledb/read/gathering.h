@@ -1,0 +1,78 @@
+// sampledb/read/gathering.h: the files that a tool was given, seen as one set of selected runs. docs/format.md, "Selection".
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/data/coverage.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
+#include "sampledb/read/file_reader.h"
+
+namespace latent::sampledb {
+
+struct GatherOptions {
+    std::vector<std::filesystem::path> inputs;   // files, folders (all that they hold), or NAME.latent not yet published
+    bool skip_duplicates = false;                // files named one by one may cover a sample twice: the repeat is dropped
+    std::optional<JobId> job;                    // keep this job, leave others out
+    std::optional<SampleRange> samples;          // only these sample numbers
+    VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more
+    std::uint64_t index_memory = std::uint64_t{128} << 20;  // bytes for indexes held at once; the rest is read again when needed
+};
+
+// A run that takes part.
+struct SelectedRun {
+    std::uint32_t file;    // index into `files`
+    std::uint64_t offset;  // absolute, of the run's first byte
+    RunHeader header;      // its counts and hashes; header.size() bytes on disk
+    Coverage coverage;     // what it holds completely (one interval unless compacted), cut to `samples`
+    bool cut = false;      // --samples takes only part of it: its pages are filtered when they are read
+};
+
+struct LeftOut {
+    std::string place;   // "b.latent: run 3" or a file name
+    std::string reason;  // one clause: "checksum mismatch, samples 65536..131071 lost"
+};
+
+struct GatherReport {
+    std::vector<LeftOut> left_out;   // not empty: exit 3
+    std::vector<std::string> notes;  // normal, but worth a line: unfinished tail, superseded runs
+    std::uint64_t superseded_runs = 0, repeated_runs = 0;
+};
+
+// Thread-safe for reading once open. At most 256 files, and no more than the system allows, are open at a time; files are
+// opened again when needed.
+class Gathering {
+ public:
+    // Errors, naming the files: kIo, kNotFound and kForeign (of files named one by one), kMismatch (another job; a sample that
+    // finished files named one by one hold twice).
+    static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
+    virtual ~Gathering() = default;
+
+    virtual const Job& job() const = 0;
+    virtual const std::vector<std::filesystem::path>& files() const = 0;
+    virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
+    virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
+    virtual const GatherReport& report() const = 0;
+
+    // N, by which the light image is divided: light paths per sample x samples selected.
+    std::uint64_t light_paths() const { return coverage().size() * job().light_paths_per_sample; }
+
+    // The pages of run `run` (index into runs()): camera pages, then light pages, each ascending by the Z prefixes of their
+    // records.
+    virtual Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const = 0;
+
+    // Decodes a page into `page`, checksums verified. Errors: kCorrupt, kTruncated, kIo, with file, run and page named.
+    // `cut` runs are already filtered to the sample range.
+    virtual Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const = 0;
+
+    // Bytes read from disk so far.
+    virtual std::uint64_t bytes_read() const = 0;
+};
+
+}  // namespace latent::sampledb

@@ -1,0 +1,35 @@
+// sampledb/read/selection.h: the one rule by which every tool chooses runs when several hold the same samples. docs/format.md,
+// "Selection".
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sampledb/data/coverage.h"
+#include "sampledb/format/file_format.h"
+
+namespace latent::sampledb {
+
+struct Candidate {
+    std::uint32_t file = 0;  // for the caller; has no say in the choice
+    RunInfo run;
+    Coverage coverage;
+};
+
+// Indices into the candidates; each stands in exactly one list.
+struct Selection {
+    std::vector<std::size_t> chosen;       // ascending by first sample; their coverages are disjoint
+    std::vector<std::size_t> superseded;   // all their samples are covered by chosen runs
+    std::vector<std::size_t> repeated;     // the same coverage and content as another
+    std::vector<std::size_t> differing;    // the same coverage as another, but other content, with the larger hash
+    std::vector<std::size_t> overlapping;  // overlaps chosen runs, and its other samples are lost
+    Coverage coverage;                     // of the chosen runs
+};
+
+// Of all sets of disjoint runs the one that covers the most samples, of these the one of the fewest runs: so a canonical run
+// wins over its checkpoints, a longer attempt over a shorter one, a compacted run over what it was made from. A function of the
+// set of runs, not of their order or of the files that they are in.
+Selection select_runs(std::span<const Candidate> candidates);
+
+}  // namespace latent::sampledb

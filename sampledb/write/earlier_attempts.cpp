@@ -1,0 +1,110 @@
+#include "sampledb/write/earlier_attempts.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sampledb/codec/run_codec.h"
+#include "sampledb/read/file_reader.h"
+#include "sampledb/read/part_name.h"
+
+namespace latent::sampledb {
+
+namespace {
+
+bool lies_in_one_interval(SampleRange samples, std::uint64_t run_samples) {
+    return !samples.empty() && samples.first / run_samples == (samples.end - 1) / run_samples;
+}
+
+// Index and a page of a run, as they are on disk.
+bool is_sound(const StoredRun& stored, const Job& job) {
+    const Result<FileSource> source = FileSource::open(stored.file);
+    return source && verify_run(*source, stored.run, job, VerifyLevel::kQuick);
+}
+
+Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {
+    const Result<FileSource> source = FileSource::open(stored.file);
+    if (!source) return source.error();
+    Bytes bytes(stored.run.header.size());
+    if (Status s = source->read(stored.run.offset, bytes); !s) return s.error();
+    Result<DecodedRun> run = decode_run(job, bytes);
+    if (!run) return run.error().at(source->name());
+    return run;
+}
+
+}  // namespace
+
+Result<EarlierAttempts> EarlierAttempts::find(const std::filesystem::path& name, const Job& job, SampleRange range) {
+    EarlierAttempts earlier;
+    earlier.job_ = job;
+    earlier.range_ = range;
+    for (const std::filesystem::path& path : attempts_of(name)) {
+        const Result<FoundFile> file = open_file(path);
+        if (!file) continue;
+        if (Status s = check_same_job(*file, job); !s) return s.error();
+        for (const RunInfo& run : file->contents.runs) earlier.add({path, run});
+    }
+    earlier.believe();
+    return earlier;
+}
+
+// Of two runs of the same samples the one with the smaller content hash counts, as in every selection.
+void EarlierAttempts::add(const StoredRun& stored) {
+    const SampleRange samples = stored.samples();
+    if (!lies_in_one_interval(samples, job_.run_samples) || samples.end <= range_.first || samples.first >= range_.end) return;
+    const bool whole = samples.end % job_.run_samples == 0 && samples.end <= range_.end && stored.run.header.interval_count == 1;
+    StoredRun& known =
+        whole ? canonical_.try_emplace(samples.first, stored).first->second : others_.try_emplace(samples, stored).first->second;
+    if (stored.run.header.content_hash < known.run.header.content_hash) known = stored;
+}
+
+void EarlierAttempts::believe() {
+    std::erase_if(canonical_, [&](const auto& entry) {
+        const StoredRun& stored = entry.second;
+        if (committed_.intersects(stored.samples()) || !is_sound(stored, job_)) return true;
+        committed_.add(stored.samples());
+        return false;
+    });
+    std::erase_if(others_, [&](const auto& entry) {
+        const auto& [samples, stored] = entry;
+        if (committed_.contains(samples)) return true;
+        const Result<DecodedRun> run = read_run(stored, job_);
+        if (!run) return true;
+        LooseGrains loose{stored, {}};
+        for (const GrainPtr& grain : split(run->records, run->coverage, range_)) {
+            if (!committed_.contains(grain->range)) loose.grains.add(grain->range);
+        }
+        committed_.add(loose.grains);
+        if (!loose.grains.empty()) loose_.push_back(std::move(loose));
+        return stored.run.header.interval_count != 1;
+    });
+}
+
+const StoredRun* EarlierAttempts::canonical_at(std::uint64_t sample) const {
+    const auto at = canonical_.find(sample);
+    return at == canonical_.end() ? nullptr : &at->second;
+}
+
+const StoredRun* EarlierAttempts::run_of(SampleRange samples) const {
+    const auto at = others_.find(samples);
+    return at == others_.end() ? nullptr : &at->second;
+}
+
+Result<GrainPtr> EarlierAttempts::take_grain(std::uint64_t sample) {
+    if (const auto holder = std::ranges::find_if(loose_,
+                                                 [&](const LooseGrains& loose) {
+                                                     return loose.grains.intersects({sample, sample + 1});
+                                                 });
+        holder != loose_.end()) {
+        const LooseGrains loose = std::move(*holder);
+        loose_.erase(holder);
+        const Result<DecodedRun> run = read_run(loose.stored, job_);
+        if (!run) return run.error();
+        for (GrainPtr& grain : split(run->records, run->coverage, range_)) {
+            if (loose.grains.contains(grain->range)) grains_.emplace(grain->range.first, std::move(grain));
+        }
+    }
+    const auto at = grains_.find(sample);
+    return at == grains_.end() ? GrainPtr() : std::move(grains_.extract(at).mapped());
+}
+
+}  // namespace latent::sampledb
