@@ -32,16 +32,22 @@ class DeepZoomPage : public PrintTest {
         });
     }
 
-    // What the browser shows of `page`, and its own account.
-    Decoded look(const std::string& page, nlohmann::json& facts) const {
-        const std::string view =
-            "#" + std::to_string((kSeen.x0 + kSeen.x1) / 2) + "," + std::to_string((kSeen.y0 + kSeen.y1) / 2) + ",1";
-        const testing::Outcome outcome = testing::run(
-            {"/usr/bin/env", "node", LATENT_SOURCE_DIR "/tests/convert/browser/look.mjs", at(page), folder_.path(), view});
+    struct Seen {
+        std::vector<Decoded> views;
+        nlohmann::json facts;  // the browser's own account
+    };
+    // What the browser shows of `page` at each view, "X,Y,SCALE".
+    Seen look(const std::string& page, const std::vector<std::string>& views) const {
+        std::vector<std::string> command = {"/usr/bin/env", "node", LATENT_SOURCE_DIR "/tests/convert/browser/look.mjs", at(page),
+                                            folder_.path()};
+        command.insert(command.end(), views.begin(), views.end());
+        const testing::Outcome outcome = testing::run(command);
         EXPECT_EQ(outcome.status, 0) << outcome.err;
-        if (outcome.status != 0) return {};
-        facts = nlohmann::json::parse(outcome.out);
-        return image::decode_png(folder_ / "seen.png");
+        Seen seen{std::vector<Decoded>(views.size()), {}};
+        if (outcome.status != 0) return seen;
+        seen.facts = nlohmann::json::parse(outcome.out);
+        for (std::size_t i = 0; i < views.size(); ++i) seen.views[i] = image::decode_png(folder_ / fmt::format("seen-{}.png", i));
+        return seen;
     }
 
     // Root mean square of the differences of code values.
@@ -84,19 +90,47 @@ TEST_F(DeepZoomPage, ZoomingInLoadsDeeperTilesAndShowsWhatACropPrints) {
     ASSERT_TRUE(print("a.exr", "crop.png", options));
     const Decoded crop = image::decode_png(folder_ / "crop.png");
 
-    nlohmann::json facts;
-    const Decoded lossless = look("lossless.html", facts);
-    EXPECT_EQ(difference(lossless, crop), 0);
+    const std::string view = fmt::format("{},{},1", (kSeen.x0 + kSeen.x1) / 2, (kSeen.y0 + kSeen.y1) / 2);
+    const auto [lossless, facts] = look("lossless.html", {view});
+    EXPECT_EQ(difference(lossless[0], crop), 0);
     EXPECT_LT(facts["before"], 12) << facts;  // 2600 pixels: level 12 is the whole; a window of 800 needs a quarter
     EXPECT_EQ(facts["after"], 12) << facts;
     EXPECT_GT(facts["tiles"], 10) << facts;
     EXPECT_EQ(facts["address"].get<std::string>()[0], '#');
 
-    const Decoded jpeg = look("jpeg &1.html", facts);
+    const auto [seen, more_facts] = look("jpeg &1.html", {view});
+    const Decoded& jpeg = seen[0];
     ASSERT_EQ(jpeg.pixels.size(), crop.pixels.size());
     EXPECT_EQ(rows_unlike_tiles(jpeg, folder_ / "jpeg &1_files" / "12"), 0);
     EXPECT_LT(difference(jpeg, crop), 9);  // of noise at quality 90: steps of about 12 in Y and 20 in Cb and Cr, each over sqrt(12)
-    EXPECT_EQ(facts["after"], 12) << facts;
+    EXPECT_EQ(more_facts["after"], 12) << more_facts;
+}
+
+// Of a picture of one colour every pixel that it covers has that colour: no seam between tiles, no background at the window's
+// edges.
+TEST_F(DeepZoomPage, MagnifiedItShowsNeitherSeamsNorBackground) {
+    write_picture(folder_ / "plain.exr", {700, 500}, [](int, int) -> std::array<float, 3> { return {0.9f, 1, 1.1f}; });
+    ConvertOptions options;
+    options.png_tiles = true;
+    options.dither = false;
+    ASSERT_TRUE(print("plain.exr", "plain.dzi", options));
+    ASSERT_TRUE(print("plain.exr", "plain.png", options));
+    const Decoded plain = image::decode_png(folder_ / "plain.png");
+    const auto alike = [&](const Decoded& seen, int width, int height) {  // of the rows and columns from the window's corner
+        int pixels = 0;
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x)
+                pixels += std::memcmp(&seen.pixels[static_cast<std::size_t>(3 * (800 * y + x))], plain.pixels.data(), 3) == 0;
+        }
+        return pixels;
+    };
+    const auto [inside, facts] =
+        look("plain.html", {"350,256,1.5", "256,256,2", "300.3,256.7,2.7", "400,250,3.3", "512,256,8", "690,490,2", "690,490,8"});
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(alike(inside[i], 800, 600), 800 * 600) << i;
+    EXPECT_EQ(alike(inside[5], 420, 320), 420 * 320) << "pixel 690, 490 is in the middle, so the picture ends 10 pixels further";
+    EXPECT_EQ(alike(inside[5], 800, 600), 420 * 320);
+    EXPECT_EQ(alike(inside[6], 480, 380), 480 * 380);
+    EXPECT_EQ(alike(inside[6], 800, 600), 480 * 380);
 }
 
 }  // namespace

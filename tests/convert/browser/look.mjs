@@ -1,8 +1,8 @@
 // Looks at the page beside a Deep Zoom pyramid with Chromium, from the disk, as by double click.
-// Usage: node look.mjs PAGE.html FOLDER X,Y,SCALE
+// Usage: node look.mjs PAGE.html FOLDER X,Y,SCALE...
 //   1. opens the page and waits until it shows the whole picture;
 //   2. turns the wheel over the middle to zoom in;
-//   3. goes to #X,Y,SCALE and saves what is seen there as FOLDER/seen.png (800 x 600).
+//   3. goes to each #X,Y,SCALE and saves what is seen there as FOLDER/seen-0.png (800 x 600), seen-1.png, ...
 // Prints one JSON object: the deepest level asked for before and after turning the wheel, tiles asked for, and the address left by
 // the wheel. Chromium is driven over its DevTools pipe; nothing but Node.js is needed.
 import { spawn } from "node:child_process";
@@ -10,7 +10,7 @@ import { writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
-const [page, folder, view] = process.argv.slice(2);
+const [page, folder, ...views] = process.argv.slice(2);
 const chromium = spawn("chromium", [
   "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--force-color-profile=srgb",
@@ -71,10 +71,13 @@ try {
   await settled();
   const after = Math.max(...levels());
   const address = await evaluate("location.hash");
-  await evaluate(`document.querySelector("nav").remove(); location.hash = ${JSON.stringify(view)}`);
-  await settled();
-  const { data } = await send("Page.captureScreenshot", { format: "png" });
-  writeFileSync(join(folder, "seen.png"), Buffer.from(data, "base64"));
+  await evaluate(`document.querySelector("nav").remove()`);
+  for (const [index, view] of views.entries()) {
+    await evaluate(`location.hash = ${JSON.stringify("#" + view)}`);
+    await settled();
+    const { data } = await send("Page.captureScreenshot", { format: "png" });
+    writeFileSync(join(folder, `seen-${index}.png`), Buffer.from(data, "base64"));
+  }
   console.log(JSON.stringify({ before, after, tiles: levels().length, address }));
   session = undefined;
   await send("Browser.close");
