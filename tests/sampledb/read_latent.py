@@ -374,6 +374,33 @@ def print_records(job, pages):
             print(json.dumps(record))
 
 
+# ---- selection
+
+
+def select(runs):
+    """Numbers of the chosen runs, ascending. `runs`: (intervals, rank of its hashes) of each."""
+    best = {}
+    for i, (intervals, rank) in enumerate(runs):
+        if intervals not in best or rank < runs[best[intervals]][1]:
+            best[intervals] = i
+    order = sorted(best, key=lambda intervals: (intervals[-1][1], intervals[0][0], intervals))
+    samples = lambda intervals: sum(end - first for first, end in intervals)
+    within = lambda a, b: all(any(f <= first and end <= e for f, e in b) for first, end in a)
+    common = lambda a, b: any(first < e and f < end for first, end in a for f, e in b)
+    chosen = []
+    gapped = [c for c in order if len(c) > 1 and not any(within(c, other) for other in order if other != c)]
+    for coverage in sorted(gapped, key=samples, reverse=True):
+        if not any(common(coverage, other) for other in chosen):
+            chosen.append(coverage)
+    free = [c for c in order if len(c) == 1 and not any(common(c, other) for other in chosen)]
+    sets = [[]]
+    for j, coverage in enumerate(free):
+        p = sum(other[0][1] <= coverage[0][0] for other in free[:j])
+        worth = lambda those: (sum(map(samples, those)), -len(those))
+        sets.append(max(sets[j], sets[p] + [coverage], key=worth))  # of equals the first
+    return sorted(best[coverage] for coverage in chosen + sets[-1])
+
+
 # ---- test vectors of the page
 
 
@@ -385,8 +412,8 @@ def vectors(page):
         name, text = block.split("\n```", 1)[0].split("\n", 1)
         for case in text.split("\n\n"):
             lines = case.replace("\n ", " ").split("\n")
-            if " = " in lines[0]:
-                yield name, {key.strip(): value.split() for key, value in (line.split(" = ") for line in lines)}
+            if " =" in lines[0]:
+                yield name, {key.strip(): value.split() for key, value in (line.split(" =") for line in lines)}
             else:
                 yield name, [line.split() for line in lines[1:]]  # behind the names of the rows' fields
 
@@ -461,6 +488,12 @@ def check_vectors(page):
             offsets = [i * int(case["step"][0], 16) % 2**32 for i in range(count)]
             batches = b"".join(struct.pack("<I", wavelength(knots, k, xi, i)) for xi in offsets for i in range(k))
             expect(name, hash128_hex(batches), case["hash128"][0])
+        elif name == "selection":
+            runs = []
+            for token in case["runs"]:
+                (coverage, rank) = token.split("#")
+                runs.append((tuple(tuple(ints(i.split(".."))) for i in coverage.split(",")), int(rank)))
+            expect(name, select(runs), ints(case["chosen"]))
         else:
             raise ValueError("vector %s is not known" % name)
     print(", ".join("%s %d" % item for item in checked.items()))

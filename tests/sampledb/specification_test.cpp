@@ -1,6 +1,7 @@
 // docs/format.md keeps its word: its test vectors hold in this library and in the reader in Python.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <functional>
@@ -14,6 +15,7 @@
 #include "sampledb/codec/planes.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/data/z_order.h"
+#include "sampledb/read/selection.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 
@@ -277,6 +279,29 @@ void check_wavelength_batches(const Vector& vector) {
     EXPECT_EQ(to_hex(hash128(bytes)), vector.fields.at("hash128").at(0));
 }
 
+// "0..5,7..9#2": intervals of the coverage, and a number for the hashes.
+Candidate candidate(const std::string& text) {
+    Candidate run;
+    const std::size_t hash = text.find('#');
+    std::istringstream intervals(text.substr(0, hash));
+    for (std::string interval; std::getline(intervals, interval, ',');) {
+        const std::size_t dots = interval.find("..");
+        run.coverage.add(SampleRange{u64(interval.substr(0, dots), 10), u64(interval.substr(dots + 2), 10)});
+    }
+    run.run.header.samples = {run.coverage.ranges().front().first, run.coverage.ranges().back().end};
+    run.run.header.sample_count = run.coverage.size();
+    run.run.header.content_hash.low = u64(text.substr(hash + 1), 10);
+    return run;
+}
+
+void check_selection(const Vector& vector) {
+    std::vector<Candidate> runs;
+    for (const std::string& text : vector.fields.at("runs")) runs.push_back(candidate(text));
+    std::vector<std::size_t> chosen = select_runs(runs).chosen;
+    std::ranges::sort(chosen);
+    EXPECT_EQ(chosen, vector.decimal<std::size_t>("chosen"));
+}
+
 const std::map<std::string, std::function<void(const Vector&)>> kChecks = {
     {"hash", check_hash},
     {"z-prefix", check_z_prefix},
@@ -293,6 +318,7 @@ const std::map<std::string, std::function<void(const Vector&)>> kChecks = {
     {"halton23-points", check_halton_points},
     {"wavelengths", check_wavelengths},
     {"wavelength-batches", check_wavelength_batches},
+    {"selection", check_selection},
 };
 
 TEST(Specification, EveryTestVectorOfThePageHolds) {
