@@ -327,6 +327,27 @@ def read_run(job, data, at):
     return size, camera, light, ranges, decoded_pages
 
 
+def read_footer(data, at, runs):
+    """`runs`: (offset, header) of each."""
+    if data[-8:] == b"\x8dLTDBE\r\n":  # the first form
+        (offset, size, footer_hash) = fields("QQQ", data, len(data) - 64)
+        check(hash64(data[-64:-16]) == fields("Q", data, len(data) - 16)[0] and not any(data[-40:-16]), "trailer")
+        check(offset == at and size == len(data) - at and hash64(data[at:-64]) == footer_hash, "footer")
+        (count, provenance) = fields("QQ", data, at + 8)
+        check(data[at : at + 8] == data[-8:] and count == len(runs) and size == 88 + 264 * count + provenance, "sizes of the footer")
+        listed = b"".join(struct.pack("<Q", offset) + header for offset, header in runs)
+        check(data[at + 24 : at + 24 + 264 * count] == listed, "the footer lists other runs")
+        return
+    head = data[at : at + 64]
+    (offset, count, provenance, entries_hash, provenance_hash, zero, head_hash) = fields("QQQQQQQ", head, 8)
+    check(head[:8] == b"\x8dLTDBI\r\n" and hash64(head[:56]) == head_hash and zero == 0 and offset == at, "head of the footer")
+    check(count <= 2**20 and provenance <= 2**24 and at + 128 + 128 * count + provenance == len(data), "sizes of the footer")
+    check(data[-64:] == head, "the footer's two ends differ")
+    entries, text = data[at + 64 : at + 64 + 128 * count], data[at + 64 + 128 * count : -64]
+    check(hash64(entries) == entries_hash and hash64(text) == provenance_hash, "hashes of the footer")
+    check(entries == b"".join(header[8:136] for _, header in runs), "the footer lists other runs")
+
+
 def read_file(path):
     """Job, camera and light records, coverage and (class, columns) of every page of every run."""
     with open(path, "rb") as file:
@@ -339,16 +360,7 @@ def read_file(path):
         at, camera, light, coverage = at + size, camera + c, light + l, coverage + ranges
         pages += [(kind, columns) for kind, columns, _, _ in decoded]
     if at < len(data):
-        trailer = data[-64:]
-        (offset, size, footer_hash) = fields("QQQ", trailer, 0)
-        footer = data[at:-64]
-        check(trailer[56:] == footer[:8] == b"\x8dLTDBE\r\n" and hash64(trailer[:48]) == fields("Q", trailer, 48)[0], "trailer")
-        check(offset == at and size == len(data) - at and hash64(footer) == footer_hash, "footer")
-        check(not any(trailer[24:48]), "zeros of the trailer")
-        (count, provenance) = fields("QQ", footer, 8)
-        check(count == len(runs) and len(footer) == 24 + 264 * count + provenance, "sizes of the footer")
-        listed = [(fields("Q", footer, 24 + 264 * i)[0], footer[32 + 264 * i : 288 + 264 * i]) for i in range(len(runs))]
-        check(listed == runs, "the footer lists other runs")
+        read_footer(data, at, runs)
     return job, len(runs), camera, light, coverage, pages
 
 
