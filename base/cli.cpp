@@ -6,14 +6,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
+#include "base/parse.h"
 #include "base/printable.h"
-#include "base/size.h"
 
 namespace latent::cli {
 
@@ -47,22 +46,19 @@ void flush_stdout_at_exit() {
     if (!flushed && !failure_was_said) ::_exit(fail(flushed.error()));
 }
 
-// What stands for the value: a name of our own ("SIZE", "A:B"), or what CLI11 makes of the type and its check: "INT:INT in [1 -
-// 9]", "TEXT:{both,camera,light}", "TEXT:NAME.latent".
+// What stands for the value: a name of our own ("SIZE", "A:B"), or what CLI11 makes of the type and its check: "TEXT",
+// "TEXT:{both,camera,light}", "TEXT:NAME.latent".
 std::string placeholder(const std::string& type) {
-    const std::string name = type.substr(0, type.find(':'));
-    if (name != "TEXT" && name != "INT" && name != "UINT" && name != "FLOAT") return type;
-    std::string check = type.substr(std::min(type.size(), name.size() + 1));
-    if (check.empty()) return name == "TEXT" ? name : name == "FLOAT" ? "X" : "N";
-    if (check.starts_with('{')) {
-        std::ranges::replace(check, ',', '|');
-        return check.substr(1, check.find('}') - 1);
-    }
-    const std::size_t range = check.find('[');
-    if (range == std::string::npos) return check;
-    check = check.substr(range + 1, check.find(']') - range - 1);
-    return check.replace(check.find(" - "), 3, "..");
+    if (!type.starts_with("TEXT:")) return type;
+    std::string check = type.substr(type.find(':') + 1);
+    if (!check.starts_with('{')) return check;
+    std::ranges::replace(check, ',', '|');
+    return check.substr(1, check.find('}') - 1);
 }
+
+constexpr const char* kNumbers =
+    "Numbers may end in K, M, G or T (powers of 1000) or in Ki, Mi, Gi or Ti (powers of 1024).\n"
+    "A SIZE is in bytes, with K, M, G and T as powers of 1024. A TIME is 90, 90s, 10m, 1.5h or 1h30m.\n\n";
 
 // How --help sets options: "--filter NAME", "--integrator path|bdpt", "--quality 1..100 [90]" with the default in brackets.
 class HelpFormatter final : public CLI::Formatter {
@@ -85,7 +81,8 @@ class HelpFormatter final : public CLI::Formatter {
     std::string make_footer(const CLI::App* app) const override {
         const std::string footer = app->get_footer();
         const std::size_t first = footer.find_first_not_of('\n'), last = footer.find_last_not_of('\n');
-        return first == std::string::npos ? "" : footer.substr(first, last + 1 - first) + "\n";
+        if (first == std::string::npos) return kNumbers;
+        return kNumbers + footer.substr(first, last + 1 - first) + "\n";
     }
 };
 
@@ -95,15 +92,22 @@ std::string in_plain_words(const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
     return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": is given more than once");
 }
+CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most,
+                      const std::string& range) {
+    const auto parse = [least, most, range](const std::string& text) -> Result<double> {
+        const Result<double> number = parse_number(text);
+        if (number && *number >= least && *number <= most) return number;
+        return Error{ErrorCode::kUsage, fmt::format("'{}' is not {}", text, number ? range : "a number")};
+    };
+    return add_parsed(app, name, value, parse, help)->type_name("X")->default_str(fmt::format("{}", value));
+}
 }  // namespace
 
 const std::string& program() { return program_name(); }
 
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
-    app.add_option("--threads", options.threads, "at most so many worker threads; 0: one for each processor")
-        ->check(CLI::Range(0, 4096))
-        ->capture_default_str();
-    if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within (K, M, G are binary)")->default_str("1G");
+    add_count(app, "--threads", options.threads, "at most so many worker threads; 0: one for each processor", 0, 4096);
+    if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within")->default_str("1G");
     app.add_flag("--json", options.json, "print the report as JSON on stdout");
     app.add_flag("--force", options.force, "replace an output that exists");
     app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
@@ -139,14 +143,19 @@ CLI::Validator ends_in(const std::string& extension) {
     return CLI::Validator(check, "NAME" + extension);
 }
 
-CLI::Validator whole_number() {
-    const auto check = [](const std::string& text) {
-        std::uint64_t value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        const bool good = error == std::errc() && end == text.data() + text.size();
-        return good ? std::string() : fmt::format("{}: should be a whole number from 0 to {}", text, ~std::uint64_t{0});
-    };
-    return CLI::Validator(check, "N");
+Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t least, std::uint64_t most) {
+    const Result<std::uint64_t> count = parse_count(text);
+    if (count && (*count < least || *count > most))
+        return Error{ErrorCode::kUsage, fmt::format("'{}' is not from {} to {}", text, least, most)};
+    return count;
+}
+
+CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most) {
+    return add_real(app, name, value, help, least, most, fmt::format("from {} to {}", least, most));
+}
+
+CLI::Option* add_positive_number(CLI::App& app, const std::string& name, double& value, const std::string& help) {
+    return add_real(app, name, value, help, 1e-150, 1e150, "a number above 0");
 }
 
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {

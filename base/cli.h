@@ -2,9 +2,15 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <concepts>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/progress.h"
 #include "base/result.h"
@@ -40,19 +46,29 @@ template <class Value, class Parse>
 CLI::Option* add_parsed(CLI::App& app, const std::string& name, Value& value, Parse parse, const std::string& help) {
     const auto take = [&value, parse, name](const std::string& text) {
         auto parsed = parse(text);
-        if (!parsed) throw CLI::ValidationError(name, parsed.error().message);
-        value = *std::move(parsed);
+        if (!parsed) throw CLI::ValidationError(name.substr(name.find(',') + 1), parsed.error().message);
+        value = static_cast<Value>(*std::move(parsed));
     };
     return app.add_option_function<std::string>(name, take, help);
 }
 
-// An option that takes a size such as 512M, or a time such as 10m.
+// Options of one grammar, base/parse.h: a count within bounds, a real number within bounds, bytes ("512M"), seconds ("10m").
+// --help shows the bounds, if there are any, and the value before parsing, if it lies within them.
+template <std::integral Integer>
+CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, const std::string& help, Integer least = 0,
+                       Integer most = std::numeric_limits<Integer>::max());
+CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most);
+CLI::Option* add_positive_number(CLI::App& app, const std::string& name, double& value, const std::string& help);  // 1e-150..1e150
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help);
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help);
 
-// Checks of an argument: the name of a file of the right kind (".latent"); a number that fits 64 bits, where CLI11 would wrap.
+// An option that takes one of a few words, each standing for a value. --help shows the word of the value before parsing.
+template <class Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices, const std::string& help);
+
+// A check of an argument: the name of a file of the right kind (".latent").
 CLI::Validator ends_in(const std::string& extension);
-CLI::Validator whole_number();
 
 // Writes what was asked for to standard output, without what would steer a terminal. Never fails here: `parse` tells what happens
 // if it cannot be written.
@@ -71,5 +87,36 @@ const std::string& program();
 // Print "PROGRAM: warning: MESSAGE" and "PROGRAM: note: MESSAGE" on stderr.
 void warn(const std::string& message);
 void note(const std::string& message);
+
+// What add_count makes: the text of a count that is within the bounds.
+Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t least, std::uint64_t most);
+
+template <std::integral Integer>
+CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, const std::string& help, Integer least,
+                       Integer most) {
+    const auto parse = [least, most](const std::string& text) {
+        return parse_count_within(text, static_cast<std::uint64_t>(least), static_cast<std::uint64_t>(most));
+    };
+    const bool bounded = most != std::numeric_limits<Integer>::max();
+    const bool shown = least <= value && value <= most && (bounded || value != most);
+    return add_parsed(app, name, value, parse, help)
+        ->type_name(bounded ? std::to_string(least) + ".." + std::to_string(most) : "N")
+        ->default_str(shown ? std::to_string(value) : "");
+}
+
+template <class Value>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices, const std::string& help) {
+    std::vector<std::string> words;
+    std::string before;
+    for (const auto& [word, meaning] : choices) {
+        words.push_back(word);
+        if (meaning == value) before = word;
+    }
+    const auto take = [&value, choices](const std::string& word) {
+        value = std::ranges::find(choices, word, &std::pair<std::string, Value>::first)->second;
+    };
+    return app.add_option_function<std::string>(name, take, help)->check(CLI::IsMember(words))->default_str(before);
+}
 
 }  // namespace latent::cli

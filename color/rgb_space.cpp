@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <charconv>
 #include <cmath>
+
+#include "base/parse.h"
 
 namespace latent::color {
 namespace {
@@ -26,20 +27,6 @@ const std::vector<KnownSpace>& known_spaces() {
         {"adobe-rgb", {{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}, kD65}, Transfer::gamma(563.0 / 256.0)},  // [AdobeRGB]
     };
     return known;
-}
-
-// "0.64,0.33,..." as numbers; empty unless they are all numbers.
-std::vector<double> numbers_of(std::string_view text) {
-    std::vector<double> out;
-    const char *at = text.data(), *end = at + text.size();
-    while (at < end) {
-        double value = 0;
-        const auto [next, error] = std::from_chars(at, end, value);
-        if (error != std::errc{} || (next < end && *next != ',')) return {};
-        out.push_back(value);
-        at = next < end ? next + 1 : end;
-    }
-    return out;
 }
 
 Error out_of_range(std::string_view space, std::string_view what) {
@@ -71,9 +58,10 @@ Result<RgbSpace> RgbSpace::parse(std::string_view text) {
         if (known.name == text) return from_primaries(std::string(text), known.primaries, known.transfer);
         choices += fmt::format("{}, ", known.name);
     }
-    const std::vector<double> v = numbers_of(text);
-    if (v.size() == 8)
+    if (const auto numbers = parse_numbers(text); numbers && numbers->size() == 8) {
+        const std::vector<double>& v = *numbers;
         return from_primaries(std::string(text), {{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}}, Transfer::srgb());
+    }
     return Error{ErrorCode::kUsage,
                  fmt::format("\"{}\" is not an RGB space; there are {}and 8 numbers rx,ry,gx,gy,bx,by,wx,wy", text, choices)};
 }

@@ -1,9 +1,10 @@
 // latent-render: a pbrt-v4 scene -> one part of raw samples. docs/rendering.md.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/cli.h"
 #include "base/parallel.h"
-#include "base/size.h"
+#include "base/simd.h"
 #include "render/program/arguments.h"
 #include "render/program/loop.h"
 #include "render/program/report.h"
@@ -16,39 +17,44 @@ int main(int argc, char** argv) {
     RenderSettings settings;
     RenderOptions options;
     cli::CommonOptions common;
-    std::string record = "spectral", integrator, connections = "one", samples, shard, resolution, depth;
     bool dry_run = false;
 
     CLI::App app{"Renders samples of a pbrt-v4 scene into one .latent part. The same command again goes on where it stopped.",
                  "latent-render"};
     app.add_option("SCENE", settings.scene, "the scene, a .pbrt file")->required();
     app.add_option("-o,--output", options.output, "the part to write")->required()->check(cli::ends_in(".latent"));
-    auto* spp =
-        app.add_option("--spp", settings.spp, "samples per pixel of --resolution, or of the scene's film")->capture_default_str();
-    app.add_option("--samples", samples, "instead, sample numbers A .. B-1; A begins a run")->excludes(spp)->type_name("A:B");
-    app.add_option("--shard", shard, "only the I-th of N parts of the samples, I = 0..N-1")->type_name("I/N");
-    app.add_option("--resolution", resolution, "pixels that --spp counts; samples themselves have no pixels")->type_name("WxH");
-    app.add_option("--integrator", integrator, "instead of the scene's")->check(CLI::IsMember({"path", "bdpt"}));
-    app.add_option("--connections", connections, "bdpt: of each path length, one random connection or all")
-        ->check(CLI::IsMember({"one", "all"}))
-        ->capture_default_str();
-    app.add_option("--max-depth", depth, "scattering vertices of a path, instead of the scene's")->type_name("N|unlimited");
-    app.add_option("--record", record, "what a record stores: its wavelengths, or XYZ only")
-        ->check(CLI::IsMember({"spectral", "xyz"}))
-        ->capture_default_str();
-    app.add_option("--wavelengths", settings.wavelengths, "wavelengths of one sample")
-        ->check(CLI::Range(4, 32))
-        ->capture_default_str();
-    app.add_option("--seed", settings.seed, "another (not 0) is another job: independent samples")->check(cli::whole_number());
-    app.add_option("--run-samples", settings.run_samples, "samples of a run, a power of two, instead of runs near 64 MiB")
-        ->check(CLI::Range(1024, 4194304));
+    auto* spp = cli::add_positive_number(app, "--spp", settings.spp, "samples per pixel of --resolution, or of the scene's film");
+    cli::add_parsed(app, "--samples", settings.samples, parse_samples, "instead, sample numbers A .. B-1; A begins a run")
+        ->excludes(spp)
+        ->type_name("A:B");
+    cli::add_parsed(app, "--shard", settings.shard, parse_shard, "only the I-th of N parts of the samples, I = 0..N-1")
+        ->type_name("I/N");
+    cli::add_parsed(app, "--resolution", settings.resolution, parse_resolution,
+                    "pixels that --spp counts; samples themselves have no pixels")
+        ->type_name("WxH");
+    cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", settings.integrator,
+                                                   {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},
+                                                   "instead of the scene's");
+    cli::add_choice<Connections>(app, "--connections", settings.connections,
+                                 {{"one", Connections::kOne}, {"all", Connections::kAll}},
+                                 "bdpt: of each path length, one random connection or all");
+    cli::add_parsed(app, "--max-depth", settings.max_depth, parse_depth, "scattering vertices of a path, instead of the scene's")
+        ->type_name("N|unlimited");
+    using sampledb::RecordKind;
+    cli::add_choice<RecordKind>(app, "--record", settings.record, {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
+                                "what a record stores: its wavelengths, or XYZ only");
+    cli::add_count(app, "--wavelengths", settings.wavelengths, "wavelengths of one sample", 4u, 32u);
+    cli::add_count(app, "--seed", settings.seed, "another (not 0) is another job: independent samples");
+    cli::add_count(app, "--run-samples", settings.run_samples, "samples of a run, a power of two, instead of runs near 64 MiB",
+                   1024u, 4194304u);
     cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "commit finished work this often, above 0")
         ->default_str("60s");
     cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, above 0, as if by a signal: exit 75");
     app.add_option("--simd", settings.simd,
-                   "instructions to use, instead of the best of the first three that the processor has. "
+                   "instructions to use; best: the fastest of this processor but avx512. "
                    "Samples are equal bit for bit only at one level")
-        ->type_name("sse4.2|avx|avx2|avx512");
+        ->capture_default_str()
+        ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
     app.add_flag("--dry-run", dry_run, "render for two seconds, then tell the time and disk space that everything would take");
     cli::add_common(app, common, false);
     app.footer(
@@ -62,12 +68,6 @@ int main(int argc, char** argv) {
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.force = common.force;
-    settings.record = record == "xyz" ? sampledb::RecordKind::kXyz : sampledb::RecordKind::kSpectral;
-    settings.connections = connections == "all" ? Connections::kAll : Connections::kOne;
-    if (!integrator.empty()) settings.integrator = integrator == "bdpt" ? IntegratorKind::kBdpt : IntegratorKind::kPath;
-    if (const Status parsed = parse_ranges({samples, shard, resolution, depth}, settings); !parsed)
-        return cli::fail(parsed.error());
-
     listen_to_signals(cli::kStopped);
     const Threads threads(common.threads);
     options.threads = threads.count();

@@ -1,22 +1,21 @@
-// render/program/arguments.h: the arguments of latent-render that are more than one number.
+// render/program/arguments.h: the arguments of latent-render that are more than one number. Errors of all: kUsage, with an example.
 #pragma once
 
-#include <string>
+#include <cstdint>
+#include <string_view>
 
 #include "base/result.h"
 #include "render/program/job.h"
 
 namespace latent::render {
 
-// As given on the command line; empty: not given.
-struct RangeArguments {
-    std::string samples;     // "65536:131072"
-    std::string shard;       // "0/4"
-    std::string resolution;  // "1920x1080"
-    std::string depth;       // "12" or "unlimited"
-};
-
-// Errors: kUsage, naming the option and showing what it should look like.
-Status parse_ranges(const RangeArguments& arguments, RenderSettings& settings);
+// "0/4" is the first of four.
+Result<Shard> parse_shard(std::string_view text);
+// "1920x1080"
+Result<Resolution> parse_resolution(std::string_view text);
+// "12" or "unlimited"
+Result<std::uint32_t> parse_depth(std::string_view text);
+// "0:1M", ending before 2^62
+Result<sampledb::SampleRange> parse_samples(std::string_view text);
 
 }  // namespace latent::render

@@ -37,7 +37,7 @@ struct RenderSettings {
     std::uint32_t wavelengths = 28;
     std::uint64_t seed = 0;
     std::uint32_t run_samples = 0;  // 0: such that a run is near 64 MiB
-    std::string simd;               // Embree isa; empty: chosen for this processor
+    std::string simd = "best";      // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
     std::optional<Resolution> resolution;

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 
 namespace latent::render {
 
-// "sse4.2", "avx", "avx2" or "avx512": the level asked for, or (empty) the best of the first three; not avx512, which was measured
-// to be no faster. Records are equal bit for bit only at one level. Errors: kUsage if the processor lacks it.
-Result<std::string> choose_simd(const std::string& asked);
+// An Embree isa: the level of base/simd.h that was asked for; "best" is the fastest but avx512, which was measured to be no faster
+// than avx2. Records are equal bit for bit only at one level. Errors: kUsage if the processor lacks it.
+Result<std::string> choose_simd(std::string_view asked);
 
 }  // namespace latent::render

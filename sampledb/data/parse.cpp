@@ -3,17 +3,14 @@
 #include <charconv>
 #include <string>
 
-#include "base/size.h"
+#include "base/parse.h"
 
 namespace latent::sampledb {
 
 Result<SampleRange> parse_sample_range(std::string_view text) {
-    const std::size_t colon = text.find(':');
-    const Error wrong{ErrorCode::kUsage, "'" + std::string(text) + "' is no range of samples; A:B means samples A .. B-1"};
-    if (colon == std::string_view::npos) return wrong;
-    const Result<std::uint64_t> first = parse_size(text.substr(0, colon)), end = parse_size(text.substr(colon + 1));
-    if (!first || !end || *end <= *first) return wrong;
-    return SampleRange{*first, *end};
+    const auto ends = parse_pair(text, ':');
+    if (ends && ends->first < ends->second) return SampleRange{ends->first, ends->second};
+    return Error{ErrorCode::kUsage, "'" + std::string(text) + "' is not a range of samples (try 0:1M; A:B means samples A .. B-1)"};
 }
 
 Result<JobId> parse_job_id(std::string_view text) {

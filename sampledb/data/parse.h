@@ -9,8 +9,7 @@
 
 namespace latent::sampledb {
 
-// "65536:131072" -> samples 65536 .. 131071; either number may end in K, M, G or T (binary). Errors: kUsage (no such form, or
-// empty).
+// "65536:131072", "64Ki:128Ki" -> samples 65536 .. 131071 (base/parse.h, "count"). Errors: kUsage (no such form, or empty).
 Result<SampleRange> parse_sample_range(std::string_view text);
 
 // 32 hexadecimal digits, as to_hex writes them. Errors: kUsage.

@@ -426,7 +426,7 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
                                            {{at("a.exr"), "-o", at("b.png"), "--profile", "nonsense"}, 2, "display-p3"},
                                            {{at("a.exr"), "-o", at("b.png"), "--sensitivity", "-1"}, 2, "--sensitivity"},
                                            {{at("a.exr"), "-o", at("b.png"), "--sensitivity", "0"}, 2, "above 0"},
-                                           {{at("a.exr"), "-o", at("b.png"), "--sensitivity", "nan"}, 2, "above 0"},
+                                           {{at("a.exr"), "-o", at("b.png"), "--sensitivity", "nan"}, 2, "not a number"},
                                            {{at("a.exr"), "-o", at("b.png"), "--stops", "nan"}, 2, "--stops"},
                                            {{at("a.exr"), "-o", at("b.png"), "--profile", "1,1,1,1,1,1,1,1"}, 2, "--profile"},
                                            {{at("a.exr"), "-o", at("b.png"), "--crop", "1,2,3"}, 2, "X0,Y0,X1,Y1"},

@@ -99,7 +99,7 @@ TEST_F(Tool, SizesFollowTheFilmAndTheNumberOfSamples) {
     EXPECT_EQ(size("302x201"), std::pair(302u, 201u));  // 201.33
     EXPECT_EQ(size("301x200"), std::pair(0u, 0u));      // 200.67
     EXPECT_EQ(size("301x203"), std::pair(0u, 0u));
-    for (const char* bad : {"", "0", "x", "300x", "300x200x1", "-3", "9999999999", "300 x200", "1e3"})
+    for (const char* bad : {"", "0", "x", "300x", "300x200x1", "-3", "9999999999", "300 x200", "1e-3"})
         EXPECT_EQ(size(bad), std::pair(0u, 0u)) << bad;
     const Size chosen = default_size(job_, 16 * 600);
     EXPECT_EQ(chosen.width, 30u);

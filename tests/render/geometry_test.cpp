@@ -31,7 +31,7 @@ struct Built {
     SceneDescription description;
     std::unique_ptr<Geometry> geometry;
 };
-Built build(const std::string& text, const std::string& simd = choose_simd("").value()) {
+Built build(const std::string& text, const std::string& simd = choose_simd("best").value()) {
     const Result<LoadedScene> scene = load_world(text);
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
     Built out{scene->description, nullptr};

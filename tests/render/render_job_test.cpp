@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/simd.h"
 #include "render/program/arguments.h"
 #include "render/program/job.h"
 #include "render/program/simd.h"
@@ -52,29 +53,28 @@ TEST(Shards, HugeRangesDoNotOverflow) {
 }
 
 TEST(Arguments, AreReadOrRefusedWithAnExample) {
-    RenderSettings settings;
-    ASSERT_TRUE(parse_ranges({"65536:131072", "2/5", "640x480", "unlimited"}, settings));
-    EXPECT_EQ(settings.samples, (SampleRange{65536, 131072}));
-    ASSERT_TRUE(parse_ranges({"64K:1M", "", "", ""}, settings));
-    EXPECT_EQ(settings.samples, (SampleRange{65536, 1048576}));
-    EXPECT_EQ(settings.shard.index, 2u);
-    EXPECT_EQ(settings.resolution->height, 480u);
-    EXPECT_EQ(settings.max_depth, kUnlimited);
-    for (const RangeArguments& wrong :
-         {RangeArguments{"5", "", "", ""}, RangeArguments{"9:5", "", "", ""}, RangeArguments{"-1:5", "", "", ""},
-          RangeArguments{"", "5/5", "", ""}, RangeArguments{"", "0/0", "", ""}, RangeArguments{"", "1", "", ""},
-          RangeArguments{"", "", "0x5", ""}, RangeArguments{"", "", "640", ""}, RangeArguments{"", "", "", "many"},
-          RangeArguments{"", "", "", "-1"}}) {
-        const Status status = parse_ranges(wrong, settings);
-        ASSERT_FALSE(status);
-        EXPECT_EQ(status.error().code, ErrorCode::kUsage);
-        EXPECT_THAT(status.error().message, HasSubstr("should look like"));
-    }
+    EXPECT_EQ(parse_samples("65536:131072").value(), (SampleRange{65536, 131072}));
+    EXPECT_EQ(parse_samples("64Ki:1M").value(), (SampleRange{65536, 1000000}));
+    EXPECT_EQ(parse_shard("2/5").value().index, 2u);
+    EXPECT_EQ(parse_shard("2/5").value().count, 5u);
+    EXPECT_EQ(parse_resolution("640x480").value().height, 480u);
+    EXPECT_EQ(parse_depth("12").value(), 12u);
+    EXPECT_EQ(parse_depth("unlimited").value(), kUnlimited);
+    const auto refused = [](const auto& parsed) {
+        ASSERT_FALSE(parsed);
+        EXPECT_EQ(parsed.error().code, ErrorCode::kUsage);
+        EXPECT_THAT(parsed.error().message, HasSubstr("(try "));
+    };
+    for (const char* text : {"5", "9:5", "5:5", "-1:5"}) refused(parse_samples(text));
+    for (const char* text : {"5/5", "0/0", "1", "0/1048577"}) refused(parse_shard(text));
+    for (const char* text : {"0x5", "640", "16777217x1"}) refused(parse_resolution(text));
+    for (const char* text : {"many", "-1"}) refused(parse_depth(text));
+    EXPECT_EQ(parse_samples("0:4611686018427387905").error().code, ErrorCode::kUsage);
 }
 
 TEST(Simd, LevelsAreThisProcessorsOrRefused) {
-    EXPECT_TRUE(choose_simd(""));
-    EXPECT_EQ(choose_simd("sse4.2").value(), "sse4.2");
+    EXPECT_TRUE(choose_simd("best"));
+    for (const std::string_view level : simd_levels()) EXPECT_EQ(choose_simd(level).value(), level);
     EXPECT_EQ(choose_simd("mmx").error().code, ErrorCode::kUsage);
 }
 

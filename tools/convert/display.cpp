@@ -1,8 +1,9 @@
 #include "tools/convert/display.h"
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+
+#include "base/parse.h"
 
 namespace latent::convert {
 
@@ -10,13 +11,10 @@ namespace {
 
 // 9 numbers with commas between them.
 std::optional<color::Matrix3> matrix_of(const std::string& text) {
+    const auto numbers = parse_numbers(text);
+    if (!numbers || numbers->size() != 9) return std::nullopt;
     color::Matrix3 matrix;
-    const char *at = text.data(), *end = at + text.size();
-    for (std::size_t i = 0; i < 9; ++i) {
-        const auto [next, error] = std::from_chars(at, end, matrix.m[i / 3][i % 3]);
-        if (error != std::errc{} || (i < 8 ? next == end || *next != ',' : next != end)) return std::nullopt;
-        at = next + 1;
-    }
+    for (std::size_t i = 0; i < 9; ++i) matrix.m[i / 3][i % 3] = (*numbers)[i];
     return matrix;
 }
 

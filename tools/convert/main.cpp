@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 
 #include "base/cli.h"
+#include "base/parse.h"
 #include "base/temporary_path.h"
 #include "tools/convert/convert.h"
 #include "tools/convert/report.h"
@@ -26,37 +26,23 @@ Examples:
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but some pixels were not numbers, or the
 report could not be written.)";
 
-// What is wrong with `text`, if it is not a number of the range: CLI::Range would let NaN pass.
-std::string check_number(const std::string& text, double least, double most, const char* range) {
-    double value = 0;
-    const bool good = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-    return good ? std::string() : fmt::format("{}: should be a number {}", text, range);
-}
-
-latent::Result<latent::image::Rect> parse_crop(const std::string& text) {
-    std::array<int, 4> c;
-    const char *at = text.data(), *end = at + text.size();
-    for (std::size_t i = 0; i < 4; ++i) {
-        const auto [next, error] = std::from_chars(at, end, c[i]);
-        if (error != std::errc{} || (i < 3 ? next == end || *next != ',' : next != end))
-            return latent::Error{latent::ErrorCode::kUsage, text + ": give X0,Y0,X1,Y1 in pixels, the end exclusive"};
-        at = next + 1;
-    }
-    return latent::image::Rect{c[0], c[1], c[2], c[3]};
+latent::Result<std::array<double, 3>> luminances_of(const std::string& text) {
+    const auto numbers = latent::parse_numbers(text);
+    if (numbers && numbers->size() == 3) return std::array{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+    return latent::Error{latent::ErrorCode::kUsage, "'" + text + "' is not three luminances (try 0.2126,0.7152,0.0722)"};
 }
 
 void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
+    namespace cli = latent::cli;
     using latent::convert::Depth;
     app.add_option("IMAGE", options.input, "EXR from latent-develop, or of linear RGB")->required();
     app.add_option("-o,--output", options.outputs, "what to write; may repeat")
         ->required()
         ->allow_extra_args(false)
         ->type_name("FILE");
-    auto* sensitivity = app.add_option("-s,--sensitivity", options.sensitivity, "sensitivity of the film: Y = 1/S prints at half");
-    sensitivity->check(CLI::Validator([](const std::string& s) { return check_number(s, 0x1p-512, 0x1p512, "above 0"); }, ""));
-    app.add_option("--stops", options.stops, "push the sensitivity by so many stops")
-        ->check(CLI::Validator([](const std::string& s) { return check_number(s, -100, 100, "from -100 to 100"); }, ""))
-        ->type_name("EV");
+    auto* sensitivity =
+        cli::add_positive_number(app, "-s,--sensitivity", options.sensitivity, "sensitivity of the film: Y = 1/S prints at half");
+    cli::add_number(app, "--stops", options.stops, "push the sensitivity by so many stops", -100, 100)->type_name("EV");
     app.add_flag("--auto", options.auto_exposure, "choose the sensitivity: the mean prints at 18 % grey")->excludes(sensitivity);
     app.add_option("--tone", options.tone, "film: 1 - 2^(-S Y); none: only converts")
         ->check(CLI::IsMember({"film", "none"}))
@@ -67,29 +53,26 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_option("--profile", options.profile,
                    "srgb, display-p3, rec2020, adobe-rgb; rx,ry,gx,gy,bx,by,wx,wy; 9 numbers, the matrix XYZ to RGB; or FILE.icc")
         ->capture_default_str();
-    app.add_option("--luminance-row", options.luminance_row, "luminances of the primaries, instead of the profile's")
-        ->type_name("R,G,B")
-        ->delimiter(',');
-    const auto depth = [&options](const std::string& text) {
-        options.depth = text == "8" ? Depth::k8 : text == "16" ? Depth::k16 : Depth::kFloat;
-    };
-    app.add_option_function<std::string>("--bits", depth, "8 by default, but float for EXR, where 16 means half")
-        ->check(CLI::IsMember({"8", "16", "float"}));
+    cli::add_parsed(app, "--luminance-row", options.luminance_row, luminances_of,
+                    "luminances of the primaries, instead of the profile's")
+        ->type_name("R,G,B");
+    cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
+                           "8 by default, but float for EXR, where 16 means half");
     app.add_flag("--dither,!--no-dither", options.dither, "hide the steps of 8 bits in noise (default on)");
-    latent::cli::add_parsed(app, "--crop", options.crop, parse_crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
-    app.add_option("--level", options.level, "mip level of the input: 1 is half its size, ...")->check(CLI::Range(0, 31));
-    app.add_option("--dpi", options.dpi, "pixels per inch on paper, as TIFF, PNG, JPEG and EXR say it; changes no pixel")
-        ->check(CLI::Range(1, 65535))
-        ->capture_default_str();
-    app.add_option("--quality", options.quality, "of JPEG and Deep Zoom's tiles")->check(CLI::Range(1, 100))->capture_default_str();
-    app.add_option("--compression", options.png_level, "of PNG and TIFF; 9: small")->check(CLI::Range(1, 9))->capture_default_str();
+    const auto crop = [](const std::string& text) {
+        return latent::parse_crop(text).map([](const auto& c) { return latent::image::Rect{c[0], c[1], c[2], c[3]}; });
+    };
+    cli::add_parsed(app, "--crop", options.crop, crop, "only these pixels, ends exclusive")->type_name("X0,Y0,X1,Y1");
+    cli::add_count(app, "--level", options.level, "mip level of the input: 1 is half its size, ...", 0, 31);
+    cli::add_count(app, "--dpi", options.dpi, "pixels per inch on paper, as TIFF, PNG, JPEG and EXR say it; changes no pixel", 1,
+                   65535);
+    cli::add_count(app, "--quality", options.quality, "of JPEG and Deep Zoom's tiles", 1, 100);
+    cli::add_count(app, "--compression", options.png_level, "of PNG and TIFF; 9: small", 1, 9);
     app.add_flag("--tiles", options.tiles, "TIFF in tiles of 256 x 256");
     app.add_flag("--pyramid", options.pyramid, "TIFF with smaller and smaller copies, in tiles");
     app.add_flag("--png-tiles", options.png_tiles, "Deep Zoom in PNG instead of JPEG");
-    app.add_option("--overlap", options.overlap,
-                   "pixels of its neighbours around each tile of Deep Zoom; 0 is for other viewers than NAME.html")
-        ->check(CLI::Range(0, 1))
-        ->capture_default_str();
+    cli::add_count(app, "--overlap", options.overlap,
+                   "pixels of its neighbours around each tile of Deep Zoom; 0 is for other viewers than NAME.html", 0, 1);
     app.footer(kExamples);
 }
 

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <functional>
+
+#include "base/parse.h"
 
 namespace latent::develop {
 
@@ -73,17 +74,10 @@ Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(mes
 
 Result<Filter> Filter::parse(std::string_view text) {
     const std::string_view kind = text.substr(0, text.find(':'));
-    std::vector<double> given;
-    for (std::size_t at = kind.size(); at < text.size();) {
-        const std::size_t begin = at + 1, end = std::min(text.find(',', begin), text.size());
-        double value = 0;
-        const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
-        if (error != std::errc() || stop != text.data() + end || !std::isfinite(value)) {
-            return usage(fmt::format("--filter {}: '{}' is not a number", text, text.substr(begin, end - begin)));
-        }
-        given.push_back(value);
-        at = end;
-    }
+    const std::string_view numbers = text.substr(std::min(kind.size() + 1, text.size()));
+    const std::optional<std::vector<double>> parsed = parse_numbers(numbers);
+    if (kind.size() < text.size() && !parsed) return usage(fmt::format("--filter {}: '{}' are not numbers", text, numbers));
+    const std::vector<double> given = kind.size() < text.size() ? *parsed : std::vector<double>{};
     std::array<double, 2> p;
     std::size_t parameters = 2;
     if (kind == "quartic")

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "base/cli.h"
+#include "base/parse.h"
 #include "base/temporary_path.h"
 #include "sampledb/data/parse.h"
 #include "tools/develop/picture.h"
@@ -36,13 +37,15 @@ left out, or the report could not be written.)";
 int main(int argc, char** argv) {
     develop::PictureOptions options;
     cli::CommonOptions common;
-    std::string compression = "none";
     CLI::App app{"Develop records into an EXR of linear XYZ.", "latent-develop"};
     app.footer(kExamples);
     app.add_option("FILE", options.inputs, "files of one job, or folders that hold them, in any order")->required();
     app.add_option("-o,--output", options.output, "the picture")->required()->check(cli::ends_in(".exr"));
     app.add_option("--size", options.size, "pixels of the whole film; W alone derives the height")->type_name("W|WxH");
-    app.add_option("--crop", options.crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
+    const auto crop = [](const std::string& text) {
+        return parse_crop(text).map([](const auto& c) { return develop::PixelRect{c[0], c[1], c[2], c[3]}; });
+    };
+    cli::add_parsed(app, "--crop", options.crop, crop, "only these pixels of it, ends exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter")->capture_default_str()->type_name("NAME[:params]");
     auto* observer = app.add_option("--observer", options.observer, "who looks at the spectra")->type_name("NAME|FILE.csv");
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "only samples A .. B-1")->type_name("A:B");
@@ -50,10 +53,10 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();
     app.add_flag("--mipmap", options.mipmap, "store smaller levels too, each pixel the mean of those that it covers");
-    app.add_option("--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm")
-        ->check(CLI::Range(1, 470))
+    cli::add_count(app, "--spectral-bins", options.spectral_bins, "instead of XYZ: N bins of radiance per nm over 360..830 nm", 1,
+                   470)
         ->excludes(observer);
-    app.add_option("--compression", compression, "of the EXR")->check(CLI::IsMember({"none", "zip"}))->capture_default_str();
+    cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "of the EXR");
     app.add_option("--simd", options.simd, "instructions to use")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(develop::simd_levels(), "|")));
@@ -64,7 +67,6 @@ int main(int argc, char** argv) {
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
-    options.zip = compression == "zip";
     options.replace = common.force;
     options.memory = common.memory;
     options.threads = common.threads;

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "base/file.h"
 #include "base/parallel.h"
+#include "base/parse.h"
 #include "color/observer.h"
 #include "color/rgb_space.h"
 #include "image/exr_tile_writer.h"
@@ -23,29 +23,11 @@ constexpr std::uint64_t kMaxObserverFile = 16 << 20;
 
 Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
 
-// Whole numbers between separators; nothing if the text is anything else.
-std::optional<std::vector<std::uint32_t>> parse_numbers(std::string_view text, char separator) {
-    std::vector<std::uint32_t> numbers;
-    for (const char *at = text.data(), *end = at + text.size();;) {
-        std::uint32_t number = 0;
-        const auto [stop, error] = std::from_chars(at, end, number);
-        if (error != std::errc()) return std::nullopt;
-        numbers.push_back(number);
-        if (stop == end) return numbers;
-        if (*stop != separator) return std::nullopt;
-        at = stop + 1;
-    }
-}
-
-Result<PixelRect> parse_crop(const std::string& text, const Size& size) {
-    if (text.empty()) return PixelRect{0, 0, size.width, size.height};
-    const auto n = parse_numbers(text, ',');
-    if (!n || n->size() != 4) return usage(fmt::format("--crop {}: give X0,Y0,X1,Y1 in pixels, the end exclusive", text));
-    const PixelRect crop{(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
-    if (crop.empty() || crop.x1 > size.width || crop.y1 > size.height) {
-        return usage(fmt::format("--crop {}: is empty or not within the picture's {} x {} pixels", text, size.width, size.height));
-    }
-    return crop;
+Result<PixelRect> crop_of(const std::optional<PixelRect>& asked, const Size& size) {
+    const PixelRect all{0, 0, size.width, size.height};
+    if (!asked || intersection(*asked, all) == *asked) return asked.value_or(all);
+    return usage(fmt::format("--crop {},{},{},{}: is not within the picture's {} x {} pixels", asked->x0, asked->y0, asked->x1,
+                             asked->y1, size.width, size.height));
 }
 
 Result<color::Observer> find_observer(const std::string& name) {
@@ -176,7 +158,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (!size) return size.error();
     report.width = size->width;
     report.height = size->height;
-    const Result<PixelRect> crop = parse_crop(options.crop, *size);
+    const Result<PixelRect> crop = crop_of(options.crop, *size);
     if (!crop) return crop.error();
     report.crop = *crop;
     const Result<Filter> filter = Filter::parse(options.filter);
@@ -242,14 +224,16 @@ Size default_size(const sampledb::Job& job, std::uint64_t samples) {
 }
 
 Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job) {
-    const auto numbers = parse_numbers(text, 'x');
-    if (!numbers || numbers->size() > 2 || std::ranges::any_of(*numbers, [](std::uint32_t n) { return n == 0 || n > kMaxSide; })) {
+    auto pixels = parse_pair(text, 'x');
+    const Result<std::uint64_t> width_alone = parse_count(text);
+    if (width_alone) pixels = {*width_alone, 1};
+    const auto possible = [](std::uint64_t side) { return side > 0 && side <= kMaxSide; };
+    if (!pixels || !possible(pixels->first) || !possible(pixels->second))
         return usage(fmt::format("--size {}: give WIDTH or WIDTHxHEIGHT in pixels, at most {} each", text, kMaxSide));
-    }
     const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
-    const std::uint32_t width = numbers->front();
+    const auto width = static_cast<std::uint32_t>(pixels->first);
     const double exact = width / aspect;
-    const double height = numbers->size() == 2 ? numbers->back() : std::max(1.0, std::round(exact));
+    const double height = width_alone ? std::max(1.0, std::round(exact)) : static_cast<double>(pixels->second);
     if (height > kMaxSide)
         return usage(fmt::format("--size {}: the height would be {:.0f} pixels; {} is the most", text, height, kMaxSide));
     if (std::abs(height - exact) > 0.5 && std::abs(width - height * aspect) > 0.5) {

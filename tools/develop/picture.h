@@ -18,7 +18,7 @@ struct PictureOptions {
     std::vector<std::filesystem::path> inputs;
     std::filesystem::path output;
     std::string size;  // "4096x2731", "4096" (height from the film), "" (default_size)
-    std::string crop;  // "X0,Y0,X1,Y1", "" (all)
+    std::optional<PixelRect> crop;
     std::string filter = "quartic:-5,2";
     std::string observer;        // a name, a CSV file, "" (cie1931)
     std::string image = "both";  // or camera, light

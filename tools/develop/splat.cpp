@@ -178,9 +178,10 @@ void Splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, c
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <utility>
+
+#include "base/simd.h"
 
 namespace latent::develop {
 
@@ -193,7 +194,7 @@ void splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, c
 
 namespace {
 constexpr std::pair<std::string_view, std::int64_t> kLevels[] = {
-    {"sse4", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx512", HWY_AVX3}, {"neon", HWY_NEON}, {"scalar", HWY_SCALAR}};
+    {"sse4.2", HWY_SSE4}, {"avx2", HWY_AVX2}, {"avx512", HWY_AVX3}, {"neon", HWY_NEON}, {"scalar", HWY_SCALAR}};
 }  // namespace
 
 std::vector<std::string_view> simd_levels() {
@@ -206,15 +207,10 @@ std::vector<std::string_view> simd_levels() {
 }
 
 Status set_simd_level(std::string_view level) {
-    const std::vector<std::string_view> levels = simd_levels();
-    if (level != "best") {
-        const auto* found =
-            std::find_if(std::begin(kLevels), std::end(kLevels), [&](const auto& entry) { return entry.first == level; });
-        if (std::find(levels.begin(), levels.end(), level) == levels.end()) {
-            return Error{ErrorCode::kUsage, fmt::format("--simd {}: this processor has best, {}", level, fmt::join(levels, ", "))};
-        }
-        hwy::SetSupportedTargetsForTest(found->second);
-    }
+    const Result<std::string_view> chosen = choose_simd(level, simd_levels(), "best");
+    if (!chosen) return chosen.error();
+    const auto* found = std::ranges::find(kLevels, *chosen, &std::pair<std::string_view, std::int64_t>::first);
+    if (found != std::end(kLevels)) hwy::SetSupportedTargetsForTest(found->second);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     return {};
 }

@@ -39,6 +39,7 @@ void splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, c
 
 // Pins the instructions that `splat` uses: "best", or one of `simd_levels()`. Errors: kUsage, listing them.
 Status set_simd_level(std::string_view level);
-std::vector<std::string_view> simd_levels();  // that this processor has, slowest first
+std::vector<std::string_view>
+simd_levels();  // those of base/simd.h that `splat` is compiled for and this processor has, slowest first
 
 }  // namespace latent::develop

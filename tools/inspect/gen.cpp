@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -75,20 +74,6 @@ nlohmann::json to_json(const GenReport& report) {
             {"runs", report.counts.runs_written},
             {"checkpoints", report.counts.checkpoints_written},
             {"seconds", report.seconds}};
-}
-
-Result<std::uint64_t> parse_count(std::string_view text) {
-    const Error wrong{ErrorCode::kUsage, fmt::format("'{}' is no number of records; say 1000000, 64M or 1.07G", text)};
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || !(number >= 0)) return wrong;
-    const std::string_view unit = text.substr(static_cast<std::size_t>(end - text.data()));
-    double scale = 1;
-    if (unit == "k" || unit == "K") scale = 1e3;
-    if (unit == "M" || unit == "m") scale = 1e6;
-    if (unit == "G" || unit == "g") scale = 1e9;
-    if ((scale == 1 && !unit.empty()) || number * scale > 1e18) return wrong;
-    return static_cast<std::uint64_t>(number * scale + 0.5);
 }
 
 }  // namespace latent::inspect

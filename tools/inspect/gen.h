@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <string_view>
 
 #include "base/progress.h"
 #include "base/result.h"
@@ -37,8 +36,5 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress =
 
 std::string to_text(const GenReport& report);
 nlohmann::json to_json(const GenReport& report);
-
-// "1.07G" -> 1070000000: a number of records; K, M, G are powers of 1000. Errors: kUsage.
-Result<std::uint64_t> parse_count(std::string_view text);
 
 }  // namespace latent::inspect

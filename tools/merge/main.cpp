@@ -30,17 +30,15 @@ or the report could not be written.)";
 int main(int argc, char** argv) {
     merge::MergeOptions options;
     cli::CommonOptions common;
-    std::string verify = "quick";
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
     app.footer(kExamples);
     app.add_option("PART", options.inputs, "parts of one job, or folders that hold them, in any order")->required();
     app.add_option("-o,--output", options.output, "the joined file")->required()->check(cli::ends_in(".latent"));
     cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A .. B-1 are all there")
         ->type_name("A:B");
-    app.add_option("--verify", verify,
-                   "quick: headers, indexes and one page of every run, before and after copying; full: every page")
-        ->check(CLI::IsMember({"quick", "full"}))
-        ->capture_default_str();
+    using sampledb::VerifyLevel;
+    cli::add_choice<VerifyLevel>(app, "--verify", options.verify, {{"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
+                                 "quick: headers, indexes and one page of every run, before and after copying; full: every page");
     app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count parts that were named twice once, instead of refusing them");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
@@ -51,7 +49,6 @@ int main(int argc, char** argv) {
 
     options.replace = common.force;
     options.memory = common.memory;
-    options.verify = verify == "full" ? sampledb::VerifyLevel::kFull : sampledb::VerifyLevel::kQuick;
 
     remove_temporaries_on_signals();
     const Result<merge::MergeReport> report = merge::merge(options, cli::progress_to_stderr("merging"));
