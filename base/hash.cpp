@@ -7,6 +7,9 @@
 
 namespace latent {
 
+struct alignas(64) Hasher64::State {
+    XXH3_state_t xxh;
+};
 struct alignas(64) Hasher128::State {
     XXH3_state_t xxh;
 };
@@ -19,6 +22,13 @@ Hash128 hash128(ByteSpan bytes) {
 }
 
 std::string to_hex(const Hash128& hash) { return fmt::format("{:016x}{:016x}", hash.high, hash.low); }
+
+Hasher64::Hasher64() : state_(std::make_unique<State>()) { XXH3_64bits_reset(&state_->xxh); }
+Hasher64::~Hasher64() = default;
+
+void Hasher64::update(ByteSpan bytes) { XXH3_64bits_update(&state_->xxh, bytes.data(), bytes.size()); }
+
+std::uint64_t Hasher64::digest() const { return XXH3_64bits_digest(&state_->xxh); }
 
 Hasher128::Hasher128() : state_(std::make_unique<State>()) { XXH3_128bits_reset(&state_->xxh); }
 Hasher128::~Hasher128() = default;

@@ -23,6 +23,19 @@ Hash128 hash128(ByteSpan bytes);
 // 32 hexadecimal digits, most significant first.
 std::string to_hex(const Hash128& hash);
 
+// XXH3-64 of pieces that arrive one after another; equal to `hash64` of their concatenation.
+class Hasher64 {
+ public:
+    Hasher64();
+    ~Hasher64();
+    void update(ByteSpan bytes);
+    std::uint64_t digest() const;
+
+ private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 // XXH3-128 of pieces that arrive one after another; equal to `hash128` of their concatenation.
 class Hasher128 {
  public:

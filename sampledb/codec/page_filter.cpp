@@ -7,7 +7,7 @@ namespace latent::sampledb {
 void keep_samples(const Coverage& coverage, Page& page) {
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < page.count; ++i) {
-        if (coverage.contains(SampleRange{page.sample[i], page.sample[i] + 1})) rows.push_back(i);
+        if (coverage.contains(page.sample[i])) rows.push_back(i);
     }
     const auto keep = [&](auto& column) {
         if (column.empty()) return;

@@ -1,7 +1,10 @@
 #include "sampledb/codec/page_layout.h"
 
+#include <algorithm>
+
 #include "base/hash.h"
 #include "sampledb/codec/page_codec.h"
+#include "sampledb/format/file_format.h"
 
 namespace latent::sampledb {
 
@@ -26,6 +29,12 @@ std::uint64_t content_hash(const std::vector<ColumnEntry>& table) {
     assert(table.size() <= hashes.size());
     for (std::size_t i = 0; i < table.size(); ++i) hashes[i] = table[i].hash;
     return hash64(std::as_bytes(std::span(hashes).first(table.size())));
+}
+
+std::size_t max_page_records(const Job& job) {
+    constexpr std::size_t kMost = kMaxRecordsPerPage, kLeast = 64;
+    static_assert(kLeast * kMaxPairs <= kMaxPairsPerPage);
+    return job.kind == RecordKind::kXyz ? kMost : std::clamp<std::size_t>(kMaxPairsPerPage / job.batch, kLeast, kMost);
 }
 
 std::uint64_t decoded_page_size(const Job& job, RecordClass record_class, std::uint64_t records, std::uint64_t pairs) {

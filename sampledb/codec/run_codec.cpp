@@ -37,11 +37,12 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
     const bool one_interval = coverage.ranges().size() == 1;
     for (std::size_t i = 0; i < n; ++i) {
         const SampleRange hull = coverage.ranges().front();
-        const bool covered =
-            one_interval ? r.sample[i] - hull.first < hull.size() : coverage.contains(SampleRange{r.sample[i], r.sample[i] + 1});
+        const bool covered = one_interval ? r.sample[i] - hull.first < hull.size() : coverage.contains(r.sample[i]);
         if (!covered) return refuse(i, "outside the run's coverage");
         if (r.record_class[i] == RecordClass::kLight && r.share[i] != 0)
             return refuse(i, "a light record with a share of the denominator");
+        if (r.record_class[i] == RecordClass::kLight && job.light_paths_per_sample == 0)
+            return refuse(i, "a light record in a job that has no light paths");
         if (r.record_class[i] > RecordClass::kLight) return refuse(i, "a record of unknown class");
     }
     for (std::size_t i = 0; i < r.pairs.size(); ++i) {
@@ -55,11 +56,6 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
 }
 
 }  // namespace
-
-std::size_t max_page_records(const Job& job) {
-    constexpr std::size_t kMost = 6144, kMostPairs = 3072 * 28, kLeast = 64;
-    return job.kind == RecordKind::kXyz ? kMost : std::clamp(kMostPairs / job.batch, kLeast, kMost);
-}
 
 std::size_t page_end(std::span<const std::uint32_t> z, std::size_t begin, std::size_t most) {
     // The node needs more bits than the prefix that z[begin] shares with the page before, and with the record that is one too many.

@@ -33,9 +33,6 @@ struct DecodedRun {
 // `bytes` begin with a run. Verifies every checksum. Errors: kTruncated, kForeign, kUnsupported, kCorrupt, kMismatch (another job).
 Result<DecodedRun> decode_run(const Job& job, ByteSpan bytes);
 
-// The most records that a page of this job holds.
-std::size_t max_page_records(const Job& job);
-
 // End of the page that begins at `begin`: the largest node of the binary tree over Z codes that begins there and holds at most
 // `most` records. `z`: ascending Z prefixes of one class; looks no further than z[begin + most].
 std::size_t page_end(std::span<const std::uint32_t> z, std::size_t begin, std::size_t most);

@@ -3,53 +3,109 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace latent::sampledb {
 
 namespace {
 
+using Ranges = std::vector<SampleRange>;
+
 // The first of `ranges` that ends at or behind `sample`.
-auto first_reaching(const std::vector<SampleRange>& ranges, std::uint64_t sample) {
-    return std::lower_bound(ranges.begin(), ranges.end(), sample, [](const SampleRange& r, std::uint64_t s) { return r.end < s; });
+template <class Iterator>
+Iterator first_reaching(Iterator begin, Iterator end, std::uint64_t sample) {
+    return std::lower_bound(begin, end, sample, [](const SampleRange& r, std::uint64_t s) { return r.end < s; });
+}
+
+// Appends a range that begins no earlier than the last one.
+void append(Ranges& ranges, SampleRange range) {
+    if (range.empty()) return;
+    if (!ranges.empty() && range.first <= ranges.back().end) {
+        ranges.back().end = std::max(ranges.back().end, range.end);
+    } else {
+        ranges.push_back(range);
+    }
 }
 
 }  // namespace
 
+Coverage Coverage::of(Ranges ranges) {
+    std::ranges::sort(ranges);
+    Coverage coverage;
+    for (const SampleRange& range : ranges) append(coverage.ranges_, range);
+    return coverage;
+}
+
 void Coverage::add(SampleRange range) {
     if (range.empty()) return;
-    const auto first = first_reaching(ranges_, range.first);  // touching ranges join
+    const auto first = first_reaching(ranges_.begin(), ranges_.end(), range.first);  // touching ranges join
     auto last = first;
     for (; last != ranges_.end() && last->first <= range.end; ++last) {
         range.first = std::min(range.first, last->first);
         range.end = std::max(range.end, last->end);
     }
-    ranges_.insert(ranges_.erase(first, last), range);
+    if (first == last) {
+        ranges_.insert(first, range);
+    } else {
+        *first = range;
+        ranges_.erase(first + 1, last);
+    }
 }
 
 void Coverage::add(const Coverage& other) {
-    for (const SampleRange& range : other.ranges_) add(range);
+    if (other.ranges_.size() == 1) return add(other.ranges_.front());
+    Ranges both;
+    both.reserve(ranges_.size() + other.ranges_.size());
+    auto a = ranges_.begin();
+    auto b = other.ranges_.begin();
+    while (a != ranges_.end() || b != other.ranges_.end()) {
+        const bool from_a = b == other.ranges_.end() || (a != ranges_.end() && *a < *b);
+        append(both, from_a ? *a++ : *b++);
+    }
+    ranges_ = std::move(both);
 }
 
 void Coverage::remove(SampleRange range) {
     if (range.empty()) return;
-    std::vector<SampleRange> kept;
-    kept.reserve(ranges_.size() + 1);
-    for (const SampleRange& r : ranges_) {
-        const SampleRange before{r.first, std::min(r.end, range.first)};
-        const SampleRange behind{std::max(r.first, range.end), r.end};
-        if (!before.empty()) kept.push_back(before);
-        if (!behind.empty()) kept.push_back(behind);
+    auto first = first_reaching(ranges_.begin(), ranges_.end(), range.first);
+    if (first != ranges_.end() && first->end == range.first) ++first;  // only touches it
+    auto last = first;
+    while (last != ranges_.end() && last->first < range.end) ++last;
+    if (first == last) return;
+    const SampleRange before{first->first, range.first}, behind{range.end, (last - 1)->end};
+    if (!before.empty()) *first++ = before;
+    if (!behind.empty() && first == last) {  // the hole is inside one interval
+        ranges_.insert(first, behind);
+        return;
     }
-    ranges_ = std::move(kept);
+    if (!behind.empty()) *--last = behind;
+    ranges_.erase(first, last);
 }
 
 void Coverage::remove(const Coverage& other) {
-    for (const SampleRange& range : other.ranges_) remove(range);
+    if (other.ranges_.size() == 1) return remove(other.ranges_.front());
+    Ranges rest;
+    rest.reserve(ranges_.size());
+    auto b = other.ranges_.begin();
+    for (SampleRange left : ranges_) {
+        for (; b != other.ranges_.end() && b->first < left.end; ++b) {
+            append(rest, {left.first, std::min(left.end, b->first)});
+            left.first = std::max(left.first, b->end);
+            if (b->end >= left.end) break;  // it may reach into the next interval
+        }
+        append(rest, left);
+    }
+    ranges_ = std::move(rest);
+}
+
+bool Coverage::contains(std::uint64_t sample) const {
+    const auto it = std::ranges::upper_bound(ranges_, sample, {}, &SampleRange::end);
+    return it != ranges_.end() && it->first <= sample;
 }
 
 bool Coverage::contains(SampleRange range) const {
     if (range.empty()) return true;
-    const auto it = first_reaching(ranges_, range.end);
+    const auto it = first_reaching(ranges_.begin(), ranges_.end(), range.end);
     return it != ranges_.end() && it->first <= range.first;
 }
 
@@ -59,7 +115,7 @@ bool Coverage::contains(const Coverage& other) const {
 
 bool Coverage::intersects(SampleRange range) const {
     if (range.empty()) return false;
-    const auto it = first_reaching(ranges_, range.first + 1);
+    const auto it = first_reaching(ranges_.begin(), ranges_.end(), range.first + 1);
     return it != ranges_.end() && it->first < range.end;
 }
 

@@ -8,7 +8,7 @@
 
 namespace latent::sampledb {
 
-// Sample numbers first .. end-1.
+// Sample numbers first .. end-1. The highest that there is is 2^64 - 2.
 struct SampleRange {
     std::uint64_t first = 0;
     std::uint64_t end = 0;
@@ -17,16 +17,20 @@ struct SampleRange {
     auto operator<=>(const SampleRange&) const = default;
 };
 
+// Sets of many intervals are made in one go, from a list or from another set: adding them one by one moves what lies behind.
 class Coverage {
  public:
     Coverage() = default;
     explicit Coverage(SampleRange range) { add(range); }
+    // The union of ranges in any order.
+    static Coverage of(std::vector<SampleRange> ranges);
 
     void add(SampleRange range);  // union
     void add(const Coverage& other);
     void remove(SampleRange range);
     void remove(const Coverage& other);
 
+    bool contains(std::uint64_t sample) const;
     bool contains(SampleRange range) const;
     bool contains(const Coverage& other) const;
     bool intersects(SampleRange range) const;

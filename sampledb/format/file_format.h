@@ -1,5 +1,4 @@
-// sampledb/format/file_format.h: the frames of a file: header, run headers, run index, footer. Bytes <-> structs. docs/format.md
-// rules.
+// sampledb/format/file_format.h: the frames of a file: header, run headers, run index. Bytes <-> structs. docs/format.md rules.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +16,18 @@ namespace latent::sampledb {
 
 inline constexpr std::uint64_t kBlock = 4096;  // headers, runs and the footer begin at multiples of it
 inline constexpr std::size_t kRunHeaderSize = 256;
+inline constexpr std::size_t kIntervalSize = 16;
 inline constexpr std::size_t kPageEntrySize = 48;
-inline constexpr std::size_t kFooterTrailerSize = 64;  // the last bytes of a finished file
+inline constexpr std::size_t kRunEntrySize = 128;  // a run in the footer: its header without what is the same in all
 
 // Ceilings: checked before anything of that size is allocated.
 inline constexpr std::uint64_t kMaxHeaderSize = std::uint64_t{1} << 20;
-inline constexpr std::uint64_t kMaxFooterSize = std::uint64_t{1} << 30;
-inline constexpr std::uint64_t kMaxRunsPerFile = std::uint64_t{1} << 26;
+inline constexpr std::uint64_t kMaxRunsPerFile = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kMaxPagesPerRun = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kMaxIntervalsPerRun = std::uint64_t{1} << 16;
-inline constexpr std::uint64_t kMaxRecordsPerPage = std::uint64_t{1} << 18;
-inline constexpr std::uint64_t kMaxDecodedPage = std::uint64_t{256} << 20;
+inline constexpr std::uint64_t kMaxRecordsPerPage = 6144;                     // of any job; max_page_records says it of one
+inline constexpr std::uint64_t kMaxPairsPerPage = 3072 * 28;                  // of all its records
+inline constexpr std::uint64_t kMaxDecodedPage = std::uint64_t{2} << 20;      // 6144 records of 16 wide columns, and their pairs
 inline constexpr std::uint64_t kMaxStoredOverhead = std::uint64_t{64} << 10;  // a stored page is at most this larger than decoded
 inline constexpr std::size_t kMaxExtraColumns = 16;
 inline constexpr std::size_t kMaxNameSize = 64;  // UTF-8 bytes of an extra column's name
@@ -69,6 +69,19 @@ Bytes encode_run_header(const RunHeader& header);
 // Errors: kTruncated, kForeign (no run begins here), kUnsupported, kCorrupt (hash, or a field over its ceiling).
 Result<RunHeader> decode_run_header(ByteSpan bytes);
 
+// What a run's header says in every version of the format: enough to name a run that cannot be read, and to step over it.
+struct RunFrame {
+    JobId job;
+    SampleRange samples;
+    std::uint64_t size = 0;  // bytes that the run takes in the file
+};
+// Errors: kTruncated, kForeign (no run begins here), kCorrupt (hash).
+Result<RunFrame> decode_run_frame(ByteSpan bytes);
+
+// A header as it stands in a footer: kRunEntrySize bytes. Errors as of decode_run_header.
+void put_run_entry(ByteWriter& out, const RunHeader& header);
+Result<RunHeader> decode_run_entry(ByteSpan entry);
+
 // A run's coverage and pages, as they stand behind its pages.
 struct RunIndex {
     Coverage coverage;
@@ -85,18 +98,5 @@ struct RunInfo {
     RunHeader header;
     bool operator==(const RunInfo&) const = default;
 };
-
-// The footer: a hint that saves a reader the walk over all runs. Runs are the truth.
-struct Footer {
-    std::vector<RunInfo> runs;    // ascending by offset
-    std::string provenance_json;  // "" or JSON: what a merged file was made from
-};
-// Ready to be written at `offset`, the end of the last run; ends with the trailer.
-Bytes encode_footer(const Footer& footer, std::uint64_t offset);
-// Where the footer begins, from the last kFooterTrailerSize bytes of a file of `file_size` bytes.
-// Errors: kTruncated (there is no footer here), kCorrupt.
-Result<std::uint64_t> decode_footer_trailer(ByteSpan trailer, std::uint64_t file_size);
-// `bytes`: all of the footer, trailer included; it begins at `offset`. Errors: kCorrupt.
-Result<Footer> decode_footer(ByteSpan bytes, std::uint64_t offset, const JobId& job);
 
 }  // namespace latent::sampledb

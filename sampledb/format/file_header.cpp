@@ -131,6 +131,8 @@ Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size) 
     if (copy_size != nullptr) *copy_size = size;
     if (bytes.size() < size) return Error{ErrorCode::kTruncated, "ends inside its header"};
     if (hash64(bytes.subspan(kFrontSize, size - kFrontSize)) != body_hash) return corrupt("header checksum mismatch");
+    if (!all_zero(bytes.subspan(kFrontSize + body_size, size - kFrontSize - body_size)))
+        return corrupt("bytes behind the header's fields that are not zero");
     return decode_job(bytes.subspan(kFrontSize, body_size), minor <= kMinor);
 }
 

@@ -1,81 +1,130 @@
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/footer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/hash.h"
 #include "sampledb/format/frames.h"
 
 namespace latent::sampledb {
 
 namespace {
 
-constexpr std::size_t kFrontSize = 24;
+// The first form: a head without a hash, entries that are run headers with their offsets, a trailer of 64 bytes.
+constexpr std::size_t kFirstHeadSize = 24, kFirstEntrySize = 8 + kRunHeaderSize;
+constexpr std::uint64_t kMaxFirstFooter = std::uint64_t{1} << 30;
 
-}  // namespace
-
-Bytes encode_footer(const Footer& footer, std::uint64_t offset) {
+Bytes encode_head(const FooterFrame& frame) {
     Bytes bytes;
-    bytes.reserve(kFrontSize + footer.runs.size() * (8 + kRunHeaderSize) + footer.provenance_json.size() + kFooterTrailerSize);
     ByteWriter out(bytes);
     out.put(bytes_of(kFooterMagic));
-    out.put(static_cast<std::uint64_t>(footer.runs.size()));
-    out.put(static_cast<std::uint64_t>(footer.provenance_json.size()));
-    for (const RunInfo& run : footer.runs) {
-        out.put(run.offset);
-        out.put(encode_run_header(run.header));
-    }
-    out.put(std::as_bytes(std::span(footer.provenance_json)));
-    const std::uint64_t hash = hash64(bytes);
-    const std::size_t front = bytes.size();
-    out.put(offset);
-    out.put(static_cast<std::uint64_t>(front + kFooterTrailerSize));
-    out.put(hash);
-    out.put_zeros(24);
-    out.put(hash64(ByteSpan(bytes).subspan(front)));
-    out.put(bytes_of(kFooterMagic));
+    out.put(frame.offset);
+    out.put(frame.run_count);
+    out.put(frame.provenance_size);
+    out.put(frame.entries_hash);
+    out.put(frame.provenance_hash);
+    out.put_zeros(8);
+    out.put(hash64(bytes));
     return bytes;
 }
 
-Result<std::uint64_t> decode_footer_trailer(ByteSpan trailer, std::uint64_t file_size) {
-    if (trailer.size() != kFooterTrailerSize || !begins_with(trailer.last(sizeof(Magic)), kFooterMagic)) {
-        return Error{ErrorCode::kTruncated, "has no footer"};
+Result<FooterFrame> decode_head(ByteSpan bytes) {
+    if (bytes.size() < kFooterHeadSize || !begins_with(bytes, kFooterMagic)) return Error{ErrorCode::kTruncated, "has no footer"};
+    ByteReader in(bytes.subspan(sizeof(Magic), kFooterHeadSize - sizeof(Magic)));
+    FooterFrame frame;
+    frame.offset = in.get<std::uint64_t>();
+    frame.run_count = in.get<std::uint64_t>();
+    frame.provenance_size = in.get<std::uint64_t>();
+    frame.entries_hash = in.get<std::uint64_t>();
+    frame.provenance_hash = in.get<std::uint64_t>();
+    const bool reserved_zero = all_zero(in.take(8));
+    if (in.get<std::uint64_t>() != hash64(bytes.first(kFooterHeadSize - 8))) return corrupt("footer checksum mismatch");
+    if (!reserved_zero || frame.offset % kBlock != 0 || frame.run_count > kMaxRunsPerFile ||
+        frame.provenance_size > kMaxFooterProvenance) {
+        return corrupt("a footer of impossible size");
     }
-    ByteReader in(trailer);
-    const std::uint64_t offset = in.get<std::uint64_t>();
-    const std::uint64_t size = in.get<std::uint64_t>();
-    in.take(32);
-    if (in.get<std::uint64_t>() != hash64(trailer.first(kFooterTrailerSize - 16))) return corrupt("footer checksum mismatch");
-    if (size < kFrontSize + kFooterTrailerSize || size > kMaxFooterSize || size > file_size || offset != file_size - size ||
-        offset % kBlock != 0) {
-        return corrupt("the footer is not where its trailer says");
-    }
-    return offset;
+    return frame;
 }
 
-Result<Footer> decode_footer(ByteSpan bytes, std::uint64_t offset, const JobId& job) {
-    if (bytes.size() < kFrontSize + kFooterTrailerSize || !begins_with(bytes, kFooterMagic))
-        return corrupt("the footer is damaged");
-    const ByteSpan body = bytes.first(bytes.size() - kFooterTrailerSize);
-    ByteReader trailer(bytes.last(kFooterTrailerSize));
-    trailer.take(16);
-    if (trailer.get<std::uint64_t>() != hash64(body)) return corrupt("footer checksum mismatch");
-    ByteReader in(body.subspan(sizeof(Magic)));
-    const std::uint64_t run_count = in.get<std::uint64_t>();
-    const std::uint64_t provenance_size = in.get<std::uint64_t>();
-    if (run_count > kMaxRunsPerFile || run_count > in.remaining() / (8 + kRunHeaderSize))
-        return corrupt("the footer counts more runs than it holds");
-    Footer footer;
-    footer.runs.reserve(run_count);
-    std::uint64_t reached = 0;
-    for (std::uint64_t i = 0; i < run_count; ++i) {
-        const std::uint64_t at = in.get<std::uint64_t>();
-        const Result<RunHeader> header = decode_run_header(in.take(kRunHeaderSize));
-        if (!header) return header.error().at("footer");
-        if (at % kBlock != 0 || at < reached || at > offset || header->size() > offset - at || header->job != job) {
-            return corrupt("the footer lists a run that cannot be there");
-        }
-        reached = at + header->size();
-        footer.runs.push_back({at, *header});
-    }
-    if (provenance_size != in.remaining()) return corrupt("the footer's fields do not fill it");
-    footer.provenance_json = get_text(in, provenance_size);
-    return footer;
+// Whether a footer of the first form can hold as much.
+bool first_form_holds(std::uint64_t run_count, std::uint64_t provenance_size) {
+    constexpr std::uint64_t kRoom = kMaxFirstFooter - kFirstHeadSize - kFooterHeadSize;
+    return run_count <= kRoom / kFirstEntrySize && provenance_size <= kRoom - run_count * kFirstEntrySize;
 }
+
+Result<FooterFrame> decode_first_form_end(ByteSpan end, std::uint64_t file_size) {
+    ByteReader in(end);
+    FooterFrame frame{.first_form = true};
+    frame.offset = in.get<std::uint64_t>();
+    const std::uint64_t size = in.get<std::uint64_t>();
+    frame.entries_hash = in.get<std::uint64_t>();
+    const bool reserved_zero = all_zero(in.take(24));
+    if (in.get<std::uint64_t>() != hash64(end.first(kFooterHeadSize - 16))) return corrupt("footer checksum mismatch");
+    if (!reserved_zero || size < kFirstHeadSize + kFooterHeadSize || size > kMaxFirstFooter || size > file_size ||
+        frame.offset != file_size - size || frame.offset % kBlock != 0) {
+        return corrupt("the footer is not where its end says");
+    }
+    return frame;
+}
+
+}  // namespace
+
+Result<Bytes> encode_footer(std::span<const RunInfo> runs, std::string_view provenance_json, std::uint64_t offset) {
+    if (runs.size() > kMaxRunsPerFile)
+        return Error{ErrorCode::kOutOfRange, fmt::format("{} runs; a file takes {} at most", runs.size(), kMaxRunsPerFile)};
+    if (provenance_json.size() > kMaxFooterProvenance) return Error{ErrorCode::kOutOfRange, "provenance longer than 16 MiB"};
+    Bytes bytes;
+    const std::size_t entries_size = runs.size() * kRunEntrySize;
+    bytes.reserve(2 * kFooterHeadSize + entries_size + provenance_json.size());
+    bytes.resize(kFooterHeadSize);
+    ByteWriter out(bytes);
+    for (const RunInfo& run : runs) put_run_entry(out, run.header);
+    const ByteSpan provenance = std::as_bytes(std::span(provenance_json));
+    const Bytes head = encode_head({false, offset, runs.size(), provenance.size(),
+                                    hash64(ByteSpan(bytes).subspan(kFooterHeadSize, entries_size)), hash64(provenance)});
+    std::ranges::copy(head, bytes.begin());
+    out.put(provenance);
+    out.put(head);
+    return bytes;
+}
+
+bool begins_footer(ByteSpan bytes, std::uint64_t offset) {
+    if (begins_with(bytes, kFirstFooterMagic)) {
+        return bytes.size() >= kFirstHeadSize &&
+               first_form_holds(load_le<std::uint64_t>(&bytes[8]), load_le<std::uint64_t>(&bytes[16]));
+    }
+    const Result<FooterFrame> head = decode_head(bytes);
+    return head && head->offset == offset;
+}
+
+Result<FooterFrame> decode_footer_end(ByteSpan end, std::uint64_t file_size) {
+    if (end.size() == kFooterHeadSize && begins_with(end.last(sizeof(Magic)), kFirstFooterMagic))
+        return decode_first_form_end(end, file_size);
+    const Result<FooterFrame> frame = decode_head(end);
+    if (!frame) return frame;
+    const std::uint64_t size = 2 * kFooterHeadSize + frame->run_count * kRunEntrySize + frame->provenance_size;
+    if (size > file_size || frame->offset != file_size - size) return corrupt("the footer is not where its end says");
+    return frame;
+}
+
+Status decode_footer_head(ByteSpan head, std::uint64_t file_size, FooterFrame& frame) {
+    if (!frame.first_form) return decode_head(head) == frame ? Status{} : corrupt("the footer's two ends differ");
+    if (!begins_with(head, kFirstFooterMagic)) return corrupt("the footer is damaged");
+    frame.run_count = load_le<std::uint64_t>(&head[8]);
+    frame.provenance_size = load_le<std::uint64_t>(&head[16]);
+    const bool fills_it = first_form_holds(frame.run_count, frame.provenance_size) &&
+                          frame.provenance_at() + frame.provenance_size + kFooterHeadSize == file_size;
+    return fills_it ? Status{} : corrupt("the footer's fields do not fill it");
+}
+
+Result<RunHeader> decode_footer_entry(const FooterFrame& frame, ByteSpan entry, std::uint64_t offset) {
+    if (!frame.first_form) return decode_run_entry(entry);
+    if (load_le<std::uint64_t>(entry.data()) != offset) return corrupt("the run before it ends elsewhere");
+    return decode_run_header(entry.subspan(8));
+}
+
+std::size_t FooterFrame::head_size() const { return first_form ? kFirstHeadSize : kFooterHeadSize; }
+std::size_t FooterFrame::entry_size() const { return first_form ? kFirstEntrySize : kRunEntrySize; }
 
 }  // namespace latent::sampledb

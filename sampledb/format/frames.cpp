@@ -10,6 +10,10 @@ bool begins_with(ByteSpan bytes, const Magic& magic) {
     return bytes.size() >= magic.size() && std::ranges::equal(bytes.first(magic.size()), bytes_of(magic));
 }
 
+bool all_zero(ByteSpan bytes) {
+    return std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{0}; });
+}
+
 Status check_version(std::uint16_t major, std::uint64_t features) {
     if (major != kMajor)
         return Error{ErrorCode::kUnsupported, fmt::format("format version {}, this program reads version {}", major, kMajor)};

@@ -16,12 +16,14 @@ namespace latent::sampledb {
 using Magic = std::array<unsigned char, 8>;
 inline constexpr Magic kFileMagic = {0x8D, 'L', 'T', 'D', 'B', 'F', '\r', '\n'};
 inline constexpr Magic kRunMagic = {0x8D, 'L', 'T', 'D', 'B', 'R', '\r', '\n'};
-inline constexpr Magic kFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'E', '\r', '\n'};
+inline constexpr Magic kFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'I', '\r', '\n'};
+inline constexpr Magic kFirstFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'E', '\r', '\n'};  // as version 0.1 wrote it
 inline constexpr std::uint16_t kMajor = 1, kMinor = 0;
 inline constexpr std::uint64_t kKnownFeatures = 0;
 
 inline ByteSpan bytes_of(const Magic& magic) { return std::as_bytes(std::span(magic)); }
 bool begins_with(ByteSpan bytes, const Magic& magic);
+bool all_zero(ByteSpan bytes);
 
 constexpr std::uint64_t round_up_to_block(std::uint64_t size) { return (size + kBlock - 1) / kBlock * kBlock; }
 

@@ -11,12 +11,7 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::size_t kIntervalSize = 16;
 constexpr std::size_t kPageContentSize = 32;  // the part of a page's entry that is a function of its records
-
-bool all_zero(ByteSpan bytes) {
-    return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
-}
 
 void put_page_content(ByteWriter& out, const PageInfo& page) {
     out.put(page.node.level);
@@ -56,12 +51,12 @@ Result<PageInfo> get_page_entry(ByteReader& in, const Job& job) {
     if (page.node.level > kZPrefixLevels || page.node.x >> page.node.level != 0 || page.node.y >> page.node.level != 0) {
         return corrupt("a page outside the film");
     }
-    if (page.record_count == 0 || page.record_count > kMaxRecordsPerPage ||
+    if (page.record_count == 0 || page.record_count > max_page_records(job) ||
         page.pair_count > std::uint64_t{page.record_count} * job.batch) {
         return corrupt("a page of more records or pairs than there may be");
     }
     if (page.decoded_size != decoded_page_size(job, page.record_class, page.record_count, page.pair_count) ||
-        page.decoded_size > kMaxDecodedPage || page.stored_size > page.decoded_size + kMaxStoredOverhead) {
+        page.stored_size > page.decoded_size + kMaxStoredOverhead) {
         return corrupt("a page whose size contradicts its records");
     }
     return page;
@@ -72,11 +67,7 @@ Result<PageInfo> get_page_entry(ByteReader& in, const Job& job) {
 std::uint64_t RunHeader::index_size() const { return interval_count * kIntervalSize + page_count * kPageEntrySize; }
 std::uint64_t RunHeader::size() const { return round_up_to_block(index_offset() + index_size()); }
 
-Bytes encode_run_header(const RunHeader& header) {
-    Bytes bytes;
-    bytes.reserve(kRunHeaderSize);
-    ByteWriter out(bytes);
-    out.put(bytes_of(kRunMagic));
+void put_run_entry(ByteWriter& out, const RunHeader& header) {
     out.put(kMajor);
     out.put(kMinor);
     out.put(header.interval_count);
@@ -93,15 +84,45 @@ Bytes encode_run_header(const RunHeader& header) {
     out.put(header.pages_size);
     out.put(header.index_hash);
     put_hash(out, header.content_hash);
+}
+
+Bytes encode_run_header(const RunHeader& header) {
+    Bytes bytes;
+    bytes.reserve(kRunHeaderSize);
+    ByteWriter out(bytes);
+    out.put(bytes_of(kRunMagic));
+    put_run_entry(out, header);
     out.put_zeros(kRunHeaderSize - 8 - bytes.size());
     out.put(hash64(bytes));
     return bytes;
 }
 
-Result<RunHeader> decode_run_header(ByteSpan bytes) {
+Result<RunFrame> decode_run_frame(ByteSpan bytes) {
     if (!begins_with(bytes, kRunMagic)) return Error{ErrorCode::kForeign, "no run begins here"};
     if (bytes.size() < kRunHeaderSize) return Error{ErrorCode::kTruncated, "ends inside a run's header"};
-    ByteReader in(bytes.subspan(sizeof(Magic), kRunHeaderSize - sizeof(Magic)));
+    if (load_le<std::uint64_t>(&bytes[kRunHeaderSize - 8]) != hash64(bytes.first(kRunHeaderSize - 8)))
+        return corrupt("run header checksum mismatch");
+    const auto field = [&](std::size_t at) { return load_le<std::uint64_t>(&bytes[at]); };
+    const std::uint64_t intervals = load_le<std::uint32_t>(&bytes[12]), pages = field(64), pages_size = field(104);
+    RunFrame frame{{field(24), field(32)}, {field(40), field(48)}, ~std::uint64_t{0}};  // longer than any file
+    if (pages <= std::uint64_t{1} << 48 && pages_size <= std::uint64_t{1} << 62) {
+        frame.size = round_up_to_block(kRunHeaderSize + pages_size + intervals * kIntervalSize + pages * kPageEntrySize);
+    }
+    return frame;
+}
+
+Result<RunHeader> decode_run_header(ByteSpan bytes) {
+    const Result<RunFrame> frame = decode_run_frame(bytes);
+    if (!frame) return frame.error();
+    Result<RunHeader> header = decode_run_entry(bytes.subspan(sizeof(Magic), kRunEntrySize));
+    const std::size_t reserved = sizeof(Magic) + kRunEntrySize;
+    if (header && !all_zero(bytes.subspan(reserved, kRunHeaderSize - 8 - reserved)))
+        return corrupt("a run header with unknown fields");
+    return header;
+}
+
+Result<RunHeader> decode_run_entry(ByteSpan entry) {
+    ByteReader in(entry);
     const std::uint16_t major = in.get<std::uint16_t>();
     in.get<std::uint16_t>();  // minor versions add nothing that must be understood
     RunHeader header;
@@ -119,15 +140,13 @@ Result<RunHeader> decode_run_header(ByteSpan bytes) {
     header.pages_size = in.get<std::uint64_t>();
     header.index_hash = in.get<std::uint64_t>();
     header.content_hash = get_hash(in);
-    const bool reserved_zero = all_zero(in.take(in.remaining() - 8));
-    if (in.get<std::uint64_t>() != hash64(bytes.first(kRunHeaderSize - 8))) return corrupt("run header checksum mismatch");
+    if (!in.ok()) return Error{ErrorCode::kTruncated, "ends inside a run's header"};
     if (Status s = check_version(major, features); !s) return s.error();
 
-    if (!reserved_zero) return corrupt("a run header with unknown fields");
     const std::uint64_t most_records = page_count * kMaxRecordsPerPage;  // page_count is small: checked first
     if (page_count > kMaxPagesPerRun || header.camera_records > most_records || header.light_records > most_records ||
         header.camera_records + header.light_records > most_records || header.camera_records + header.light_records < page_count ||
-        header.pair_count > most_records * kMaxPairs || header.decoded_size > page_count * kMaxDecodedPage ||
+        header.pair_count > page_count * kMaxPairsPerPage || header.decoded_size > page_count * kMaxDecodedPage ||
         header.pages_size > header.decoded_size + page_count * kMaxStoredOverhead) {
         return corrupt("a run header whose counts contradict each other");
     }
@@ -175,6 +194,9 @@ Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const
     if (hash64(bytes) != header.index_hash) return corrupt("run index checksum mismatch");
     const ByteSpan entries = bytes.subspan(header.interval_count * kIntervalSize, header.page_count * kPageEntrySize);
     if (content_hash(entries) != header.content_hash) return corrupt("content hash mismatch");
+    if (!all_zero(bytes.subspan(header.index_size()))) return corrupt("bytes behind a run's index that are not zero");
+    if (header.light_records > 0 && job.light_paths_per_sample == 0)
+        return corrupt("light records in a job that has no light paths");
 
     RunIndex index;
     ByteReader in(bytes);

@@ -7,115 +7,140 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/page_codec.h"
+#include "sampledb/read/footer_reader.h"
+#include "sampledb/read/run_walk.h"
 
 namespace latent::sampledb {
 
 namespace {
 
-// `size` bytes at `offset`, or as many as there are.
-Result<Bytes> read_up_to(const ByteSource& source, std::uint64_t offset, std::uint64_t size) {
-    const std::uint64_t there = offset < source.size() ? source.size() - offset : 0;
-    Bytes bytes(std::min(size, there));
-    if (Status s = source.read(offset, bytes); !s) return s.error();
-    return bytes;
-}
-
 struct HeaderCopy {
     FileHeader header;
-    std::uint64_t size = 0;
+    Bytes bytes;
 };
 
 Result<HeaderCopy> read_header_copy(const ByteSource& source, std::uint64_t offset) {
     std::uint64_t size = 0;
     for (std::uint64_t ask = kBlock;; ask = size) {
-        const Result<Bytes> bytes = read_up_to(source, offset, ask);
+        Result<Bytes> bytes = read_up_to(source, offset, ask);
         if (!bytes) return bytes.error();
         Result<FileHeader> header = decode_file_header(*bytes, &size);
-        if (header) return HeaderCopy{std::move(*header), size};
+        if (header) return HeaderCopy{std::move(*header), (bytes->resize(size), std::move(*bytes))};
         if (header.error().code != ErrorCode::kTruncated || size <= ask) return header.error();
     }
 }
 
-// The header from its first copy, else from the second, which begins at its own size. `damaged`: one of them is no use.
-Result<HeaderCopy> read_header(const ByteSource& source, bool& damaged) {
+// The header from its first copy, else from the second, which begins at its own size. `fault`: what is wrong with them.
+Result<HeaderCopy> read_header(const ByteSource& source, std::string& fault) {
     if (source.size() == 0) return Error{ErrorCode::kForeign, "is empty, not a Latent file"};
     Result<HeaderCopy> first = read_header_copy(source, 0);
     if (first) {
-        const Result<HeaderCopy> second = read_header_copy(source, first->size);
+        const Result<HeaderCopy> second = read_header_copy(source, first->bytes.size());
         if (!second && second.error().code == ErrorCode::kIo) return second.error();
-        damaged = !second;
+        if (!second) fault = "one of its two copies is damaged; the other is used";
+        if (second && second->bytes != first->bytes) fault = "its two copies differ; the first is used";
         return first;
     }
     if (first.error().code != ErrorCode::kCorrupt && first.error().code != ErrorCode::kForeign) return first;
-    damaged = true;
+    fault = "one of its two copies is damaged; the other is used";
     for (std::uint64_t at = kBlock; at <= kMaxHeaderSize && at < source.size(); at += kBlock) {
         Result<HeaderCopy> second = read_header_copy(source, at);
-        if (second ? second->size == at : second.error().code == ErrorCode::kIo) return second;
+        if (second ? second->bytes.size() == at : second.error().code == ErrorCode::kIo) return second;
     }
     return first;
 }
 
-Result<Footer> read_footer(const ByteSource& source, std::uint64_t begin, const JobId& job, std::uint64_t& offset) {
-    if (source.size() < begin + kFooterTrailerSize) return Error{ErrorCode::kTruncated, "has no footer"};
-    const Result<Bytes> trailer = read_up_to(source, source.size() - kFooterTrailerSize, kFooterTrailerSize);
-    if (!trailer) return trailer.error();
-    const Result<std::uint64_t> at = decode_footer_trailer(*trailer, source.size());
-    if (!at) return at.error();
-    const Result<Bytes> bytes = read_up_to(source, *at, source.size() - *at);
-    if (!bytes) return bytes.error();
-    offset = *at;
-    return decode_footer(*bytes, *at, job);
+std::string lost_run(const RunInfo& run, std::string_view why) {
+    return fmt::format("run at byte {}: {}; samples {}..{} lost", run.offset, why, run.header.samples.first,
+                       run.header.samples.end);
 }
 
-// The run that begins at `offset` and lies within the file. Errors: kTruncated if it is cut off, others if none begins there.
-Result<RunInfo> read_run(const ByteSource& source, std::uint64_t offset, const JobId& job) {
-    const Result<Bytes> bytes = read_up_to(source, offset, kRunHeaderSize);
-    if (!bytes) return bytes.error();
-    const Result<RunHeader> header = decode_run_header(*bytes);
-    if (!header) return header.error();
-    if (header->job != job) return Error{ErrorCode::kMismatch, "a run of another job"};
-    if (header->size() > source.size() - offset) return Error{ErrorCode::kTruncated, "the file ends inside a run"};
-    return RunInfo{offset, *header};
+// The footer that the file ends with; none if it does not, or if it is damaged. `end`: where it begins, as far as that is known.
+Result<std::optional<FooterReader>> find_footer(const ByteSource& source, std::uint64_t begin, std::uint64_t& end) {
+    const Result<FooterFrame> found = read_footer_end(source);
+    if (!found && found.error().code == ErrorCode::kIo) return found.error();
+    if (!found || found->offset < begin) return std::optional<FooterReader>{};
+    end = found->offset;
+    const Result<FooterReader> footer = FooterReader::open(source, *found);
+    if (!footer && footer.error().code == ErrorCode::kIo) return footer.error();
+    return footer ? std::optional(*footer) : std::nullopt;
 }
 
-// The next block at or behind `offset` where a run of this job begins. A run that is cut off ends the search: it reaches the end
-// of the file, so nothing but its own bytes can follow.
-Result<std::optional<RunInfo>> find_run(const ByteSource& source, std::uint64_t offset, const JobId& job) {
-    constexpr std::uint64_t kChunk = 64 * kBlock;
-    for (; offset < source.size(); offset += kChunk) {
-        const Result<Bytes> chunk = read_up_to(source, offset, kChunk);
-        if (!chunk) return chunk.error();
-        for (std::uint64_t at = 0; at < chunk->size(); at += kBlock) {
-            const Result<RunHeader> header = decode_run_header(ByteSpan(*chunk).subspan(at));
-            if (!header || header->job != job) continue;
-            if (header->size() > source.size() - offset - at) return std::optional<RunInfo>{};
-            return std::optional(RunInfo{offset + at, *header});
+// The runs that the footer lists: all, or none if its list is not to be believed.
+Status list_runs(const FooterReader& footer, std::uint64_t begin, FileContents& file) {
+    file.runs.reserve(std::min(footer.run_count(), kMaxRunsPerFile));
+    const Status listed = footer.for_each_run(begin, file.header.job.id, [&](const RunInfo& run) { file.runs.push_back(run); });
+    if (!listed) file.runs = {};
+    file.end = footer.offset();
+    return listed;
+}
+
+// Adds to a file that was walked what its footer lists otherwise. `holes`: between the runs.
+Status compare_with_list(const FooterReader& footer, std::uint64_t begin, std::vector<Damage> holes, FileContents& file) {
+    std::vector<Damage> missing;
+    std::vector<SampleRange> lost;
+    auto run = file.runs.begin();
+    auto hole = holes.begin();
+    const auto omitted = [&](const RunInfo& walked) {
+        add_damage(file.damage,
+                   {walked.offset, 0, fmt::format("the footer does not list the run at byte {}", walked.offset), false});
+    };
+    const Status visited = footer.for_each_run(begin, file.header.job.id, [&](const RunInfo& listed) {
+        for (; run != file.runs.end() && run->offset < listed.offset; ++run) omitted(*run);
+        if (run != file.runs.end() && run->offset == listed.offset) {
+            if (run->header != listed.header) {
+                add_damage(
+                    file.damage,
+                    {listed.offset, 0, fmt::format("the footer lists another header of the run at byte {}", listed.offset), false});
+            }
+            ++run;
+            return;
         }
+        add_damage(missing, {listed.offset, listed.header.size(), lost_run(listed, "its header is damaged")});
+        lost.push_back(listed.header.samples);
+        while (hole != holes.end() && hole->offset + hole->size <= listed.offset) ++hole;
+        if (hole != holes.end() && hole->offset <= listed.offset && hole->places == 1) hole->size = 0;  // the list says it better
+    });
+    if (!visited) return visited;
+    for (; run != file.runs.end(); ++run) omitted(*run);
+    for (Damage& damage : holes) {
+        if (damage.size > 0) add_damage(file.damage, std::move(damage));
     }
-    return std::optional<RunInfo>{};
+    for (Damage& damage : missing) add_damage(file.damage, std::move(damage));
+    file.lost_by_list = Coverage::of(std::move(lost));
+    return {};
 }
 
-// Walks from run to run. After damage it goes on at the next block that begins a run of the job.
-Status scan_runs(const ByteSource& source, std::uint64_t begin, FileContents& file) {
+// The last run of an unfinished file may have been written when the power went: its header on disk, its pages not.
+Status drop_torn_run(const ByteSource& source, FileContents& file) {
+    const Status good = verify_run(source, file.runs.back(), file.header.job, VerifyLevel::kStored);
+    if (good || good.error().code == ErrorCode::kIo) return good;
+    file.end = file.runs.back().offset;
+    file.runs.pop_back();
+    return {};
+}
+
+// Finds the runs without the footer, which is none if it is damaged; then compares.
+Status walk(const ByteSource& source, std::uint64_t begin, std::uint64_t end, const FooterReader* footer, FileContents& file) {
     const JobId& job = file.header.job.id;
-    file.end = begin;
-    while (file.end < source.size()) {
-        const Result<RunInfo> here = read_run(source, file.end, job);
-        if (here) {
-            file.runs.push_back(*here);
-            file.end += here->header.size();
-            continue;
-        }
-        if (here.error().code == ErrorCode::kIo) return here.error();
-        if (here.error().code == ErrorCode::kTruncated) break;
-        const Result<std::optional<RunInfo>> next = find_run(source, file.end + kBlock, job);
-        if (!next) return next.error();
-        if (!*next) break;
-        file.damage.push_back({file.end, (*next)->offset - file.end,
-                               fmt::format("bytes {}..{}: {}", file.end, (*next)->offset, here.error().message)});
-        file.end = (*next)->offset;
+    Result<RunWalk> walk = walk_runs(source, begin, end, job);
+    if (!walk) return walk.error();
+    file.runs = std::move(walk->runs);
+    file.end = walk->end;
+    const Status list = footer != nullptr ? footer->for_each_run(begin, job, [](const RunInfo&) {}) : Status{};
+    if (!list && list.error().code == ErrorCode::kIo) return list;
+    if (footer != nullptr && list) return compare_with_list(*footer, begin, std::move(walk->damage), file);
+    for (Damage& hole : walk->damage) add_damage(file.damage, std::move(hole));
+    if (!list)
+        add_damage(file.damage,
+                   {footer->offset(), 0, "the footer lists other runs than there are: " + list.error().message, false});
+    if (footer != nullptr) return {};
+
+    file.footer_begun = walk->footer || end < source.size();
+    if (!file.footer_begun && !file.runs.empty()) {
+        if (Status s = drop_torn_run(source, file); !s) return s;
     }
-    file.unfinished_tail = source.size() > file.end ? source.size() - file.end : 0;
+    file.unfinished_tail = source.size() - file.end;
     return {};
 }
 
@@ -137,16 +162,26 @@ Status verify_pages(const ByteSource& source, const RunIndex& index, const Job& 
         for (std::size_t row = 0; row < page.count; ++row) {
             if (shift < 32 && (page.u[row] >> shift != info.node.x || page.v[row] >> shift != info.node.y))
                 return corrupt("a record outside its node");
-            if (!index.coverage.contains(SampleRange{page.sample[row], page.sample[row] + 1}))
-                return corrupt("a record outside the run's coverage");
+            if (!index.coverage.contains(page.sample[row])) return corrupt("a record outside the run's coverage");
         }
     }
     return {};
 }
 
-std::string lost(const RunInfo& run, const std::string& why) {
-    return fmt::format("run at byte {}: {}; samples {}..{} lost", run.offset, why, run.header.samples.first,
-                       run.header.samples.end);
+// Leaves out the runs that fail.
+Status verify_runs(const ByteSource& source, VerifyLevel level, FileContents& file) {
+    std::size_t sound = 0;
+    for (const RunInfo& run : file.runs) {
+        const Status good = verify_run(source, run, file.header.job, level);
+        if (!good && good.error().code == ErrorCode::kIo) return good;
+        if (good) {
+            file.runs[sound++] = run;
+        } else {
+            add_damage(file.damage, {run.offset, run.header.size(), lost_run(run, good.error().message)});
+        }
+    }
+    file.runs.resize(sound);
+    return {};
 }
 
 }  // namespace
@@ -181,44 +216,33 @@ Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, 
 
 Result<FileContents> read_file(const ByteSource& source, VerifyLevel level, bool use_footer) {
     FileContents file;
-    Result<HeaderCopy> header = read_header(source, file.header_damaged);
+    std::string fault;
+    Result<HeaderCopy> header = read_header(source, fault);
     if (!header) return header.error();
     file.header = std::move(header->header);
-    const Job& job = file.header.job;
-    const std::uint64_t begin = 2 * header->size;
+    if (!fault.empty()) add_damage(file.damage, {0, 0, "header: " + fault, false});
+    const std::uint64_t begin = 2 * header->bytes.size();
 
-    Result<Footer> footer = read_footer(source, begin, job.id, file.end);
-    if (!footer && footer.error().code == ErrorCode::kIo) return footer.error();
-    file.finished = footer.has_value();
-    if (file.finished) file.footer_provenance = std::move(footer->provenance_json);
-    if (file.finished && use_footer) {
-        file.runs = std::move(footer->runs);
-    } else if (Status s = scan_runs(source, begin, file); !s) {
-        return s.error();
-    }
-    if (file.finished) file.unfinished_tail = 0;
-
-    // The last run of an unfinished file may have been written when the power went: its header on disk, its pages not.
-    if (!file.finished && !file.runs.empty()) {
-        const Status good = verify_run(source, file.runs.back(), job, VerifyLevel::kStored);
-        if (!good && good.error().code == ErrorCode::kIo) return good.error();
-        if (!good) {
-            file.end = file.runs.back().offset;
-            file.unfinished_tail = source.size() - file.end;
-            file.runs.pop_back();
+    std::uint64_t end = source.size();  // of the runs
+    const Result<std::optional<FooterReader>> found = find_footer(source, begin, end);
+    if (!found) return found.error();
+    const FooterReader* const footer = *found ? &**found : nullptr;
+    file.finished = footer != nullptr;
+    bool listed = false;
+    if (footer != nullptr) {
+        Result<std::string> provenance = footer->provenance();
+        if (!provenance) return provenance.error();
+        file.footer_provenance = std::move(*provenance);
+        if (use_footer) {
+            const Status list = list_runs(*footer, begin, file);
+            if (!list && list.error().code == ErrorCode::kIo) return list.error();
+            listed = list.has_value();
         }
     }
-    std::vector<RunInfo> sound;
-    for (const RunInfo& run : file.runs) {
-        const Status good = verify_run(source, run, job, level);
-        if (!good && good.error().code == ErrorCode::kIo) return good.error();
-        if (good) {
-            sound.push_back(run);
-        } else {
-            file.damage.push_back({run.offset, run.header.size(), lost(run, good.error().message)});
-        }
+    if (!listed) {
+        if (Status s = walk(source, begin, end, footer, file); !s) return s.error();
     }
-    file.runs = std::move(sound);
+    if (Status s = verify_runs(source, level, file); !s) return s.error();
     return file;
 }
 

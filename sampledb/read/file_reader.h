@@ -11,6 +11,7 @@
 #include "sampledb/data/page.h"
 #include "sampledb/format/file_format.h"
 #include "sampledb/read/byte_source.h"
+#include "sampledb/read/damage.h"
 
 namespace latent::sampledb {
 
@@ -22,24 +23,22 @@ enum class VerifyLevel : std::uint8_t {
     kFull,     // every stored byte; every column decoded and compared with its content hash; every record where it belongs
 };
 
-struct Damage {
-    std::uint64_t offset, size;  // bytes that hold no readable run
-    std::string reason;          // "run 3: checksum mismatch, samples 65536..131072 lost"
-};
-
-// A file as found. The runs are those that passed the level asked for; damage lists what did not.
+// A file as found. The runs are those that passed the level asked for; damage lists what did not, and what is wrong with the
+// frames.
 struct FileContents {
     FileHeader header;
-    bool header_damaged = false;        // one of its two copies; the other was read
-    bool finished = false;              // has a footer that agrees with itself
+    bool finished = false;              // ends with a footer whose checksums are right
     std::string footer_provenance;      // finished files
     std::vector<RunInfo> runs;          // ascending by offset
-    std::vector<Damage> damage;         // holes between runs, runs that failed
+    std::vector<Damage> damage;         // copies of the header, holes between runs, the footer's list, runs that failed
+    Coverage lost_by_list;              // samples of the runs that a footer lists and a walk did not find
+    bool footer_begun = false;          // not finished, but a footer begins behind the last run: it was cut off or damaged
     std::uint64_t unfinished_tail = 0;  // bytes behind the last run of a file without footer: a write that was cut short
     std::uint64_t end = 0;              // where the next run would begin
 };
 
-// Reads a file's list of runs. `use_footer = false` walks from run to run even if there is a footer.
+// Reads a file's list of runs. `use_footer = false` walks from run to run even if there is a footer, and compares what both say; so
+// does a footer whose list contradicts itself.
 // Errors: kForeign (not a Latent file), kTruncated (ends inside its header), kUnsupported, kCorrupt (both headers), kIo.
 Result<FileContents> read_file(const ByteSource& source, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
 

@@ -135,8 +135,13 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
 
 void InputReader::report_state(const InputFile& input, const FileContents& file) {
     const std::string name = input.path.string();
-    for (const Damage& damage : file.damage) found_.report.left_out.push_back({name, damage.reason});
-    if (file.header_damaged) found_.report.notes.push_back(name + ": one copy of its header is damaged");
+    for (const Damage& damage : file.damage) {
+        if (damage.loss) {
+            found_.report.left_out.push_back({name, damage.reason});
+        } else {
+            found_.report.notes.push_back(name + ": " + damage.reason);
+        }
+    }
     if (file.finished) return;
     if (is_attempt(input.path)) {
         if (file.unfinished_tail > 0) {

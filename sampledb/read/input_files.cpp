@@ -38,11 +38,15 @@ std::vector<fs::path> files_matching(const fs::path& pattern) {
 
 std::optional<Damage> damage_at_end(const fs::path& path, const FileContents& file) {
     if (file.finished || is_attempt(path)) return {};
+    const std::string found = fmt::format("{} run{} found", file.runs.size(), file.runs.size() == 1 ? " was" : "s were");
+    if (file.footer_begun) {
+        return Damage{file.end, file.unfinished_tail,
+                      fmt::format("truncated or damaged at its end: no whole footer at byte {}; {} before it", file.end, found)};
+    }
     const std::string not_read =
         file.unfinished_tail > 0 ? fmt::format(", {} bytes from byte {} on are not read", file.unfinished_tail, file.end) : "";
     return Damage{file.end, file.unfinished_tail,
-                  fmt::format("truncated or damaged at its end: no footer{}; {} run{} found, others may be lost", not_read,
-                              file.runs.size(), file.runs.size() == 1 ? " was" : "s were")};
+                  fmt::format("truncated or damaged at its end: no footer{}; {}, others may be lost", not_read, found)};
 }
 
 Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inputs) {

@@ -4,6 +4,7 @@
 
 #include "base/json.h"
 #include "base/size.h"
+#include "sampledb/format/footer.h"
 
 namespace latent::sampledb {
 

@@ -10,7 +10,6 @@ namespace latent::sampledb {
 
 inline constexpr std::size_t kHeaderProvenanceDepth = 32;  // levels that it may be nested
 inline constexpr std::size_t kFooterProvenanceDepth = 64;
-inline constexpr std::size_t kMaxFooterProvenance = std::size_t{16} << 20;  // bytes that merging writes and reading looks at
 
 // JSON that can stand in a report or in another file's provenance.
 struct QuotedProvenance {

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "sampledb/format/footer.h"
 #include "sampledb/read/part_name.h"
 
 namespace latent::sampledb {
@@ -70,8 +71,9 @@ Status PartAttempt::restore() {
 
 Status PartAttempt::publish() {
     if (!has_footer_) {
-        const Bytes footer = encode_footer({runs_, ""}, end_);
-        if (Status s = file_.write_all(end_, footer); !s) return s;
+        const Result<Bytes> footer = encode_footer(runs_, "", end_);
+        if (!footer) return footer.error().at(name_.string());
+        if (Status s = file_.write_all(end_, *footer); !s) return s;
         if (Status s = file_.sync_data(); !s) return s;
         has_footer_ = true;
     }

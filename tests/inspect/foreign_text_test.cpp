@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/footer.h"
 #include "sampledb/read/file_reader.h"
 #include "tests/inspect/inspect_test.h"
 
@@ -24,7 +24,7 @@ constexpr long kMostKib = 100 << 10;  // 0.4 MB of provenance is no reason to ta
 Bytes file_with(const Job& job, const std::string& header, const std::string& footer) {
     const synthetic::FileBytes plain = synthetic::make_file(job, std::vector{Coverage(SampleRange{0, 100})}, false, {}, header);
     Bytes bytes = plain.bytes;
-    const Bytes end = encode_footer({read_file(MemorySource(bytes))->runs, footer}, bytes.size());
+    const Bytes end = *encode_footer(synthetic::runs_of(plain), footer, bytes.size());
     bytes.insert(bytes.end(), end.begin(), end.end());
     return bytes;
 }

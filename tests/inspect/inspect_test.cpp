@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "sampledb/format/footer.h"
+#include "tests/faults/process.h"
 #include "tests/support/gathered.h"
 #include "tools/inspect/synthetic.h"
 
@@ -138,6 +140,70 @@ TEST_F(InspectTest, APublishedNameWithoutItsFooterIsDamagedHoweverItsEndWasSpoil
         EXPECT_EQ(info.status, 3);
         EXPECT_NE(info.out.find("truncated or damaged"), std::string::npos) << info.out;
     }
+}
+
+// Enough runs that a footer of the first form has one's header at the start of a block.
+TEST_F(InspectTest, FilesOfManyRunsAreSoundWhateverTheirFooter) {
+    std::vector<Coverage> runs;
+    for (std::uint64_t i = 0; i < 200; ++i) runs.emplace_back(SampleRange{i * kS, i * kS + 2});
+    const synthetic::FileBytes second = synthetic::make_file(make_short_job(), runs, true, {.light_per_sample = 0});
+    const std::size_t end = second.run_ends.back();
+    Bytes first(second.bytes.begin(), second.bytes.begin() + static_cast<std::ptrdiff_t>(end));
+    const Bytes footer = synthetic::make_first_footer(synthetic::runs_of(second), end);
+    first.insert(first.end(), footer.begin(), footer.end());
+    for (const Bytes& bytes : {second.bytes, first}) {
+        const fs::path file = write("a.latent", bytes);
+        for (const char* level : {"--quick", "--deep"}) {
+            const Outcome verified = inspect({"verify", level, file});
+            EXPECT_EQ(verified.status, 0) << verified.out;
+        }
+        EXPECT_EQ(inspect({"recover", file, "-o", folder_ / "b.latent", "--force"}).status, 0);
+        EXPECT_EQ(read_text(folder_ / "b.latent").size(), second.bytes.size());
+        for (const std::size_t cut : {end, end + 32 + 124 * 264 + 100, bytes.size() - 1}) {
+            const fs::path part = write("a.latent.part.1", ByteSpan(bytes).first(cut));
+            const Outcome verified = inspect({"verify", "--deep", part});
+            EXPECT_EQ(verified.status, 0) << verified.out;
+            const Outcome recovered = inspect({"recover", "--json", part, "-o", folder_ / "b.latent", "--force"});
+            EXPECT_EQ(recovered.status, 0) << recovered.out;
+            EXPECT_EQ(json::parse(recovered.out)["runs"], 200);
+        }
+    }
+}
+
+TEST_F(InspectTest, VerifyTellsWhatTheFramesContradict) {
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
+    const std::vector<RunInfo> runs = synthetic::runs_of(sound);
+    const auto with_list = [&](const std::vector<RunInfo>& list) {
+        Bytes bytes(sound.bytes.begin(), sound.bytes.begin() + static_cast<std::ptrdiff_t>(sound.run_ends.back()));
+        const Bytes footer = *encode_footer(list, "", bytes.size());
+        bytes.insert(bytes.end(), footer.begin(), footer.end());
+        return bytes;
+    };
+    std::vector<RunInfo> fewer = runs, other = runs;
+    fewer.erase(fewer.begin() + 1);
+    other[2].header.content_hash.low ^= 1;
+    Bytes header = sound.bytes;
+    const Bytes another = *encode_file_header({make_short_job(), "{}"});
+    std::copy_n(another.begin(), another.size() / 2, header.begin());
+    for (const auto& [bytes, said] : {std::pair{with_list(fewer), "the footer lists other runs than there are"},
+                                      {with_list(other), "the footer lists another header of the run at byte"},
+                                      {header, "its two copies differ"}}) {
+        const fs::path file = write("a.latent", bytes);
+        for (const char* level : {"--quick", "--deep"}) {
+            const Outcome verified = inspect({"verify", level, file});
+            EXPECT_EQ(verified.status, 4) << said;
+            EXPECT_NE(verified.out.find(said), std::string::npos) << verified.out;
+            EXPECT_NE(verified.out.find("4 runs"), std::string::npos) << verified.out;
+        }
+        const Outcome recovered = inspect({"recover", file, "-o", folder_ / "b.latent", "--force"});
+        EXPECT_EQ(recovered.status, 0) << recovered.out;  // all runs are there
+        EXPECT_NE(recovered.out.find(said), std::string::npos) << recovered.out;
+        EXPECT_EQ(inspect({"verify", folder_ / "b.latent"}).status, 0);
+    }
+    // No tool uses fewer runs for it.
+    const Outcome info = inspect({"info", "--json", write("a.latent", with_list(fewer))});
+    EXPECT_EQ(json::parse(info.out)["runs"], 4) << info.out;
+    EXPECT_EQ(gather({folder_ / "a.latent"})->runs().size(), 4u);
 }
 
 TEST_F(InspectTest, InfoListsTheDamageThatItMeets) {

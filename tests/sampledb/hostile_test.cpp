@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/column_decode.h"
+#include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/read/file_reader.h"
 #include "tests/support/synthetic.h"
@@ -139,14 +140,22 @@ TEST(Hostile, PageEntriesBeyondTheirCeilingsAreRefused) {
     EXPECT_EQ(patched(36, std::uint32_t{1}), ErrorCode::kCorrupt);                       // reserved
     EXPECT_EQ(patched(24, std::uint64_t{1}), ErrorCode::kCorrupt);                       // content hash
 
-    Job wide = make_job(RecordKind::kSpectral);  // a page of 2^18 records of 1024 pairs would take 1 GiB
-    wide.batch = kMaxPairs;
-    Forgery f(wide, 40);
-    put(f.run, f.entry(0) + 12, std::uint32_t{1u << 18});
-    put(f.run, f.entry(0) + 16, std::uint32_t{1u << 28});
-    put(f.run, f.entry(0) + 20, std::uint32_t{(1u << 18) * 28u + (1u << 30)});
-    f.seal_index();
-    EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+    // More records than the cut rule leaves in a page, though the header's ceilings, those of all jobs, hold them.
+    Job wide = make_job(RecordKind::kSpectral);
+    for (const auto& [batch, most] : {std::pair<std::uint16_t, std::uint32_t>{1, 6144}, {28, 3072}, {1000, 86}, {kMaxPairs, 84}}) {
+        wide.batch = batch;
+        EXPECT_EQ(max_page_records(wide), most);
+        Forgery f(wide, 40);
+        const std::uint32_t records = most + 1;
+        put(f.run, f.entry(0) + 12, records);
+        put(f.run, f.entry(0) + 20,
+            static_cast<std::uint32_t>(
+                decoded_page_size(wide, RecordClass::kCamera, records, get<std::uint32_t>(f.run, f.entry(0) + 16))));
+        f.seal_index();
+        const Result<DecodedRun> decoded = decode_run(wide, f.run);
+        ASSERT_FALSE(decoded);
+        EXPECT_NE(decoded.error().message.find("more records"), std::string::npos) << decoded.error().message;
+    }
 
     Forgery swapped(xyz, 20000);  // a light page before a camera page
     const std::uint64_t pages = get<std::uint64_t>(swapped.run, 64);
@@ -198,6 +207,66 @@ TEST(Hostile, PagesThatMakeNoSenseAreRefused) {
     Forgery f(without);
     f.job.positions = {};
     EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+}
+
+TEST(Hostile, BytesBehindTheIndexAreZero) {
+    Forgery f(make_job(RecordKind::kXyz), 500);
+    ASSERT_NE(f.entry(get<std::uint64_t>(f.run, 64)), f.run.size());
+    put(f.run, f.run.size() - 1, std::uint8_t{1});
+    f.seal_index();
+    EXPECT_EQ(f.decoded(), ErrorCode::kCorrupt);
+}
+
+TEST(Hostile, LightRecordsNeedLightPaths) {
+    Forgery f(make_job(RecordKind::kXyz));
+    ASSERT_GT(get<std::uint64_t>(f.run, 80), 0u);
+    f.job.light_paths_per_sample = 0;
+    const Result<DecodedRun> decoded = decode_run(f.job, f.run);
+    ASSERT_FALSE(decoded);
+    EXPECT_NE(decoded.error().message.find("light"), std::string::npos) << decoded.error().message;
+    const SampleRange range{0, 500};
+    EXPECT_FALSE(encode_run(f.job, Coverage(range), synthetic::make_records(make_job(RecordKind::kXyz), range)));
+}
+
+TEST(Hostile, ThereIsNoSample2To64Minus1) {
+    constexpr std::uint64_t kLast = ~std::uint64_t{0} - 1;
+    Job job = make_job(RecordKind::kXyz);
+    job.positions = {};
+    const SampleRange range{kLast, kLast + 1};
+    Records records = synthetic::make_records(job, range, {.light_per_sample = 0});
+    ASSERT_EQ(records.size(), 1u);
+    const synthetic::FileBytes file =
+        synthetic::make_file(job, std::vector<Coverage>{Coverage(range)}, true, {.light_per_sample = 0});
+    const auto verified = [&](ByteSpan bytes) {
+        const Result<FileContents> contents = read_file(MemorySource(bytes), VerifyLevel::kFull);
+        return contents && contents->runs.size() == 1;
+    };
+    EXPECT_TRUE(verified(file.bytes));
+
+    Forgery f(job, 1);  // a column of one value, which its base holds; then hashes from the inside out
+    f.run = *encode_run(job, Coverage(range), records);
+    put(f.run, f.first_page() + 12, kLast + 1);
+    const Bytes value(8, std::byte{0xFF});
+    put(f.run, f.first_page() + 20, hash64(value));
+    std::vector<std::uint64_t> hashes;
+    for (std::size_t at = f.first_page() + 4; hashes.size() < get<std::uint32_t>(f.run, f.first_page());
+         at += 24 + 4 * get<std::uint8_t>(f.run, at + 3)) {
+        hashes.push_back(get<std::uint64_t>(f.run, at + 16));
+    }
+    put(f.run, f.entry(0) + 24, hash64(std::as_bytes(std::span(hashes))));
+    f.seal();
+    Bytes forged = file.bytes;
+    ASSERT_EQ(f.run.size(), file.run_ends[0] - file.header_size);
+    forged.resize(file.header_size);
+    forged.insert(forged.end(), f.run.begin(), f.run.end());
+    EXPECT_EQ(f.decoded(), ErrorCode::kStopped);  // every checksum is right
+    const Result<FileContents> contents = read_file(MemorySource(forged), VerifyLevel::kFull);
+    ASSERT_TRUE(contents);
+    ASSERT_EQ(contents->runs.size(), 0u);
+    EXPECT_NE(contents->damage[0].reason.find("outside the run's coverage"), std::string::npos) << contents->damage[0].reason;
+    Records beyond = records;
+    beyond.sample[0] = kLast + 1;
+    EXPECT_FALSE(encode_run(job, Coverage(range), beyond));
 }
 
 TEST(Hostile, BitmapsThatMisleadAreRefused) {
@@ -256,6 +325,7 @@ TEST(Hostile, FileHeadersBeyondTheirCeilingsAreRefused) {
     EXPECT_EQ(code(12, std::uint32_t{0xFFFFF000}), ErrorCode::kCorrupt);   // beyond the ceiling
     EXPECT_EQ(code(24, ~std::uint64_t{0}), ErrorCode::kCorrupt);           // fields longer than the header
     EXPECT_EQ(code(24, std::uint64_t{10}), ErrorCode::kCorrupt);           // shorter
+    EXPECT_EQ(code(copy - 1, std::uint8_t{1}), ErrorCode::kCorrupt);       // behind the fields, where zeros belong
     const std::size_t body = 64;
     EXPECT_EQ(code(body + 16, std::uint32_t{0}), ErrorCode::kCorrupt);       // film aspect
     EXPECT_EQ(code(body + 16, std::uint32_t{4}), ErrorCode::kCorrupt);       // 4:2 is not in lowest terms
@@ -269,51 +339,6 @@ TEST(Hostile, FileHeadersBeyondTheirCeilingsAreRefused) {
     EXPECT_EQ(code(body + 64, std::uint32_t{17}), ErrorCode::kCorrupt);      // extra columns
     EXPECT_EQ(code(body + 68, ~std::uint32_t{0}), ErrorCode::kCorrupt);      // provenance
     EXPECT_EQ(code(body + 72 + 12, std::uint64_t{0}), ErrorCode::kCorrupt);  // a density that does not rise
-}
-
-TEST(Hostile, FootersThatMisleadAreNotBelieved) {
-    // The runs are found all the same, by walking.
-    const Job job = make_job(RecordKind::kXyz);
-    const std::vector<Coverage> runs = {Coverage(SampleRange{0, 500}), Coverage(SampleRange{500, 1000})};
-    const synthetic::FileBytes file = synthetic::make_file(job, runs);
-    const std::size_t footer = file.run_ends.back();
-    const auto patched = [&](std::size_t offset, std::uint64_t value) {
-        Bytes bytes = file.bytes;
-        put(bytes, footer + offset, value);
-        const std::size_t trailer = bytes.size() - kFooterTrailerSize;
-        put(bytes, trailer + 16, hash64(ByteSpan(bytes).subspan(footer, trailer - footer)));
-        put(bytes, trailer + 48, hash64(ByteSpan(bytes).subspan(trailer, 48)));
-        const Result<FileContents> contents = read_file(MemorySource(bytes));
-        EXPECT_TRUE(contents && contents->runs.size() == 2 && contents->runs[1].offset == file.run_ends[0]);
-        return contents && contents->finished;
-    };
-    const std::size_t trailer = file.bytes.size() - kFooterTrailerSize - footer;
-    EXPECT_TRUE(patched(8, 2));
-    EXPECT_FALSE(patched(8, 3));  // counts more runs than it holds
-    EXPECT_FALSE(patched(8, ~std::uint64_t{0}));
-    EXPECT_FALSE(patched(16, 1));                           // provenance that is not there
-    EXPECT_FALSE(patched(24, file.header_size + 1));        // a run that is not aligned
-    EXPECT_FALSE(patched(24, std::uint64_t{1} << 60));      // or beyond the file
-    EXPECT_FALSE(patched(24, file.run_ends[0]));            // or within another
-    EXPECT_FALSE(patched(trailer, 4096));                   // the footer is elsewhere
-    EXPECT_FALSE(patched(trailer + 8, ~std::uint64_t{0}));  // or larger than the file
-}
-
-TEST(Hostile, AFooterThatListsAnotherRunIsCaughtWhenTheRunIsUsed) {
-    const Job job = make_job(RecordKind::kXyz);
-    const std::vector<Coverage> runs = {Coverage(SampleRange{0, 500})};
-    const synthetic::FileBytes a = synthetic::make_file(job, runs), b = synthetic::make_file(job, runs, true, {.seed = 2});
-    ASSERT_EQ(a.run_ends, b.run_ends);
-    Bytes mixed = a.bytes;  // the footer of b behind the run of a
-    mixed.resize(a.run_ends[0]);
-    mixed.insert(mixed.end(), b.bytes.begin() + static_cast<std::ptrdiff_t>(b.run_ends[0]), b.bytes.end());
-    const MemorySource source(mixed);
-    const Result<FileContents> contents = read_file(source);
-    ASSERT_TRUE(contents && contents->finished);
-    const Result<RunIndex> index = read_run_index(source, contents->runs[0], job);
-    ASSERT_FALSE(index);
-    EXPECT_EQ(index.error().code, ErrorCode::kCorrupt);
-    EXPECT_TRUE(read_file(source, VerifyLevel::kQuick)->runs.empty());
 }
 
 }  // namespace

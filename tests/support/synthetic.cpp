@@ -5,8 +5,11 @@
 #include <fstream>
 #include <iostream>
 
+#include "base/hash.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/format/file_format.h"
+#include "sampledb/format/footer.h"
+#include "sampledb/format/frames.h"
 
 namespace latent::synthetic {
 
@@ -174,7 +177,7 @@ FileBytes make_file(const Job& job, std::span<const Coverage> runs, bool footer,
     if (!header) give_up(header.error().message);
     file.bytes = std::move(*header);
     file.header_size = file.bytes.size();
-    Footer list;
+    std::vector<RunInfo> list;
     for (const Coverage& coverage : runs) {
         Records records;
         Emitter emitter(job, scene, records);
@@ -183,15 +186,46 @@ FileBytes make_file(const Job& job, std::span<const Coverage> runs, bool footer,
         }
         const Result<Bytes> run = encode_run(job, coverage, records);
         if (!run) give_up(run.error().message);
-        list.runs.push_back({file.bytes.size(), *decode_run_header(*run)});
+        list.push_back({file.bytes.size(), *decode_run_header(*run)});
         file.bytes.insert(file.bytes.end(), run->begin(), run->end());
         file.run_ends.push_back(file.bytes.size());
     }
     if (footer) {
-        const Bytes end = encode_footer(list, file.bytes.size());
-        file.bytes.insert(file.bytes.end(), end.begin(), end.end());
+        const Result<Bytes> end = encode_footer(list, "", file.bytes.size());
+        if (!end) give_up(end.error().message);
+        file.bytes.insert(file.bytes.end(), end->begin(), end->end());
     }
     return file;
+}
+
+std::vector<RunInfo> runs_of(const FileBytes& file) {
+    std::vector<RunInfo> runs;
+    std::size_t begin = file.header_size;
+    for (const std::size_t end : file.run_ends) {
+        runs.push_back({begin, *decode_run_header(ByteSpan(file.bytes).subspan(begin))});
+        begin = end;
+    }
+    return runs;
+}
+
+Bytes make_first_footer(std::span<const RunInfo> runs, std::uint64_t offset) {
+    Bytes bytes;
+    ByteWriter out(bytes);
+    out.put(bytes_of(kFirstFooterMagic));
+    out.put(static_cast<std::uint64_t>(runs.size()));
+    out.put(std::uint64_t{0});  // no provenance
+    for (const RunInfo& run : runs) {
+        out.put(run.offset);
+        out.put(encode_run_header(run.header));
+    }
+    const std::uint64_t size = bytes.size(), hash = hash64(bytes);
+    out.put(offset);
+    out.put(size + kFooterHeadSize);
+    out.put(hash);
+    out.put_zeros(24);
+    out.put(hash64(ByteSpan(bytes).subspan(size)));
+    out.put(bytes_of(kFirstFooterMagic));
+    return bytes;
 }
 
 void write_file(const std::filesystem::path& path, ByteSpan bytes) {

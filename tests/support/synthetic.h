@@ -12,6 +12,7 @@
 #include "sampledb/data/coverage.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/record.h"
+#include "sampledb/format/file_format.h"
 
 namespace latent::synthetic {
 
@@ -48,6 +49,11 @@ struct FileBytes {
 };
 FileBytes make_file(const sampledb::Job& job, std::span<const sampledb::Coverage> runs, bool footer = true, const Scene& scene = {},
                     const std::string& provenance_json = "");
+
+// The runs of such a file, as its footer lists them.
+std::vector<sampledb::RunInfo> runs_of(const FileBytes& file);
+// A footer as version 0.1 wrote it, to be put at `offset`, the end of the last run.
+Bytes make_first_footer(std::span<const sampledb::RunInfo> runs, std::uint64_t offset);
 
 // Writes bytes to a file of that name, replacing what is there.
 void write_file(const std::filesystem::path& path, ByteSpan bytes);

@@ -158,14 +158,18 @@ std::uint64_t FileInfo::frame_bytes() const {
 
 std::vector<std::string> FileInfo::left_out() const {
     std::vector<std::string> reasons;
-    for (const Damage& damage : contents.damage) reasons.push_back(damage.reason);
+    for (const Damage& damage : contents.damage) {
+        if (damage.loss) reasons.push_back(damage.reason);
+    }
     if (const auto end = damage_at_end(path, contents)) reasons.push_back(end->reason);
     return reasons;
 }
 
 std::vector<std::string> FileInfo::remarks() const {
     std::vector<std::string> remarks;
-    if (contents.header_damaged) remarks.push_back("one copy of the header is damaged; the other is used");
+    for (const Damage& damage : contents.damage) {
+        if (!damage.loss) remarks.push_back(damage.reason);
+    }
     const bool end = damage_at_end(path, contents).has_value();
     if (!end && !contents.finished) remarks.push_back("not finished: rendering goes on, or was interrupted");
     if (!end && contents.unfinished_tail > 0) {

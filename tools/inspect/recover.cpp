@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/size.h"
+#include "sampledb/format/footer.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
 #include "sampledb/read/report_json.h"
@@ -14,15 +15,6 @@
 namespace latent::inspect {
 
 using namespace sampledb;
-
-namespace {
-
-bool lies_in(const std::vector<Damage>& damage, std::uint64_t offset) {
-    return std::ranges::any_of(damage,
-                               [&](const Damage& hole) { return offset >= hole.offset && offset < hole.offset + hole.size; });
-}
-
-}  // namespace
 
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress) {
@@ -43,14 +35,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     report.output = output;
     report.damage = file.damage;
     report.unfinished_tail = file.unfinished_tail;
-    Coverage promised;  // by the headers that were found, and by the footer, if that survived
-    const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(source, file);
-    if (!beheaded) return beheaded.error().at(input.string());
-    for (const RunInfo& run : *beheaded) {
-        promised.add(run.header.samples);
-        if (!lies_in(report.damage, run.offset)) report.damage.push_back(lost_with_its_header(run));
-    }
-
+    Coverage promised = file.lost_by_list;  // by the footer, if that survived, and by the headers that were found
     if (const auto cut = damage_at_end(input, file)) {
         report.damage.push_back(*cut);
         report.unfinished_tail = 0;
@@ -70,7 +55,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
         promised.add(held);
         if (Status s = verify_run(source, run, job, VerifyLevel::kFull); !s) {
             if (s.error().code == ErrorCode::kIo) return s.error().at(input.string());
-            report.damage.push_back(lost_run(i, run, s.error()));
+            add_damage(report.damage, lost_run(i, run, s.error()));
             continue;
         }
         if (Status s = out->file().copy_from(source.file(), run.offset, end, run.header.size()); !s) return s.error();
@@ -79,18 +64,20 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
         report.kept.add(held);
     }
     if (runs.empty() && (report.lost_anything() || report.unfinished_tail > 0)) {
-        const std::string why = report.lost_anything() ? report.damage.front().reason : "its only write was cut short";
+        const auto loss = std::ranges::find(report.damage, true, &Damage::loss);
+        const std::string why = loss != report.damage.end() ? loss->reason : "its only write was cut short";
         return Error{ErrorCode::kCorrupt, fmt::format("{}: {}; nothing could be recovered", input.string(), why)};
     }
-    const Bytes footer = encode_footer({runs, file.footer_provenance}, end);
-    if (Status s = out->file().write_all(end, footer); !s) return s.error();
-    const FileView written(out->file(), output.string(), end + footer.size());
+    const Result<Bytes> footer = encode_footer(runs, file.footer_provenance, end);
+    if (!footer) return footer.error().at(output.string());
+    if (Status s = out->file().write_all(end, *footer); !s) return s.error();
+    const FileView written(out->file(), output.string(), end + footer->size());
     for (const RunInfo& run : runs) {
         if (Status s = verify_run(written, run, job, VerifyLevel::kStored); !s) return s.error().at(output.string());
     }
     if (Status s = out->publish(); !s) return s.error();
     report.runs = runs.size();
-    report.bytes = end + footer.size();
+    report.bytes = end + footer->size();
     report.lost = promised;
     report.lost.remove(report.kept);
     return report;

@@ -1,6 +1,7 @@
 // tools/inspect/recover.h: what can still be read of a damaged file, as a new file.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -21,7 +22,7 @@ struct RecoverReport {
     sampledb::Coverage lost;  // as far as headers and footer still tell
     std::vector<sampledb::Damage> damage;
     std::uint64_t unfinished_tail = 0;  // of an attempt, a write that was cut short: no loss of anything committed
-    bool lost_anything() const { return !damage.empty(); }
+    bool lost_anything() const { return std::ranges::any_of(damage, &sampledb::Damage::loss); }
 };
 
 // Reads every byte of `input`, copies each run that is sound to `output` as it is, and verifies the result.

@@ -71,7 +71,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     report.path = path;
     report.level = level;
     report.size = source->size();
-    // The runs are the truth, so they are found by walking; then the footer must say the same.
+    // The runs are the truth, so they are found by walking; the footer must say the same.
     Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
     if (!file) {
         if (!is_damage(file.error())) return file.error().at(path.string());
@@ -81,7 +81,6 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     const Job& job = file->header.job;
     report.finished = file->finished;
     report.unfinished_tail = file->unfinished_tail;
-    if (file->header_damaged) report.damage.push_back("header: one of its two copies is damaged");
     for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
     report.runs = file->runs.size();
     std::vector<Result<std::uint64_t>> checked(report.runs);
@@ -105,9 +104,6 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
         report.records += run.header.camera_records + run.header.light_records;
         report.not_finite += *checked[i];
     }
-    const Result<std::vector<RunInfo>> beheaded = runs_that_only_the_footer_knows(*source, *file);
-    if (!beheaded) return beheaded.error().at(path.string());
-    for (const RunInfo& run : *beheaded) report.damage.push_back(lost_with_its_header(run).reason);
     if (const auto end = damage_at_end(path, *file)) report.damage.push_back(end->reason);
     return report;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/data/z_order.h"
 

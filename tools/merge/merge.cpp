@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/size.h"
+#include "sampledb/format/footer.h"
 #include "sampledb/read/recent_cache.h"
 #include "tools/merge/compact.h"
 #include "tools/merge/provenance.h"
@@ -76,9 +77,10 @@ class Output {
     }
 
     Status end(const std::string& provenance) {
-        const Bytes footer = encode_footer({runs_, provenance}, end_);
-        if (Status s = out_.file().write_all(end_, footer); !s) return s;
-        end_ += footer.size();
+        const Result<Bytes> footer = encode_footer(runs_, provenance, end_);
+        if (!footer) return footer.error().at(out_.path().string());
+        if (Status s = out_.file().write_all(end_, *footer); !s) return s;
+        end_ += footer->size();
         return out_.publish();
     }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/json.h"
+#include "sampledb/format/footer.h"
 #include "sampledb/read/file_reader.h"
 #include "sampledb/read/provenance.h"
 #include "sampledb/read/report_json.h"
