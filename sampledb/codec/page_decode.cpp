@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "base/hash.h"
 #include "sampledb/codec/column_decode.h"
@@ -47,11 +48,18 @@ Status read_table(const Job& job, const PageInfo& info, ByteSpan stored) {
     return {};
 }
 
-// Decodes the columns of a page one after another, in the order of the table.
+// Decodes the columns of a page one after another, in the order of the table. It begins with a page without any column, and each
+// takes back the memory that it had before: none is left of another page.
 class PageDecoder {
  public:
     PageDecoder(const Job& job, const PageInfo& info, const ColumnSet& wanted, bool check_all, Page& page)
-        : job_(job), info_(info), wanted_(wanted), check_all_(check_all), page_(page), next_(table.data()) {}
+        : job_(job),
+          info_(info),
+          wanted_(wanted),
+          check_all_(check_all),
+          page_(page),
+          before_(std::exchange(page, Page{})),
+          next_(table.data()) {}
 
     Status decode() {
         page_.record_class = info_.record_class;
@@ -64,7 +72,12 @@ class PageDecoder {
 
  private:
     template <class T>
-    std::span<T> prepare(std::vector<T>& column, std::size_t size) const {
+    std::span<T> prepare(std::vector<T> Page::*column, std::size_t size) {
+        return prepare(page_.*column, before_.*column, size);
+    }
+    template <class T>
+    static std::span<T> prepare(std::vector<T>& column, std::vector<T>& before, std::size_t size) {
+        column.swap(before);
         return at_least(column, size + Page::kPadding).first(size);
     }
 
@@ -77,11 +90,8 @@ class PageDecoder {
     }
 
     template <class T>
-    Status plain(std::vector<T>& column, bool wanted, const ColumnEntry& entry) const {
-        if (!wanted) {
-            column.clear();
-            return {};
-        }
+    Status plain(std::vector<T> Page::*column, bool wanted, const ColumnEntry& entry) {
+        if (!wanted) return {};
         const std::span<T> values = prepare(column, page_.count);
         if (Status s = decode_plain(entry, std::as_writable_bytes(values), sizeof(T)); !s) return s;
         return check(entry, values);
@@ -97,17 +107,15 @@ class PageDecoder {
             return corrupt("positions left out in a job without a sampler");
         const bool derive = derived && wanted_.positions;
         if (wanted_.samples || derive) {
-            const std::span<std::uint64_t> n = prepare(page_.sample, page_.count);
+            const std::span<std::uint64_t> n = prepare(&Page::sample, page_.count);
             if (Status s = decode_samples(sample, n); !s) return s;
             if (Status s = check(sample, n); !s) return s;
-        } else {
-            page_.sample.clear();
         }
         if (!derive) {
-            if (Status s = plain(page_.u, wanted_.positions, u); !s) return s;
-            return plain(page_.v, wanted_.positions, v);
+            if (Status s = plain(&Page::u, wanted_.positions, u); !s) return s;
+            return plain(&Page::v, wanted_.positions, v);
         }
-        const std::span<std::uint32_t> pu = prepare(page_.u, page_.count), pv = prepare(page_.v, page_.count);
+        const std::span<std::uint32_t> pu = prepare(&Page::u, page_.count), pv = prepare(&Page::v, page_.count);
         halton23(rows(page_.sample, page_.count), job_.positions, pu, pv);
         if (Status s = check(u, pu); !s) return s;
         return check(v, pv);
@@ -115,64 +123,57 @@ class PageDecoder {
 
     Status share() {
         page_.unit_share = false;
-        if (info_.record_class == RecordClass::kLight) {
-            page_.share.clear();
-            return {};
-        }
+        if (info_.record_class == RecordClass::kLight) return {};
         const ColumnEntry& entry = *next_++;
         constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f);
         page_.unit_share = entry.transform == Transform::kPacked && entry.bits == 0 && entry.base == kOne;
-        return plain(page_.share, wanted_.share && !page_.unit_share, entry);
+        return plain(&Page::share, wanted_.share && !page_.unit_share, entry);
     }
 
     Status xyz() {
         const ColumnEntry& x = *next_++;
         const ColumnEntry& y = *next_++;
         const ColumnEntry& z = *next_++;
-        if (!wanted_.values) {
-            page_.x.clear(), page_.y.clear(), page_.z.clear();
-            return {};
-        }
+        if (!wanted_.values) return {};
         thread_local BrightRows bright;
-        const std::span<float> luminances = prepare(page_.y, page_.count);
+        const std::span<float> luminances = prepare(&Page::y, page_.count);
         if (Status s = decode_y(y, luminances, bright); !s) return s;
         if (Status s = check(y, luminances); !s) return s;
-        const auto crossed = [&](std::vector<float>& column, const ColumnEntry& entry) -> Status {
+        const auto crossed = [&](std::vector<float> Page::*column, const ColumnEntry& entry) -> Status {
             const std::span<float> values = prepare(column, page_.count);
             if (Status s = decode_crossed(entry, values, luminances, bright); !s) return s;
             return check(entry, values);
         };
-        if (Status s = crossed(page_.x, x); !s) return s;
-        return crossed(page_.z, z);
+        if (Status s = crossed(&Page::x, x); !s) return s;
+        return crossed(&Page::z, z);
     }
 
     Status spectrum() {
         const bool density = !job_.density.empty();
         if (!wanted_.values) {
-            page_.pairs.clear(), page_.first_pair.clear(), page_.power.clear();
-            page_.xi.clear(), page_.index.clear(), page_.lambda_nm.clear();
             next_ += density ? 4 : 3;
             return {};
         }
-        if (Status s = plain(page_.pairs, true, *next_++); !s) return s;
+        if (Status s = plain(&Page::pairs, true, *next_++); !s) return s;
         if (Status s = place_pairs(); !s) return s;
         if (density) {
-            if (Status s = plain(page_.xi, true, *next_++); !s) return s;
-            if (Status s = plain(page_.index, true, *next_++); !s) return s;
+            if (Status s = plain(&Page::xi, true, *next_++); !s) return s;
+            if (Status s = plain(&Page::index, true, *next_++); !s) return s;
             if (Status s = check_index(); !s) return s;
         }
-        const auto along_records = [&](std::vector<float>& column, const ColumnEntry& entry) -> Status {
+        const auto along_records = [&](std::vector<float> Page::*column, const ColumnEntry& entry) -> Status {
             const std::span<float> values = prepare(column, info_.pair_count);
             if (Status s = decode_delta2(entry, values, rows(page_.pairs, page_.count)); !s) return s;
             return check(entry, values);
         };
-        if (Status s = along_records(page_.power, *next_++); !s) return s;
-        return density ? Status{} : along_records(page_.lambda_nm, *next_++);
+        if (Status s = along_records(&Page::power, *next_++); !s) return s;
+        return density ? Status{} : along_records(&Page::lambda_nm, *next_++);
     }
 
     // Where each record's pairs begin. The counts are believed only once they add up.
     Status place_pairs() {
-        const std::span<std::uint32_t> first = at_least(page_.first_pair, page_.count + Page::kPadding);
+        prepare(&Page::first_pair, page_.count);
+        const std::span<std::uint32_t> first(page_.first_pair);
         std::uint64_t sum = 0;
         for (std::size_t i = 0; i < page_.count; ++i) {
             const std::uint16_t n = page_.pairs[i];
@@ -196,18 +197,17 @@ class PageDecoder {
 
     Status extra() {
         page_.extra.resize(job_.extra.size());
+        before_.extra.resize(job_.extra.size());
         for (std::size_t i = 0; i < job_.extra.size(); ++i) {
             const ColumnEntry& entry = *next_++;
             ExtraColumn& column = page_.extra[i];
             column.name = job_.extra[i].name;
             column.type = job_.extra[i].type;
-            if (!wanted_.extra) {
-                column.values.clear();
-                continue;
-            }
+            if (!wanted_.extra) continue;
             const std::size_t bytes = width(column.type);
+            const std::size_t size = page_.count * bytes;
             const std::span<std::byte> values =
-                at_least(column.values, (page_.count + Page::kPadding) * bytes).first(page_.count * bytes);
+                prepare(column.values, before_.extra[i].values, size + Page::kPadding * bytes).first(size);
             if (Status s = decode_plain(entry, values, bytes); !s) return s;
             if (Status s = check(entry, values); !s) return s;
         }
@@ -219,16 +219,22 @@ class PageDecoder {
     const ColumnSet& wanted_;
     const bool check_all_;
     Page& page_;
+    Page before_;  // for its memory
     const ColumnEntry* next_;
 };
 
 }  // namespace
 
 Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const ColumnSet& columns, Page& page, bool every_column) {
-    if (stored.size() != info.stored_size) return Error{ErrorCode::kTruncated, "the page ends early"};
-    if (hash64(stored) != info.stored_hash) return corrupt("checksum mismatch");
-    if (Status s = read_table(job, info, stored); !s) return s;
-    return PageDecoder(job, info, columns, every_column, page).decode();
+    const auto decode = [&]() -> Status {
+        if (stored.size() != info.stored_size) return Error{ErrorCode::kTruncated, "the page ends early"};
+        if (hash64(stored) != info.stored_hash) return corrupt("checksum mismatch");
+        if (Status s = read_table(job, info, stored); !s) return s;
+        return PageDecoder(job, info, columns, every_column, page).decode();
+    };
+    Status decoded = decode();
+    if (!decoded) page = Page{};
+    return decoded;
 }
 
 Result<std::vector<StoredColumn>> stored_columns(const Job& job, const PageInfo& info, ByteSpan stored) {
