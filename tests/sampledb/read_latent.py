@@ -192,8 +192,8 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
         (column, transform, bits, plane_count, s, base, column_hash) = fields("BBBBIQQ", data, at)
         check(column == number, "column %d instead of %d" % (column, number))
         check(transform <= 7 and bits <= 64 and plane_count <= 8, "table of columns")
-        check(transform in (1, 2) or (bits, base) == (0, 0), "bits or base of another transform")
-        check(1 <= s <= 32 if transform == 2 else s == 0, "s")
+        check(transform in (1, 2) or (bits, base) == (0, 0), "reserved fields of the table")
+        check(1 <= s <= 32 if transform == 2 else s == 0, "s of the table")
         words = fields("%dI" % plane_count, data, at + 24)
         at += 24 + 4 * plane_count
         table.append((number, width, transform, bits, s, base, column_hash, words))

@@ -4,8 +4,8 @@ page. Makes up the records of a small file and writes them.
 
     write_latent.py KIND FILE [--vary SEED] [--parts I,J,...] [--records LINES]
 
-KIND is smallest, xyz, spectral (wavelengths of a density) or explicit (wavelengths as data). The simplest encoding of every column
-is used; with --vary, any that the page allows, chosen at random. --parts writes only these runs of the file. --records writes the
+KIND is smallest (two records, in as few bytes as possible), xyz, spectral (wavelengths of a density) or explicit (wavelengths as
+data). The simplest encoding of every column is used; with --vary, any that the page allows, chosen at random. --parts writes only these runs of the file. --records writes the
 records as well, one JSON object a line, values as their bits, in the order of the file."""
 import argparse
 import json
@@ -171,6 +171,9 @@ def as_lattice(values, s, bits, base):
     return (2, bits, s, base, [packed(steps, bits)] if bits else [])
 
 
+AS_SAMPLER = (3, 0, 0, 0, [])
+
+
 def as_cross(values, ys):
     return (4, 0, 0, 0, byte_planes([zigzag(value - y) for value, y in zip(values, ys)], 4))
 
@@ -220,6 +223,16 @@ class Plain:
         return raw(plane)
 
 
+class Smallest:
+    """Takes what takes fewest bytes."""
+
+    def one_of(self, ways):
+        return min(ways, key=lambda way: sum(4 + len(self.plane(plane)[1]) for plane in way[4]))
+
+    def plane(self, plane):
+        return min(plane_codecs(plane), key=lambda way: len(way[1]))
+
+
 class Varied:
     """Takes any of them."""
 
@@ -260,8 +273,8 @@ def encode_columns(job, light, rows, choice):
     columns.append((1, 8, samples, choice.one_of(sample_encodings(samples))))
     positions = [(r.u, r.v) for r in rows]
     derived = job.halton and all(halton23(r.sample, job.shifts) == (r.u, r.v) for r in rows)
-    if derived and choice.one_of([False, True]):
-        columns += [(2 + i, 4, [p[i] for p in positions], (3, 0, 0, 0, [])) for i in (0, 1)]
+    if derived and choice.one_of([as_planes([r.u for r in rows], 4), AS_SAMPLER]) == AS_SAMPLER:
+        columns += [(2 + i, 4, [p[i] for p in positions], AS_SAMPLER) for i in (0, 1)]
     else:
         add(2, 4, [u for u, _ in positions])
         add(3, 4, [v for _, v in positions])
@@ -344,11 +357,11 @@ def encode_run(job, intervals, records, choice):
 
 
 def encode_footer(offset, runs):
-    """`runs`: (offset, header) of each."""
-    front = b"\x8dLTDBE\r\n" + struct.pack("<QQ", len(runs), 0)
-    front += b"".join(struct.pack("<Q", at) + header for at, header in runs)
-    trailer = struct.pack("<QQQ24x", offset, len(front) + 64, hash64(front))
-    return front + trailer + struct.pack("<Q", hash64(trailer)) + b"\x8dLTDBE\r\n"
+    """`runs`: the header of each."""
+    entries = b"".join(header[8:136] for header in runs)
+    head = b"\x8dLTDBI\r\n" + struct.pack("<QQQQQ8x", offset, len(runs), 0, hash64(entries), hash64(b""))
+    head += struct.pack("<Q", hash64(head))
+    return head + entries + head
 
 
 def encode_file(job, runs, choice, provenance=b""):
@@ -357,7 +370,7 @@ def encode_file(job, runs, choice, provenance=b""):
     listed = []
     for intervals, records in runs:
         run = encode_run(job, intervals, records, choice)
-        listed.append((len(file), run[:256]))
+        listed.append(run[:256])
         file += run
     return file + encode_footer(len(file), listed)
 
@@ -372,7 +385,9 @@ def job_id(text):
 
 def smallest():
     job = Job(job_id("the smallest file"), XYZ, aspect=(1, 1), run_samples=2**10)
-    return job, [([(0, 1)], [Record(0, 2**31, 2**30, xyz=(0x3F000000, 0x3F800000, 0x3E800000))])]
+    records = [Record(0, 2**31, 2**30, xyz=(0x3F000000, 0x3F800000, 0x3E800000)),
+               Record(1, 3 * 2**30, 2**30, xyz=(0x3F400000, 0x3FC00000, 0x3F000000))]
+    return job, [([(0, 2)], records)]
 
 
 def noise(r):
@@ -481,6 +496,8 @@ def main():
     if options.parts:
         runs = [runs[int(i)] for i in options.parts.split(",")]
     choice = Plain() if options.vary is None else Varied(options.vary)
+    if options.kind == "smallest":
+        choice = Smallest()
     with open(options.file, "wb") as file:
         file.write(encode_file(job, runs, choice))
     if options.records:
