@@ -18,7 +18,7 @@ class Environment {
  public:
     Environment(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library);
 
-    Vec3f sample(float u, float v) const;  // unit direction towards the sky
+    Vec3f sample(Uniform u, Uniform v) const;  // unit direction towards the sky
     float pdf_omega(const Vec3f& w) const;
     void multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const;
 
@@ -26,14 +26,16 @@ class Environment {
     double upper_illuminance() const;  // integral over z > 0 of light space of luminance times cosine
 
  private:
-    std::size_t pixel(const Vec2f& p) const;
-    Vec2f square_of(const Vec3f& w) const;
+    struct Pixel {
+        std::uint32_t x, y;
+    };
+    Pixel pixel(const Vec3f& w) const;
 
     std::shared_ptr<const ImageDescription> image_;
     Affinef world_from_light_, light_from_world_;  // rotations
     std::uint32_t basis_[6];                       // red, green, blue, cyan, magenta, yellow
-    std::vector<float> row_cdf_, column_cdf_;      // of rows; of the pixels of each row, one row after another
-    std::vector<float> probability_;               // of each pixel
+    PiecewiseConstant rows_;
+    std::vector<PiecewiseConstant> columns_;  // of the pixels of each row
     double mean_luminance_ = 0;
 };
 

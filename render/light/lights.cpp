@@ -19,10 +19,10 @@ struct Cone {
     float pdf_omega() const { return 1 / (2 * kPi * one_minus_cos_max); }
 };
 
-Vec3f sample_constant_sky(const Receiver& receiver, float u, float v) {
+Vec3f sample_constant_sky(const Receiver& receiver, Uniform u, Uniform v) {
     if (receiver.n == Vec3f{}) return sample_sphere(u, v);
-    const bool behind = receiver.both_sides && u < 0.5f;
-    if (receiver.both_sides) u = behind ? 2 * u : 2 * u - 1;
+    const bool behind = receiver.both_sides && u.index(2) == 0;
+    if (receiver.both_sides) u = u.within(2);
     return Frame::from_z(behind ? -receiver.n : receiver.n).to_world(sample_cosine_hemisphere(u, v));
 }
 
@@ -37,7 +37,8 @@ float Lights::spot_profile(const Light& light, const Vec3f& d) const {
     return static_cast<float>(smooth_step(c, light.cos_outer, light.cos_inner));
 }
 
-bool Lights::sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, float u, float v, LightPoint& out) const {
+bool Lights::sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v,
+                          LightPoint& out) const {
     const Light& light = lights_[i];
     out.falloff = 1;
     switch (light.kind) {
@@ -114,7 +115,7 @@ float Lights::pdf_of_direction(std::uint32_t i, const Vec3f& wi, const Receiver&
     return receiver.n == Vec3f{} ? kInv4Pi : kInvPi * abs_dot(receiver.n, wi) * (receiver.both_sides ? 0.5f : 1);
 }
 
-void Lights::sample_ray(std::uint32_t i, float u, float v, float s, float t, LightRay& out) const {
+void Lights::sample_ray(std::uint32_t i, Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const {
     const Light& light = lights_[i];
     out.cosine = 1;
     out.profile = 1;
@@ -135,8 +136,8 @@ void Lights::sample_ray(std::uint32_t i, float u, float v, float s, float t, Lig
             }
             const float size = max_abs(light.p) + max_abs(light.e1) + max_abs(light.e2) + light.radius;
             out.anchor = {p, 4e-7f * size, n};
-            const bool back = light.two_sided && s >= 0.5f;
-            if (light.two_sided) s = back ? 2 * s - 1 : 2 * s;
+            const bool back = light.two_sided && s.index(2) == 1;
+            if (light.two_sided) s = s.within(2);
             Vec3f local = sample_cosine_hemisphere(s, t);
             local.z = std::max(local.z, 1e-6f);
             out.d = normalize(Frame::from_z(back ? -n : n).to_world(local));

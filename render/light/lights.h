@@ -82,17 +82,17 @@ class Lights {
 
     // Lights are chosen by their power as the eye sees it (0.9 p_eye + 0.1 uniform, so that no light is never chosen); the sky has
     // half of the choices where there are local lights too.
-    std::uint32_t choose(float u) const { return choice_.sample(u); }
+    std::uint32_t choose(Uniform u) const { return choice_.sample(u); }
     float probability(std::uint32_t i) const { return choice_.probability(i); }
 
     // Draws a point of light i for `from`. False: nothing of it can be seen from there.
-    bool sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, float u, float v, LightPoint& out) const;
+    bool sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const;
     // Its density [1/sr at `from`] at a point of an area light (p, ng), or of the sky in direction wi. 0 for delta lights.
     float pdf_of_point(std::uint32_t i, const Vec3f& from, const Vec3f& p, const Vec3f& ng) const;
     float pdf_of_direction(std::uint32_t i, const Vec3f& wi, const Receiver& receiver) const;
 
     // Draws a ray; u, v for the position, s, t for the direction.
-    void sample_ray(std::uint32_t i, float u, float v, float s, float t, LightRay& out) const;
+    void sample_ray(std::uint32_t i, Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     // Density of direction d [1/sr] of rays that leave a point of light i with normal ng; for the sky that of arriving from -d.
     float pdf_of_emission(std::uint32_t i, const Vec3f& ng, const Vec3f& d) const;
     float pdf_of_position(std::uint32_t i) const;  // 1/m^2: on an area light, or on the disk of the sky; 1 for points

@@ -24,17 +24,30 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
     std::vector<double> power;  // weighed by choice_weight, of each light
     const double disk = std::numbers::pi * static_cast<double>(radius) * static_cast<double>(radius);
 
-    const auto add = [&](Light light, const color::Spectrum& spectrum, double extent) {
-        light.spectrum = library.add(spectrum, Lookup::kNearestNm);
+    // What lights of one spectrum have in common: a mesh may be a million lights.
+    struct Spectral {
+        std::uint32_t table;     // of the library
+        std::size_t of_density;  // index into spectra_
+        double power, luminance;
+    };
+    const auto spectral = [&](const color::Spectrum& spectrum) -> Spectral {
+        lights.spectra_.push_back({spectrum, 0});
+        return {library.add(spectrum, Lookup::kNearestNm), lights.spectra_.size() - 1,
+                integral_of_product(spectrum, choice_weight()), luminance(spectrum)};
+    };
+    const auto add = [&](Light light, const Spectral& s, double extent) {
+        light.spectrum = s.table;
         const double size = static_cast<double>(light.scale) * extent;
-        power.push_back(size * integral_of_product(spectrum, choice_weight()));
-        lights.spectra_.push_back({spectrum, size * luminance(spectrum)});
+        power.push_back(size * s.power);
+        lights.spectra_[s.of_density].luminous_power += size * s.luminance;
         if (light.is_infinite()) lights.infinite_.push_back(static_cast<std::uint32_t>(lights.lights_.size()));
         lights.lights_.push_back(light);
     };
 
+    std::vector<std::optional<Spectral>> of_area(scene.area_lights.size());
     for (const Emitter& e : geometry.emitters()) {
         const AreaLightDescription& area = scene.area_lights[e.area_light];
+        if (!of_area[e.area_light]) of_area[e.area_light] = spectral(area.spectrum);
         Light light;
         light.kind = e.is_sphere ? Light::Kind::kSphere : Light::Kind::kTriangle;
         light.scale = e.scale;
@@ -48,7 +61,7 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
         light.radius = e.radius;
         light.inward = e.inward;
         light.area = e.area;
-        add(light, area.spectrum, std::numbers::pi * static_cast<double>(e.area) * (area.two_sided ? 2 : 1));
+        add(light, *of_area[e.area_light], std::numbers::pi * static_cast<double>(e.area) * (area.two_sided ? 2 : 1));
     }
     for (const LightDescription& d : scene.lights) {
         Light light;
@@ -61,7 +74,7 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                 light.p = Vec3f(from);
                 if (d.power) scale *= *d.power / (4 * std::numbers::pi);
                 light.scale = static_cast<float>(scale);
-                add(light, d.spectrum, 4 * std::numbers::pi);
+                add(light, spectral(d.spectrum), 4 * std::numbers::pi);
                 break;
             case LightKind::kSpot: {
                 light.kind = Light::Kind::kSpot;
@@ -75,7 +88,7 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                 const double solid_angle = 2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2);
                 if (d.power) scale *= *d.power / solid_angle;
                 light.scale = static_cast<float>(scale);
-                add(light, d.spectrum, solid_angle);
+                add(light, spectral(d.spectrum), solid_angle);
                 break;
             }
             case LightKind::kDistant:
@@ -83,7 +96,7 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                 light.n = Vec3f(normalize(from - to));
                 if (d.illuminance) scale *= *d.illuminance;
                 light.scale = static_cast<float>(scale);
-                add(light, d.spectrum, disk);
+                add(light, spectral(d.spectrum), disk);
                 break;
             case LightKind::kInfinite:
                 // Of 4 pi L that crosses each square metre of the scene, a surface receives pi L at most.
@@ -93,12 +106,12 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                     light.environment = lights.environments_.back().get();
                     if (d.illuminance) scale *= *d.illuminance / light.environment->upper_illuminance();
                     light.scale = static_cast<float>(scale);
-                    add(light, d.spectrum, std::numbers::pi * disk * light.environment->mean_luminance());
+                    add(light, spectral(d.spectrum), std::numbers::pi * disk * light.environment->mean_luminance());
                 } else {
                     light.kind = Light::Kind::kConstant;
                     if (d.illuminance) scale *= *d.illuminance / std::numbers::pi;
                     light.scale = static_cast<float>(scale);
-                    add(light, d.spectrum, std::numbers::pi * disk);
+                    add(light, spectral(d.spectrum), std::numbers::pi * disk);
                 }
                 break;
         }

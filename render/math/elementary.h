@@ -29,6 +29,13 @@ inline float log_of(float x) {
     return static_cast<float>(e) * 0.693147181f + p;
 }
 
+// ln (1 - u), 0 <= u < 1: near 0 as exact as u is.
+inline float log_of_complement(float u) {
+    if (u > 0.25f) return log_of(1 - u);
+    const float s = u / (2 - u), s2 = s * s;
+    return -2 * s * (1 + s2 * (1.0f / 3 + s2 * (1.0f / 5 + s2 * (1.0f / 7 + s2 * (1.0f / 9)))));
+}
+
 struct SinCos {
     float sin, cos;
 };

@@ -74,11 +74,10 @@ inline MediumStep scatter_at(const Medium& medium, float t, SampledSpectra& spec
 }
 
 // Draws a step of at most d; value *= its weight: sigma_s e^(-sigma_t t) / p(t), or e^(-sigma_t d) / P(d).
-inline MediumStep sample_step(const Medium& medium, float d, float u_wavelength, float u, SampledSpectra& spectra, Batch& value) {
-    const Batch& sigma_t = spectra[medium.sigma_t];
-    const std::uint32_t k = spectra.wavelengths.k;
-    const float sigma = sigma_t[std::min(static_cast<std::uint32_t>(u_wavelength * static_cast<float>(k)), k - 1)];
-    const float t = sigma > 0 ? -log_of(1 - u) / sigma : kInfinity;
+inline MediumStep sample_step(const Medium& medium, float d, Uniform u_wavelength, Uniform u, SampledSpectra& spectra,
+                              Batch& value) {
+    const float sigma = spectra[medium.sigma_t][u_wavelength.index(spectra.wavelengths.k)];
+    const float t = sigma > 0 ? -log_of_complement(u) / sigma : kInfinity;
     if (!(t < d)) {
         const float density = multiply_transmittance(medium, d, spectra, value);
         value *= density > 0 ? 1 / density : 0;

@@ -69,19 +69,19 @@ std::uint64_t Sequence::hash(std::uint64_t n, std::uint32_t dimension) const {
     return mix(mix(n + seed_) + (std::uint64_t{dimension} + 1) * 0x9e3779b97f4a7c15u);
 }
 
-std::uint32_t Sequence::bits(std::uint64_t n, std::uint32_t dimension) const {
-    if (dimension >= kTabulated || radical_of_[dimension] == 0) return static_cast<std::uint32_t>(hash(n, dimension) >> 32);
+Uniform Sequence::at(std::uint64_t n, std::uint32_t dimension) const {
+    const std::uint64_t random = hash(n, dimension);
+    if (dimension >= kTabulated || radical_of_[dimension] == 0) return {random};
     const Radical& r = radicals_[radical_of_[dimension] - 1];
     constexpr std::uint64_t kExact = std::uint64_t{1} << 52;
-    std::uint64_t rest = n < kExact ? n : hash(n, dimension) % kExact;  // nobody renders so many
+    std::uint64_t rest = n < kExact ? n : random % kExact;  // nobody renders so many
     std::uint64_t sum = 0;
     for (const std::vector<std::uint64_t>& table : r.table) {
         const std::uint64_t quotient = static_cast<std::uint64_t>(static_cast<unsigned __int128>(rest) * r.reciprocal >> 64);
         sum += table[rest - quotient * r.block];
         rest = quotient;
     }
-    sum += (hash(rest, dimension) >> 4) % r.tail;  // the digits beyond the tables, as one random number
-    return static_cast<std::uint32_t>(std::min(sum >> 28, std::uint64_t{0xFFFFFFFF}));
+    return {(sum + (random >> 4) % r.tail) << 4};  // below 1, as every unit was rounded down
 }
 
 }  // namespace latent::render

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/sampling/uniform.h"
+
 namespace latent::render {
 
 // What each random decision of a sample is called. Camera and light subpaths have blocks of their own, one per vertex.
@@ -46,10 +48,8 @@ class Sequence {
     // `important`: dimensions, most important first; the i-th takes the i-th prime from 5 on; those beyond kPrimes are hashed.
     Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important);
 
-    // In [0, 1), a multiple of 2^-24.
-    float at(std::uint64_t n, std::uint32_t dimension) const { return static_cast<float>(bits(n, dimension) >> 8) * 0x1p-24f; }
-    // The same number as a 32-bit fraction.
-    std::uint32_t bits(std::uint64_t n, std::uint32_t dimension) const;
+    // 60 bits of it differ from sample to sample, or all 64.
+    Uniform at(std::uint64_t n, std::uint32_t dimension) const;
 
  private:
     // Digits are looked up several at a time: `table[j]` maps a block of base-b digits to its scrambled mirror image, in units of
@@ -57,7 +57,7 @@ class Sequence {
     struct Radical {
         std::uint32_t block = 0;       // b^digits, at most 4096
         std::uint64_t reciprocal = 0;  // ceil(2^64 / block): exact quotients below 2^52
-        std::uint64_t tail = 0;        // b^-(all digits): the room left for what the digits do not reach, in units of 2^-60
+        std::uint64_t tail = 0;        // b^-(all digits) in units of 2^-60: the room for a random number below the digits
         std::vector<std::vector<std::uint64_t>> table;
     };
     static constexpr std::uint32_t kTabulated = 64;  // dimensions below this may have a prime
@@ -73,7 +73,7 @@ class Sequence {
 struct SampleNumbers {
     const Sequence* sequence;
     std::uint64_t n;
-    float operator()(std::uint32_t dimension) const { return sequence->at(n, dimension); }
+    Uniform operator()(std::uint32_t dimension) const { return sequence->at(n, dimension); }
 };
 
 }  // namespace latent::render

@@ -22,8 +22,8 @@ class Path {
     void trace(double u, double v) {
         const bool lens = world_.camera().has_lens();
         Vec3f origin;
-        world_.camera().ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : 0, lens ? sample_.numbers(Dimension::kLensV) : 0,
-                            origin, d_);
+        world_.camera().ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{},
+                            lens ? sample_.numbers(Dimension::kLensV) : Uniform{}, origin, d_);
         at_ = {origin, 0, {}};
         medium_ = world_.camera().medium();
         Scattering scattering = Scattering::phase(0);
@@ -34,7 +34,7 @@ class Path {
     }
 
  private:
-    float number(std::uint32_t what) const { return sample_.numbers(Dimension::of_camera_vertex(depth_, what)); }
+    Uniform number(std::uint32_t what) const { return sample_.numbers(Dimension::of_camera_vertex(depth_, what)); }
 
     // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
     bool find_vertex(Scattering& scattering) {
@@ -108,7 +108,7 @@ class Path {
         const float t = equiangular.sample(number(Dimension::kEquiangular + again));
         const Anchor at{stretch_.o + d_ * t, 0, {}};
         LightPoint point;
-        if (!lights_.sample_point(i, at.p, {}, 0, 0, point)) return;
+        if (!lights_.sample_point(i, at.p, {}, {}, {}, point)) return;
         Batch value = beta_;
         const float walk_pdf = scatter_at(medium, t, sample_.spectra, value).density;
         Line line;

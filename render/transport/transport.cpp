@@ -15,12 +15,10 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
 
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
     SampledSpectra& spectra = spectra_.local();
-    wavelengths_.draw(sequence_.bits(n, Dimension::kXi), spectra.wavelengths);
+    wavelengths_.draw(sequence_.at(n, Dimension::kXi).fraction32(), spectra.wavelengths);
     spectra.start_sample();
     const SampleNumbers numbers{&sequence_, n};
-    const std::uint32_t k = spectra.wavelengths.k;
-    const std::uint32_t kept =
-        std::min(static_cast<std::uint32_t>(numbers(Dimension::kKeptWavelength) * static_cast<float>(k)), k - 1);
+    const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
     SampleState sample{numbers, spectra, kept};
 
     const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);

@@ -48,7 +48,7 @@ TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
             Numbers u(2);
             expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                           LightPoint p;
-                                          const float x = u(), y = u();
+                                          const Uniform x = u(), y = u();
                                           if (!lights.sample_point(0, from, {}, x, y, p)) return std::nullopt;
                                           return p.wi;
                                       },
@@ -85,7 +85,7 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
         const Vec3f z = lights[0].has_area() ? Vec3f{0, 0, 1} : Vec3f{};  // directions from an area are looked at about its normal
         expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                       LightRay ray;
-                                      const float a = u(), b = u(), d = u(), e = u();
+                                      const Uniform a = u(), b = u(), d = u(), e = u();
                                       lights.sample_ray(0, a, b, d, e, ray);
                                       EXPECT_FLOAT_EQ(ray.pdf_direction, lights.pdf_of_emission(0, ray.anchor.ng, ray.d));
                                       return lights[0].has_area() ? Frame::from_z(ray.anchor.ng).to_local(ray.d) : ray.d;
@@ -133,7 +133,7 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
         Numbers u(5);
         for (int n = 0; n < kCount; ++n) {
             LightRay ray;
-            const float a = u(), b = u(), d = u(), e = u();
+            const Uniform a = u(), b = u(), d = u(), e = u();
             lights.sample_ray(0, a, b, d, e, ray);
             ASSERT_EQ(ray.pdf_position, lights.pdf_of_position(0));
             const Vec2f cell = c.even(lights[0], ray.anchor.p, *scene.geometry);
@@ -185,7 +185,7 @@ TEST(Lights, RaysCarryThePowerOfTheLight) {
         constexpr int kCount = 40'000;
         for (int n = 0; n < kCount; ++n) {
             LightRay ray;
-            const float a = u(), b = u(), d = u(), e = u();
+            const Uniform a = u(), b = u(), d = u(), e = u();
             lights.sample_ray(0, a, b, d, e, ray);
             sum += static_cast<double>(lights[0].scale * ray.cosine * ray.profile / (ray.pdf_position * ray.pdf_direction));
         }
@@ -222,7 +222,7 @@ TEST(Lights, AConstantSkyIsDrawnByTheCosineToWhatItLights) {
         Numbers u(8);
         expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                       LightPoint p;
-                                      const float x = u(), y = u();
+                                      const Uniform x = u(), y = u();
                                       if (!lights.sample_point(0, {}, receiver, x, y, p)) return std::nullopt;
                                       return p.wi;
                                   },
@@ -246,7 +246,7 @@ TEST(Lights, AnImageSkyIsDrawnByItsPixels) {
         expect_directions_follow(
             {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                  LightPoint p;
-                 const float x = u(), y = u();
+                 const Uniform x = u(), y = u();
                  if (!lights.sample_point(0, {}, receiver, x, y, p)) return std::nullopt;
                  EXPECT_FLOAT_EQ(p.pdf_omega, lights.pdf_of_direction(0, p.wi, receiver));
                  return p.wi;
@@ -272,7 +272,7 @@ TEST_F(Sky, DirectionsFollowTheirDensity) {
     const Environment sky(image_, turned_, library_);
     Numbers u(10);
     expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
-                                  const float x = u(), y = u();
+                                  const Uniform x = u(), y = u();
                                   return sky.sample(x, y);
                               },
                               .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(sky.pdf_omega(w)); },
@@ -290,7 +290,7 @@ TEST_F(Sky, PixelsHaveTheirColour) {
     const double norm = color::photometric_sum(d65);
     Numbers u(11);
     for (int n = 0; n < 20; ++n) {
-        const float a = u(), b = u();
+        const Uniform a = u(), b = u();
         const Vec3f w = sky.sample(a, b);
         const Vec3f local = normalize(Vec3f(turned_.inverse()->vector(Vec3d(w))));
         const Vec2f p = square_from_sphere(local);

@@ -42,7 +42,7 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     Numbers u(12);
     for (int n = 0; n < kCount; ++n) {
         Batch value(1.0f);
-        const float channel = u(), x = u();
+        const Uniform channel = u(), x = u();
         const MediumStep step = sample_step(fog_, kLength, channel, x, *spectra_, value);
         const double t = static_cast<double>(step.t);
         ++counted[step.scattered ? static_cast<std::size_t>(t / kLength * kBins) : kBins];
@@ -72,7 +72,7 @@ TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
     Numbers u(13);
     for (int n = 0; n < kCount; ++n) {
         Batch value(1.0f);
-        const float channel = u(), x = u();
+        const Uniform channel = u(), x = u();
         auto& sums = sample_step(fog_, kLength, channel, x, *spectra_, value).scattered ? scattered : passed;
         for (std::uint32_t i = 0; i < 28; ++i) {
             sums[i][0] += static_cast<double>(value[i]);

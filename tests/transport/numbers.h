@@ -3,15 +3,17 @@
 
 #include <random>
 
+#include "render/sampling/uniform.h"
+
 namespace latent::render::testing {
 
 class Numbers {
  public:
     explicit Numbers(std::uint32_t seed = 1) : engine_(seed) {}
-    float operator()() { return static_cast<float>(engine_() >> 8) * 0x1p-24f; }
+    Uniform operator()() { return {engine_()}; }
 
  private:
-    std::mt19937 engine_;
+    std::mt19937_64 engine_;
 };
 
 }  // namespace latent::render::testing

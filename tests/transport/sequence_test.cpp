@@ -61,12 +61,13 @@ TEST(Sequence, IsAFunctionOfSeedSampleAndDimension) {
     int same = 0;
     for (std::uint64_t n = 0; n < 1000; ++n) {
         for (const std::uint32_t d : {0u, 5u, 10u}) {
-            EXPECT_EQ(a.bits(n, d), again.bits(n, d));
-            same += a.bits(n, d) == b.bits(n, d);
+            EXPECT_EQ(a.at(n, d).bits, again.at(n, d).bits);
+            same += a.at(n, d).bits == b.at(n, d).bits;
         }
     }
     EXPECT_LT(same, 3);
-    EXPECT_NE(a.bits((std::uint64_t{1} << 53) + 5, 0), a.bits(5, 0));  // sample numbers beyond the tables are samples of their own
+    EXPECT_NE(a.at((std::uint64_t{1} << 53) + 5, 0).bits,
+              a.at(5, 0).bits);  // sample numbers beyond the tables are samples of their own
 }
 
 TEST(Elementary, FunctionsAgreeWithTheLibrary) {
@@ -80,6 +81,8 @@ TEST(Elementary, FunctionsAgreeWithTheLibrary) {
         ASSERT_NEAR(turns_of(1, slope) / turns, 1, 1e-6) << slope;
         ASSERT_NEAR(turns_of(-1, slope), 0.5 - turns, 1e-7) << slope;
         if (i > 0) {
+            ASSERT_NEAR(log_of_complement(u) / std::log1p(-static_cast<double>(u)), 1, 1e-6) << u;
+            ASSERT_NEAR(log_of_complement(u * 1e-9f) / std::log1p(-static_cast<double>(u * 1e-9f)), 1, 1e-6) << u;
             ASSERT_NEAR(log_of(u), std::log(static_cast<double>(u)), 3e-7 * (1 + std::abs(std::log(static_cast<double>(u)))));
         }
     }
@@ -90,11 +93,82 @@ TEST(Choice, FollowsItsWeights) {
     const Choice choice(weight);
     std::vector<int> counted(weight.size());
     constexpr int kCount = 400'000;
-    for (int i = 0; i < kCount; ++i) ++counted[choice.sample((static_cast<float>(i) + 0.5f) / kCount)];
+    for (std::uint64_t i = 0; i < kCount; ++i) ++counted[choice.sample({~std::uint64_t{0} / kCount * i})];
     for (std::uint32_t i = 0; i < weight.size(); ++i) {
         EXPECT_NEAR(choice.probability(i), weight[i] / 17.25, 1e-6);
         EXPECT_NEAR(counted[i], weight[i] / 17.25 * kCount, 20);
     }
+}
+
+// However many there are to choose from: every second one has 1/200 of the weight of the others.
+TEST(Choice, FollowsItsWeightsAmongAMillion) {
+    const Sequence sequence(1, kImportant);
+    for (const std::uint32_t size : {1024u, 16'384u, 131'072u, 1u << 20}) {
+        std::vector<double> weight(size);
+        for (std::uint32_t i = 0; i < size; ++i) weight[i] = i % 2 == 0 ? 1 : 200;
+        const Choice choice(weight);
+        constexpr int kCount = 4'000'000;
+        for (const std::uint32_t dimension : {0u, 100u}) {  // of the sequence: a radical inverse, and a hash
+            double small = 0, probability = 0;
+            for (std::uint64_t n = 0; n < kCount; ++n) small += choice.sample(sequence.at(n, dimension)) % 2 == 0;
+            for (std::uint32_t i = 0; i < size; i += 2) probability += static_cast<double>(choice.probability(i));
+            EXPECT_NEAR(probability * 201, 1, 1e-5) << size;
+            EXPECT_NEAR(small / kCount * 201, 1, 4 * std::sqrt(201.0 / kCount)) << size;
+        }
+    }
+}
+
+// Steps so unequal that all but one have less than 2^-24 of the whole, in order, each evenly filled.
+TEST(PiecewiseConstant, FollowsItsWeightsHoweverSmall) {
+    constexpr std::uint32_t kSize = 2048, kLarge = 700;
+    std::vector<double> weight(kSize, 1);
+    weight[kLarge] = 4e7;
+    const PiecewiseConstant steps{weight};
+    Numbers u(16);
+    double whole = 0, middle = 0;
+    for (std::uint32_t i = 0; i < kSize; ++i) {
+        whole += steps.probability(i);
+        if (i == kLarge) continue;
+        ASSERT_NEAR(steps.probability(i) * 4e7, 1, 0.02);  // 2^-32 of the whole is 0.9 % of a step
+        Uniform begin, inside;
+        std::uint64_t from = 0, to = ~std::uint64_t{0};  // the first number of the step, by halving
+        while (from < to) {
+            const std::uint64_t half = from + (to - from) / 2;
+            (steps.sample({half}, inside) < i ? from : to) = steps.sample({half}, inside) < i ? half + 1 : half;
+        }
+        ASSERT_EQ(steps.sample({from}, begin), i);
+        ASSERT_EQ(begin.bits, 0u);
+        const auto width = static_cast<std::uint64_t>(steps.probability(i) * 0x1p64);
+        ASSERT_EQ(steps.sample({from + width / 2}, inside), i);
+        ASSERT_NEAR(inside, 0.5, 1e-6);
+        ASSERT_EQ(steps.sample({from + width - 1}, inside), i);
+        ASSERT_NEAR(inside, 1, 1e-6);
+    }
+    EXPECT_EQ(whole, 1);
+    for (int n = 0; n < 10'000; ++n) {
+        Uniform inside;
+        EXPECT_EQ(steps.sample(u(), inside), kLarge);
+        middle += static_cast<double>(inside) / 10'000;
+    }
+    EXPECT_NEAR(middle, 0.5, 4 * std::sqrt(1 / 12.0 / 10'000));
+}
+
+TEST(Uniform, KeepsBitsForEveryNumberThatIsTakenFromIt) {
+    Numbers u(17);
+    for (const std::uint32_t n : {1u, 2u, 3u, 28u, 1'000'000u, 4'000'000'000u}) {
+        double middle = 0;
+        for (int i = 0; i < 1000; ++i) {
+            const Uniform x = u();
+            const double scaled = static_cast<double>(x.bits) * 0x1p-64 * n;
+            ASSERT_NEAR(x.index(n) + static_cast<double>(x.within(n).bits) * 0x1p-64, scaled, 1e-6);
+            middle += static_cast<double>(x.within(n)) / 1000;
+        }
+        EXPECT_NEAR(middle, 0.5, 4 * std::sqrt(1 / 12.0 / 1000)) << n;
+    }
+    EXPECT_EQ(Uniform{~std::uint64_t{0}}.index(28), 27u);
+    EXPECT_LT(Uniform{~std::uint64_t{0}}, 1.0f);
+    EXPECT_EQ(Uniform{3}, 0x1p-63f);  // small numbers keep their digits
+    EXPECT_EQ(Uniform{std::uint64_t{1} << 30}, 0x1p-34f);
 }
 
 TEST(Sampling, DiskAndTriangleAreUniform) {

@@ -120,8 +120,7 @@ void Bidirectional::join_one_of_each_length() {
         std::uint32_t m = 0;
         for (std::size_t i = first; i <= last; ++i) m += light_[i].connectible() && eye_[sum - i].connectible();
         if (m == 0) continue;
-        std::uint32_t skip =
-            std::min(static_cast<std::uint32_t>(eye_number(sum, Dimension::kConnection) * static_cast<float>(m)), m - 1);
+        std::uint32_t skip = eye_number(sum, Dimension::kConnection).index(m);
         for (std::size_t i = first; i <= last; ++i) {
             if (light_[i].connectible() && eye_[sum - i].connectible() && skip-- == 0) {
                 join(i, sum - i, static_cast<float>(m));

@@ -42,14 +42,14 @@ class Bidirectional {
     void trace(double u, double v);
 
  private:
-    float eye_number(std::size_t vertex, std::uint32_t what) const {
+    Uniform eye_number(std::size_t vertex, std::uint32_t what) const {
         return sample_.numbers(Dimension::of_camera_vertex(static_cast<std::uint32_t>(vertex), what));
     }
-    float light_number(std::size_t vertex, std::uint32_t what) const {
+    Uniform light_number(std::size_t vertex, std::uint32_t what) const {
         return sample_.numbers(Dimension::of_light_vertex(static_cast<std::uint32_t>(vertex), what));
     }
     // Numbers of the step that leads to vertex i, and of scattering there.
-    float number(bool from_eye, std::size_t i, std::uint32_t what) const {
+    Uniform number(bool from_eye, std::size_t i, std::uint32_t what) const {
         return from_eye ? eye_number(i - 1, what) : light_number(i, what);
     }
 

@@ -12,7 +12,8 @@ void Bidirectional::trace_eye(double u, double v) {
     SubpathVertex& x = eye_[0];
     Step step;
     Vec3f origin;
-    camera.ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : 0, lens ? sample_.numbers(Dimension::kLensV) : 0, origin, step.d);
+    camera.ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{}, lens ? sample_.numbers(Dimension::kLensV) : Uniform{},
+               origin, step.d);
     x = {};
     x.at = {origin, 0, {}};
     x.normal = camera.axis();

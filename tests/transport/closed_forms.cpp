@@ -1,0 +1,66 @@
+#include "tests/transport/closed_forms.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+namespace latent::render::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kReflectance = 0.5;
+
+// A floor in z = 0, seen by a camera that covers +- `half` about the origin.
+std::string floor_seen(double half) {
+    return fmt::format(
+        "LookAt 3 0 3  0 0 0  0 0 1\nCamera \"orthographic\" \"float screenwindow\" [{0} {1} {0} {1}]\nWorldBegin\n"
+        "Material \"diffuse\" \"spectrum reflectance\" [360 {2} 830 {2}]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-99 -99 0  99 -99 0  0 99 0] \"integer indices\" [0 1 2]\n",
+        -half, half, kReflectance);
+}
+
+// A square of side 2 `half` at height z of 2 x columns x rows triangles that face up or down.
+std::string grid(double half, double z, bool up, std::uint32_t columns, std::uint32_t rows) {
+    std::string text = "Shape \"trianglemesh\" \"point3 P\" [";
+    auto out = std::back_inserter(text);
+    for (std::uint32_t y = 0; y <= rows; ++y) {
+        for (std::uint32_t x = 0; x <= columns; ++x)
+            fmt::format_to(out, " {} {} {}", half * (2.0 * x / columns - 1), half * (2.0 * y / rows - 1), z);
+    }
+    text += "] \"integer indices\" [";
+    for (std::uint32_t y = 0; y < rows; ++y) {
+        for (std::uint32_t x = 0; x < columns; ++x) {
+            const std::uint32_t a = y * (columns + 1) + x, b = a + 1, c = a + columns + 1, d = c + 1;
+            if (up) {
+                fmt::format_to(out, " {} {} {} {} {} {}", a, b, d, a, d, c);
+            } else {
+                fmt::format_to(out, " {} {} {} {} {} {}", a, d, b, a, c, d);
+            }
+        }
+    }
+    return text + "]\n";
+}
+
+// Share of a hemisphere's cosine that a square of side 2 `half`, parallel to the floor at height z, fills above the origin.
+double form_factor(double half, double z) {
+    const double a = half / z, s = std::sqrt(1 + a * a);
+    return 4 / kPi * (a / s) * std::atan(a / s);
+}
+
+}  // namespace
+
+ClosedForm lamp_among_large_triangles(std::uint32_t triangles) {
+    const int log2 = std::bit_width(triangles / 4) - 1;
+    const std::uint32_t columns = 1u << (log2 + 1) / 2, rows = 1u << log2 / 2;
+    const std::string lamp = "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\"\n";
+    const double half = 0.01;  // too small to be found by chance: all of its light is from points drawn on it
+    return {.name = fmt::format("a lamp of {} of {} triangles", 2 * columns * rows, 4 * columns * rows),
+            .scene = scene_from(floor_seen(1e-3) + lamp + grid(half, 2, false, columns, rows) +
+                                grid(half * std::sqrt(200), 3, true, columns, rows)),
+            .y = kReflectance * form_factor(half, 2)};
+}
+
+}  // namespace latent::render::testing

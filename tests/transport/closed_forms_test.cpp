@@ -1,0 +1,28 @@
+// Light whose amount is known exactly, where single precision or few random bits would spoil it. bench/closed_forms has larger
+// sizes.
+#include "tests/transport/closed_forms.h"
+
+#include "tests/transport/picture_mean.h"
+
+namespace latent::render::testing {
+namespace {
+
+// Fails unless Y of the picture is within `tolerance` of what it should be, by path and by bdpt.
+void expect_exact(ClosedForm form, std::uint64_t samples, double tolerance) {
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        SCOPED_TRACE(form.name + (kind == IntegratorKind::kPath ? ", path" : ", bdpt"));
+        form.settings.kind = kind;
+        form.settings.seed = 5;
+        EXPECT_NEAR(mean_of_picture(form.scene, form.settings, samples).xyz[1], form.y, tolerance * form.y);
+    }
+}
+
+// One sample in 201 draws a point of the lamp. Its choice is spread out: 200,000 samples have a standard deviation of 0.3 %.
+TEST(ClosedForms, ALampOfManyTrianglesShinesWhateverElseThereIsToChoose) {
+    for (const std::uint32_t triangles : {1024u, 16'384u, 131'072u}) {
+        expect_exact(lamp_among_large_triangles(triangles), 200'000, 0.012);
+    }
+}
+
+}  // namespace
+}  // namespace latent::render::testing
