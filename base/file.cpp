@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "base/hidden_name.h"
+
 namespace latent {
 
 namespace {
@@ -21,10 +23,6 @@ int open_retrying(const char* path, int flags, mode_t mode = 0) {
     do fd = ::open(path, flags | O_CLOEXEC, mode);
     while (fd < 0 && errno == EINTR);
     return fd;
-}
-
-std::filesystem::path hidden_name(const std::filesystem::path& path) {
-    return folder_of(path) / fmt::format(".{}.{}.tmp", path.filename().string(), make_nonce());
 }
 
 bool kernel_copy_unavailable(int error) {
@@ -154,6 +152,7 @@ Status File::close() {
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool replace) {
+    remove_abandoned(path);
     std::error_code ignored;
     if (!replace && std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) {
         return Error{ErrorCode::kExists, path.string() + ": exists already (--force replaces it)"};
@@ -164,14 +163,15 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool re
     OutputFile out;
     out.path_ = path;
     out.replace_ = replace;
-    const std::filesystem::path folder = folder_of(path);
-    int fd = open_retrying(folder.c_str(), O_RDWR | O_TMPFILE, 0666);
-    if (fd < 0) {
+    out.file_ = File(open_retrying(folder_of(path).c_str(), O_RDWR | O_TMPFILE, 0666), path);
+    while (!out.file_.is_open()) {
         out.temporary_ = TemporaryPath(hidden_name(path));
-        fd = open_retrying(out.temporary_.path().c_str(), O_RDWR | O_CREAT | O_EXCL, 0666);
-        if (fd < 0) return error_from_errno(errno, path.string(), "cannot create");
+        out.file_ = File(open_retrying(out.temporary_.path().c_str(), O_RDWR | O_CREAT | O_EXCL, 0666), path);
+        if (!out.file_.is_open()) return error_from_errno(errno, path.string(), "cannot create");
+        const int fd = out.file_.descriptor();
+        if (!lock_hidden(fd) || !is_named(fd, out.temporary_.path())) out.file_ = File();
     }
-    out.file_ = File(fd, path);
+    if (out.temporary_.empty()) lock_hidden(out.file_.descriptor());  // before it gets a name
     return out;
 }
 

@@ -52,7 +52,8 @@ class File {
 };
 
 // A file that will be `path` once `publish` succeeds; until then nothing of that name is there, or what was there stays. Where
-// the file system allows it the file has no name at all meanwhile, so that even kill -9 leaves nothing; else a hidden one.
+// the file system allows it the file has no name at all meanwhile; else, and for a moment when it replaces another, a hidden one
+// (hidden_name.h). What a killed process left of those is removed when the same output is next created.
 class OutputFile {
  public:
     // Errors: kExists if `path` exists and `replace` is false (checked again, atomically, by `publish`).

@@ -24,8 +24,7 @@ struct DeepZoomOptions {
 // Sizes of the pyramid: the picture, then halved (rounding up) until both sides are 1.
 std::vector<PixelFormat> deep_zoom_levels(int width, int height);
 
-// Tiles are gathered in a hidden folder beside the result, gone if the writer is destroyed before `publish`; if its process is
-// killed, the next writer of the same pyramid removes it.
+// Tiles, page and descriptor are an OutputSet: gathered in a hidden folder beside the result and named together.
 class DeepZoomWriter {
  public:
     // `path` ends in .dzi; `page` is the text of NAME.html, or empty for none. Errors: kExists (naming which of the three), kIo.
@@ -35,7 +34,7 @@ class DeepZoomWriter {
     virtual ~DeepZoomWriter() = default;
     // The next rows, 8 bits, of the picture after `halvings` halvings. Tiles are encoded and written by all threads.
     virtual Status write_rows(std::size_t halvings, ByteSpan rows) = 0;
-    // As of RowWriter. The folder gets its name first, the descriptor last; if that fails, none of them stays.
+    // As of RowWriter. The folder gets its name first, the descriptor last.
     virtual Status finish() = 0;
     virtual Status publish() = 0;
 };

@@ -1,11 +1,15 @@
 #include "base/file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "base/hidden_name.h"
 #include "tests/faults/process.h"
 
 namespace latent {
@@ -60,6 +64,24 @@ TEST_F(FileTest, AReplacedOutputKeepsItsOldContentUntilThen) {
     ASSERT_TRUE(out->publish());
     EXPECT_EQ(testing::read_text(folder_ / "a"), "new");
     EXPECT_EQ(folder_.names().size(), 1u);
+}
+
+TEST_F(FileTest, WhatADeadOwnerLeftIsRemovedWhenTheSameOutputIsNextCreatedAndNothingElse) {
+    const std::string nonce = "0123456789abcdef";
+    std::vector<std::string> kept = {".a." + nonce + ".tmp.old", ".a." + nonce + "0.tmp", ".a.0123456789ABCDEF.tmp",
+                                     ".ab." + nonce + ".tmp", "a." + nonce + ".tmp"};
+    for (const std::string& name : kept) std::ofstream(folder_ / name) << "x";
+    std::ofstream(folder_ / (".a." + nonce + ".tmp")) << "x";
+    std::ofstream(folder_ / ".a.ffffffffffffffff.tmp") << "x";
+    const int living = ::open((folder_ / ".a.ffffffffffffffff.tmp").c_str(), O_RDONLY | O_CLOEXEC);
+    ASSERT_TRUE(lock_hidden(living));
+    kept.push_back(".a.ffffffffffffffff.tmp");
+    ASSERT_TRUE(OutputFile::create(folder_ / "a", false));
+    std::ranges::sort(kept);
+    EXPECT_EQ(folder_.names(), kept);
+    ::close(living);
+    ASSERT_TRUE(OutputFile::create(folder_ / "a", true));
+    EXPECT_EQ(folder_.names().size(), kept.size() - 1);
 }
 
 TEST_F(FileTest, OnlyAFileIsEverReplaced) {

@@ -1,10 +1,11 @@
 // tests/faults/fault_shim.cpp: a library for LD_PRELOAD that makes chosen system calls of a program fail, as a disk would.
 //
-//   LATENT_FAULT=CALL:N:WHAT[,...]   CALL  write (write, pwrite), read (read, pread), sync (fsync, fdatasync), unlink,
-//                                          copy (copy_file_range), link (link, linkat, rename, renameat2),
-//                                          create (open with O_CREAT or O_TMPFILE)
+//   LATENT_FAULT=CALL:N:WHAT[,...]   CALL  write (write, pwrite), read (read, pread), sync (fsync, fdatasync), mkdir,
+//                                          unlink (unlink, unlinkat), copy (copy_file_range), link (link, linkat, rename,
+//                                          renameat2), renameat2 (that alone), create (open with O_CREAT or O_TMPFILE), lock
+//                                          (flock)
 //                                    N     the N-th such call, counted from 1; "N+" that one and all later ones
-//                                    WHAT  EIO, ENOSPC, EDQUOT, EINTR, EXDEV, EROFS, EACCES, EMFILE: fail so;
+//                                    WHAT  EIO, ENOSPC, EDQUOT, EINTR, EXDEV, EROFS, EACCES, EMFILE, EINVAL, ENOLCK: fail so;
 //                                          short: transfer half of the bytes (1 at least); zero: return 0, nothing transferred;
 //                                          flip: transfer all, but with a bit of the middle byte flipped;
 //                                          kill, kill-after: SIGKILL before or after the call;
@@ -101,8 +102,8 @@ int errno_named(const std::string& name) {
     static const struct {
         const char* name;
         int value;
-    } kTable[] = {{"EIO", EIO},     {"ENOSPC", ENOSPC}, {"EDQUOT", EDQUOT}, {"EINTR", EINTR},
-                  {"EXDEV", EXDEV}, {"EROFS", EROFS},   {"EACCES", EACCES}, {"EMFILE", EMFILE}};
+    } kTable[] = {{"EIO", EIO},     {"ENOSPC", ENOSPC}, {"EDQUOT", EDQUOT}, {"EINTR", EINTR},   {"EXDEV", EXDEV},
+                  {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINVAL", EINVAL}, {"ENOLCK", ENOLCK}};
     for (const auto& entry : kTable) {
         if (name == entry.name) return entry.value;
     }
@@ -237,7 +238,22 @@ int rename(const char* from, const char* to) {
 }
 int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
     static const auto real = next<int(int, const char*, int, const char*, unsigned)>("renameat2");
-    return call_with(fault_of("link", absolute(to)), [&] { return real(from_folder, from, to_folder, to, flags); });
+    const std::string fault = fault_of("renameat2", absolute(to));
+    return call_with(fault.empty() ? fault_of("link", absolute(to)) : fault,
+                     [&] { return real(from_folder, from, to_folder, to, flags); });
+}
+int mkdir(const char* path, mode_t mode) {
+    static const auto real = next<int(const char*, mode_t)>("mkdir");
+    return call_with(fault_of("mkdir", absolute(path)), [&] { return real(path, mode); });
+}
+int flock(int fd, int operation) {
+    static const auto real = next<int(int, int)>("flock");
+    return call_with(fault_of("lock", path_of(fd)), [&] { return real(fd, operation); });
+}
+int unlinkat(int folder, const char* path, int flags) {
+    static const auto real = next<int(int, const char*, int)>("unlinkat");
+    const std::string whole = path[0] == '/' || folder == AT_FDCWD ? absolute(path) : path_of(folder) + "/" + path;
+    return call_with(fault_of("unlink", whole), [&] { return real(folder, path, flags); });
 }
 int unlink(const char* path) {
     static const auto real = next<int(const char*)>("unlink");

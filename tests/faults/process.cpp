@@ -127,14 +127,18 @@ Outcome run_python(const std::string& script, const std::vector<std::string>& ar
     return run(command);
 }
 
+Environment environment_of(const Fault& fault) {
+    return {{"LD_PRELOAD", LATENT_FAULT_SHIM},
+            {"LATENT_FAULT", fault.rule},
+            {"LATENT_FAULT_PATH", fault.path},
+            {"ASAN_OPTIONS", "verify_asan_link_order=0"}};
+}
+
 FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault& fault, const Environment& environment) {
     TemporaryFolder scratch;
-    Environment all = environment;
-    all.insert(all.end(), {{"LD_PRELOAD", LATENT_FAULT_SHIM},
-                           {"LATENT_FAULT", fault.rule},
-                           {"LATENT_FAULT_PATH", fault.path},
-                           {"LATENT_FAULT_HIT", (scratch / "hit").string()},
-                           {"ASAN_OPTIONS", "verify_asan_link_order=0"}});
+    Environment all = environment_of(fault);
+    all.insert(all.end(), environment.begin(), environment.end());
+    all.emplace_back("LATENT_FAULT_HIT", (scratch / "hit").string());
     FaultOutcome outcome;
     static_cast<Outcome&>(outcome) = run(command, all);
     outcome.happened = fs::exists(scratch / "hit");

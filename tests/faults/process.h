@@ -52,6 +52,7 @@ struct FaultOutcome : Outcome {
     bool happened = false;  // the rule met its call
 };
 
+Environment environment_of(const Fault& fault);
 FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault& fault, const Environment& environment = {});
 
 // The built executable of that name ("latent-merge").
