@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "render/bsdf/microfacet.h"
-#include "render/light/lights.h"
+#include "render/bsdf/receiver.h"
 #include "render/math/vec.h"
 #include "render/spectral/batch.h"
 

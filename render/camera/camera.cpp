@@ -2,22 +2,15 @@
 
 #include "render/math/equal_area.h"
 #include "render/sampling/sampling.h"
+#include "render/scene/check.h"
 
 namespace latent::render {
 
 Result<Camera> Camera::make(const CameraDescription& d) {
+    if (const Status s = check_camera(d); !s) return s.error();
     const double scale = length(d.world_from_camera.x);
     const Affined unit(d.world_from_camera.x / scale, d.world_from_camera.y / scale, d.world_from_camera.z / scale,
                        d.world_from_camera.t);
-    const auto off = [](double a, double b) { return std::abs(a - b) > 1e-4; };
-    if (!(scale > 0) || off(length(unit.y), 1) || off(length(unit.z), 1) || off(dot(unit.x, unit.y), 0) ||
-        off(dot(unit.y, unit.z), 0) || off(dot(unit.z, unit.x), 0)) {
-        return Error{ErrorCode::kUnsupported,
-                     "Camera: its transformation skews or stretches; use rotations, translations and mirrors"};
-    }
-    if (d.kind != CameraKind::kPerspective && d.lens_radius > 0) {
-        return Error{ErrorCode::kUnsupported, "Camera: \"lensradius\" is supported with perspective cameras only"};
-    }
     Camera c;
     c.kind_ = d.kind;
     c.mapping_ = d.mapping;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/bsdf/receiver.h"
 #include "render/geometry/geometry.h"
 #include "render/sampling/sampling.h"
 #include "render/scene/description.h"
@@ -48,12 +49,6 @@ struct LightPoint {
     float distance;     // kInfinity for the sky
     float pdf_omega;    // 1/sr at the point that looks; 1 for a delta light
     float falloff = 1;  // delta lights: 1/d^2, times the spot's profile
-};
-
-// What a point of a light is drawn for: the sky is drawn by the cosine to the surface that it will light.
-struct Receiver {
-    Vec3f n;                  // shading normal, on the side that is looked from; 0: in a medium, where all directions are alike
-    bool both_sides = false;  // light from behind counts too
 };
 
 // A ray that a light emits.

@@ -1,4 +1,5 @@
 // The lights of a scene description, their scales resolved and their powers weighed.
+#include "color/light_spectrum.h"
 #include "color/visible_density.h"
 #include "render/light/environment.h"
 #include "render/light/lights.h"

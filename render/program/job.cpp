@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "render/program/make_integrator.h"
 #include "render/program/simd.h"
 
 namespace latent::render {

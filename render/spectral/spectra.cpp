@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/spectral/wavelength_density.h"
+#include "color/light_spectrum.h"
 
 namespace latent::render {
 namespace {

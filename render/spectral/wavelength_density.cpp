@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "color/observer.h"
+#include "color/light_spectrum.h"
 #include "color/visible_density.h"
 
 namespace latent::render {
@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kEyeShare = 0.63, kUniformShare = 0.09, kSpikeShare = 0.28;
 constexpr double kSpikeThreshold = 4;
-constexpr double kNarrowestLine = 0.05;     // nm
 constexpr std::uint32_t kNearKnots = 1024;  // in units of 2^-20 nm: nearer ones are joined
 constexpr std::size_t kMostKnots = 4096;    // that a header holds: docs/format.md, "Header"
 constexpr double kRange = color::kLambdaMax - color::kLambdaMin;
@@ -64,65 +63,6 @@ double peak_over_mean(const color::Spectrum& s) {
 }
 
 }  // namespace
-
-bool has_fine_lines(const color::Spectrum& s) {
-    const auto lambda = s.lambda_nm();
-    for (std::size_t i = 1; i < lambda.size(); ++i) {
-        if (lambda[i] - lambda[i - 1] < 1 && lambda[i] > color::kLambdaMin && lambda[i - 1] < color::kLambdaMax) return true;
-    }
-    return false;
-}
-
-color::Spectrum with_lines_widened(const color::Spectrum& s) {
-    std::vector<double> lambda(s.lambda_nm().begin(), s.lambda_nm().end());
-    std::vector<double> value(s.values().begin(), s.values().end());
-    const bool ends = s.outside() == color::Outside::kZero;
-    for (std::size_t next = 0; next < lambda.size();) {
-        std::size_t first = next++;
-        if (value[first] == 0) continue;
-        while (next < lambda.size() && value[next] != 0) ++next;
-        std::size_t last = next - 1;
-        if (!ends && (first == 0 || next == lambda.size())) continue;
-        if (first > 0) --first;
-        if (next < lambda.size()) last = next;
-        const double width = lambda[last] - lambda[first];
-        if (!(width > 0 && width < kNarrowestLine)) continue;
-        const double middle = 0.5 * (lambda[first] + lambda[last]), stretch = kNarrowestLine / width;
-        for (std::size_t i = first; i <= last; ++i) {
-            lambda[i] = middle + (lambda[i] - middle) * stretch;
-            value[i] /= stretch;
-        }
-    }
-    // Lines so near to each other that they now overlap are left as they were.
-    const Result<color::Spectrum> widened = color::Spectrum::from_samples(std::move(lambda), std::move(value), s.outside());
-    return widened ? *widened : s;
-}
-
-double luminance(const color::Spectrum& s) {
-    if (!has_fine_lines(s)) return color::photometric_sum(s);
-    const auto y_bar = [](double nm) { return color::Observer::cie1931().at(nm)[1]; };
-    double sum = 0;
-    // Simpson's rule from whole nm to whole nm, where both functions are straight.
-    const auto add = [&](double from, double value_from, double to, double value_to) {
-        const auto product = [&](double nm) {
-            return (value_from + (nm - from) / (to - from) * (value_to - value_from)) * y_bar(nm);
-        };
-        const double end = std::min(to, color::kLambdaMax);
-        for (double a = std::max(from, color::kLambdaMin); a < end;) {
-            const double b = std::min(std::floor(a) + 1, end);
-            sum += (b - a) / 6 * (product(a) + 4 * product(0.5 * (a + b)) + product(b));
-            a = b;
-        }
-    };
-    const auto nm = s.lambda_nm(), value = s.values();
-    const auto knot = [&](std::size_t i) { return static_cast<double>(static_cast<float>(nm[i])); };  // as SpectrumTable has it
-    for (std::size_t i = 0; i + 1 < nm.size(); ++i) add(knot(i), value[i], knot(i + 1), value[i + 1]);
-    if (s.outside() == color::Outside::kClamped) {
-        add(color::kLambdaMin, value.front(), knot(0), value.front());
-        add(knot(nm.size() - 1), value.back(), color::kLambdaMax, value.back());
-    }
-    return sum;
-}
 
 sampledb::WavelengthDensity wavelength_density(const std::vector<LightSpectrum>& lights) {
     std::vector<double> nm;

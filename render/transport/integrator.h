@@ -2,11 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 
-#include "base/result.h"
-#include "render/geometry/geometry.h"
 #include "render/scene/description.h"
 #include "sampledb/data/film_position.h"
 #include "sampledb/data/record.h"
@@ -48,9 +45,5 @@ class Integrator {
     virtual const sampledb::WavelengthDensity& density() const = 0;
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
 };
-
-// Both must outlive the integrator. Errors: kUnsupported, kOutOfRange (what the description says and transport refuses).
-Result<std::unique_ptr<Integrator>> make_integrator(const SceneDescription& scene, const Geometry& geometry,
-                                                    const IntegratorSettings& settings);
 
 }  // namespace latent::render

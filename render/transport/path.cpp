@@ -1,5 +1,5 @@
-// Path tracing: from the eye, with a light sampled at every vertex, and what the path runs into by itself; the two weighed by the
-// power heuristic. In a medium the light of points is sampled along the ray too. docs/rendering.md, "Path tracing" and "Media".
+#include "render/transport/path.h"
+
 #include "render/medium/equiangular.h"
 #include "render/transport/transport.h"
 

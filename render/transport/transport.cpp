@@ -1,7 +1,5 @@
 #include "render/transport/transport.h"
 
-#include "render/transport/bidirectional/bdpt.h"
-
 namespace latent::render {
 
 Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& settings)
@@ -47,15 +45,6 @@ std::vector<std::uint32_t> important_dimensions(const World& world) {
     vertex(1, {D::kLightU, D::kLightV, D::kDirectionU, D::kDirectionV, D::kLobe, D::kLight, D::kSurvival});
     if (world.has_media()) vertex(0, {D::kEquiangular});
     return list;
-}
-
-Result<std::unique_ptr<Integrator>> make_integrator(const SceneDescription& scene, const Geometry& geometry,
-                                                    const IntegratorSettings& settings) {
-    if (settings.batch < 4 || settings.batch > kLanes) return Error{ErrorCode::kOutOfRange, "--wavelengths: wants 4 to 32"};
-    Result<std::unique_ptr<World>> world = World::build(scene, geometry);
-    if (!world) return world.error();
-    if (settings.kind == IntegratorKind::kBdpt) return make_bdpt_integrator(std::move(*world), settings);
-    return make_path_integrator(std::move(*world), settings);
 }
 
 }  // namespace latent::render

@@ -61,6 +61,4 @@ class Transport : public Integrator {
 // The dimensions of one sample in the order in which they should be well spread, for the camera subpath of this world.
 std::vector<std::uint32_t> important_dimensions(const World& world);
 
-std::unique_ptr<Integrator> make_path_integrator(std::unique_ptr<World> world, const IntegratorSettings& settings);
-
 }  // namespace latent::render

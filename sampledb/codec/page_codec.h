@@ -12,12 +12,6 @@
 
 namespace latent::sampledb {
 
-// The most records that a page of this job holds.
-std::size_t max_page_records(const Job& job);
-
-// Bytes of all columns of a page in memory.
-std::uint64_t decoded_page_size(const Job& job, RecordClass record_class, std::uint64_t records, std::uint64_t pairs);
-
 // Appends the stored bytes of `page` to `out` and says what the index needs to know (offset excepted). Its records lie in one
 // node and are sorted; positions are left out where the job's sampler yields every one of them.
 PageInfo encode_page(const Job& job, const Page& page, Bytes& out);

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "sampledb/format/file_format.h"
+#include "sampledb/data/limits.h"
 
 namespace latent::sampledb {
 

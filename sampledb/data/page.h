@@ -59,4 +59,10 @@ struct Page {
     std::vector<ExtraColumn> extra;
 };
 
+// The most records that a page of this job holds.
+std::size_t max_page_records(const Job& job);
+
+// Bytes of all columns of a page in memory.
+std::uint64_t decoded_page_size(const Job& job, RecordClass record_class, std::uint64_t records, std::uint64_t pairs);
+
 }  // namespace latent::sampledb

@@ -11,9 +11,8 @@ namespace latent::sampledb {
 enum class RecordKind : std::uint8_t { kSpectral = 1, kXyz = 2 };   // what a record stores; one kind per job
 enum class RecordClass : std::uint8_t { kCamera = 0, kLight = 1 };  // radiance seen at (u,v) | energy that reached the film there
 
-inline constexpr std::uint16_t kMaxPairs = 1024;      // pairs of one spectral record
-inline constexpr std::uint16_t kNoIndex = 0xFFFF;     // the record keeps its whole batch, or nothing
-inline constexpr std::uint32_t kGrainSamples = 1024;  // samples of one grain
+inline constexpr std::uint16_t kMaxPairs = 1024;   // pairs of one spectral record
+inline constexpr std::uint16_t kNoIndex = 0xFFFF;  // the record keeps its whole batch, or nothing
 
 // A further column that the job names: one value of fixed width per record.
 enum class ColumnType : std::uint8_t { kU8 = 1, kU16 = 2, kU32 = 3, kU64 = 4, kF32 = 5, kF64 = 6 };

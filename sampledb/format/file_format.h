@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "sampledb/data/coverage.h"
 #include "sampledb/data/job.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/data/page.h"
 
 namespace latent::sampledb {
@@ -19,19 +20,6 @@ inline constexpr std::size_t kRunHeaderSize = 256;
 inline constexpr std::size_t kIntervalSize = 16;
 inline constexpr std::size_t kPageEntrySize = 48;
 inline constexpr std::size_t kRunEntrySize = 128;  // a run in the footer: its header without what is the same in all
-
-// Ceilings: checked before anything of that size is allocated.
-inline constexpr std::uint64_t kMaxHeaderSize = std::uint64_t{1} << 20;
-inline constexpr std::uint64_t kMaxRunsPerFile = std::uint64_t{1} << 20;
-inline constexpr std::uint64_t kMaxPagesPerRun = std::uint64_t{1} << 20;
-inline constexpr std::uint64_t kMaxIntervalsPerRun = std::uint64_t{1} << 16;
-inline constexpr std::uint64_t kMaxRecordsPerPage = 6144;                     // of any job; max_page_records says it of one
-inline constexpr std::uint64_t kMaxPairsPerPage = 3072 * 28;                  // of all its records
-inline constexpr std::uint64_t kMaxDecodedPage = std::uint64_t{2} << 20;      // 6144 records of 16 wide columns, and their pairs
-inline constexpr std::uint64_t kMaxStoredOverhead = std::uint64_t{64} << 10;  // a stored page is at most this larger than decoded
-inline constexpr std::size_t kMaxExtraColumns = 16;
-inline constexpr std::size_t kMaxNameSize = 64;  // UTF-8 bytes of an extra column's name
-inline constexpr std::size_t kMaxProvenanceSize = std::size_t{512} << 10;
 
 // The file header: the job, and where this file comes from. It stands twice at the start of a file, so that no single
 // damage makes the runs behind it unreadable.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "sampledb/codec/page_codec.h"
 #include "sampledb/data/z_order.h"
 #include "sampledb/format/file_format.h"
 #include "sampledb/format/frames.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sampledb/data/record.h"
+#include "sampledb/data/grain.h"
 
 namespace latent::sampledb {
 

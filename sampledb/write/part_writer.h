@@ -10,8 +10,8 @@
 
 #include "base/result.h"
 #include "sampledb/data/coverage.h"
+#include "sampledb/data/grain.h"
 #include "sampledb/data/job.h"
-#include "sampledb/data/record.h"
 
 namespace latent::sampledb {
 
@@ -21,12 +21,6 @@ struct PartOptions {
     double checkpoint_seconds = 60;  // that much rendering, and the grains in work, is the most that a kill may cost
     std::string provenance_json;     // host, date, version, scene: kept in this file's header only
     bool force = false;              // start over, whatever is there under this name
-};
-
-// One sample number's worth of records for 1024 consecutive samples, or fewer at the end of a range.
-struct Grain {
-    SampleRange range;  // first is a multiple of kGrainSamples
-    Records records;    // in any order; all records of all its samples, light records included
 };
 
 struct WriterCounts {

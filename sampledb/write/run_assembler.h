@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sampledb/data/coverage.h"
+#include "sampledb/data/grain.h"
 #include "sampledb/data/job.h"
-#include "sampledb/write/part_writer.h"
 
 namespace latent::sampledb {
 

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "sampledb/data/record.h"
+#include "sampledb/data/grain.h"
 
 namespace latent::sampledb {
 namespace {

@@ -1,4 +1,4 @@
-// The arrows of README.md's diagram, read from the includes: libraries build on base, programs on libraries, nothing points back.
+// The arrows of CONTRIBUTING.md's diagrams, read from the includes: nothing points back, and every file is in a room.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,31 +15,68 @@ namespace {
 namespace fs = std::filesystem;
 using Rooms = std::set<std::string>;
 
-// Room -> rooms whose headers it may include, besides its own.
+// Room -> rooms below it. A file may include headers of its own room and of all that arrows lead to from there, step by step.
 const std::map<std::string, Rooms>& arrows() {
     static const std::map<std::string, Rooms> table = {
         {"base", {}},
-        {"sampledb", {"base"}},
         {"color", {"base"}},
         {"image", {"base"}},
-        {"render", {"base", "sampledb", "color", "image"}},
-        {"tools/merge", {"base", "sampledb"}},
-        {"tools/develop", {"base", "sampledb", "color", "image"}},
-        {"tools/convert", {"base", "color", "image"}},
-        {"tools/inspect", {"base", "sampledb"}},
+
+        {"sampledb/data", {"base"}},
+        {"sampledb/format", {"sampledb/data"}},
+        {"sampledb/codec", {"sampledb/format"}},
+        {"sampledb/read", {"sampledb/codec"}},
+        {"sampledb/write", {"sampledb/read"}},
+
+        {"render/math", {"base"}},
+        {"render/spectral", {"color", "sampledb/data"}},
+        {"render/sampling", {"render/math", "render/spectral"}},
+        {"render/scene", {"render/math", "render/spectral"}},
+        {"render/geometry", {"render/sampling", "render/scene"}},
+        {"render/bsdf", {"render/sampling", "render/scene"}},
+        {"render/camera", {"render/sampling", "render/scene"}},
+        {"render/light", {"render/geometry", "render/bsdf", "render/camera"}},
+        {"render/medium", {"render/light"}},
+        {"render/world", {"render/medium"}},
+        {"render/transport", {"render/world"}},
+        {"render/transport/bidirectional", {"render/transport"}},
+        {"render/load/mesh", {"render/scene"}},
+        {"render/load/files", {"render/scene", "image"}},
+        {"render/load/pbrt", {"render/load/files", "render/load/mesh"}},
+        {"render/load", {"render/load/pbrt"}},
+        {"render/program", {"render/transport/bidirectional", "render/load", "sampledb/write"}},
+        {"render/main.cpp", {"render/program"}},
+
+        {"tools/merge", {"sampledb/read"}},
+        {"tools/develop", {"sampledb/read", "color", "image"}},
+        {"tools/convert", {"color", "image"}},
+        {"tools/inspect", {"sampledb/write"}},
     };
     return table;
 }
 
-// The room of a path relative to the source tree; "" if it is in none.
-std::string room_of(const std::string& path) {
-    for (const auto& [room, allowed] : arrows()) {
-        if (path.rfind(room + "/", 0) == 0) return room;
+// The room of a path relative to the source tree: its folder, or a main that stands before inner rooms; "" if it is in none.
+std::string room_of(const fs::path& path) {
+    for (const std::string& room : {path.string(), path.parent_path().string()}) {
+        if (arrows().count(room) != 0) return room;
     }
     return "";
 }
 
-bool is_source(const fs::path& path) { return path.extension() == ".h" || path.extension() == ".cpp"; }
+// All that arrows lead to from `room`.
+Rooms below(const std::string& room) {
+    Rooms reached, open = arrows().at(room);
+    while (!open.empty()) {
+        const std::string next = *open.begin();
+        open.erase(open.begin());
+        if (reached.insert(next).second) open.insert(arrows().at(next).begin(), arrows().at(next).end());
+    }
+    return reached;
+}
+
+// "render" of "render/light/lights.h".
+std::string top_folder(const std::string& path) { return path.substr(0, path.find('/')); }
+const Rooms kTopFolders = {"base", "color", "image", "sampledb", "render", "tools"};
 
 // The name between quotes that a line includes; "" if there is none.
 std::string included(std::string line) {
@@ -52,45 +89,84 @@ std::string included(std::string line) {
 std::vector<std::string> reversed_arrows(const std::string& file, std::istream& text) {
     std::vector<std::string> wrong;
     const std::string from = room_of(file);
+    const Rooms allowed = below(from);
     std::string line;
     while (std::getline(text, line)) {
         const std::string header = included(line), to = room_of(header);
-        if (!to.empty() && to != from && arrows().at(from).count(to) == 0) wrong.push_back(file + " includes " + header);
+        if (kTopFolders.count(top_folder(header)) == 0 || to == from) continue;
+        if (allowed.count(to) == 0) wrong.push_back(file + " includes " + header);
     }
     return wrong;
 }
 
-TEST(Structure, EveryIncludePointsDownTheArrows) {
-    const fs::path source = LATENT_SOURCE_DIR;
-    std::size_t files = 0;
-    for (const auto& [room, allowed] : arrows()) {
-        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(source / room)) {
-            if (!entry.is_regular_file() || !is_source(entry.path())) continue;
-            ++files;
-            std::ifstream text(entry.path());
-            for (const std::string& wrong : reversed_arrows(fs::relative(entry.path(), source).string(), text))
-                ADD_FAILURE() << wrong;
+// Headers and sources of the top folders, relative to the source tree.
+std::vector<std::string> all_sources() {
+    const fs::path tree = LATENT_SOURCE_DIR;
+    std::vector<std::string> files;
+    for (const std::string& top : kTopFolders) {
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / top)) {
+            const fs::path& path = entry.path();
+            if (path.extension() == ".h" || path.extension() == ".cpp") files.push_back(fs::relative(path, tree).string());
         }
     }
-    EXPECT_GT(files, 10u);
+    return files;
+}
+
+std::string content(const std::string& file) {
+    std::ifstream text(fs::path(LATENT_SOURCE_DIR) / file);
+    return {std::istreambuf_iterator<char>(text), {}};
+}
+
+TEST(Structure, EveryFileIsInARoom) {
+    EXPECT_GT(all_sources().size(), 100u);
+    for (const std::string& file : all_sources()) EXPECT_NE(room_of(file), "") << file;
+    EXPECT_EQ(room_of("render/math.h"), "");
+    EXPECT_EQ(room_of("sampledb/codec/simd/planes.h"), "");
+    EXPECT_EQ(room_of("render/transport/bidirectional/walk.cpp"), "render/transport/bidirectional");
+}
+
+TEST(Structure, EveryIncludePointsDownTheArrows) {
+    for (const std::string& file : all_sources()) {
+        if (room_of(file).empty()) continue;
+        std::istringstream text(content(file));
+        for (const std::string& wrong : reversed_arrows(file, text)) ADD_FAILURE() << wrong;
+    }
 }
 
 TEST(Structure, AReversedArrowIsCaught) {
-    std::istringstream up("#include \"render/scene.h\"\n");
-    EXPECT_EQ(reversed_arrows("sampledb/data/page.h", up).size(), 1u);
-    std::istringstream across("  # include  \"sampledb/data/page.h\"\n");
-    EXPECT_EQ(reversed_arrows("tools/convert/convert.cpp", across).size(), 1u);
-    std::istringstream down("#include \"base/result.h\"\n");
-    EXPECT_TRUE(reversed_arrows("sampledb/data/page.h", down).empty());
+    const auto wrong = [](const std::string& file, const std::string& header) {
+        std::istringstream text("  # include  \"" + header + "\"\n");
+        return reversed_arrows(file, text).size();
+    };
+    EXPECT_EQ(wrong("sampledb/data/page.h", "render/scene/description.h"), 1u);
+    EXPECT_EQ(wrong("tools/convert/convert.cpp", "sampledb/data/page.h"), 1u);
+    EXPECT_EQ(wrong("tools/develop/develop.cpp", "sampledb/write/part_writer.h"), 1u);
+    EXPECT_EQ(wrong("render/bsdf/scattering.h", "render/light/lights.h"), 1u);
+    EXPECT_EQ(wrong("render/bsdf/scattering.h", "render/geometry/geometry.h"), 1u);  // side by side
+    EXPECT_EQ(wrong("sampledb/format/run_frame.cpp", "sampledb/codec/page_codec.h"), 1u);
+    EXPECT_EQ(wrong("render/world/world.h", "render/world.h"), 1u);  // in no room
+    EXPECT_EQ(wrong("sampledb/data/page.h", "base/result.h"), 0u);
+    EXPECT_EQ(wrong("render/world/world.h", "render/math/vec.h"), 0u);
+    EXPECT_EQ(wrong("render/world/world.cpp", "hwy/highway.h"), 0u);
+}
+
+TEST(Structure, TheArrowsFormNoCircle) {
+    for (const auto& [room, direct] : arrows()) EXPECT_EQ(below(room).count(room), 0u) << room;
+}
+
+TEST(Structure, EveryRoomSaysWhatItIsFor) {
+    const std::string pages = content("README.md") + content("CONTRIBUTING.md");
+    for (const auto& [room, direct] : arrows()) {
+        const bool named = pages.find("`" + room + "/`") != std::string::npos || pages.find("`" + room + "`") != std::string::npos;
+        EXPECT_TRUE(named) << room;
+    }
 }
 
 TEST(Structure, EveryMainIsATableOfContents) {
     for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/inspect"}) {
-        const fs::path main = fs::path(LATENT_SOURCE_DIR) / tool / "main.cpp";
-        std::ifstream text(main);
-        ASSERT_TRUE(text) << main;
-        const auto lines = std::count(std::istreambuf_iterator<char>(text), {}, '\n');
-        EXPECT_LT(lines, 120) << main;
+        const std::string main = content(std::string(tool) + "/main.cpp");
+        ASSERT_FALSE(main.empty()) << tool;
+        EXPECT_LT(std::count(main.begin(), main.end(), '\n'), 120) << tool;
     }
 }
 

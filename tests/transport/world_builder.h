@@ -7,7 +7,7 @@
 #include <string>
 
 #include "render/load/load_scene.h"
-#include "render/transport/integrator.h"
+#include "render/program/make_integrator.h"
 #include "render/world/world.h"
 #include "tests/render/scenes.h"
 

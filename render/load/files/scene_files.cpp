@@ -3,7 +3,6 @@
 #include <bit>
 
 #include "base/file.h"
-#include "color/named_spectra.h"
 
 namespace latent::render {
 
@@ -32,26 +31,6 @@ void SceneFiles::count(double value) {
     std::byte bytes[sizeof(double)];
     store_le(bytes, std::bit_cast<std::uint64_t>(value == 0 ? 0.0 : value));  // -0 is 0
     hasher_.update(bytes);
-}
-
-void SceneFiles::count(const Directive& directive) {
-    count(directive.name);
-    count(static_cast<double>(directive.strings.size()));
-    for (const std::string& s : directive.strings) count(s);
-    count(static_cast<double>(directive.numbers.size()));
-    for (const double x : directive.numbers) count(x);
-    count(static_cast<double>(directive.parameters.size()));
-    for (const Parameter& p : directive.parameters) {
-        count(p.type);
-        count(p.name);
-        count(static_cast<double>(p.numbers.size()));
-        for (const double x : p.numbers) count(x);
-        for (const bool x : p.flags) count(x ? 1.0 : 0.0);
-        for (const std::string& s : p.strings) {
-            const bool is_file = p.name == "filename" || (p.type == "spectrum" && !color::named_spectrum(s));
-            if (!is_file) count(s);
-        }
-    }
 }
 
 }  // namespace latent::render

@@ -7,7 +7,6 @@
 
 #include "base/hash.h"
 #include "base/result.h"
-#include "render/load/pbrt/directive.h"
 
 namespace latent::render {
 
@@ -22,8 +21,7 @@ class SceneFiles {
     // The same of a file that the scene names; its content counts in the hash, its name does not.
     Result<std::string> read(const std::string& name);
 
-    // A directive that shapes the picture. File names are left out: the files' content counts.
-    void count(const Directive& directive);
+    // What else shapes the picture counts too.
     void count(std::string_view text);
     void count(double value);
     Hash128 hash() const { return hasher_.digest(); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/pbrt/directive_hash.h"
 #include "render/load/pbrt/entities.h"
 
 namespace latent::render {
@@ -53,7 +54,7 @@ std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation
 void SceneBuilder::apply(const Directive& d) {
     const bool ignored = d.name == "Sampler" || d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option" ||
                          d.name == "TransformTimes";
-    if (!ignored && d.name != "Film" && d.name != "Integrator") files_.count(d);  // those two count in the job, as they are used
+    if (!ignored && d.name != "Film" && d.name != "Integrator") count(d, files_);  // those two count in the job, as they are used
     if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
     if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": not before WorldBegin");
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "render/camera/camera.h"
 #include "render/load/pbrt/builder.h"
 #include "render/load/pbrt/entities.h"
+#include "render/scene/check.h"
 
 namespace latent::render {
 
@@ -67,7 +67,7 @@ void SceneBuilder::place_camera() {
     scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, messages_), scene_.film);
     scene_.camera.world_from_camera = *inverse;
     scene_.camera.medium = state.outside_medium;
-    if (const Result<Camera> camera = Camera::make(scene_.camera); !camera) messages_.error(d.where, camera.error().message);
+    if (const Status fit = check_camera(scene_.camera); !fit) messages_.error(d.where, fit.error().message);
 }
 
 }  // namespace latent::render

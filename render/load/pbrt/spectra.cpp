@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "color/light_spectrum.h"
 #include "color/named_spectra.h"
 #include "color/observer.h"
-#include "render/spectral/wavelength_density.h"
 
 namespace latent::render {
 
