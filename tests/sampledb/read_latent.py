@@ -130,7 +130,10 @@ def decode_plane(codec, data, size):
     if codec == 3:
         bits, values = data[0], data[1 : 1 + (1 << data[0])]
         check(1 <= bits <= 7 and len(data) == 1 + (1 << bits) + (size + 7) // 8 * bits, "dictionary plane")
-        return bytes(values[i] for i in numbers(data[1 + (1 << bits) :], bits, size))
+        indices = numbers(data[1 + (1 << bits) :], bits, size)
+        used = set(indices)
+        check(not any(value for i, value in enumerate(values) if i not in used), "unused bytes of a dictionary")
+        return bytes(values[i] for i in indices)
     check(bytes(data[:4]) == b"\x28\xb5\x2f\xfd" and zstd_frame_size(data) == len(data), "zstd frame")
     plane = zstd_decompress(data, size)
     check(plane is not None, "zstd plane")
