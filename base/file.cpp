@@ -25,8 +25,10 @@ int open_retrying(const char* path, int flags, mode_t mode = 0) {
     return fd;
 }
 
+// Errors of copy_file_range after which copying goes on through memory. EIO is one: only there shows which file is to blame.
 bool kernel_copy_unavailable(int error) {
-    return error == EXDEV || error == EINVAL || error == ENOSYS || error == EOPNOTSUPP || error == EPERM || error == EBADF;
+    return error == EXDEV || error == EINVAL || error == ENOSYS || error == EOPNOTSUPP || error == EPERM || error == EBADF ||
+           error == EIO;
 }
 
 }  // namespace
@@ -138,6 +140,17 @@ Status File::copy_from(const File& source, std::uint64_t source_offset, std::uin
         done += piece.size();
     }
     return {};
+}
+
+void File::begin_writeback(std::uint64_t offset, std::uint64_t length) {
+    ::sync_file_range(fd_, static_cast<off_t>(offset), static_cast<off_t>(length), SYNC_FILE_RANGE_WRITE);
+}
+
+Status File::truncate(std::uint64_t size) {
+    int failed;
+    do failed = ::ftruncate(fd_, static_cast<off_t>(size));
+    while (failed != 0 && errno == EINTR);
+    return failed == 0 ? Status{} : error_from_errno(errno, path_.string(), "cannot shorten it");
 }
 
 Status File::sync_data() {

@@ -39,7 +39,11 @@ class File {
     Result<std::size_t> read_some(std::uint64_t offset, std::span<std::byte> into) const;
     Status write_all(std::uint64_t offset, ByteSpan bytes);
     // Copies `length` bytes from another file inside the kernel where it can (copy_file_range), else through memory.
+    // File systems that can let both files share what is copied. An error that may be the source's is looked into byte by byte.
     Status copy_from(const File& source, std::uint64_t source_offset, std::uint64_t offset, std::uint64_t length);
+    // Has the disk begin to write what these bytes hold, and does not wait for it: the sync at the end has less to do.
+    void begin_writeback(std::uint64_t offset, std::uint64_t length);
+    Status truncate(std::uint64_t size);
     Status sync_data();
     Status close();
 

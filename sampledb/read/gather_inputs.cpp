@@ -19,7 +19,9 @@ namespace {
 // Which files are of the job, one after another, and what is wrong with the others.
 class InputReader {
  public:
-    InputReader(const GatherOptions& options, RecentCache<FileSource>& sources) : options_(options), sources_(sources) {}
+    InputReader(const GatherOptions& options, RecentCache<FileSource>& sources) : options_(options), sources_(sources) {
+        for (const DamagedRun& run : options.damaged) damaged_.emplace(std::pair(run.file.string(), run.offset), run.reason);
+    }
 
     Result<GatheredInputs> read() {
         const Result<std::vector<InputFile>> inputs = list_input_files(options_.inputs);
@@ -49,6 +51,7 @@ class InputReader {
     std::map<JobId, std::string> jobs_;  // job -> a file of it
     std::map<JobId, std::string> jobs_not_taken_;
     std::vector<Named> named_;
+    std::map<std::pair<std::string, std::uint64_t>, std::string> damaged_;  // file, offset -> why
 };
 
 Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
@@ -120,6 +123,10 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     sources_.insert(number, opened.source, 1);  // stays open: an attempt may lose its name any time
     Coverage held;
     for (const RunInfo& run : file.runs) {
+        if (const auto damaged = damaged_.find({name, run.offset}); damaged != damaged_.end()) {
+            found_.report.left_out.push_back({name, damaged->second});
+            continue;
+        }
         Result<Coverage> coverage = run_coverage(*opened.source, run, found_.job);
         if (!coverage && coverage.error().code == ErrorCode::kIo) return coverage.error().at(name);
         if (!coverage) {

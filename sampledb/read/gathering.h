@@ -16,12 +16,20 @@
 
 namespace latent::sampledb {
 
+// A run that a reader of a gathering found damaged.
+struct DamagedRun {
+    std::filesystem::path file;
+    std::uint64_t offset = 0;  // of its first byte
+    std::string reason;        // "run at byte 8192: page 3: checksum mismatch; samples 65536..131072 lost"
+};
+
 struct GatherOptions {
     std::vector<std::filesystem::path> inputs;   // files, folders (all that they hold), or NAME.latent not yet published
     bool skip_duplicates = false;                // files named one by one may cover a sample twice: the repeat is dropped
     std::optional<JobId> job;                    // keep this job, leave others out
     std::optional<SampleRange> samples;          // only these sample numbers
     VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more
+    std::vector<DamagedRun> damaged;             // left out as well
     std::uint64_t index_memory = std::uint64_t{128} << 20;  // bytes for indexes held at once; the rest is read again when needed
 };
 

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -176,6 +177,27 @@ SmallDisk::~SmallDisk() {
 void SmallDisk::resize(std::uint64_t bytes) {
     if (::mount("latent-test", folder_.path().c_str(), "tmpfs", MS_REMOUNT, ("size=" + std::to_string(bytes)).c_str()) != 0)
         fail("remount");
+}
+
+SharingDisk::SharingDisk() {
+    const fs::path image = image_ / "image";
+    std::ofstream(image).close();
+    fs::resize_file(image, std::uintmax_t{512} << 20);  // XFS wants 300 MB; it takes what is written
+    const auto done = [](const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; };
+    mounted_ = done("PATH=$PATH:/usr/sbin mkfs.xfs -q -m reflink=1 " + image.string()) &&
+               done("mount -o loop " + image.string() + " " + folder_.path().string());
+}
+
+SharingDisk::~SharingDisk() {
+    if (mounted_) ::umount2(folder_.path().c_str(), 0);
+}
+
+std::uint64_t SharingDisk::used() const {
+    const int fd = ::open(folder_.path().c_str(), O_RDONLY | O_DIRECTORY);
+    struct statvfs info {};
+    if (fd < 0 || ::syncfs(fd) != 0 || ::fstatvfs(fd, &info) != 0) fail("look at a disk");
+    ::close(fd);
+    return (info.f_blocks - info.f_bfree) * info.f_frsize;
 }
 
 std::string read_text(const fs::path& path) {

@@ -92,6 +92,23 @@ class SmallDisk {
     bool mounted_ = false;
 };
 
+// A disk whose files can share blocks: XFS in an image of its own. Needs mkfs.xfs, a loop device and the right to mount; where one
+// of these is missing `mounted()` is false: skip, saying so.
+class SharingDisk {
+ public:
+    SharingDisk();
+    SharingDisk(const SharingDisk&) = delete;
+    SharingDisk& operator=(const SharingDisk&) = delete;
+    ~SharingDisk();
+    bool mounted() const { return mounted_; }
+    std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
+    std::uint64_t used() const;  // bytes, of everything that was written
+
+ private:
+    TemporaryFolder image_, folder_;
+    bool mounted_ = false;
+};
+
 std::string read_text(const std::filesystem::path& path);
 
 }  // namespace latent::testing

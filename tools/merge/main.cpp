@@ -10,9 +10,10 @@ namespace {
 using namespace latent;
 
 constexpr const char* kExamples = R"(
-Runs are copied as they are, so merging is as fast as copying. Before the output gets its name, the header, the
-index and one page of every run are checked, in the inputs and again in the output; --verify full reads and decodes every page.
-Merging waits for the disk, not for the processor: it takes one thread, whatever --threads allows.
+Runs are copied as they are, so merging is as fast as copying; where files can share blocks (XFS, btrfs), nothing is copied at all.
+Every byte of a run is checked before the run counts: a damaged one is left out and named. So parts may be deleted once
+latent-merge is done with status 0. --verify quick looks at headers, indexes and one page of each run; full decodes every record.
+Merging waits for the disk, not for the processor: --threads matter to --verify full alone.
 The parts may come in any order: the output is the same to the last byte. No sample can be counted twice: a part that is named
 twice, or parts that overlap, are refused. Parts found in a folder are simply kept once; what else it holds is listed and left out.
 
@@ -37,8 +38,9 @@ int main(int argc, char** argv) {
     cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A .. B-1 are all there")
         ->type_name("A:B");
     using sampledb::VerifyLevel;
-    cli::add_choice<VerifyLevel>(app, "--verify", options.verify, {{"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
-                                 "quick: headers, indexes and one page of every run, before and after copying; full: every page");
+    cli::add_choice<VerifyLevel>(app, "--verify", options.verify,
+                                 {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
+                                 "stored: every byte of every run; quick: headers, indexes and one page; full: every record as well");
     app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count parts that were named twice once, instead of refusing them");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
@@ -49,6 +51,7 @@ int main(int argc, char** argv) {
 
     options.replace = common.force;
     options.memory = common.memory;
+    options.threads = common.threads;
 
     remove_temporaries_on_signals();
     const Result<merge::MergeReport> report = merge::merge(options, cli::progress_to_stderr("merging"));

@@ -18,13 +18,16 @@ namespace latent::merge {
 struct MergeOptions {
     std::vector<std::filesystem::path> inputs;  // files and folders
     std::filesystem::path output;
-    bool replace = false;                                          // --force
-    bool skip_duplicates = false;                                  // a part that was named twice counts once
-    std::optional<sampledb::JobId> job;                            // keep only this job
-    std::optional<sampledb::SampleRange> require;                  // fail unless all of these samples are there
-    sampledb::VerifyLevel verify = sampledb::VerifyLevel::kQuick;  // of the runs read, and again of those written
-    bool compact = false;                                          // rewrite complete intervals as few large runs
+    bool replace = false;                          // --force
+    bool skip_duplicates = false;                  // a part that was named twice counts once
+    std::optional<sampledb::JobId> job;            // keep only this job
+    std::optional<sampledb::SampleRange> require;  // fail unless all of these samples are there
+    // Of the copies of runs, before they count; kQuick also of all runs before they are chosen.
+    sampledb::VerifyLevel verify = sampledb::VerifyLevel::kStored;
+    bool compact = false;  // rewrite complete intervals as few large runs
     std::uint64_t memory = std::uint64_t{1} << 30;
+    int threads = 0;                               // that decode for VerifyLevel::kFull; 0: as many as the machine has
+    std::uint64_t piece = std::uint64_t{2} << 20;  // bytes that are copied and checked at once: what the cache of a processor holds
 };
 
 struct MergeReport {
