@@ -38,9 +38,10 @@ int main(int argc, char** argv) {
     cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A .. B-1 are all there")
         ->type_name("A:B");
     using sampledb::VerifyLevel;
-    cli::add_choice<VerifyLevel>(app, "--verify", options.verify,
-                                 {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
-                                 "stored: every byte of every run; quick: headers, indexes and one page; full: every record as well");
+    cli::add_choice<VerifyLevel>(
+        app, "--verify", options.verify,
+        {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
+        "stored: every byte of every run; quick: headers, indexes and one page; full: every record as well");
     app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "count parts that were named twice once, instead of refusing them");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
