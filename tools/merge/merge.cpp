@@ -22,6 +22,12 @@ Status check_required(const MergeOptions& options, const Coverage& coverage) {
     return Error{ErrorCode::kMismatch, fmt::format("samples {} are required but in no part", to_string(missing))};
 }
 
+Status check_number(std::size_t runs) {
+    if (runs <= kMaxRunsPerFile) return {};
+    return Error{ErrorCode::kOutOfRange,
+                 fmt::format("{} runs, and a file takes {}; --compact makes few large ones of many", runs, kMaxRunsPerFile)};
+}
+
 // A part of an empty shard holds no run, and may be all there is; but not what is left of parts that were damaged.
 Status check_anything_left(const Gathering& gathering) {
     const std::vector<LeftOut>& left_out = gathering.report().left_out;
@@ -52,6 +58,7 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
         if (Status s = check_anything_left(**opened); !s) return s.error();
         if (Status s = check_required(options, (*opened)->coverage()); !s) return s.error();
         std::vector<Step> next = make_plan(**opened, options.compact, options.memory);
+        if (Status s = check_number(next.size()); !s) return s.error();
         if (!chosen) {
             if (Status s = output.begin((*opened)->job()); !s) return s.error();
         } else {
