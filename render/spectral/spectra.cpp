@@ -20,20 +20,16 @@ WavelengthSampler::WavelengthSampler(const sampledb::WavelengthDensity& density,
     for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
         const double width = (knots[i + 1].lambda - knots[i].lambda) * 0x1p-20;
         const double share = static_cast<double>(knots[i + 1].cumulative - knots[i].cumulative) * 0x1p-48;
-        knot_nm_.push_back(static_cast<float>(knots[i].lambda * 0x1p-20));
         weight_.push_back(static_cast<float>(width / (share * k)));
     }
-    for (std::uint32_t nm = 0; nm <= kLastIndex; ++nm) {
-        const auto above = std::upper_bound(knot_nm_.begin(), knot_nm_.end(), kFirstNm + static_cast<float>(nm));
-        guide_.push_back(static_cast<std::uint16_t>(std::max<std::ptrdiff_t>(above - knot_nm_.begin() - 1, 0)));
-    }
-    knot_nm_.push_back(INFINITY);
 }
 
 void WavelengthSampler::draw(std::uint32_t xi, Wavelengths& out) const {
     out.k = k_;
     out.xi = xi;
-    density_.batch(xi, std::span<float>(out.lambda_nm, k_));
+    // Weights are those of the segments that were drawn from: a float next to a line's edge may have been rounded across it.
+    std::uint16_t segment[kLanes];
+    density_.batch(xi, std::span(out.lambda_nm, k_), std::span(segment, k_));
     for (std::uint32_t i = k_; i < kLanes; ++i) out.lambda_nm[i] = out.lambda_nm[k_ - 1];
     for (std::uint32_t i = 0; i < kLanes; ++i) {
         const float x = std::clamp(out.lambda_nm[i] - kFirstNm, 0.0f, static_cast<float>(kLastIndex));
@@ -41,9 +37,7 @@ void WavelengthSampler::draw(std::uint32_t xi, Wavelengths& out) const {
         out.nearest[i] = static_cast<std::uint32_t>(x + 0.5f);
         out.below[i] = std::min(whole, kLastIndex - 1);
         out.fraction[i] = x - static_cast<float>(out.below[i]);
-        std::uint32_t knot = guide_[whole];
-        while (knot_nm_[knot + 1] <= out.lambda_nm[i]) ++knot;
-        out.weight[i] = i < k_ ? weight_[knot] : 0;
+        out.weight[i] = i < k_ ? weight_[segment[i]] : 0;
     }
 }
 

@@ -31,9 +31,7 @@ class WavelengthSampler {
  private:
     sampledb::WavelengthDensity density_;
     std::uint32_t k_;
-    std::vector<float> knot_nm_;        // of the density
-    std::vector<float> weight_;         // 1 / (k slope) after each knot
-    std::vector<std::uint16_t> guide_;  // knot at or below every integer nm from 360 on
+    std::vector<float> weight_;  // 1 / (k slope) after each knot
 };
 
 // How a spectrum is looked up.

@@ -46,18 +46,32 @@ Result<WavelengthDensity> WavelengthDensity::from_knots(std::vector<Knot> knots)
     return density;
 }
 
-float WavelengthDensity::wavelength(std::uint32_t xi, std::uint32_t i, std::uint32_t k) const {
-    assert(!empty() && i < k);
-    const std::uint64_t q = target(xi, i, k);
+std::size_t WavelengthDensity::segment_of(std::uint64_t q) const {
     std::size_t j = guide_[q >> kGuideShift];
     while (knots_[j + 1].cumulative <= q) ++j;
+    return j;
+}
+
+float WavelengthDensity::lambda_at(std::uint64_t q, std::size_t j) const {
     const double above = slopes_[j] * static_cast<double>(q - knots_[j].cumulative);
     return static_cast<float>((static_cast<double>(knots_[j].lambda) + above) * kUnitNm);
 }
 
-void WavelengthDensity::batch(std::uint32_t xi, std::span<float> lambda_nm) const {
+float WavelengthDensity::wavelength(std::uint32_t xi, std::uint32_t i, std::uint32_t k) const {
+    assert(!empty() && i < k);
+    const std::uint64_t q = target(xi, i, k);
+    return lambda_at(q, segment_of(q));
+}
+
+void WavelengthDensity::batch(std::uint32_t xi, std::span<float> lambda_nm, std::span<std::uint16_t> segment) const {
+    assert(!empty());
     const std::uint32_t k = static_cast<std::uint32_t>(lambda_nm.size());
-    for (std::uint32_t i = 0; i < k; ++i) lambda_nm[i] = wavelength(xi, i, k);
+    for (std::uint32_t i = 0; i < k; ++i) {
+        const std::uint64_t q = target(xi, i, k);
+        const std::size_t j = segment_of(q);
+        lambda_nm[i] = lambda_at(q, j);
+        if (!segment.empty()) segment[i] = static_cast<std::uint16_t>(j);
+    }
 }
 
 float WavelengthDensity::pdf_lambda(float lambda_nm) const {

@@ -29,14 +29,18 @@ class WavelengthDensity {
     std::span<const Knot> knots() const { return knots_; }
     bool operator==(const WavelengthDensity& other) const { return knots_ == other.knots_; }
 
-    // The wavelengths [nm] of the batch (xi, k), ascending. Integer and exactly rounded double operations only: no libm.
-    void batch(std::uint32_t xi, std::span<float> lambda_nm) const;
+    // The wavelengths [nm] of the batch (xi, k), ascending. Integer and exactly rounded double operations only: no libm. `segment`,
+    // as long or empty: the knot before each, which the rounded wavelength may lie beyond.
+    void batch(std::uint32_t xi, std::span<float> lambda_nm, std::span<std::uint16_t> segment = {}) const;
     // Wavelength i of that batch alone; the same bits as batch()[i].
     float wavelength(std::uint32_t xi, std::uint32_t i, std::uint32_t k) const;
     // p(lambda) [1/nm], the slope of Q: piecewise constant, that of the segment to the right at a knot; 0 outside the knots.
     float pdf_lambda(float lambda_nm) const;
 
  private:
+    std::size_t segment_of(std::uint64_t q) const;
+    float lambda_at(std::uint64_t q, std::size_t segment) const;
+
     std::vector<Knot> knots_;
     std::vector<double> slopes_;        // d lambda / d Q of the segment behind each knot but the last, in the knots' units
     std::vector<std::uint16_t> guide_;  // the segment that each of 4096 equal steps of Q begins in
