@@ -19,18 +19,23 @@ struct Ray {
     float t_max = kInfinity;
 };
 
-// A point that rays may leave from: the true point is within `error` of `p` in each coordinate; `ng` is unit length, or 0 for a
-// point that lies on no surface (in a medium, on a lens).
+// What a ray's float arithmetic adds to the error of a surface that it comes to, per length of the ray: eight half ulps.
+inline constexpr float kRayError = 0x1p-21f;
+
+// A point that rays may leave from or lead to: the true point is within `error` of `p` in each coordinate, seen by a ray of length
+// l within error + error_per_length l; `ng` is unit length, or 0 for a point that lies on no surface (in a medium, on a lens).
 struct Anchor {
     Vec3f p;
     float error = 0;
     Vec3f ng;
+    float error_per_length = kRayError;
 };
 
 // Everything about the surface at a hit; nothing depends on the side that the ray came from.
 struct SurfaceHit {
     Vec3f p;
-    float error;  // bound on the distance of each coordinate of p from the true surface
+    float error;             // bound on the distance of each coordinate of p from the true surface
+    float error_per_length;  // Anchor's
     float t;
     Vec3f ng;    // geometric normal, unit: outside is where it points (pbrt's orientation rules, ReverseOrientation included)
     Vec3f ns;    // shading normal, unit, in the hemisphere of ng
@@ -39,7 +44,7 @@ struct SurfaceHit {
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
 
-    Anchor anchor() const { return {p, error, ng}; }
+    Anchor anchor() const { return {p, error, ng, error_per_length}; }
 };
 
 // A piece of a light that has area: one triangle, or one whole sphere (of a uniform scale).
@@ -57,7 +62,7 @@ struct Emitter {
 
 // A ray from `from` in direction `d`: starts clear of the surface, on the side that d points to [PBRT4 6.8.6].
 Ray spawn_ray(const Anchor& from, const Vec3f& d);
-// The same to a point: d = to - from, t_max just short of 1, clear of both surfaces.
+// The same to a point, clear of both surfaces: whatever else lies between them, nearer than that to the one or the other, is met.
 Ray spawn_ray(const Anchor& from, const Anchor& to);
 
 class Geometry {

@@ -4,11 +4,9 @@ namespace latent::render {
 
 namespace {
 
-constexpr float kShadowEnd = 0.9999f;  // of a ray between two points: the far surface is not in the way of itself
-
 // Pushes p off its surface, to the side of w, by a bound on how far it may be from the true surface [PBRT4 6.8.6].
-Vec3f offset(const Anchor& from, const Vec3f& w) {
-    const float distance = from.error * (std::abs(from.ng.x) + std::abs(from.ng.y) + std::abs(from.ng.z));
+Vec3f offset(const Anchor& from, float error, const Vec3f& w) {
+    const float distance = error * (std::abs(from.ng.x) + std::abs(from.ng.y) + std::abs(from.ng.z));
     const Vec3f shift = from.ng * (dot(w, from.ng) < 0 ? -distance : distance);
     const auto push = [](float p, float by) {
         const float moved = p + by;
@@ -20,11 +18,14 @@ Vec3f offset(const Anchor& from, const Vec3f& w) {
 
 }  // namespace
 
-Ray spawn_ray(const Anchor& from, const Vec3f& d) { return {offset(from, d), d}; }
+Ray spawn_ray(const Anchor& from, const Vec3f& d) { return {offset(from, from.error, d), d}; }
 
 Ray spawn_ray(const Anchor& from, const Anchor& to) {
-    const Vec3f d = to.p - from.p, begin = offset(from, d), end = offset(to, -d);
-    return {begin, end - begin, kShadowEnd};
+    const Vec3f d = to.p - from.p, begin = offset(from, from.error, d);
+    // Clear of the far surface by what is not known about where the ray meets that, along the normal: so at any angle.
+    const Vec3f end = offset(to, to.error + to.error_per_length * max_abs(d), -d);
+    // A point without a normal may have been put on a surface all the same.
+    return {begin, end - begin, to.ng == Vec3f{} ? 1 - kRayError : 1};
 }
 
 }  // namespace latent::render

@@ -12,6 +12,7 @@ SurfaceHit common_hit(const ShapeDescription& shape) {
     SurfaceHit hit{};
     hit.material = shape.material;
     hit.emitter = kNone;
+    hit.error_per_length = kRayError;
     hit.inside_medium = shape.inside_medium;
     hit.outside_medium = shape.outside_medium;
     return hit;
@@ -109,6 +110,7 @@ SurfaceHit to_world(const SurfaceHit& hit, const PlacedInstance& instance) {
     out.p = Vec3f(map.point(Vec3d(hit.p)));
     out.error = static_cast<float>(hit.error * (max_abs(map.x) + max_abs(map.y) + max_abs(map.z))) +
                 instance.error_factor * (max_abs(out.p) + static_cast<float>(max_abs(map.t)));
+    out.error_per_length = std::max(kRayError, instance.error_factor);
     out.ng = unit(map.normal(Vec3d(hit.ng)));
     out.ns = face_forward(unit(map.normal(Vec3d(hit.ns))), out.ng);
     out.dpdu = Vec3f(map.vector(Vec3d(hit.dpdu)));

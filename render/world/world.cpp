@@ -98,18 +98,24 @@ bool World::walk(Ray ray, float length_left, std::uint32_t medium, SampledSpectr
     };
     line.first_medium = medium;
     if (has_interfaces_) {
-        const float speed = length(ray.d);
+        const bool ends = ray.t_max < kInfinity;
+        const Vec3f end = ray.o + ray.d;
         while (const std::optional<SurfaceHit> hit = geometry_->intersect(ray)) {
             if (!is_interface(hit->material)) return false;
-            pass(hit->t * speed);
-            length_left -= hit->t * speed;
+            const float stretch = hit->t * length(ray.d);
+            pass(stretch);
+            length_left -= stretch;
             medium = medium_beyond(*hit, ray.d, medium);
-            ray = {spawn_ray(hit->anchor(), ray.d).o, ray.d, ray.t_max - hit->t};
+            ray.o = spawn_ray(hit->anchor(), ray.d).o;
+            if (!ends) continue;
+            // Aimed anew, so that steps off the interfaces on the way do not carry the end into the far surface.
+            if (!(dot(end - ray.o, ray.d) > 0)) break;
+            ray.d = end - ray.o;
         }
     } else if (geometry_->occluded(ray)) {
         return false;
     }
-    pass(length_left);
+    pass(std::max(length_left, 0.0f));
     return true;
 }
 

@@ -263,6 +263,61 @@ TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
     }
 }
 
+// From points at any distance to what they see of a box or ball: nothing is in the way of itself, at any scale and angle; and
+// through a lid in front of each point, 2e-5 of the distance away, nothing is seen.
+TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
+    const std::string box =
+        "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1   -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]\n"
+        "\"integer indices\" [ 0 2 1 0 3 2  4 5 6 4 6 7  0 1 5 0 5 4  3 6 2 3 7 6  0 4 7 0 7 3  1 2 6 1 6 5 ]\n";
+    const std::string ball = "Shape \"sphere\" \"float radius\" 1.3\n";
+    Random random;
+    for (const std::string& shape : {box, ball}) {
+        for (const std::string place : {"", "Translate 1 -3 10\n", "Scale 1e-3 1e-3 1e-3\n", "Scale 300 1000 20\n",
+                                        "Translate 7 8 9\nRotate 31 1 2 3\nScale 0.1 3 1\n"}) {
+            for (const bool instanced : {false, true}) {
+                SCOPED_TRACE(place + shape + (instanced ? "instanced" : ""));
+                const Built scene = build(
+                    instanced ? "ObjectBegin \"o\"\n" + shape + "ObjectEnd\n" + place + "ObjectInstance \"o\"\n" : place + shape);
+                const Geometry& g = *scene.geometry;
+                for (const float distance : {1.5f, 10.0f, 1e3f, 1e5f}) {
+                    int connections = 0, hidden = 0, grazing = 0;
+                    for (int i = 0; i < 4000; ++i) {
+                        const Vec3f inside = g.center() + random.direction() * (g.radius() * 0.01f), out = random.direction();
+                        const auto hit = g.intersect({inside, out});
+                        ASSERT_TRUE(hit);
+                        // Half of the points look along the surface.
+                        const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
+                        const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
+                        const Vec3f w = Frame::from_z(hit->ng).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
+                        const Anchor eye{hit->p + w * (distance * g.radius()), 0, {}};
+                        if (dot(normalize(eye.p - hit->p), hit->ng) < 1e-4f) continue;
+                        ++connections;
+                        grazing += cosine < 0.01f;
+                        hidden += g.occluded(spawn_ray(eye, hit->anchor())) || g.occluded(spawn_ray(hit->anchor(), eye));
+                    }
+                    EXPECT_GT(connections, 3000) << distance;
+                    EXPECT_GT(grazing, 400) << distance;
+                    EXPECT_EQ(hidden, 0) << distance;
+                }
+            }
+        }
+    }
+    const std::string lamp = "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  0 1 0 ]\n";
+    for (const float distance : {1.0f, 10.0f, 1e3f}) {
+        const float gap = 2e-5f * distance;
+        const Built scene = build("Scale 0.1 0.1 1\n" + lamp + "Translate 0 0 " + std::to_string(gap) + "\nScale 2 2 2\n" + lamp);
+        for (int i = 0; i < 1000; ++i) {
+            const float r = random(-0.02f, 0.02f), s = random(-0.02f, 0.02f);
+            const auto on_lamp = scene.geometry->intersect({{r, s, -1}, {0, 0, 1}});
+            ASSERT_TRUE(on_lamp);
+            const Vec3f w = normalize(Vec3f{random(-1, 1), random(-1, 1), 1});
+            const Anchor eye{on_lamp->p + w * distance, 0, {}};
+            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(eye, on_lamp->anchor()))) << distance;
+            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(on_lamp->anchor(), eye))) << distance;
+        }
+    }
+}
+
 TEST(Emitters, HoldAreaNormalAndRadiance) {
     const Built scene = build(
         "AreaLightSource \"diffuse\" \"float power\" 6 \"float scale\" 2\n"

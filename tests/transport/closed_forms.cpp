@@ -44,6 +44,8 @@ std::string grid(double half, double z, bool up, std::uint32_t columns, std::uin
     return text + "]\n";
 }
 
+const char* const kLamp = "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\"\n";
+
 // Share of a hemisphere's cosine that a square of side 2 `half`, parallel to the floor at height z, fills above the origin.
 double form_factor(double half, double z) {
     const double a = half / z, s = std::sqrt(1 + a * a);
@@ -55,12 +57,26 @@ double form_factor(double half, double z) {
 ClosedForm lamp_among_large_triangles(std::uint32_t triangles) {
     const int log2 = std::bit_width(triangles / 4) - 1;
     const std::uint32_t columns = 1u << (log2 + 1) / 2, rows = 1u << log2 / 2;
-    const std::string lamp = "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\"\n";
     const double half = 0.01;  // too small to be found by chance: all of its light is from points drawn on it
     return {.name = fmt::format("a lamp of {} of {} triangles", 2 * columns * rows, 4 * columns * rows),
-            .scene = scene_from(floor_seen(1e-3) + lamp + grid(half, 2, false, columns, rows) +
+            .scene = scene_from(floor_seen(1e-3) + kLamp + grid(half, 2, false, columns, rows) +
                                 grid(half * std::sqrt(200), 3, true, columns, rows)),
             .y = kReflectance * form_factor(half, 2)};
+}
+
+ClosedForm lamp_behind_lid(double gap) {
+    return {.name = fmt::format("a lamp {:g} mm behind a lid, from 10 m", gap * 1e3),
+            .scene = scene_from(floor_seen(1e-3) + grid(0.1, 10 - gap, false, 1, 1) + kLamp + grid(0.05, 10, false, 1, 1)),
+            .y = 0,
+            .whole = kReflectance * form_factor(0.05, 10)};
+}
+
+ClosedForm lamp_far_away(double distance, double cosine) {
+    const double half = distance * 5e-4, z = distance * cosine, x = distance * std::sqrt(1 - cosine * cosine);
+    return {.name = fmt::format("a lamp {:g} m away, cosine {:g}", distance, cosine),
+            .scene = scene_from(floor_seen(1e-3 * std::min(1.0, z)) + fmt::format("Translate {} 0 0\n", x) + kLamp +
+                                grid(half, z, false, 1, 1)),
+            .y = kReflectance / kPi * 4 * half * half * cosine * cosine / (distance * distance)};
 }
 
 }  // namespace latent::render::testing

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "tests/transport/world_builder.h"
@@ -11,11 +12,18 @@ namespace latent::render::testing {
 struct ClosedForm {
     std::string name;
     Scene scene;
-    double y;  // mean of Y over the picture
+    double y;                       // mean of Y over the picture
+    std::optional<double> whole{};  // what a difference is a share of, if not of y
     IntegratorSettings settings{.max_depth = 1};
 };
 
 // A grey floor under a square lamp of `triangles` / 2 triangles; as many, each of 200 times the area, shine away from it.
 ClosedForm lamp_among_large_triangles(std::uint32_t triangles);
+
+// A lamp above an opaque lid twice its size, `gap` apart, 10 m above the floor: nothing gets past the lid.
+ClosedForm lamp_behind_lid(double gap);
+
+// A small lamp `distance` away, parallel to the floor, in a direction of this cosine to the normals of both.
+ClosedForm lamp_far_away(double distance, double cosine);
 
 }  // namespace latent::render::testing

@@ -24,5 +24,15 @@ TEST(ClosedForms, ALampOfManyTrianglesShinesWhateverElseThereIsToChoose) {
     }
 }
 
+TEST(ClosedForms, ALidKeepsOffTheLightHoweverNearTheLampItIs) {
+    for (const double gap : {9e-4, 1e-4, 2e-5}) expect_exact(lamp_behind_lid(gap), 20'000, 0);
+}
+
+TEST(ClosedForms, ALampIsInTheWayOfItselfFromNowhere) {
+    for (const double distance : {1.0, 1e3, 1e5}) {
+        for (const double cosine : {1.0, 0.1, 0.01}) expect_exact(lamp_far_away(distance, cosine), 20'000, 1e-3);
+    }
+}
+
 }  // namespace
 }  // namespace latent::render::testing
