@@ -18,7 +18,8 @@ namespace latent::develop {
 
 // Every form of filter, with and without negative lobes.
 inline constexpr const char* kFilters[] = {
-    "quartic", "quartic:-6,3", "quartic:-2,1.5", "mitchell", "mitchell-separable", "gaussian", "lanczos", "box"};
+    "quartic",  "quartic:-6,3",   "quartic:-2,1.5", "quartic:-2,1", "mitchell", "mitchell-separable",
+    "gaussian", "gaussian:0.4,1", "lanczos",        "box"};
 
 // Encoded runs that lie in memory.
 class MemoryGathering : public sampledb::Gathering {

@@ -1,11 +1,15 @@
 #include "tools/develop/assembly.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
+#include <memory>
 
 #include "base/first_error.h"
+#include "tools/develop/normalise.h"
 
 namespace latent::develop {
 
@@ -14,46 +18,75 @@ namespace {
 // Pixels whose sum of w c is below this share of its expectation are weighed without the filter's negative lobes.
 constexpr double kLeastWeight = 0.05;
 
+constexpr std::int64_t kChunk = 16;  // sums wait, and few samples are looked for, in chunks of at most 16 x 16 pixels
+constexpr std::int64_t kBlock = 16;  // finished pixels wait in blocks of 16 x 16
+constexpr std::int64_t kTileBlocks = TileSink::kTile / kBlock;
+
 std::uint64_t z_of(std::int64_t cell_x, std::int64_t cell_y) {
     return z_code(static_cast<std::uint32_t>(cell_x), static_cast<std::uint32_t>(cell_y));
 }
 
-// Adds the part of a window that lies in `pixels` to the sums of a block.
-void add_window(const double* window, const PixelRect& reach, const PixelRect& pixels, int doubles, double* sums) {
-    const PixelRect common = intersection(reach, pixels);
-    for (std::int64_t y = common.y0; y < common.y1; ++y) {
-        const double* from = window + ((y - reach.y0) * reach.width() + (common.x0 - reach.x0)) * doubles;
-        double* to = sums + ((y - pixels.y0) * pixels.width() + (common.x0 - pixels.x0)) * doubles;
-        for (std::int64_t i = 0; i < common.width() * doubles; ++i) to[i] += from[i];
+std::uint64_t key_of(std::int64_t x, std::int64_t y) { return static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint64_t>(x); }
+
+PixelRect moved(const PixelRect& r, std::int64_t x, std::int64_t y) { return {r.x0 + x, r.y0 + y, r.x1 + x, r.y1 + y}; }
+
+bool contains(const PixelRect& outer, const PixelRect& inner) { return intersection(outer, inner) == inner; }
+
+// The cells of a rectangle along the Z curve.
+template <class Visit>
+void for_cells_in_z_order(const PixelRect& cells, const Visit& visit) {
+    if (cells.width() == 1 && cells.height() == 1) return visit(cells.x0, cells.y0);
+    thread_local std::vector<std::tuple<std::uint64_t, std::int64_t, std::int64_t>> order;
+    order.clear();
+    for (std::int64_t y = cells.y0; y < cells.y1; ++y) {
+        for (std::int64_t x = cells.x0; x < cells.x1; ++x) order.push_back({z_of(x, y), x, y});
+    }
+    std::ranges::sort(order);
+    for (const auto& [z, x, y] : order) visit(x, y);
+}
+
+template <class Visit>
+void for_chunks(const PixelRect& pixels, const Visit& visit) {
+    for (std::int64_t y = pixels.y0; y < pixels.y1; y += kChunk) {
+        for (std::int64_t x = pixels.x0; x < pixels.x1; x += kChunk) visit(intersection({x, y, x + kChunk, y + kChunk}, pixels));
+    }
+}
+
+// Adds the part of a window that lies in `pixels` to their sums.
+void add_window(const double* window, const PixelRect& reach, const PixelRect& pixels, int lanes, double* sums) {
+    const std::int64_t row = pixels.width() * lanes;
+    for (std::int64_t y = pixels.y0; y < pixels.y1; ++y, sums += row) {
+        const double* from = window + ((y - reach.y0) * reach.width() + (pixels.x0 - reach.x0)) * lanes;
+        for (std::int64_t i = 0; i < row; ++i) sums[i] += from[i];
     }
 }
 
 }  // namespace
 
-Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& crop, const PixelSums& camera,
-                   const PixelSums& light, const Normalisation& normalisation, const std::filesystem::path& folder,
-                   std::uint64_t waiting_memory, TileSink& sink)
+Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& crop, const Normalisation& normalisation,
+                   const std::filesystem::path& folder, std::uint64_t waiting_memory, TileSink& sink)
     : grid_(grid),
       crop_(crop),
-      camera_(camera),
-      light_(light),
       normalisation_(normalisation),
+      has_lobes_(filter.kernel().has_negative_lobes),
       border_(filter, grid.width(), grid.height()),
+      slot_sums_(static_cast<std::size_t>(kChunk * filter.kernel().side() * normalisation.lanes)),
       sums_(folder,
-            kBlockPixels * ((normalisation.camera ? camera.doubles() : 0) + (normalisation.light ? light.doubles() : 0)) *
-                sizeof(double),
+            slot_sums_ * sizeof(double) *
+                ((normalisation.camera ? 1 : 0) + (normalisation.light ? 1 : 0) + (normalisation.camera && has_lobes_ ? 1 : 0)),
             waiting_memory / 2),
-      finished_(folder, kBlockPixels * normalisation.channels * sizeof(float), waiting_memory / 2),
-      sink_(sink) {}
+      finished_(folder, sizeof(float) * kBlock * kBlock * static_cast<std::size_t>(normalisation.channels), waiting_memory / 2),
+      sink_(sink),
+      buffers_(kTilesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())) {}
 
-Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_t z_end) {
-    const Pane pane{windows, z_begin, z_end};
-    const std::vector<Tile> tiles = tiles_touched(pane);
+Status Assembly::add(const Windows& windows, const PositiveSums& positive, std::uint64_t z_begin, std::uint64_t z_end) {
+    const Pane pane{windows, positive, z_begin, z_end};
+    const std::vector<Tile> tiles = tiles_touched(windows);
     FirstError error;
     struct Task {
         const Tile* tile;
         bool complete;
-        std::vector<float> pixels;
+        std::span<float> pixels;
     };
     using tbb::filter_mode;
     std::size_t next = 0;
@@ -62,8 +95,11 @@ Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_
             flow.stop();
             return nullptr;
         }
-        const Tile* tile = &tiles[next++];
-        return new Task{tile, tile->last_z < z_end, {}};
+        const Tile* tile = &tiles[next];
+        const auto values = static_cast<std::size_t>(tile->pixels.width() * tile->pixels.height() * normalisation_.channels);
+        std::vector<float>& pixels = buffers_[next++ % buffers_.size()];  // the tile that had it is written
+        pixels.resize(std::max(pixels.size(), values));
+        return new Task{tile, tile->last_z < z_end, std::span(pixels).first(values)};
     };
     const auto add_up = [&](Task* task) {
         error.keep(add_tile(pane, *task->tile, task->complete, task->pixels));
@@ -73,16 +109,15 @@ Status Assembly::add(const Windows& windows, std::uint64_t z_begin, std::uint64_
         const std::unique_ptr<Task> task(raw);
         if (task->complete && !error) error.keep(sink_.write(task->tile->x, task->tile->y, task->pixels));
     };
-    tbb::parallel_pipeline(kTilesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
-                           tbb::make_filter<void, Task*>(filter_mode::serial_in_order, next_tile) &
-                               tbb::make_filter<Task*, Task*>(filter_mode::parallel, add_up) &
-                               tbb::make_filter<Task*, void>(filter_mode::serial_in_order, write));
+    tbb::parallel_pipeline(buffers_.size(), tbb::make_filter<void, Task*>(filter_mode::serial_in_order, next_tile) &
+                                                tbb::make_filter<Task*, Task*>(filter_mode::parallel, add_up) &
+                                                tbb::make_filter<Task*, void>(filter_mode::serial_in_order, write));
     return error.status();
 }
 
 // In the order in which they would be complete: by the last cell that reaches them.
-std::vector<Assembly::Tile> Assembly::tiles_touched(const Pane& pane) const {
-    const PixelRect& cells = pane.windows.cells;
+std::vector<Assembly::Tile> Assembly::tiles_touched(const Windows& windows) const {
+    const PixelRect& cells = windows.cells;
     const PixelRect first = grid_.window(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0));
     const PixelRect last = grid_.window(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1));
     const PixelRect touched = intersection({first.x0, first.y0, last.x1, last.y1}, crop_);
@@ -94,136 +129,296 @@ std::vector<Assembly::Tile> Assembly::tiles_touched(const Pane& pane) const {
             const std::int64_t x0 = crop_.x0 + x * kTile, y0 = crop_.y0 + y * kTile;
             const PixelRect pixels = intersection({x0, y0, x0 + kTile, y0 + kTile}, crop_);
             const PixelRect reaching = grid_.cells_reaching(pixels);
-            tiles.push_back({static_cast<int>(x), static_cast<int>(y), pixels, z_of(reaching.x1 - 1, reaching.y1 - 1)});
+            tiles.push_back({static_cast<int>(x), static_cast<int>(y), pixels, z_of(reaching.x0, reaching.y0),
+                             z_of(reaching.x1 - 1, reaching.y1 - 1)});
         }
     }
     std::ranges::sort(tiles, {}, [](const Tile& tile) { return std::tuple(tile.last_z, tile.y, tile.x); });
     return tiles;
 }
 
-std::uint64_t Assembly::key(const PixelRect& block) const {
-    return static_cast<std::uint64_t>((block.y0 - crop_.y0) / kBlock) << 32 |
-           static_cast<std::uint64_t>((block.x0 - crop_.x0) / kBlock);
+template <class Visit>
+void Assembly::for_pieces(const PixelRect& pixels, const Visit& visit) const {
+    thread_local std::vector<FilmGrid::Band> columns, rows;
+    grid_.bands_x(pixels.x0, pixels.x1, columns);
+    grid_.bands_y(pixels.y0, pixels.y1, rows);
+    for (const FilmGrid::Band& y : rows) {
+        for (const FilmGrid::Band& x : columns) visit(Piece{{x.from, y.from, x.to, y.to}, {x.first, y.first, x.last, y.last}});
+    }
 }
 
-Status Assembly::add_tile(const Pane& pane, const Tile& tile, bool complete, std::vector<float>& pixels) {
-    const int channels = normalisation_.channels;
-    std::vector<float> values(kBlockPixels * channels);
-    if (complete) pixels.assign(static_cast<std::size_t>(tile.pixels.width() * tile.pixels.height()) * channels, 0.0f);
-    for (std::int64_t y = tile.pixels.y0; y < tile.pixels.y1; y += kBlock) {
-        for (std::int64_t x = tile.pixels.x0; x < tile.pixels.x1; x += kBlock) {
-            const PixelRect block = intersection({x, y, x + kBlock, y + kBlock}, tile.pixels);
-            Result<bool> ready = add_block(pane, block, key(block), values);
-            if (!ready) return ready.error();
-            if (complete && !*ready) {  // finished by an earlier pane; black blocks are not kept
-                ready = finished_.take(key(block), std::as_writable_bytes(std::span(values)));
-                if (!ready) return ready.error();
+// Whether the last of the cells that reach a piece lies in the pane.
+bool Assembly::finishes(const Pane& pane, const Piece& piece) const {
+    const std::uint64_t last = z_of(piece.cells.x1 - 1, piece.cells.y1 - 1);
+    return last >= pane.z_begin && last < pane.z_end;
+}
+
+Status Assembly::add_tile(const Pane& pane, const Tile& tile, bool complete, std::span<float> pixels) {
+    const auto channels = static_cast<std::size_t>(normalisation_.channels);
+    const std::size_t row = static_cast<std::size_t>(tile.pixels.width()) * channels;
+    const auto at = [&](std::int64_t x, std::int64_t y) {
+        return &pixels[static_cast<std::size_t>(y - tile.pixels.y0) * row +
+                       static_cast<std::size_t>(x - tile.pixels.x0) * channels];
+    };
+    // Blocks that this pane changes, or that the tile is made of.
+    std::array<bool, kTileBlocks * kTileBlocks> wanted;
+    wanted.fill(complete);
+    if (!complete) {
+        for_pieces(tile.pixels, [&](const Piece& piece) {
+            if (!finishes(pane, piece)) return;
+            const PixelRect inside = moved(piece.pixels, -tile.pixels.x0, -tile.pixels.y0);
+            for (std::int64_t y = inside.y0 / kBlock; y * kBlock < inside.y1; ++y) {
+                for (std::int64_t x = inside.x0 / kBlock; x * kBlock < inside.x1; ++x)
+                    wanted[static_cast<std::size_t>(y * kTileBlocks + x)] = true;
             }
-            if (!*ready) continue;
-            if (complete) {
-                for (std::int64_t row = 0; row < block.height(); ++row) {
-                    std::copy_n(&values[row * block.width() * channels], block.width() * channels,
-                                &pixels[((y - tile.pixels.y0 + row) * tile.pixels.width() + (x - tile.pixels.x0)) * channels]);
-                }
-            } else if (std::ranges::any_of(values, [](float v) { return v != 0; })) {
-                if (Status s = finished_.put(key(block), std::as_bytes(std::span(values))); !s) return s;
-            }
-        }
+        });
     }
+    const auto for_blocks = [&](const auto& visit) {  // visit(key, pixels); its status ends the loop
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+            const auto x = tile.pixels.x0 + static_cast<std::int64_t>(i) % kTileBlocks * kBlock;
+            const auto y = tile.pixels.y0 + static_cast<std::int64_t>(i) / kTileBlocks * kBlock;
+            const PixelRect block = intersection({x, y, x + kBlock, y + kBlock}, tile.pixels);
+            if (!wanted[i] || block.empty()) continue;
+            if (Status s = visit(key_of(x, y), block); !s) return s;
+        }
+        return Status{};
+    };
+
+    thread_local std::vector<float> values;
+    values.resize(kBlock * kBlock * channels);
+    if (tile.first_z < pane.z_begin || !complete) {  // what earlier panes have finished; black is not kept
+        const Status status = for_blocks([&](std::uint64_t key, const PixelRect& block) -> Status {
+            const Result<bool> waited = finished_.take(key, std::as_writable_bytes(std::span(values)));
+            if (!waited) return waited.error();
+            const auto width = static_cast<std::size_t>(block.width()) * channels;
+            for (std::int64_t y = block.y0; y < block.y1; ++y) {
+                if (*waited)
+                    std::copy_n(&values[static_cast<std::size_t>(y - block.y0) * width], width, at(block.x0, y));
+                else
+                    std::fill_n(at(block.x0, y), width, 0.0f);
+            }
+            return {};
+        });
+        if (!status) return status;
+    }
+    Status status;
+    for_pieces(tile.pixels, [&](const Piece& piece) {
+        if (status) status = add_piece(pane, piece, at(piece.pixels.x0, piece.pixels.y0), row);
+    });
+    if (!status || complete) return status;
+    return for_blocks([&](std::uint64_t key, const PixelRect& block) -> Status {
+        const auto width = static_cast<std::size_t>(block.width()) * channels;
+        bool black = true;
+        for (std::int64_t y = block.y0; y < block.y1; ++y) {
+            const float* const from = at(block.x0, y);
+            black = black && std::all_of(from, from + width, [](float v) { return v == 0; });
+            std::copy_n(from, width, &values[static_cast<std::size_t>(y - block.y0) * width]);
+        }
+        return black ? Status{} : finished_.put(key, std::as_bytes(std::span(values)));
+    });
+}
+
+Status Assembly::add_piece(const Pane& pane, const Piece& piece, float* out, std::size_t out_row) {
+    if (intersection(piece.cells, pane.windows.cells).empty()) return {};
+    const bool begun = z_of(piece.cells.x0, piece.cells.y0) < pane.z_begin, finished = finishes(pane, piece);
+    if (begun || !finished) return add_waiting(pane, piece, begun, finished, out, out_row);
+    thread_local std::vector<double> memory;
+    finish(pane, piece, sums_in_pane(pane.windows, piece, memory), out, out_row);
     return {};
 }
 
-Result<bool> Assembly::add_block(const Pane& pane, const PixelRect& pixels, std::uint64_t key, std::span<float> values) {
-    const PixelRect reaching = grid_.cells_reaching(pixels);
-    const PixelRect cells = intersection(reaching, pane.windows.cells);
-    if (cells.empty()) return false;
-    const bool begun = z_of(reaching.x0, reaching.y0) < pane.z_begin;
-    const bool finished = z_of(reaching.x1 - 1, reaching.y1 - 1) < pane.z_end;
-    const int camera_doubles = camera_.doubles(), light_doubles = light_.doubles();
-
-    if (!begun && finished && reaching.width() == 1 && reaching.height() == 1) {  // inside one cell: nothing to add up
-        const Windows::Cell& cell = pane.windows.at(cells.x0, cells.y0);
-        const PixelRect window = grid_.window(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0));
-        const std::int64_t first = (pixels.y0 - window.y0) * window.width() + (pixels.x0 - window.x0);
-        resolve(
-            {pixels, cell.camera ? cell.camera + first * camera_doubles : nullptr,
-             cell.light ? cell.light + first * light_doubles : nullptr, static_cast<std::size_t>(window.width() * camera_doubles),
-             static_cast<std::size_t>(window.width() * light_doubles)},
-            values);
-        return true;
-    }
-
-    thread_local std::vector<double> sums;
-    const std::size_t camera_size = normalisation_.camera ? kBlockPixels * camera_doubles : 0;
-    sums.assign(camera_size + (normalisation_.light ? kBlockPixels * light_doubles : 0), 0.0);
-    double* camera = sums.data();
-    double* light = sums.data() + camera_size;
+// Adds the sums of a pane to those of the panes before. They wait in chunks, which have room in a slot.
+Status Assembly::add_waiting(const Pane& pane, const Piece& piece, bool begun, bool finished, float* out, std::size_t out_row) {
+    const PixelRect& pixels = piece.pixels;
+    const auto lanes = static_cast<std::size_t>(normalisation_.lanes);
+    const auto size = static_cast<std::size_t>(pixels.width() * pixels.height()) * lanes;
+    const std::size_t images = (normalisation_.camera ? 1 : 0) + (normalisation_.light ? 1 : 0);
+    const bool with_positive = normalisation_.camera && has_lobes_;
+    const std::size_t kinds = images + (with_positive ? 1 : 0);  // camera, light, positive
+    thread_local std::vector<double> memory, slot;
+    memory.assign(kinds * size, 0.0);
+    slot.resize(kinds * slot_sums_);
+    double* const camera = normalisation_.camera ? memory.data() : nullptr;
+    double* const light = normalisation_.light ? memory.data() + (images - 1) * size : nullptr;
+    double* const positive = with_positive ? memory.data() + images * size : nullptr;
+    const auto for_rows = [&](const PixelRect& chunk, const auto& visit) {  // visit(of the slot, of the piece, doubles)
+        double* in_slot = slot.data();
+        const auto row = static_cast<std::size_t>(chunk.width()) * lanes;
+        for (std::size_t kind = 0; kind < kinds; ++kind) {
+            for (std::int64_t y = chunk.y0; y < chunk.y1; ++y, in_slot += row) {
+                const std::int64_t first = (y - pixels.y0) * pixels.width() + chunk.x0 - pixels.x0;
+                visit(in_slot, &memory[kind * size + static_cast<std::size_t>(first) * lanes], row);
+            }
+        }
+    };
     bool any = false;
-    if (begun) {
-        const Result<bool> waited = sums_.take(key, std::as_writable_bytes(std::span(sums)));
-        if (!waited) return waited.error();
-        any = *waited;
-    }
-    thread_local std::vector<std::pair<std::uint64_t, PixelRect>> in_z_order;
-    in_z_order.clear();
-    for (std::int64_t y = cells.y0; y < cells.y1; ++y) {
-        for (std::int64_t x = cells.x0; x < cells.x1; ++x) in_z_order.push_back({z_of(x, y), {x, y, x + 1, y + 1}});
-    }
-    std::ranges::sort(in_z_order, {}, [](const auto& entry) { return entry.first; });
-    for (const auto& [z, at] : in_z_order) {
-        const Windows::Cell& cell = pane.windows.at(at.x0, at.y0);
-        const PixelRect window = grid_.window(static_cast<std::uint32_t>(at.x0), static_cast<std::uint32_t>(at.y0));
-        if (cell.camera) add_window(cell.camera, window, pixels, camera_doubles, camera);
-        if (cell.light) add_window(cell.light, window, pixels, light_doubles, light);
-        any = any || cell.camera || cell.light;
-    }
+    Status status;
+    for_chunks(begun ? pixels : PixelRect{}, [&](const PixelRect& chunk) {
+        if (!status) return;
+        const Result<bool> waited = sums_.take(key_of(chunk.x0, chunk.y0), std::as_writable_bytes(std::span(slot)));
+        if (!waited) status = waited.error();
+        if (!waited || !*waited) return;
+        any = true;
+        for_rows(chunk, [](const double* in_slot, double* sums, std::size_t n) { std::copy_n(in_slot, n, sums); });
+    });
+    if (!status) return status;
+    Sums sums = add_up(pane.windows, piece, camera, light);
+    any = any || sums.camera || sums.light;
     if (finished) {
-        const auto width = static_cast<std::size_t>(pixels.width());
-        resolve({pixels, normalisation_.camera ? camera : nullptr, normalisation_.light ? light : nullptr, width * camera_doubles,
-                 width * light_doubles},
-                values);
-    } else if (any) {
-        if (Status s = sums_.put(key, std::as_bytes(std::span(sums))); !s) return s.error();
+        if (any) sums.camera = camera, sums.light = light, sums.positive = positive;
+        finish(pane, piece, sums, out, out_row);
+        return {};
     }
-    return finished;
+    if (with_positive) add_positive(pane, piece, std::span(positive, size));
+    for_chunks(any ? pixels : PixelRect{}, [&](const PixelRect& chunk) {
+        for_rows(chunk, [](double* in_slot, const double* its_sums, std::size_t n) { std::copy_n(its_sums, n, in_slot); });
+        if (status) status = sums_.put(key_of(chunk.x0, chunk.y0), std::as_bytes(std::span(slot)));
+    });
+    return status;
 }
 
-void Assembly::resolve(const Block& block, std::span<float> values) {
-    const int channels = normalisation_.channels, share = channels;
-    std::uint64_t fallback = 0, empty = 0;
-    float* out = values.data();
-    for (std::int64_t y = block.pixels.y0; y < block.pixels.y1; ++y) {
-        const double* camera = block.camera ? block.camera + (y - block.pixels.y0) * block.camera_row : nullptr;
-        const double* light = block.light ? block.light + (y - block.pixels.y0) * block.light_row : nullptr;
-        for (std::int64_t x = block.pixels.x0; x < block.pixels.x1; ++x, out += channels) {
-            const auto px = static_cast<std::uint32_t>(x), py = static_cast<std::uint32_t>(y);
-            double weight = 0;
-            bool without_lobes = false;
-            if (camera) {
-                weight = camera_.split ? camera[share] + camera[camera_.lanes + share] : camera[share];
-                if (!(weight >= kLeastWeight * normalisation_.camera_density * border_.camera_share(px, py))) {
-                    without_lobes = true;
-                    weight = camera[share];
-                    weight > 0 ? ++fallback : ++empty;
-                }
-            } else if (normalisation_.camera) {
-                ++empty;
-            }
-            const double light_scale = light ? normalisation_.light_scale / border_.light_share(px, py) : 0;
-            for (int c = 0; c < channels; ++c) {
-                double sum = 0;
-                if (weight > 0)
-                    sum = (without_lobes || !camera_.split ? camera[c] : camera[c] + camera[camera_.lanes + c]) / weight;
-                if (light) sum += light_scale * light[c];
-                out[c] = static_cast<float>(sum);
-            }
-            if (camera) camera += camera_.doubles();
-            if (light) light += light_.doubles();
+void Assembly::add_positive(const Pane& pane, const Piece& piece, std::span<double> sums) const {
+    for_cells_in_z_order(intersection(piece.cells, pane.windows.cells), [&](std::int64_t x, std::int64_t y) {
+        if (pane.windows.at(x, y).camera) pane.positive.add(x, y, piece.pixels, sums);
+    });
+}
+
+// Adds the windows of the pane's cells to sums of a piece, row after row. Null where none of them has such records.
+Assembly::Sums Assembly::add_up(const Windows& windows, const Piece& piece, double* camera, double* light) const {
+    const auto row = static_cast<std::size_t>(piece.pixels.width() * normalisation_.lanes);
+    Sums sums{nullptr, nullptr, nullptr, row, row};
+    for_cells_in_z_order(intersection(piece.cells, windows.cells), [&](std::int64_t x, std::int64_t y) {
+        const Windows::Cell& cell = windows.at(x, y);
+        const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+        if (cell.camera) add_window(cell.camera, window, piece.pixels, normalisation_.lanes, camera), sums.camera = camera;
+        if (cell.light) add_window(cell.light, window, piece.pixels, normalisation_.lanes, light), sums.light = light;
+    });
+    return sums;
+}
+
+// Sums of a piece whose cells all lie in the pane: those of its only cell stay where they are.
+Assembly::Sums Assembly::sums_in_pane(const Windows& windows, const Piece& piece, std::vector<double>& memory) const {
+    const PixelRect& cells = piece.cells;
+    if (cells.width() > 1 || cells.height() > 1) {
+        const auto size = static_cast<std::size_t>(piece.pixels.width() * piece.pixels.height() * normalisation_.lanes);
+        memory.assign(2 * size, 0.0);
+        return add_up(windows, piece, memory.data(), memory.data() + size);
+    }
+    const Windows::Cell& cell = windows.at(cells.x0, cells.y0);
+    const PixelRect window = grid_.window(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0));
+    const auto row = static_cast<std::size_t>(window.width() * normalisation_.lanes);
+    const std::int64_t first =
+        ((piece.pixels.y0 - window.y0) * window.width() + piece.pixels.x0 - window.x0) * normalisation_.lanes;
+    return {cell.camera ? cell.camera + first : nullptr, cell.light ? cell.light + first : nullptr, nullptr, row, row};
+}
+
+double Assembly::least_weight(std::int64_t x, std::int64_t y) const {
+    return kLeastWeight * normalisation_.camera_density *
+           border_.camera_share(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+}
+double Assembly::light_scale(std::int64_t x, std::int64_t y) const {
+    return normalisation_.light_scale / border_.light_share(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+}
+
+void Assembly::finish(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row) {
+    const PixelRect& pixels = piece.pixels;
+    const auto width = static_cast<std::size_t>(pixels.width());
+    thread_local std::vector<double> least, scale;
+    least.resize(width), scale.resize(width);
+    const bool inside = border_.inside(pixels);
+    std::size_t few = 0;
+    for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
+        for (std::size_t x = 0; x < width && (!inside || y == pixels.y0); ++x) {
+            least[x] = least_weight(pixels.x0 + static_cast<std::int64_t>(x), y);
+            scale[x] = light_scale(pixels.x0 + static_cast<std::int64_t>(x), y);
+        }
+        const auto row = static_cast<std::size_t>(y - pixels.y0);
+        few += normalise_row({sums.camera ? sums.camera + row * sums.camera_row : nullptr,
+                              sums.light ? sums.light + row * sums.light_row : nullptr, normalisation_.lanes, least, scale},
+                             normalisation_.channels, out + row * out_row);
+    }
+    if (!sums.camera && normalisation_.camera) counts_.empty += width * static_cast<std::uint64_t>(pixels.height());
+    if (few > 0) finish_few_samples(pane, piece, sums, out, out_row);
+}
+
+// The rectangle, in `pixels` of a piece, of those whose weight is too small.
+PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums) const {
+    PixelRect few{pixels.x1, pixels.y1, pixels.x0, pixels.y0};
+    for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
+        for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) {
+            const double weight = sums.camera[static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
+                                              static_cast<std::size_t>((x - piece.pixels.x0) * normalisation_.lanes) +
+                                              static_cast<std::size_t>(normalisation_.channels)];
+            if (weight >= least_weight(x, y)) continue;
+            few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
         }
     }
-    std::fill(out, values.data() + values.size(), 0.0f);
-    if (fallback > 0) counts_.fallback += fallback;
-    if (empty > 0) counts_.empty += empty;
+    return few;
+}
+
+void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row) {
+    const auto lanes = static_cast<std::size_t>(normalisation_.lanes), channels = static_cast<std::size_t>(normalisation_.channels);
+    thread_local std::vector<double> positive;
+    std::uint64_t fallback = 0, empty = 0;
+    for_chunks(piece.pixels, [&](const PixelRect& chunk) {
+        const PixelRect few = few_samples(chunk, piece, sums);
+        if (few.empty()) return;
+        const auto row_of = [&](std::int64_t y) { return static_cast<std::size_t>(y - piece.pixels.y0); };
+        const auto column_of = [&](std::int64_t x) { return static_cast<std::size_t>(x - piece.pixels.x0); };
+        positive.assign(static_cast<std::size_t>(few.width() * few.height()) * lanes, 0.0);
+        if (has_lobes_ && sums.positive) {
+            add_window(sums.positive, piece.pixels, few, normalisation_.lanes, positive.data());
+        }
+        if (has_lobes_) {
+            add_positive(pane, {few, piece.cells}, positive);
+        } else {
+            const auto first = row_of(few.y0) * sums.camera_row + column_of(few.x0) * lanes;
+            for (std::int64_t y = 0; y < few.height(); ++y) {
+                std::copy_n(sums.camera + first + static_cast<std::size_t>(y) * sums.camera_row,
+                            static_cast<std::size_t>(few.width()) * lanes,
+                            &positive[static_cast<std::size_t>(y * few.width()) * lanes]);
+            }
+        }
+        const double* at = positive.data();
+        for (std::int64_t y = few.y0; y < few.y1; ++y) {
+            for (std::int64_t x = few.x0; x < few.x1; ++x, at += lanes) {
+                const std::size_t row = row_of(y), column = column_of(x);
+                if (sums.camera[row * sums.camera_row + column * lanes + channels] >= least_weight(x, y)) continue;
+                const double none = 0, scale = light_scale(x, y);
+                normalise_row({at,
+                               sums.light ? sums.light + row * sums.light_row + column * lanes : nullptr,
+                               normalisation_.lanes,
+                               {&none, 1},
+                               {&scale, 1}},
+                              normalisation_.channels, out + row * out_row + column * channels);
+                at[channels] > 0 ? ++fallback : ++empty;
+            }
+        }
+    });
+    counts_.fallback += fallback;
+    counts_.empty += empty;
+}
+
+std::vector<std::size_t> Assembly::cells_of_few_samples(const Windows& windows) const {
+    const std::vector<Tile> tiles = tiles_touched(windows);
+    std::vector<std::atomic<bool>> few(windows.of.size());
+    tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
+        thread_local std::vector<double> memory;
+        for_pieces(tiles[i].pixels, [&](const Piece& piece) {
+            if (!contains(windows.cells, piece.cells)) return;
+            const Sums sums = sums_in_pane(windows, piece, memory);
+            if (!sums.camera || few_samples(piece.pixels, piece, sums).empty()) return;
+            for (std::int64_t y = piece.cells.y0; y < piece.cells.y1; ++y) {
+                for (std::int64_t x = piece.cells.x0; x < piece.cells.x1; ++x)
+                    few[static_cast<std::size_t>((y - windows.cells.y0) * windows.cells.width() + x - windows.cells.x0)] = true;
+            }
+        });
+    });
+    std::vector<std::size_t> cells;
+    for (std::size_t i = 0; i < few.size(); ++i) {
+        if (few[i]) cells.push_back(i);
+    }
+    return cells;
 }
 
 }  // namespace latent::develop

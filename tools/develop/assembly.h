@@ -2,7 +2,6 @@
 // pixels".
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -13,7 +12,8 @@
 #include "base/slot_file.h"
 #include "tools/develop/border.h"
 #include "tools/develop/film_grid.h"
-#include "tools/develop/splat.h"
+#include "tools/develop/positive.h"
+#include "tools/develop/windows.h"
 
 namespace latent::develop {
 
@@ -31,6 +31,7 @@ class TileSink {
 // What turns sums into values.
 struct Normalisation {
     int channels;           // of a pixel
+    int lanes;              // sums of a pixel of each image: its channels, then w c
     bool camera, light;     // which images are added up
     double camera_density;  // samples per pixel of the film
     double light_scale;     // pixels of the full film / N
@@ -41,31 +42,22 @@ struct PixelCounts {
     std::atomic<std::uint64_t> empty = 0;     // camera pixels without any record
 };
 
-// The windows of the cells of a pane (a node of the film whose cells are finished together); null where a cell has no such records.
-struct Windows {
-    PixelRect cells;
-    struct Cell {
-        const double* camera = nullptr;
-        const double* light = nullptr;
-    };
-    std::vector<Cell> of;  // row after row
-    const Cell& at(std::int64_t x, std::int64_t y) const { return of[(y - cells.y0) * cells.width() + (x - cells.x0)]; }
-};
-
-// Panes arrive in Z order and cover all cells that reach into the crop. The picture is handled in blocks of 16 x 16 pixels: a block
-// is finished with the last cell that reaches it. Until then its sums wait; finished blocks wait until their tile is complete. Both
-// wait in memory or, beyond `waiting_memory`, in unnamed files in `folder`.
+// Panes arrive in Z order and cover all cells that reach into the crop. Pixels that the same cells reach form pieces: most are
+// reached by one cell, and finished with it. Where cells of several panes reach a piece, its sums wait for the last of them; pixels
+// wait until their tile is complete. Both wait in memory or, beyond `waiting_memory`, in unnamed files in `folder`.
 class Assembly {
  public:
-    static constexpr int kBlock = 16;
-    static constexpr std::size_t kBlockPixels = std::size_t{kBlock} * kBlock;
     static constexpr std::size_t kTilesPerThread = 2;  // in memory at once
 
-    Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& crop, const PixelSums& camera, const PixelSums& light,
-             const Normalisation& normalisation, const std::filesystem::path& folder, std::uint64_t waiting_memory, TileSink& sink);
+    Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& crop, const Normalisation& normalisation,
+             const std::filesystem::path& folder, std::uint64_t waiting_memory, TileSink& sink);
 
     // Adds the windows of a pane, whose codes on the Z curve are z_begin .. z_end-1, and writes the tiles that are complete now.
-    Status add(const Windows& windows, std::uint64_t z_begin, std::uint64_t z_end);
+    // `positive` is asked for sums of pixels whose weight is too small, and of those that wait.
+    Status add(const Windows& windows, const PositiveSums& positive, std::uint64_t z_begin, std::uint64_t z_end);
+    // The cells of a pane (numbers in it, ascending) that reach pixels which no other pane reaches and whose weight is too small:
+    // those which `positive` will be asked for, and which no border holds.
+    std::vector<std::size_t> cells_of_few_samples(const Windows& windows) const;
 
     const PixelCounts& counts() const { return counts_; }
     std::uint64_t bytes_on_disk() const { return sums_.bytes_on_disk() + finished_.bytes_on_disk(); }
@@ -74,34 +66,50 @@ class Assembly {
     struct Tile {
         int x, y;
         PixelRect pixels;
-        std::uint64_t last_z;
+        std::uint64_t first_z, last_z;
     };
     struct Pane {
         const Windows& windows;
+        const PositiveSums& positive;
         std::uint64_t z_begin, z_end;
     };
-    // Sums of a block: its pixels row after row.
-    struct Block {
-        PixelRect pixels;
+    // Pixels that cells x0..x1-1, y0..y1-1 reach, all of them and no others.
+    struct Piece {
+        PixelRect pixels, cells;
+    };
+    // Its sums: null where no cell has such records.
+    struct Sums {
         const double* camera;
         const double* light;
+        const double* positive;             // what earlier panes gave; null: nothing
         std::size_t camera_row, light_row;  // doubles from one row to the next
     };
 
-    std::vector<Tile> tiles_touched(const Pane& pane) const;
-    Status add_tile(const Pane& pane, const Tile& tile, bool complete, std::vector<float>& pixels);
-    // Adds what the pane gives to a block; true if it is finished, its values then in `values`.
-    Result<bool> add_block(const Pane& pane, const PixelRect& pixels, std::uint64_t key, std::span<float> values);
-    void resolve(const Block& block, std::span<float> values);
-    std::uint64_t key(const PixelRect& block) const;
+    std::vector<Tile> tiles_touched(const Windows& windows) const;
+    template <class Visit>
+    void for_pieces(const PixelRect& pixels, const Visit& visit) const;  // visit(Piece)
+    Status add_tile(const Pane& pane, const Tile& tile, bool complete, std::span<float> pixels);
+    bool finishes(const Pane& pane, const Piece& piece) const;
+    Status add_piece(const Pane& pane, const Piece& piece, float* out, std::size_t out_row);
+    Status add_waiting(const Pane& pane, const Piece& piece, bool begun, bool finished, float* out, std::size_t out_row);
+    void add_positive(const Pane& pane, const Piece& piece, std::span<double> sums) const;
+    Sums add_up(const Windows& windows, const Piece& piece, double* camera, double* light) const;
+    Sums sums_in_pane(const Windows& windows, const Piece& piece, std::vector<double>& memory) const;
+    void finish(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row);
+    void finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row);
+    PixelRect few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums) const;
+    double least_weight(std::int64_t x, std::int64_t y) const;
+    double light_scale(std::int64_t x, std::int64_t y) const;
 
     const FilmGrid& grid_;
     PixelRect crop_;
-    PixelSums camera_, light_;
     Normalisation normalisation_;
+    bool has_lobes_;
     BorderShare border_;
+    std::size_t slot_sums_;  // doubles of one image in a slot of sums_
     SlotFile sums_, finished_;
     TileSink& sink_;
+    std::vector<std::vector<float>> buffers_;  // of tiles
     PixelCounts counts_;
 };
 

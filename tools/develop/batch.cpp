@@ -90,6 +90,7 @@ std::uint64_t Loader::index_bytes(const PixelRect& cells) {
 // A batch while its pages are decoded. Rows get their places as they come; only the index knows their order.
 struct Loader::Filling {
     const PixelRect& cells;
+    bool counting;
     float* values;
     std::uint32_t* x;
     std::uint32_t* y;
@@ -97,7 +98,7 @@ struct Loader::Filling {
     std::atomic<std::uint32_t> row_count = 0, piece_count = 0;
 };
 
-Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory) {
+Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory, bool counting) {
     const std::uint64_t room = memory.size() - index_bytes(cells);
     std::uint64_t rows = 0, pieces = 0, bytes = 0;
     std::size_t taken = 0;
@@ -114,8 +115,12 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
     // Values, x, y of as many rows as there may be; pieces at the end, out of the way of the segments that are made from them.
     std::span<std::byte> free = memory.first(memory.size() - pieces * sizeof(SlotRows) / kAlignment * kAlignment - kAlignment);
     auto* const last = reinterpret_cast<SlotRows*>(free.data() + free.size());
-    Filling filling{cells, take<float>(free, rows * lanes_).data(), take<std::uint32_t>(free, rows).data(),
-                    take<std::uint32_t>(free, rows).data(), last};
+    Filling filling{cells,
+                    counting,
+                    take<float>(free, rows * lanes_).data(),
+                    take<std::uint32_t>(free, rows).data(),
+                    take<std::uint32_t>(free, rows).data(),
+                    last};
     std::vector<std::span<const SlotRows>> kept(taken);
     std::mutex error_mutex;
     Status status;
@@ -185,7 +190,7 @@ void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const F
     place_rows(grid_.place_y(rows.cell_y), std::span(page.v).subspan(rows.first, rows.count), filling.y + to);
     const std::uint64_t not_finite =
         channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * lanes_);
-    if (not_finite > 0) {
+    if (not_finite > 0 && filling.counting) {
         const bool camera = page.record_class == sampledb::RecordClass::kCamera;
         (camera ? counts_.camera_not_finite : counts_.light_not_finite) += not_finite;
     }
@@ -204,7 +209,8 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     }
     std::uint32_t count = 0;
     for (const CellRows& rows : cells) count += rows.count;
-    (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_records : counts_.light_records) += count;
+    if (filling.counting)
+        (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_records : counts_.light_records) += count;
     std::uint32_t to = filling.row_count.fetch_add(count);
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) {

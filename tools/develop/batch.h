@@ -62,8 +62,8 @@ class Loader {
     static std::uint64_t index_bytes(const PixelRect& cells);
 
     // Takes as many pages as fit off the front of `pages` (there must be room for one), and what their records need off the front
-    // of `memory`.
-    Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory);
+    // of `memory`. `counting`: their records have not been counted before.
+    Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory, bool counting);
 
     const DecodeCounts& counts() const { return counts_; }
 

@@ -67,9 +67,8 @@ BorderShare::BorderShare(const Filter& filter, std::uint32_t width, std::uint32_
     for (const double share : camera_squares_) integral_ += share;
 }
 
-bool BorderShare::inside(std::uint32_t x, std::uint32_t y) const {
-    return x >= static_cast<std::uint32_t>(reach_) && y >= static_cast<std::uint32_t>(reach_) && x + reach_ < width_ &&
-           y + reach_ < height_;
+bool BorderShare::inside(const PixelRect& pixels) const {
+    return pixels.x0 >= reach_ && pixels.y0 >= reach_ && pixels.x1 + reach_ <= width_ && pixels.y1 + reach_ <= height_;
 }
 
 double BorderShare::sum_on_film(const std::vector<double>& squares, std::uint32_t x, std::uint32_t y) const {
@@ -85,11 +84,11 @@ double BorderShare::sum_on_film(const std::vector<double>& squares, std::uint32_
 }
 
 double BorderShare::light_share(std::uint32_t x, std::uint32_t y) const {
-    return inside(x, y) ? 1.0 : sum_on_film(light_squares_, x, y);
+    return inside({x, y, std::int64_t{x} + 1, std::int64_t{y} + 1}) ? 1.0 : sum_on_film(light_squares_, x, y);
 }
 
 double BorderShare::camera_share(std::uint32_t x, std::uint32_t y) const {
-    return inside(x, y) ? integral_ : sum_on_film(camera_squares_, x, y);
+    return inside({x, y, std::int64_t{x} + 1, std::int64_t{y} + 1}) ? integral_ : sum_on_film(camera_squares_, x, y);
 }
 
 }  // namespace latent::develop

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
 
 namespace latent::develop {
@@ -18,9 +19,10 @@ class BorderShare {
 
     double light_share(std::uint32_t x, std::uint32_t y) const;
     double camera_share(std::uint32_t x, std::uint32_t y) const;
+    // So far inside that both are those of all such pixels.
+    bool inside(const PixelRect& pixels) const;
 
  private:
-    bool inside(std::uint32_t x, std::uint32_t y) const;
     double sum_on_film(const std::vector<double>& squares, std::uint32_t x, std::uint32_t y) const;
 
     int reach_;

@@ -1,16 +1,18 @@
 #include "tools/develop/develop.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
 #include <functional>
+#include <utility>
 
 #include "base/size.h"
 #include "tools/develop/batch.h"
+#include "tools/develop/pane.h"
+#include "tools/develop/positive.h"
 #include "tools/develop/regions.h"
 
 namespace latent::develop {
@@ -24,6 +26,9 @@ using sampledb::RecordClass;
 constexpr std::size_t kPagesAtOnce = 1 << 14;                 // references to pages of a region that streams
 constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
 constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
+
+// Where all records are in memory, panes are no larger than this: their windows are still in the caches when they become pixels.
+constexpr std::uint64_t kLeastPane = 24 << 20, kPanePerThread = 4 << 20;
 
 // Records that the headers promise of the selected samples: their share of the run's.
 struct ExpectedRecords {
@@ -53,29 +58,31 @@ class Engine {
           channels_(channels),
           settings_(settings),
           grid_(settings.width, settings.height, settings.filter.reach()),
-          loader_(gathering, grid_, channels) {
-        const ExpectedRecords expected = expected_records(gathering);
+          loader_(gathering, grid_, channels),
+          expected_(expected_records(gathering)),
+          classes_{.camera = settings.camera && expected_.camera > 0,
+                   .light = settings.light && expected_.light > 0 && gathering.light_paths() > 0},
+          with_positive_(classes_.camera && settings.filter.kernel().has_negative_lobes),
+          pane_(grid_, settings.filter.kernel(), channels.lanes(), classes_) {
         counts_.light_paths = gathering.light_paths();
-        classes_ = {.camera = settings.camera && expected.camera > 0,
-                    .light = settings.light && expected.light > 0 && counts_.light_paths > 0};
-        camera_ = {channels.lanes(), settings.filter.kernel().has_negative_lobes};
-        light_ = {channels.lanes(), false};
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
-        const double camera_density = std::min(static_cast<double>(gathering.coverage().size()), expected.camera) / pixels;
-        normalisation_ = {channels.count(), classes_.camera, classes_.light, camera_density,
-                          classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0};
+        const double camera_density = std::min(static_cast<double>(gathering.coverage().size()), expected_.camera) / pixels;
+        normalisation_ = {channels.count(), channels.lanes(),
+                          classes_.camera,  classes_.light,
+                          camera_density,   classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0};
         needed_ = grid_.cells_reaching(settings.crop);
         share_memory(sink);
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
-        const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, window_bytes_);
+        const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.lanes()) : 0;
+        const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.window_bytes(), positive_bytes});
         if (!plan) return plan.error();
         plan_ = &*plan;
         counts_.pages = plan->pages();
         counts_.page_bytes = plan->stored_bytes();
-        if (const std::uint64_t least = plan->least_batch() + window_bytes_; slab_bytes_ < least)
+        if (const std::uint64_t least = plan->least_room(); slab_bytes_ < least)
             return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
         slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
         if (!slab_)
@@ -96,7 +103,7 @@ class Engine {
         Batch batch;
     };
 
-    // The budget: waiting blocks and the threads' own buffers; the rest is one slab for records and windows.
+    // The budget: waiting sums and tiles, and the threads' own buffers; the rest is one slab for records and windows.
     void share_memory(TileSink& sink) {
         const std::uint64_t threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
         const std::uint64_t waiting = settings_.memory / 16;
@@ -105,10 +112,9 @@ class Engine {
         own_bytes_ = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
         slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
         slab_bytes_ = std::min(slab_bytes_, kMostSlab);
-        window_bytes_ = static_cast<std::uint64_t>(grid_.window_width() * grid_.window_height()) * pixel_doubles() * sizeof(double);
-        window_bytes_ = (window_bytes_ + 63) / 64 * 64;
-        assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, camera_, light_, normalisation_,
-                                               settings_.temporary_folder, waiting, sink);
+        pane_bytes_ = std::max(kLeastPane, threads * kPanePerThread);
+        assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, normalisation_, settings_.temporary_folder,
+                                               waiting, sink);
     }
 
     // Whole MiB of --memory with which the slab has `slab` bytes: 15/16 of Settings::memory go to it and the threads, and that is
@@ -116,11 +122,6 @@ class Engine {
     std::uint64_t enough_for(std::uint64_t slab) const {
         const std::uint64_t memory = (slab + own_bytes_ + 64) * 16 / 15 * 32 / 27;
         return (memory + (2 << 20)) >> 20 << 20;
-    }
-
-    std::uint64_t pixel_doubles() const {
-        return (classes_.camera ? static_cast<std::uint64_t>(camera_.doubles()) : 0) +
-               (classes_.light ? static_cast<std::uint64_t>(light_.doubles()) : 0);
     }
 
     // Develops a node in `room`. `missed`: see Plan::way.
@@ -168,6 +169,19 @@ class Engine {
                    std::ranges::find(held_, page.node, &Held::node) == held_.end();
         };
     }
+    // Camera pages that reach some cells of a region, given by their numbers in it, and are not in memory yet.
+    auto reaching_some(const Region& region, std::span<const std::size_t> cells) const {
+        return [this, region, cells, pages = reaching(region)](const PageInfo& page) {
+            if (page.record_class != RecordClass::kCamera || !pages(page)) return false;
+            const PixelRect reached = grid_.cells_of(page.node);
+            return std::ranges::any_of(cells, [&](std::size_t cell) {
+                const std::int64_t x = region.cells.x0 + static_cast<std::int64_t>(cell) % region.cells.width();
+                const std::int64_t y = region.cells.y0 + static_cast<std::int64_t>(cell) / region.cells.width();
+                return !intersection(reached, {x, y, x + 1, y + 1}).empty();
+            });
+        };
+    }
+
     // Appends the pages of a run, or of all, that are `wanted`, in their order.
     template <class Wanted>
     Status append_pages(std::size_t run, const Wanted& wanted, std::vector<PageRef>& found) const {
@@ -187,6 +201,12 @@ class Engine {
         }
         return {};
     }
+    // A batch and all that is held.
+    std::vector<const Batch*> with_held(const Batch& batch) const {
+        std::vector<const Batch*> batches = {&batch};
+        for (const Held& held : held_) batches.push_back(&held.batch);
+        return batches;
+    }
 
     // All records at once, the windows of a pane at a time.
     Status develop_resident(const Region& region, std::span<std::byte> room) {
@@ -197,55 +217,101 @@ class Engine {
         if (!batch) return batch.error();
         assert(rest.empty());
         show(region, 0.5);
-        windows_ = room;
-        if (Status s = develop_panes(region, region.node, *batch); !s) return s;
+        if (Status s = develop_panes(region, region.node, with_held(*batch), room); !s) return s;
         return finish_region(region);
     }
 
-    Status develop_panes(const Region& region, const FilmNode& node, const Batch& batch) {
+    Status develop_panes(const Region& region, const FilmNode& node, std::span<const Batch* const> batches,
+                         std::span<std::byte> room) {
         const PixelRect cells = intersection(grid_.cells_of(node), region.cells);
         if (cells.empty()) return {};
-        if (static_cast<std::uint64_t>(cells.width() * cells.height()) * window_bytes_ > windows_.size() &&
-            node.level < grid_.level()) {
+        if (pane_.bytes(cells) > std::min<std::uint64_t>(room.size(), pane_bytes_) && node.level < grid_.level()) {
             for (int i = 0; i < 4; ++i) {
-                if (Status s = develop_panes(region, child(node, i), batch); !s) return s;
+                if (Status s = develop_panes(region, child(node, i), batches, room); !s) return s;
             }
             return {};
         }
-        begin_pane(cells);
-        add_records(batch, {});
-        return finish_pane(node);
+        begin_pane(cells, room);
+        pane_.add_records(batches, {});
+        return finish_pane(node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.lanes(), batches));
     }
 
-    // The windows of all cells at once, the records a batch at a time.
     Status develop_streaming(const Region& region, std::span<std::byte> room) {
-        const std::uint64_t windows = static_cast<std::uint64_t>(region.cells.width() * region.cells.height()) * window_bytes_;
-        windows_ = room.last(windows);
-        begin_pane(region.cells);
+        const Result<bool> done = stream(region, room);
+        if (!done) return done.error();
+        if (*done) return finish_region(region);
+        const bool was_counting = std::exchange(counting_, false);
+        for (int i = 0; i < 4; ++i) {
+            const FilmNode part = child(region.node, i);
+            const PixelRect cells = intersection(grid_.cells_of(part), region.cells);
+            if (cells.empty()) continue;
+            if (Status s = develop_streaming({part, cells}, room); !s) return s;
+        }
+        counting_ = was_counting;
+        return {};
+    }
+
+    // The windows of all cells at once, the records a batch at a time. Cells that turn out to have pixels of few samples need their
+    // records a second time; false if there is no room for their windows.
+    Result<bool> stream(const Region& region, std::span<std::byte> room) {
+        const int lanes = channels_.lanes();
+        const auto take = [&room](std::uint64_t bytes) {
+            const std::span<std::byte> taken = room.last(bytes);
+            room = room.first(room.size() - bytes);
+            return taken;
+        };
+        begin_pane(region.cells, take(pane_.bytes(region.cells)));
+        PositiveWindows positive(grid_, settings_.filter.kernel(), lanes, region.cells);
+        if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, lanes, region.cells)));
+        const auto add = [&](const Batch& batch, const PageRange& range) {
+            const std::vector<const Batch*> batches = with_held(batch);
+            pane_.add_records(batches, range);
+            if (with_positive_) positive.add_records(batches, range);
+        };
+        if (Status s = pass(region, reaching(region), room, add); !s) return s.error();
+        const std::vector<std::size_t> few =
+            with_positive_ ? assembly_->cells_of_few_samples(pane_.windows()) : std::vector<std::size_t>();
+        if (!few.empty()) {
+            const std::uint64_t bytes = positive.bytes_beside(few);
+            if (bytes + plan_->least_batch() + Loader::index_bytes(region.cells) > room.size()) return false;
+            positive.open(few, take(bytes));
+            const bool was_counting = std::exchange(counting_, false);
+            const auto add_positive = [&](const Batch& batch, const PageRange& range) {
+                positive.add_records(with_held(batch), range);
+            };
+            if (Status s = pass(region, reaching_some(region, few), room, add_positive); !s) return s.error();
+            counting_ = was_counting;
+        }
+        if (Status s = finish_pane(region.node, positive); !s) return s.error();
+        return true;
+    }
+
+    // Loads the pages that are `wanted` a batch at a time, and has each batch added.
+    template <class Wanted, class Add>
+    Status pass(const Region& region, const Wanted& wanted, std::span<std::byte> room, const Add& add) {
         std::vector<PageRef> pages;
         PageRange range{0, 0};
         for (std::size_t run = 0; run < gathering_.runs().size();) {
             pages.clear();
             for (; run < gathering_.runs().size() && pages.size() < kPagesAtOnce; ++run) {
-                if (Status s = append_pages(run, reaching(region), pages); !s) return s;
+                if (Status s = append_pages(run, wanted, pages); !s) return s;
             }
             std::span<const PageRef> rest = pages;
             do {
-                std::span<std::byte> records = room.first(room.size() - windows);
+                std::span<std::byte> records = room;
                 const Result<Batch> batch = load(rest, region.cells, records);
                 if (!batch) return batch.error();
                 range = {range.end, rest.empty() ? page_order(run, 0) : rest.front().order};
-                add_records(*batch, range);
+                add(*batch, range);
             } while (!rest.empty());
             show(region, static_cast<double>(run) / static_cast<double>(gathering_.runs().size()));
         }
-        if (Status s = finish_pane(region.node); !s) return s;
-        return finish_region(region);
+        return {};
     }
 
     Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory) {
         ++counts_.batches;
-        return loader_.load(pages, cells, memory);
+        return loader_.load(pages, cells, memory, counting_);
     }
 
     void show(const Region& region, double part) const {
@@ -260,42 +326,13 @@ class Engine {
         return {};
     }
 
-    void begin_pane(const PixelRect& cells) {
-        pane_ = {cells, std::vector<Windows::Cell>(static_cast<std::size_t>(cells.width() * cells.height()))};
+    void begin_pane(const PixelRect& cells, std::span<std::byte> memory) {
+        pane_.begin(cells, memory);
         ++counts_.panes;
     }
-
-    // Adds the records of a batch, and those held of the pages in `range`, to the windows of the pane, cell by cell.
-    void add_records(const Batch& batch, const PageRange& range) {
-        std::vector<const Batch*> batches = {&batch};
-        for (const Held& held : held_) batches.push_back(&held.batch);
-        tbb::parallel_for(std::size_t{0}, pane_.of.size(), [&](std::size_t i) {
-            const std::int64_t x = pane_.cells.x0 + static_cast<std::int64_t>(i) % pane_.cells.width();
-            const std::int64_t y = pane_.cells.y0 + static_cast<std::int64_t>(i) / pane_.cells.width();
-            const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-            const auto pixels = static_cast<std::size_t>(window.width() * window.height());
-            thread_local std::vector<Stretch> stretches;
-            const auto add = [&](RecordClass record_class, const PixelSums& layout, bool unit_sum, double* sums,
-                                 const double*& used) {
-                segments_in_order(batches, range, x, y, record_class, stretches);
-                if (stretches.empty()) return;
-                if (!used) std::fill_n(sums, pixels * layout.doubles(), 0.0);
-                used = sums;
-                for (const Stretch& stretch : stretches) {
-                    splat(settings_.filter.kernel(), layout, unit_sum, stretch.batch->columns, stretch.segments, sums,
-                          static_cast<std::size_t>(window.width()));
-                }
-            };
-            auto* const camera = reinterpret_cast<double*>(windows_.data() + i * window_bytes_);
-            double* const light = camera + (classes_.camera ? pixels * camera_.doubles() : 0);
-            add(RecordClass::kCamera, camera_, false, camera, pane_.of[i].camera);
-            add(RecordClass::kLight, light_, true, light, pane_.of[i].light);
-        });
-    }
-
-    Status finish_pane(const FilmNode& node) {
+    Status finish_pane(const FilmNode& node, const PositiveSums& positive) {
         const ZRange range = z_range(grid_, node);
-        return assembly_->add(pane_, range.begin, range.end);
+        return assembly_->add(pane_.windows(), positive, range.begin, range.end);
     }
 
     DevelopCounts finished_counts() const {
@@ -319,19 +356,20 @@ class Engine {
     FilmGrid grid_;
     Loader loader_;
     DevelopCounts counts_;
-    Classes classes_;
-    PixelSums camera_, light_;
+    const ExpectedRecords expected_;
+    const Classes classes_;
+    const bool with_positive_;  // pixels of few samples are weighed by another filter
+    Pane pane_;
     Normalisation normalisation_;
     PixelRect needed_;  // cells
     const Plan* plan_ = nullptr;
     const Progress* progress_ = nullptr;
     double cells_done_ = 0;
-    std::uint64_t slab_bytes_ = 0, own_bytes_ = 0, window_bytes_ = 0;
+    bool counting_ = true;  // records that are loaded are not known yet
+    std::uint64_t slab_bytes_ = 0, own_bytes_ = 0, pane_bytes_ = 0;
     std::unique_ptr<std::byte, Free> slab_;
     std::vector<Held> held_;
-    std::span<std::byte> windows_;
     std::unique_ptr<Assembly> assembly_;
-    Windows pane_;
 };
 
 }  // namespace

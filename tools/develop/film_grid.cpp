@@ -50,6 +50,33 @@ void FilmGrid::Axis::cells_reaching(std::int64_t from, std::int64_t to, std::int
     last = std::lower_bound(begin.begin(), begin.end(), to) - begin.begin();
 }
 
+void FilmGrid::Axis::inner_pixels(std::int64_t first, std::int64_t last, std::int64_t& from, std::int64_t& to) const {
+    from = first > 0 ? end[first - 1] : begin.front();
+    to = last < static_cast<std::int64_t>(begin.size()) ? begin[last] : end.back();
+}
+
+void FilmGrid::Axis::inner_cells(std::int64_t first, std::int64_t last, std::int64_t& from, std::int64_t& to) const {
+    std::int64_t from_pixel, to_pixel;
+    inner_pixels(first, last, from_pixel, to_pixel);
+    from = std::max(first, std::lower_bound(begin.begin(), begin.end(), from_pixel) - begin.begin());
+    to = std::min(last, std::upper_bound(end.begin(), end.end(), to_pixel) - end.begin());
+}
+
+void FilmGrid::Axis::bands(std::int64_t from, std::int64_t to, std::vector<Band>& bands) const {
+    bands.clear();
+    Band band{from, from, 0, 0};
+    if (from < to) cells_reaching(from, from + 1, band.first, band.last);
+    const auto cells = static_cast<std::int64_t>(begin.size());
+    while (band.from < to) {  // until the first of its cells ends or the next one begins
+        band.to = std::min(to, end[band.first]);
+        if (band.last < cells) band.to = std::min(band.to, begin[band.last]);
+        bands.push_back(band);
+        band.from = band.to;
+        while (band.first < cells && end[band.first] <= band.from) ++band.first;
+        while (band.last < cells && begin[band.last] <= band.from) ++band.last;
+    }
+}
+
 FilmGrid::FilmGrid(std::uint32_t width, std::uint32_t height, int reach)
     : level_(level_of_cells(width, height)), x_(width, level_, reach), y_(height, level_, reach) {}
 
@@ -58,6 +85,20 @@ PixelRect FilmGrid::cells_reaching(const PixelRect& pixels) const {
     x_.cells_reaching(pixels.x0, pixels.x1, cells.x0, cells.x1);
     y_.cells_reaching(pixels.y0, pixels.y1, cells.y0, cells.y1);
     return cells;
+}
+
+PixelRect FilmGrid::inner_pixels(const PixelRect& cells) const {
+    PixelRect pixels;
+    x_.inner_pixels(cells.x0, cells.x1, pixels.x0, pixels.x1);
+    y_.inner_pixels(cells.y0, cells.y1, pixels.y0, pixels.y1);
+    return pixels;
+}
+
+PixelRect FilmGrid::inner_cells(const PixelRect& cells) const {
+    PixelRect inner;
+    x_.inner_cells(cells.x0, cells.x1, inner.x0, inner.x1);
+    y_.inner_cells(cells.y0, cells.y1, inner.y0, inner.y1);
+    return inner;
 }
 
 PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node) const {

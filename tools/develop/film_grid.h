@@ -45,6 +45,18 @@ class FilmGrid {
 
     // Cells (as x0..x1-1, y0..y1-1) whose windows meet `pixels`, which lie on the film.
     PixelRect cells_reaching(const PixelRect& pixels) const;
+    // Of a rectangle of cells: the pixels that no other cell reaches, beyond the film's border too, and the cells whose windows lie
+    // in them.
+    PixelRect inner_pixels(const PixelRect& cells) const;
+    PixelRect inner_cells(const PixelRect& cells) const;
+
+    // Pixels from .. to-1 along an axis that the cells first .. last-1 reach, all of them and no others.
+    struct Band {
+        std::int64_t from, to, first, last;
+    };
+    // The bands of pixels from .. to-1, which lie on the film, in their order.
+    void bands_x(std::int64_t from, std::int64_t to, std::vector<Band>& bands) const { x_.bands(from, to, bands); }
+    void bands_y(std::int64_t from, std::int64_t to, std::vector<Band>& bands) const { y_.bands(from, to, bands); }
     // Cells of a node of the film that is no smaller than a cell; for a smaller one, the cell that it lies in.
     PixelRect cells_of(const sampledb::FilmNode& node) const;
 
@@ -68,6 +80,9 @@ class FilmGrid {
 
         Axis(std::uint32_t pixels, int level, int reach);
         void cells_reaching(std::int64_t from, std::int64_t to, std::int64_t& first, std::int64_t& last) const;
+        void inner_pixels(std::int64_t first, std::int64_t last, std::int64_t& from, std::int64_t& to) const;
+        void inner_cells(std::int64_t first, std::int64_t last, std::int64_t& from, std::int64_t& to) const;
+        void bands(std::int64_t from, std::int64_t to, std::vector<Band>& bands) const;
     };
 
     int level_;

@@ -28,15 +28,15 @@ ZRange z_range(const FilmGrid& grid, const FilmNode& node) {
             z_code(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1)) + 1};
 }
 
-Plan::Plan(const FilmGrid& grid, const PixelRect& needed, std::uint64_t window_bytes, std::uint64_t runs)
-    : grid_(&grid), needed_(needed), window_bytes_(window_bytes), runs_(runs), least_batch_(kLeastBatch) {
+Plan::Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs)
+    : grid_(&grid), needed_(needed), cell_bytes_(cell_bytes), runs_(runs), least_batch_(kLeastBatch) {
     const int deepest = std::min(grid.level(), kCountedLevels);
     for (int level = 0; level <= deepest; ++level) inside_.emplace_back(std::size_t{1} << (2 * level), 0);
 }
 
 Result<Plan> Plan::make(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed, Classes classes,
-                        const Loader& loader, std::uint64_t window_bytes) {
-    Plan plan(grid, needed, window_bytes, gathering.runs().size());
+                        const Loader& loader, const CellBytes& cell_bytes) {
+    Plan plan(grid, needed, cell_bytes, gathering.runs().size());
     for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
         const auto pages = gathering.pages(run);
         if (!pages) return pages.error();
@@ -66,12 +66,18 @@ std::uint64_t Plan::own(const FilmNode& node) const {
     return bytes;
 }
 
+std::uint64_t Plan::window_bytes(const PixelRect& cells) const {
+    const PixelRect inner = grid_->inner_cells(cells);
+    const std::int64_t all = cells.width() * cells.height(), inside = inner.empty() ? 0 : inner.width() * inner.height();
+    return static_cast<std::uint64_t>(all) * cell_bytes_.window + static_cast<std::uint64_t>(all - inside) * cell_bytes_.positive;
+}
+
 Way Plan::way(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
     const PixelRect its_cells = cells(node);
     const std::uint64_t index = Loader::index_bytes(its_cells);
     const std::uint64_t records = inside(node) + missed + index;
-    const std::uint64_t windows = static_cast<std::uint64_t>(its_cells.width() * its_cells.height()) * window_bytes_ + index;
-    const bool resident = records <= std::min(std::max(room / 8 * 5, least_batch_), room - window_bytes_);
+    const std::uint64_t windows = window_bytes(its_cells) + index;
+    const bool resident = records <= std::min(std::max(room / 8 * 5, least_batch_), room - cell_bytes_.window);
     const bool streaming = windows <= std::min(room / 4 * 3, room - least_batch_);
     const bool splits_well =
         std::min(records, windows) > kComfortable && own(node) + missed <= records / 64 && records / 4 >= runs_ * kLeastRead;
@@ -90,7 +96,7 @@ Plan::Split Plan::best_split(const FilmNode& node, std::uint64_t room, std::uint
         return bytes;
     };
     const std::uint64_t bytes = own(node), takes = bytes + Loader::index_bytes(cells(node));
-    if (bytes == 0 || takes + least_batch_ + window_bytes_ > room) return {false, children(room, missed + bytes)};
+    if (bytes == 0 || takes + least_room() > room) return {false, children(room, missed + bytes)};
     const Split with{true, bytes + children(room - takes, missed)};
     if (bytes <= inside(node) / 64) return with;  // they take next to nothing
     const Split without{false, children(room, missed + bytes)};

@@ -31,9 +31,13 @@ enum class Way { kResident, kStreaming, kSplit };
 // Plans with upper bounds of the bytes that the records of pages take once they are decoded, counted by the pages' nodes.
 class Plan {
  public:
-    // Of all pages that reach into `needed` (cells). `window_bytes`: of one cell's window.
+    // What a cell takes: its window, and sums with the non-negative part of the filter (0: no pixel needs them).
+    struct CellBytes {
+        std::uint64_t window, positive;
+    };
+    // Of all pages that reach into `needed` (cells).
     static Result<Plan> make(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed, Classes classes,
-                             const Loader& loader, std::uint64_t window_bytes);
+                             const Loader& loader, const CellBytes& cell_bytes);
 
     // Cells of a node that are needed; if there are none, it needs no way.
     PixelRect cells(const sampledb::FilmNode& node) const { return intersection(grid_->cells_of(node), needed_); }
@@ -45,11 +49,13 @@ class Plan {
     std::uint64_t own(const sampledb::FilmNode& node) const;  // bytes of their records
 
     std::uint64_t least_batch() const { return least_batch_; }  // bytes
+    std::uint64_t least_room() const { return least_batch_ + cell_bytes_.window + cell_bytes_.positive; }
     std::uint64_t pages() const { return pages_; }
     std::uint64_t stored_bytes() const { return stored_bytes_; }  // of the pages, on disk
 
  private:
-    Plan(const FilmGrid& grid, const PixelRect& needed, std::uint64_t window_bytes, std::uint64_t runs);
+    Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs);
+    std::uint64_t window_bytes(const PixelRect& cells) const;  // of a region that streams
     std::uint64_t inside(const sampledb::FilmNode& node) const;
     struct Split {
         bool holds;
@@ -60,7 +66,8 @@ class Plan {
 
     const FilmGrid* grid_;
     PixelRect needed_;
-    std::uint64_t window_bytes_, runs_;
+    CellBytes cell_bytes_;
+    std::uint64_t runs_;
     std::vector<std::vector<std::uint64_t>> inside_;  // bytes of records of pages that lie in a node, by level and Z order
     std::uint64_t least_batch_, pages_ = 0, stored_bytes_ = 0;
 };

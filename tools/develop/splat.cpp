@@ -6,117 +6,68 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <cstring>
+
+#include "tools/develop/weights-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace latent::develop::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Only Mul, Add, Sub, Min, Max and Sqrt, one after another as written (-ffp-contract=off): every instruction set rounds alike.
-using FloatTag = hn::CappedTag<float, 16>;
-using Floats = hn::Vec<FloatTag>;
+using Form = FilterKernel::Form;
+constexpr std::size_t kReadable = RecordColumns::kReadable;
 
-HWY_INLINE Floats quartic(FloatTag d, const FilterKernel& f, Floats dx, Floats dy) {
-    const Floats one = hn::Set(d, 1.0f);
-    const Floats r2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-    const Floats rho = hn::Sqrt(hn::Min(hn::Mul(r2, hn::Set(d, f.inverse_radius2)), one));
-    const Floats rest = hn::Sub(one, rho);
-    const Floats inner = hn::Add(hn::Set(d, 2.0f), hn::Mul(rho, hn::Set(d, f.s)));
-    return hn::Mul(hn::Mul(rest, rest), hn::Add(one, hn::Mul(rho, inner)));
-}
-
-HWY_INLINE Floats table(FloatTag d, const FilterKernel& f, Floats dx, Floats dy) {
-    const hn::RebindToSigned<FloatTag> di;
-    const Floats r2 = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-    const Floats t = hn::Min(hn::Mul(r2, hn::Set(d, f.table_scale)), hn::Set(d, static_cast<float>(FilterKernel::kTableSteps)));
-    const auto i = hn::ConvertTo(di, t);
-    const Floats fraction = hn::Sub(t, hn::ConvertTo(d, i));
-    return hn::Add(hn::GatherIndex(d, f.table_value.data(), i), hn::Mul(fraction, hn::GatherIndex(d, f.table_step.data(), i)));
-}
-
-HWY_INLINE Floats cubic(FloatTag d, const float (&c)[4], Floats x) {
-    const Floats upper = hn::Add(hn::Set(d, c[2]), hn::Mul(x, hn::Set(d, c[3])));
-    return hn::Add(hn::Set(d, c[0]), hn::Mul(x, hn::Add(hn::Set(d, c[1]), hn::Mul(x, upper))));
-}
-HWY_INLINE Floats separable(FloatTag d, const FilterKernel& f, Floats dx, Floats dy) {
-    const Floats one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
-    const auto m = [&](Floats distance) HWY_ATTR {
-        const Floats x = hn::Abs(distance);
-        return hn::IfThenElse(hn::Lt(x, one), cubic(d, f.inner, x),
-                              hn::IfThenElseZero(hn::Lt(x, two), cubic(d, f.outer, hn::Sub(two, x))));
-    };
-    return hn::Mul(m(dx), m(dy));
-}
-
-HWY_INLINE Floats box(FloatTag d, Floats dx, Floats dy) {
-    const Floats half = hn::Set(d, 0.5f);
-    const auto in = [&](Floats x) HWY_ATTR { return hn::And(hn::Gt(x, hn::Neg(half)), hn::Le(x, half)); };
-    return hn::IfThenElseZero(hn::And(in(dx), in(dy)), hn::Set(d, 1.0f));
-}
-
-// Weights of the pixels of the footprint of a record at (gx, gy), row after row.
-template <FilterKernel::Form kForm>
-HWY_INLINE void weigh(const FilterKernel& f, std::size_t padded, float gx, float gy, float* HWY_RESTRICT weights) {
-    const FloatTag d;
-    const Floats x = hn::Set(d, gx), y = hn::Set(d, gy);
-    for (std::size_t k = 0; k < padded; k += hn::Lanes(d)) {
-        const Floats dx = hn::Sub(hn::LoadU(d, f.column.data() + k), x), dy = hn::Sub(hn::LoadU(d, f.row.data() + k), y);
-        Floats w;
-        if constexpr (kForm == FilterKernel::Form::kQuartic) w = quartic(d, f, dx, dy);
-        if constexpr (kForm == FilterKernel::Form::kTable) w = table(d, f, dx, dy);
-        if constexpr (kForm == FilterKernel::Form::kSeparable) w = separable(d, f, dx, dy);
-        if constexpr (kForm == FilterKernel::Form::kBox) w = box(d, dx, dy);
-        hn::StoreU(w, d, weights + k);
-    }
-}
+// What is known of the sums when this file is compiled; 0: only at run time.
+template <int kSideOrZero, int kLanesOrZero, Weights kWeightsUsed>
+struct Shape {
+    static constexpr int kSide = kSideOrZero;
+    static constexpr Weights kWeights = kWeightsUsed;
+    int run_side, run_lanes;
+    int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
+    int lanes() const { return kLanesOrZero > 0 ? kLanesOrZero : run_lanes; }
+    // Weights are computed for so many pixels: a footprint of 2 x 2 fills a vector of four, others have room for the widest.
+    std::size_t padded() const { return side() == 2 ? 4 : (static_cast<std::size_t>(side()) * side() + 15) / 16 * 16; }
+    auto tag() const { return hn::CappedTag < float, kSideOrZero == 2 ? 4 : 16 > (); }
+};
 
 // 1 / sum of the weights, added in one order everywhere.
-HWY_INLINE double inverse_sum(const float* weights, int count) {
+HWY_INLINE double inverse_sum(const double* weights, int count) {
     double part[4] = {};
     for (int k = 0; k < count; k += 4) {  // footprints have 4 n^2 pixels
-        for (int i = 0; i < 4; ++i) part[i] += static_cast<double>(weights[k + i]);
+        for (int i = 0; i < 4; ++i) part[i] += weights[k + i];
     }
     return 1.0 / ((part[0] + part[2]) + (part[1] + part[3]));
 }
 
-// What is known of the sums when this file is compiled; 0: only at run time.
-template <int kSideOrZero, int kLanesOrZero, bool kSplitSums, bool kUnitWeights>
-struct Shape {
-    static constexpr int kSide = kSideOrZero;
-    static constexpr bool kSplit = kSplitSums, kUnitSum = kUnitWeights;
-    int run_side, run_lanes;
-    int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
-    int lanes() const { return kLanesOrZero > 0 ? kLanesOrZero : run_lanes; }
-    int doubles() const { return kSplit ? 2 * lanes() : lanes(); }
-    std::size_t padded() const { return (side() * side() + 15) / 16 * 16; }
-};
-
-// Adds w s to the sums of all pixels of one footprint.
+// Adds w s to the sums of all pixels of one footprint. Where s is a float32, so is w, and their product is exact in float64: fused
+// with the addition or not, the sum has the same bits.
 template <class Shape>
-HWY_INLINE void add(const Shape& shape, const float* HWY_RESTRICT weights, const float* HWY_RESTRICT values,
+HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, const float* HWY_RESTRICT values,
                     double* HWY_RESTRICT window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
     for (int lane = 0; lane < shape.lanes(); lane += static_cast<int>(hn::Lanes(d))) {
         auto s = hn::PromoteTo(d, hn::LoadU(df, values + lane));
-        if constexpr (Shape::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side() * shape.side())));
+        if constexpr (Shape::kWeights == Weights::kUnitSum)
+            s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side() * shape.side())));
         double* row = window + lane;
-        const float* w = weights;
+        const double* w = weights;
         const auto add_pixel = [&](int x) HWY_ATTR {
-            double* sums = row + x * shape.doubles();
-            if constexpr (Shape::kSplit) {  // the sign bit of w, without a branch
-                std::uint32_t bits;
-                std::memcpy(&bits, w + x, sizeof bits);
-                sums += (bits >> 31) * static_cast<std::uint32_t>(shape.lanes());
-            }
-            hn::StoreU(hn::Add(hn::LoadU(d, sums), hn::Mul(hn::PromoteTo(d, hn::Set(df, w[x])), s)), d, sums);
+            double* sums = row + x * shape.lanes();
+            const auto before = hn::LoadU(d, sums), weight = hn::Set(d, w[x]);
+            if constexpr (Shape::kWeights == Weights::kUnitSum)
+                hn::StoreU(hn::Add(hn::Mul(weight, s), before), d, sums);
+            else
+                hn::StoreU(hn::MulAdd(weight, s, before), d, sums);
         };
-        for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.doubles(), w += shape.side()) {
+        for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.lanes(), w += shape.side()) {
             if constexpr (Shape::kSide == 4) {
                 add_pixel(0);
                 add_pixel(1);
                 add_pixel(2);
                 add_pixel(3);
+            } else if constexpr (Shape::kSide == 2) {
+                add_pixel(0);
+                add_pixel(1);
             } else {
                 for (int x = 0; x < shape.side(); ++x) add_pixel(x);
             }
@@ -124,35 +75,114 @@ HWY_INLINE void add(const Shape& shape, const float* HWY_RESTRICT weights, const
     }
 }
 
-template <FilterKernel::Form kForm, class Shape>
+// Some records of a cell: where their footprints begin, and what they hold.
+constexpr std::size_t kBlock = 64;
+struct Block {
+    std::size_t count = 0;
+    HWY_ALIGN float gx[kBlock + kReadable], gy[kBlock + kReadable];
+    HWY_ALIGN std::uint32_t pixel[kBlock + kReadable];  // of the window
+    const float* values[kBlock];
+};
+
+// Fills blocks with the records of segments, one after another.
+class BlockReader {
+ public:
+    BlockReader(const RecordColumns& records, std::span<const Segment> segments, std::size_t row_pixels, int lanes)
+        : records_(records), segments_(segments), row_pixels_(static_cast<std::uint32_t>(row_pixels)), lanes_(lanes) {}
+
+    // `shift`: added to positions, in units of 2^-24 pixels. False if there are no more records.
+    bool read(std::uint32_t shift, Block& block) {
+        block.count = 0;
+        while (!segments_.empty() && block.count < kBlock) {
+            const Segment& segment = segments_.front();
+            const std::size_t first = std::size_t{segment.first} + done_;
+            const std::size_t n = std::min<std::size_t>(segment.count - done_, kBlock - block.count);
+            read_rows(first, n, shift, block);
+            done_ += static_cast<std::uint32_t>(n);
+            if (done_ == segment.count) segments_ = segments_.subspan(1), done_ = 0;
+        }
+        return block.count > 0;
+    }
+
+ private:
+    HWY_INLINE void read_rows(std::size_t first, std::size_t n, std::uint32_t shift, Block& block) {
+        const hn::CappedTag<std::uint32_t, kReadable> d;
+        const hn::Rebind<float, decltype(d)> df;
+        const hn::Rebind<std::int32_t, decltype(d)> di;
+        const auto shifts = hn::Set(d, shift), fraction = hn::Set(d, 0xFFFFFF), row = hn::Set(d, row_pixels_);
+        const auto unit = hn::Set(df, 0x1p-24f);
+        for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {  // those behind the last one are overwritten, or not used
+            const auto x = hn::Add(hn::LoadU(d, records_.x + first + i), shifts);
+            const auto y = hn::Add(hn::LoadU(d, records_.y + first + i), shifts);
+            const std::size_t to = block.count + i;
+            hn::StoreU(hn::Mul(hn::ConvertTo(df, hn::BitCast(di, hn::And(x, fraction))), unit), df, block.gx + to);
+            hn::StoreU(hn::Mul(hn::ConvertTo(df, hn::BitCast(di, hn::And(y, fraction))), unit), df, block.gy + to);
+            hn::StoreU(hn::Add(hn::Mul(hn::ShiftRight<24>(y), row), hn::ShiftRight<24>(x)), d, block.pixel + to);
+        }
+        const float* values = records_.values + first * static_cast<std::size_t>(lanes_);
+        for (std::size_t i = 0; i < n; ++i, values += lanes_) block.values[block.count + i] = values;
+        block.count += n;
+    }
+
+    const RecordColumns& records_;
+    std::span<const Segment> segments_;
+    std::uint32_t row_pixels_;
+    int lanes_;
+    std::uint32_t done_ = 0;  // of the first segment
+};
+
+// Both steps of the weights of later records are taken while the sums of a record are under way: additions wait for memory, weights
+// for square roots.
+template <Form kForm, class Shape>
 void splat_records(const Shape& shape, const FilterKernel& filter, const RecordColumns& records, std::span<const Segment> segments,
                    double* window, std::size_t row_pixels) {
-    constexpr std::size_t kWeights = 1024;  // weights of a few records at a time, so that the two loops below overlap
-    alignas(64) float weights[kWeights];
-    const std::size_t padded = shape.padded(), at_once = kWeights / padded;
-    for (const Segment& segment : segments) {
-        for (std::uint32_t done = 0; done < segment.count;) {
-            const std::size_t first = segment.first + done;
-            const std::size_t n = std::min<std::size_t>(segment.count - done, at_once);
-            for (std::size_t i = 0; i < n; ++i) {
-                const float gx = static_cast<float>(static_cast<std::int32_t>(records.x[first + i] & 0xFFFFFF)) * 0x1p-24f;
-                const float gy = static_cast<float>(static_cast<std::int32_t>(records.y[first + i] & 0xFFFFFF)) * 0x1p-24f;
-                weigh<kForm>(filter, padded, gx, gy, weights + i * padded);
-            }
-            for (std::size_t i = 0; i < n; ++i) {
-                const std::size_t place = (records.y[first + i] >> 24) * row_pixels + (records.x[first + i] >> 24);
-                add(shape, weights + i * padded, records.values + (first + i) * shape.lanes(), window + place * shape.doubles(),
-                    row_pixels);
-            }
-            done += static_cast<std::uint32_t>(n);
+    constexpr std::size_t kAhead = 2, kRing = 8;
+    constexpr std::size_t kMostWeights = Shape::kSide > 0 ? 16 : 4 * FilterKernel::kMaxReach * FilterKernel::kMaxReach;
+    HWY_ALIGN float begun[kRing * kMostWeights];
+    HWY_ALIGN double weights[kRing * kMostWeights];
+    const std::size_t padded = shape.padded();
+    Block block;
+    const auto begin = [&](std::size_t i) HWY_ATTR {
+        if (i < block.count)
+            begin_weights<kForm>(shape.tag(), filter, padded, block.gx[i], block.gy[i], begun + i % kRing * padded);
+    };
+    const auto end = [&](std::size_t i) HWY_ATTR {
+        if (i < block.count)
+            end_weights<kForm, Shape::kWeights == Weights::kPositive>(shape.tag(), filter, padded, begun + i % kRing * padded,
+                                                                      weights + i % kRing * padded);
+    };
+    for (BlockReader reader(records, segments, row_pixels, shape.lanes()); reader.read(0, block);) {
+        for (std::size_t i = 0; i < 2 * kAhead; ++i) begin(i);
+        for (std::size_t i = 0; i < kAhead; ++i) end(i);
+        for (std::size_t i = 0; i < block.count; ++i) {
+            begin(i + 2 * kAhead);
+            end(i + kAhead);
+            add(shape, weights + i % kRing * padded, block.values[i],
+                window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(shape.lanes()), row_pixels);
         }
     }
 }
 
-void Splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, const RecordColumns& records,
-           std::span<const Segment> segments, double* window, std::size_t row_pixels) {
+// The box: each record counts for the pixel that it lies in, with weight 1, which is also the sum of its weights.
+void splat_box(int lanes, const RecordColumns& records, std::span<const Segment> segments, double* window, std::size_t row_pixels) {
+    const hn::CappedTag<double, 4> d;
+    const hn::Rebind<float, decltype(d)> df;
+    constexpr std::uint32_t kHalf = 1 << 23;  // the first of the two pixels in reach has its centre at g = 0
+    Block block;
+    for (BlockReader reader(records, segments, row_pixels, lanes); reader.read(kHalf, block);) {
+        for (std::size_t i = 0; i < block.count; ++i) {
+            double* const sums = window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(lanes);
+            for (int lane = 0; lane < lanes; lane += static_cast<int>(hn::Lanes(d))) {
+                const auto s = hn::PromoteTo(d, hn::LoadU(df, block.values[i] + lane));
+                hn::StoreU(hn::Add(hn::LoadU(d, sums + lane), s), d, sums + lane);
+            }
+        }
+    }
+}
+
+void Splat(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
+           double* window, std::size_t row_pixels) {
     const auto with_shape = [&](const auto& shape) {
-        using Form = FilterKernel::Form;
         switch (filter.form) {
             case Form::kQuartic:
                 return splat_records<Form::kQuartic>(shape, filter, records, segments, window, row_pixels);
@@ -161,17 +191,50 @@ void Splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, c
             case Form::kSeparable:
                 return splat_records<Form::kSeparable>(shape, filter, records, segments, window, row_pixels);
             case Form::kBox:
-                return splat_records<Form::kBox>(shape, filter, records, segments, window, row_pixels);
+                return splat_box(shape.lanes(), records, segments, window, row_pixels);
         }
     };
-    const int side = filter.side(), lanes = layout.lanes;
-    if (side == 4 && lanes == 4) {
-        if (unit_sum) return with_shape(Shape<4, 4, false, true>{side, lanes});
-        return layout.split ? with_shape(Shape<4, 4, true, false>{side, lanes})
-                            : with_shape(Shape<4, 4, false, false>{side, lanes});
+    const int side = filter.side();
+    const auto with_size = [&]<Weights kWeights>() {
+        if (side == 4 && lanes == 4) return with_shape(Shape<4, 4, kWeights>{side, lanes});
+        if (side == 2 && lanes == 4) return with_shape(Shape<2, 4, kWeights>{side, lanes});
+        return with_shape(Shape<0, 0, kWeights>{side, lanes});
+    };
+    switch (weights) {
+        case Weights::kSigned:
+            return with_size.template operator()<Weights::kSigned>();
+        case Weights::kPositive:
+            return with_size.template operator()<Weights::kPositive>();
+        case Weights::kUnitSum:
+            return with_size.template operator()<Weights::kUnitSum>();
     }
-    if (unit_sum) return with_shape(Shape<0, 0, false, true>{side, lanes});
-    return layout.split ? with_shape(Shape<0, 0, true, false>{side, lanes}) : with_shape(Shape<0, 0, false, false>{side, lanes});
+}
+
+// Appends the rows from `first` on whose footprints begin in columns x0 .. x0 + width - 1 and rows y0 .. y0 + height - 1 to
+// `chosen` (mod 256), until it holds `most` or there are no more. Returns the first row that it has not looked at.
+std::uint32_t Choose(const RecordColumns& records, std::uint32_t first, std::uint32_t end, const PixelRect& places,
+                     std::vector<std::uint32_t>& chosen, std::size_t most) {
+    const hn::ScalableTag<std::uint32_t> d;
+    const std::size_t lanes = hn::Lanes(d);
+    const auto x0 = static_cast<std::uint32_t>(places.x0) << 24, y0 = static_cast<std::uint32_t>(places.y0) << 24;
+    const auto width = static_cast<std::uint32_t>(places.width()), height = static_cast<std::uint32_t>(places.height());
+    const auto columns = hn::Set(d, width), rows = hn::Set(d, height), left = hn::Set(d, x0), top = hn::Set(d, y0);
+    std::uint32_t i = first;
+    while (i < end && chosen.size() < most) {
+        std::uint32_t stop = std::min<std::uint32_t>(i + static_cast<std::uint32_t>(lanes), end);
+        if (stop - i == lanes) {
+            const auto x = hn::ShiftRight<24>(hn::Sub(hn::LoadU(d, records.x + i), left));
+            const auto y = hn::ShiftRight<24>(hn::Sub(hn::LoadU(d, records.y + i), top));
+            if (hn::AllFalse(d, hn::And(hn::Lt(x, columns), hn::Lt(y, rows)))) {
+                i = stop;
+                continue;
+            }
+        }
+        for (; i < stop; ++i) {
+            if ((records.x[i] - x0) >> 24 < width && (records.y[i] - y0) >> 24 < height) chosen.push_back(i);
+        }
+    }
+    return i;
 }
 
 }  // namespace latent::develop::HWY_NAMESPACE
@@ -186,10 +249,42 @@ HWY_AFTER_NAMESPACE();
 namespace latent::develop {
 
 HWY_EXPORT(Splat);
+HWY_EXPORT(Choose);
 
-void splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, const RecordColumns& records,
-           std::span<const Segment> segments, double* window, std::size_t row_pixels) {
-    HWY_DYNAMIC_DISPATCH(Splat)(filter, layout, unit_sum, records, segments, window, row_pixels);
+void splat(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
+           double* window, std::size_t row_pixels) {
+    HWY_DYNAMIC_DISPATCH(Splat)(filter, lanes, weights, records, segments, window, row_pixels);
+}
+
+void splat_patch(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records,
+                 std::span<const Segment> segments, const PixelRect& pixels, double* patch) {
+    constexpr std::size_t kAtOnce = 256;
+    thread_local std::vector<std::uint32_t> chosen, x, y;
+    thread_local std::vector<float> values;
+    const PixelRect reach = patch_of(filter, pixels);
+    const PixelRect places{reach.x0, reach.y0, pixels.x1, pixels.y1};  // where footprints that reach `pixels` begin
+    const auto flush = [&] {
+        x.assign(chosen.size() + RecordColumns::kReadable, 0), y = x;
+        values.clear();
+        for (std::size_t i = 0; i < chosen.size(); ++i) {
+            const std::size_t row = chosen[i];
+            x[i] = records.x[row] - (static_cast<std::uint32_t>(places.x0) << 24);
+            y[i] = records.y[row] - (static_cast<std::uint32_t>(places.y0) << 24);
+            values.insert(values.end(), records.values + row * lanes, records.values + (row + 1) * lanes);
+        }
+        const Segment all{0, 0, static_cast<std::uint32_t>(chosen.size())};
+        splat(filter, lanes, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
+              static_cast<std::size_t>(reach.width()));
+        chosen.clear();
+    };
+    chosen.clear();
+    for (const Segment& segment : segments) {
+        for (std::uint32_t row = segment.first; row < segment.first + segment.count;) {
+            row = HWY_DYNAMIC_DISPATCH(Choose)(records, row, segment.first + segment.count, places, chosen, kAtOnce);
+            if (chosen.size() >= kAtOnce) flush();
+        }
+    }
+    flush();
 }
 
 namespace {

@@ -8,12 +8,15 @@
 #include <vector>
 
 #include "base/result.h"
+#include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
 
 namespace latent::develop {
 
-// Records that a batch holds, as columns; a segment is a range of rows that lie in one cell.
+// Records that a batch holds, as columns; a segment is a range of rows that lie in one cell. So many rows of x and y behind the
+// last one can be read.
 struct RecordColumns {
+    static constexpr std::size_t kReadable = 16;
     const std::uint32_t* x;  // FilmGrid::place_x, place_y
     const std::uint32_t* y;
     const float* values;  // `lanes` per record: channel values, then the share (light records: 0), then zeros
@@ -23,19 +26,26 @@ struct Segment {
     std::uint32_t first, count;
 };
 
-// Sums of one pixel, in float64: `lanes` sums of w s (the last ones of w c), and, if the filter has negative lobes, `lanes` more:
-// non-negative weights add to the former, negative ones to the latter. So the signed and the non-negative filter come from one
-// pass.
-struct PixelSums {
-    int lanes = 4;       // a multiple of 4
-    bool split = false;  // negative weights apart
-    int doubles() const { return split ? 2 * lanes : lanes; }
+enum class Weights : std::uint8_t {
+    kSigned,    // the filter
+    kPositive,  // its non-negative part
+    kUnitSum,   // the filter, scaled so that the weights of a record sum to one over the pixel lattice (light records)
 };
 
-// Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. `unit_sum` scales the weights of each
-// record to sum to one over the pixel lattice (light records).
-void splat(const FilterKernel& filter, const PixelSums& layout, bool unit_sum, const RecordColumns& records,
-           std::span<const Segment> segments, double* window, std::size_t row_pixels);
+// Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has `lanes` (a multiple of 4) sums
+// of w s in float64, the last ones of w c.
+void splat(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
+           double* window, std::size_t row_pixels);
+
+// The same, of the records alone that reach one of `pixels` (of the window; at most 256 in a row). `patch`: rows of
+// patch_of(filter, pixels).width() pixels; those of `pixels` begin at its pixel (side - 1, side - 1) and get all that the records
+// give them.
+void splat_patch(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records,
+                 std::span<const Segment> segments, const PixelRect& pixels, double* patch);
+inline PixelRect patch_of(const FilterKernel& filter, const PixelRect& pixels) {
+    const int margin = filter.side() - 1;
+    return {pixels.x0 - margin, pixels.y0 - margin, pixels.x1 + margin, pixels.y1 + margin};
+}
 
 // Pins the instructions that `splat` uses: "best", or one of `simd_levels()`. Errors: kUsage, listing them.
 Status set_simd_level(std::string_view level);

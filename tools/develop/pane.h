@@ -1,0 +1,42 @@
+// tools/develop/pane.h: records are added to the windows of a pane's cells. docs/developing.md, "Cells".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "tools/develop/batch.h"
+#include "tools/develop/film_grid.h"
+#include "tools/develop/filter.h"
+#include "tools/develop/regions.h"
+#include "tools/develop/windows.h"
+
+namespace latent::develop {
+
+class Pane {
+ public:
+    Pane(const FilmGrid& grid, const FilterKernel& filter, int lanes, Classes classes);
+
+    std::uint64_t window_bytes() const { return window_bytes_; }  // that one cell takes
+    std::uint64_t bytes(const PixelRect& cells) const {
+        return static_cast<std::uint64_t>(cells.width() * cells.height()) * window_bytes_;
+    }
+
+    void begin(const PixelRect& cells, std::span<std::byte> memory);
+    // Adds the records of the pages in `range`, cell by cell, those of one cell in the order of their pages.
+    void add_records(std::span<const Batch* const> batches, const PageRange& range);
+    const Windows& windows() const { return windows_; }
+
+ private:
+    void add_to_cell(std::size_t cell, std::span<const Batch* const> batches, const PageRange& range);
+
+    const FilmGrid& grid_;
+    const FilterKernel& filter_;
+    int lanes_;
+    Classes classes_;
+    std::uint64_t window_bytes_;
+    std::span<std::byte> memory_;
+    Windows windows_;
+};
+
+}  // namespace latent::develop
