@@ -287,7 +287,7 @@ TEST(Walk, TellsDamageBeforeARunThatIsCutOff) {
     Bytes bytes = c.file.bytes;
     bytes[c.runs[1].offset] ^= std::byte{1};
     bytes[c.runs[2].offset] ^= std::byte{1};
-    bytes.resize(bytes.size() - 1);
+    bytes.pop_back();
     const FileContents file = read(bytes);
     EXPECT_EQ(file.runs.size(), 1u);
     ASSERT_EQ(file.damage.size(), 1u);
