@@ -110,8 +110,40 @@ TEST(Spectra, EqualEnergyDevelopsToTheIntegralsOfTheCurvesForDerivedAndExplicitW
     }
 }
 
+// By hand: 3 + 1.5 of light between 500 and 510 nm is 0.45 per nm, and 0.45 / 683 W m^-2 sr^-1 nm^-1 = 6.58858e-4 if Y = 1 is 1
+// cd/m^2: then the luminance of 1 per nm, 683 lm/W times the integral of ybar / 683, is that integral, 106.9 cd/m^2, which is its
+// Y.
+TEST(Spectra, BinsAreInWattsWhateverYEquals1Means) {
+    for (const auto& [unit, green, red] : {std::tuple{1.0, 6.58858e-4, 1.37628e-4}, {683.0, 0.45, 0.094}, {2049.0, 1.35, 0.282}}) {
+        Job job = synthetic::make_job(RecordKind::kSpectral);
+        job.density = {};
+        job.positions = {};
+        job.light_unit_cd_m2 = unit;
+        sampledb::Records record;
+        record.sample = {0};
+        record.record_class = {sampledb::RecordClass::kCamera};
+        record.u = {0x80000000u};
+        record.v = {0xC0000000u};  // the centre of pixel 1, 1 of 3 x 2
+        record.share = {1};
+        record.pairs = {3};
+        record.power = {3, 1.5f, 0.94f};
+        record.lambda_nm = {500.5f, 509.5f, 700.5f};
+        MemoryGathering gathering(job);
+        gathering.add(Coverage({0, 1}), record);
+        const auto channels = Channels::spectral_bins(job, 47);
+        ASSERT_TRUE(channels);
+        const Settings settings = settings_for(3, 2, "box");
+        MemoryPicture picture(settings.crop, 47);
+        ASSERT_TRUE(develop(gathering, *channels, settings, picture));
+        EXPECT_NEAR(picture.at(1, 1, 14) / green, 1, 1e-5);
+        EXPECT_NEAR(picture.at(1, 1, 34) / red, 1, 1e-5);
+        for (int bin = 0; bin < 47; ++bin) EXPECT_EQ(picture.at(1, 1, bin) > 0, bin == 14 || bin == 34) << bin;
+    }
+}
+
 TEST(Spectra, BinsHoldTheMeanRadianceOfTheirWavelengths) {
-    const Job job = synthetic::make_job(RecordKind::kSpectral);
+    Job job = synthetic::make_job(RecordKind::kSpectral);
+    job.light_unit_cd_m2 = 683;
     synthetic::Scene scene;
     scene.look = synthetic::Scene::Look::kUniform;
     scene.black = 0;

@@ -1,5 +1,6 @@
 // latent-develop as it is called: files in any order and grouping, misuse, damage, disks that fail.
 #include <ImathBox.h>
+#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
@@ -87,6 +88,26 @@ TEST_F(Tool, TheExrSaysWhatItsNumbersMean) {
     EXPECT_NEAR(Imf::adoptedNeutral(header).x, 0.3127, 1e-4);
     EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("colorInteropID").value(), "lin_ciexyzd65_scene");
     EXPECT_EQ(Imf::whiteLuminance(header), 1.0f);
+}
+
+// The spectrum L = 1 per nm where Y = 1 is 1 cd/m^2: 1 / 683 W m^-2 sr^-1 nm^-1 in every channel [Fichet21].
+TEST_F(Tool, ASpectralExrIsInTheUnitThatItNames) {
+    job_ = synthetic::make_short_job(RecordKind::kSpectral);
+    const synthetic::Scene equal_energy{.look = synthetic::Scene::Look::kUniform, .black = 0, .light_per_sample = 0};
+    synthetic::write_file(folder_ / "in.latent",
+                          synthetic::make_file(job_, synthetic::runs_between({0, kRun}), true, equal_energy).bytes);
+    ASSERT_EQ(develop({out("in.latent"), "-o", out("a.exr"), "--size", "3", "--spectral-bins", "4"}).status, 0);
+    Imf::TiledInputFile exr(out("a.exr").c_str());
+    EXPECT_EQ(exr.header().typedAttribute<Imf::StringAttribute>("emissiveUnits").value(), "W.m^-2.sr^-1.nm^-1");
+    EXPECT_EQ(exr.header().typedAttribute<Imf::StringAttribute>("spectralLayoutVersion").value(), "1.0");
+    for (const char* channel : {"S0.418,750nm", "S0.536,250nm", "S0.653,750nm", "S0.771,250nm"}) {
+        float pixels[6] = {};
+        Imf::FrameBuffer frame;
+        frame.insert(channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels), sizeof(float), 3 * sizeof(float)));
+        exr.setFrameBuffer(frame);
+        exr.readTiles(0, 0, 0, 0);
+        for (const float value : pixels) EXPECT_NEAR(683 * value, 1, 0.02) << channel;
+    }
 }
 
 TEST_F(Tool, SizesFollowTheFilmAndTheNumberOfSamples) {

@@ -43,7 +43,7 @@ class Channels {
  public:
     // X, Y, Z under `observer` (XYZ jobs: as stored, and `observer` must be null).
     static Result<Channels> xyz(const sampledb::Job& job, const color::Observer* observer);
-    // `count` bins of equal width over 360..830 nm: mean spectral radiance [1/nm]. Errors: kUsage for XYZ jobs.
+    // `count` bins of equal width over 360..830 nm: mean spectral radiance in W m^-2 sr^-1 nm^-1. Errors: kUsage for XYZ jobs.
     static Result<Channels> spectral_bins(const sampledb::Job& job, int count);
 
     int count() const { return count_; }
@@ -60,6 +60,7 @@ class Channels {
 
     sampledb::RecordKind kind_ = sampledb::RecordKind::kXyz;
     int count_ = 3, bins_ = 0, batch_ = 0;
+    float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;
     const color::Observer* observer_ = nullptr;
     BatchResponse response_;
