@@ -13,12 +13,13 @@
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
+#include "tests/support/paths.h"
 
 namespace latent::color {
 namespace {
 
 std::string text_of(const std::string& path) {
-    std::ifstream file(std::string(LATENT_SOURCE_DIR) + "/" + path);
+    std::ifstream file(latent::testing::in_tree(path));
     EXPECT_TRUE(file) << path;
     return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -101,7 +102,8 @@ TEST(Camera, OnlyColumnsCalledRgbAreCombined) {
     const Observer plain = *Observer::from_csv(rows, "plain"), xyz = *Observer::from_csv("nm,x,y,z\n" + rows, "xyz");
     EXPECT_EQ(plain.at(500), xyz.at(500));
     EXPECT_NE(plain.at(500), (*Observer::from_csv("nm,r,g,b\n" + rows, "rgb")).at(500));
-    EXPECT_THAT(Observer::from_csv("nm,r,g,b\n400,1,1,1\n600,1,1,1\n", "flat").error().message, testing::HasSubstr("must differ"));
+    EXPECT_THAT(Observer::from_csv("nm,r,g,b\n400,1,1,1\n600,1,1,1\n", "flat").error().message,
+                ::testing::HasSubstr("must differ"));
 }
 
 TEST(Camera, TheFilmBesideItReadsToo) {

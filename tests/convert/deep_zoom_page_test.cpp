@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/convert/test_picture.h"
+#include "tests/support/paths.h"
 
 namespace latent::convert {
 namespace {
@@ -38,8 +39,8 @@ class DeepZoomPage : public PrintTest {
     };
     // What the browser shows of `page` at each view, "X,Y,SCALE".
     Seen look(const std::string& page, const std::vector<std::string>& views) const {
-        std::vector<std::string> command = {"/usr/bin/env", "node", LATENT_SOURCE_DIR "/tests/convert/browser/look.mjs", at(page),
-                                            folder_.path()};
+        std::vector<std::string> command = {"/usr/bin/env", "node", latent::testing::in_tree("tests/convert/browser/look.mjs"),
+                                            at(page), folder_.path()};
         command.insert(command.end(), views.begin(), views.end());
         const testing::Outcome outcome = testing::run(command);
         EXPECT_EQ(outcome.status, 0) << outcome.err;

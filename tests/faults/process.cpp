@@ -123,13 +123,13 @@ std::string Child::drain() {
 }
 
 Outcome run_python(const std::string& script, const std::vector<std::string>& arguments) {
-    std::vector<std::string> command = {"/usr/bin/env", "python3", "-B", std::string(LATENT_SOURCE_DIR) + "/" + script};
+    std::vector<std::string> command = {"/usr/bin/env", "python3", "-B", in_tree(script)};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return run(command);
 }
 
 Environment environment_of(const Fault& fault) {
-    return {{"LD_PRELOAD", LATENT_FAULT_SHIM},
+    return {{"LD_PRELOAD", tool("liblatent_fault_shim.so")},
             {"LATENT_FAULT", fault.rule},
             {"LATENT_FAULT_PATH", fault.path},
             {"ASAN_OPTIONS", "verify_asan_link_order=0"}};
@@ -145,8 +145,6 @@ FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault
     outcome.happened = fs::exists(scratch / "hit");
     return outcome;
 }
-
-std::string tool(const std::string& name) { return std::string(LATENT_BIN_DIR) + "/" + name; }
 
 TemporaryFolder::TemporaryFolder() : TemporaryFolder(fs::temp_directory_path()) {}
 

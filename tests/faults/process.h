@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/paths.h"
+
 namespace latent::testing {
 
 struct Outcome {
@@ -54,9 +56,6 @@ struct FaultOutcome : Outcome {
 
 Environment environment_of(const Fault& fault);
 FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault& fault, const Environment& environment = {});
-
-// The built executable of that name ("latent-merge").
-std::string tool(const std::string& name);
 
 // A new empty folder, removed with everything in it at the end.
 class TemporaryFolder {

@@ -11,6 +11,7 @@
 #include "sampledb/format/footer.h"
 #include "tests/faults/process.h"
 #include "tests/support/gathered.h"
+#include "tests/support/paths.h"
 #include "tools/inspect/synthetic.h"
 
 namespace latent::inspect {
@@ -429,7 +430,7 @@ TEST_F(InspectTest, CatSaysWhenItsOutputIsFull) {
 TEST_F(InspectTest, AReportThatCannotBeWrittenIsAFailureButCostsNoOutput) {
     const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     const auto outcome_of = [&](const std::string& command, const std::string& where) {
-        return run({"/bin/sh", "-c", "cd " + folder_.path().string() + "; " LATENT_BIN_DIR "/" + command + where});
+        return run({"/bin/sh", "-c", "cd " + folder_.path().string() + "; " + tool(command) + where});
     };
     for (const std::string command : {"info a.latent", "verify --json a.latent", "--help"}) {
         const Outcome outcome = outcome_of("latent-inspect " + command, " > /dev/full");
@@ -590,7 +591,7 @@ TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
     int tried = 0;
     for (const std::string command : {"latent-merge", "latent-inspect info", "latent-inspect verify", "latent-inspect recover",
                                       "latent-inspect cat", "latent-inspect gen"}) {
-        const std::string path = "PATH=" LATENT_BIN_DIR ":$PATH; cd " + folder_.path().string() + "; ";
+        const std::string path = "PATH=" + latent::testing::tools_folder() + ":$PATH; cd " + folder_.path().string() + "; ";
         const Outcome help = run({"/bin/sh", "-c", path + command + " --help"});
         ASSERT_EQ(help.status, 0) << command;
         std::istringstream lines(help.out);

@@ -8,6 +8,7 @@
 
 #include "sampledb/read/gathering.h"
 #include "tests/faults/process.h"
+#include "tests/support/paths.h"
 
 namespace latent::render {
 namespace {
@@ -23,7 +24,7 @@ using Command = std::vector<std::string>;
 // Checkpoints come as often as they can; the last run is cut.
 Command command(const std::filesystem::path& output, const Command& more = {}, const std::string& samples = "0:150000") {
     Command out{tool("latent-render"),
-                LATENT_SOURCE_DIR "/scenes/cornell.pbrt",
+                latent::testing::in_tree("scenes/cornell.pbrt"),
                 "-o",
                 output.string(),
                 "--samples",
@@ -198,8 +199,8 @@ TEST_F(Resume, WrongUsageIsStatus2) {
     EXPECT_EQ(latent::testing::run(command(folder_ / "x.foo")).status, 2);
     for (const char* option : {"--checkpoint", "--max-time"}) {
         for (const char* time : {"0", "0s", "-5", "inf", "nan", "5x", ""}) {
-            const Outcome outcome = latent::testing::run({tool("latent-render"), LATENT_SOURCE_DIR "/scenes/cornell.pbrt", "-o",
-                                                          (folder_ / "x.latent").string(), option, time});
+            const Outcome outcome = latent::testing::run({tool("latent-render"), latent::testing::in_tree("scenes/cornell.pbrt"),
+                                                          "-o", (folder_ / "x.latent").string(), option, time});
             EXPECT_EQ(outcome.status, 2) << option << " " << time;
             EXPECT_THAT(outcome.err, HasSubstr(option));
         }

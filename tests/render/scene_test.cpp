@@ -5,6 +5,7 @@
 #include "color/observer.h"
 #include "color/rgb_space.h"
 #include "tests/render/scenes.h"
+#include "tests/support/paths.h"
 
 namespace latent::render {
 namespace {
@@ -28,7 +29,7 @@ double luminance(const color::Spectrum& s) { return color::photometric_sum(s); }
 
 TEST(Scene, ProjectScenesLoad) {
     for (const char* name : {"cornell", "sodium", "conductors", "fog"}) {
-        const Result<LoadedScene> scene = load_scene(std::string(LATENT_SOURCE_DIR "/scenes/") + name + ".pbrt");
+        const Result<LoadedScene> scene = load_scene(latent::testing::in_tree("scenes/" + std::string(name) + ".pbrt"));
         ASSERT_TRUE(scene) << scene.error().message;
         EXPECT_TRUE(scene->warnings.empty()) << name << ": " << scene->warnings[0];
     }
@@ -36,8 +37,8 @@ TEST(Scene, ProjectScenesLoad) {
 
 TEST(Scene, ForestLoadsOnceItIsGrown) {
     const Folder folder;
-    std::filesystem::copy_file(LATENT_SOURCE_DIR "/scenes/forest.pbrt", folder / "forest.pbrt");
-    ASSERT_EQ(latent::testing::run({LATENT_SOURCE_DIR "/scenes/make_forest", folder.path().string()}).status, 0);
+    std::filesystem::copy_file(latent::testing::in_tree("scenes/forest.pbrt"), folder / "forest.pbrt");
+    ASSERT_EQ(latent::testing::run({latent::testing::in_tree("scenes/make_forest"), folder.path().string()}).status, 0);
     const Result<LoadedScene> scene = load_scene(folder / "forest.pbrt");
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene->description.instances.size(), 400u);
@@ -47,7 +48,7 @@ TEST(Scene, ForestLoadsOnceItIsGrown) {
 }
 
 TEST(Scene, CornellIsWhatItsFileSays) {
-    const SceneDescription scene = load_scene(LATENT_SOURCE_DIR "/scenes/cornell.pbrt")->description;
+    const SceneDescription scene = load_scene(latent::testing::in_tree("scenes/cornell.pbrt"))->description;
     EXPECT_EQ(scene.max_depth, 12u);
     EXPECT_EQ(scene.integrator, "path");
     EXPECT_EQ(scene.film.width, 256u);

@@ -6,13 +6,14 @@
 
 #include "sampledb/read/file_reader.h"
 #include "tests/faults/process.h"
+#include "tests/support/paths.h"
 
 namespace latent::sampledb {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kPage = fs::path(LATENT_SOURCE_DIR) / "docs" / "format.md";
+const fs::path kPage = latent::testing::in_tree("docs/format.md");
 
 std::size_t hexadecimal(const std::string& digits) { return std::stoull(digits, nullptr, 16); }
 

@@ -5,6 +5,7 @@
 
 #include "sampledb/read/file_reader.h"
 #include "tests/faults/process.h"
+#include "tests/support/paths.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -12,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kGolden = fs::path(LATENT_SOURCE_DIR) / "tests" / "golden";
+const fs::path kGolden = latent::testing::in_tree("tests/golden");
 
 // Hash over the decoded values of all columns of all pages, as docs/format.md defines it for a column.
 Hash128 decoded_hash(const ByteSource& source, const FileContents& file) {

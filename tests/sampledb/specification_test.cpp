@@ -17,6 +17,7 @@
 #include "sampledb/data/z_order.h"
 #include "sampledb/read/selection.h"
 #include "tests/faults/process.h"
+#include "tests/support/paths.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -24,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kPage = fs::path(LATENT_SOURCE_DIR) / "docs" / "format.md";
+const fs::path kPage = latent::testing::in_tree("docs/format.md");
 
 template <class T>
 T number(const std::string& token, int radix) {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/paths.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,7 +103,7 @@ std::vector<std::string> reversed_arrows(const std::string& file, std::istream& 
 
 // Headers and sources of the top folders, relative to the source tree.
 std::vector<std::string> all_sources() {
-    const fs::path tree = LATENT_SOURCE_DIR;
+    const fs::path tree = latent::testing::in_tree("");
     std::vector<std::string> files;
     for (const std::string& top : kTopFolders) {
         for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tree / top)) {
@@ -113,7 +115,7 @@ std::vector<std::string> all_sources() {
 }
 
 std::string content(const std::string& file) {
-    std::ifstream text(fs::path(LATENT_SOURCE_DIR) / file);
+    std::ifstream text(latent::testing::in_tree(file));
     return {std::istreambuf_iterator<char>(text), {}};
 }
 

@@ -8,6 +8,7 @@
 
 #include "image/exr_reader.h"
 #include "tests/render/scenes.h"
+#include "tests/support/paths.h"
 
 namespace latent::render::testing {
 namespace {
@@ -68,7 +69,7 @@ class Sizes : public ::testing::Test {
 
 // Splats across the cut are in both parts: light paths do not know of crops.
 TEST_F(Sizes, TwoHalvesOfABidirectionalPictureAreThePictureBitForBit) {
-    const std::string file = rendered(LATENT_SOURCE_DIR "/scenes/cornell.pbrt", 3, 20'000);
+    const std::string file = rendered(latent::testing::in_tree("scenes/cornell.pbrt"), 3, 20'000);
     for (const std::string image : {"camera", "light", "both"}) {
         const Picture whole = developed(file, image, 60);
         ASSERT_EQ(whole.width, 60);

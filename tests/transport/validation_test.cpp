@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "tests/faults/process.h"
+#include "tests/support/paths.h"
 #include "tests/transport/blocks.h"
 #include "tests/transport/world_builder.h"
 
@@ -64,7 +65,7 @@ struct Case {
 // A file of scenes/. The forest's trees are made for it, elsewhere.
 Scene scene_to_compare(const std::string& name) {
     if (name != "forest") return scene_named(name + ".pbrt");
-    const std::string scenes = LATENT_SOURCE_DIR "/scenes/";
+    const std::string scenes = latent::testing::in_tree("scenes/");
     const latent::testing::TemporaryFolder folder;
     const latent::testing::Outcome made = latent::testing::run({scenes + "make_forest", folder.path().string()});
     if (made.status != 0) throw std::runtime_error(made.err);
@@ -77,7 +78,7 @@ class Validation : public ::testing::TestWithParam<Case> {};
 TEST_P(Validation, BlockMeansAreThoseOfTheReference) {
     const Case& c = GetParam();
     const Scene scene = scene_to_compare(c.scene);
-    const Estimate reference = read_reference(std::string(LATENT_SOURCE_DIR) + "/tests/transport/refs/" + c.scene + ".csv");
+    const Estimate reference = read_reference(latent::testing::in_tree(std::string("tests/transport/refs/") + c.scene + ".csv"));
     const Estimate ours = render(scene, {.kind = c.kind, .connections = c.connections, .max_depth = 0}, c.samples);
     expect_agreement(ours, reference, c.by_blocks);
 

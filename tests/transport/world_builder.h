@@ -10,6 +10,7 @@
 #include "render/program/make_integrator.h"
 #include "render/world/world.h"
 #include "tests/render/scenes.h"
+#include "tests/support/paths.h"
 
 namespace latent::render::testing {
 
@@ -58,8 +59,6 @@ inline Scene scene_under_sky(const std::string& text) {
     return scene_of(load_scene(folder.write("room.pbrt", text)));
 }
 // A file of the project's scenes/.
-inline Scene scene_named(const std::string& name) {
-    return scene_of(load_scene(std::string(LATENT_SOURCE_DIR) + "/scenes/" + name));
-}
+inline Scene scene_named(const std::string& name) { return scene_of(load_scene(latent::testing::in_tree("scenes/" + name))); }
 
 }  // namespace latent::render::testing
