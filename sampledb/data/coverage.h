@@ -1,8 +1,12 @@
 // sampledb/data/coverage.h: sets of sample numbers, as sorted disjoint intervals.
 #pragma once
 
+#include <algorithm>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,11 +21,17 @@ struct SampleRange {
     auto operator<=>(const SampleRange&) const = default;
 };
 
-// Sets of many intervals are made in one go, from a list or from another set: adding them one by one moves what lies behind.
+// Sets of many intervals are made in one go, from a list or from another set: adding them one by one moves what lies behind. A set
+// of one interval is as small as a set of none.
 class Coverage {
  public:
     Coverage() = default;
-    explicit Coverage(SampleRange range) { add(range); }
+    explicit Coverage(SampleRange range) : one_(range.empty() ? SampleRange{} : range) {}
+    Coverage(const Coverage& other);
+    Coverage(Coverage&& other) noexcept;
+    Coverage& operator=(const Coverage& other);
+    Coverage& operator=(Coverage&& other) noexcept;
+    ~Coverage() = default;
     // The union of ranges in any order.
     static Coverage of(std::vector<SampleRange> ranges);
 
@@ -37,13 +47,19 @@ class Coverage {
     bool intersects(const Coverage& other) const;
     Coverage intersection(const Coverage& other) const;
 
-    bool empty() const { return ranges_.empty(); }
-    std::uint64_t size() const;  // samples in it
-    const std::vector<SampleRange>& ranges() const { return ranges_; }
-    bool operator==(const Coverage&) const = default;
+    bool empty() const { return ranges().empty(); }
+    std::uint64_t size() const;                    // samples in it
+    std::span<const SampleRange> ranges() const {  // sorted, disjoint, not adjacent; as long as this object stays as it is
+        if (many_) return *many_;
+        return {&one_, one_.empty() ? std::size_t{0} : std::size_t{1}};
+    }
+    bool operator==(const Coverage& other) const { return std::ranges::equal(ranges(), other.ranges()); }
 
  private:
-    std::vector<SampleRange> ranges_;  // sorted, disjoint, not adjacent
+    void set(std::vector<SampleRange> ranges);  // sorted, disjoint, not adjacent
+
+    SampleRange one_;                                 // without many_: all of it, or empty
+    std::unique_ptr<std::vector<SampleRange>> many_;  // two or more
 };
 
 // "0..65536, 131072..196608" (end exclusive, as in --samples A:B); at most `most` intervals, then "and 12 more".

@@ -1,7 +1,9 @@
 // sampledb/format/file_format.h: the frames of a file: header, run headers, run index. Bytes <-> structs. docs/format.md rules.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,6 +81,33 @@ struct RunIndex {
 Bytes encode_run_index(const RunIndex& index, RunHeader& header);
 // `bytes`: index and padding. Checks everything that the header says about it.
 Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const Job& job);
+
+// The same of an index that is read a piece at a time, for it may be long.
+class RunIndexDecoder {
+ public:
+    // Both are kept.
+    RunIndexDecoder(const RunHeader& header, const Job& job);
+
+    std::size_t next_size() const;  // bytes that `add` takes next; 0: there are no more
+    void add(ByteSpan piece);
+    // After the last piece. Errors: kTruncated, kCorrupt.
+    Result<RunIndex> finish();
+
+ private:
+    void add_intervals(ByteSpan piece);
+    void add_pages(ByteSpan piece);
+    void refuse(std::string why);
+
+    const RunHeader& header_;
+    const Job& job_;
+    std::uint64_t position_ = 0;
+    Hasher64 hasher_;
+    Hasher128 content_;
+    std::vector<SampleRange> intervals_;
+    RunIndex index_;
+    RunHeader sums_;  // of the pages
+    std::optional<Error> error_;
+};
 
 // A run and where it begins in its file.
 struct RunInfo {

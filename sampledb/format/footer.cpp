@@ -71,22 +71,39 @@ Result<FooterFrame> decode_first_form_end(ByteSpan end, std::uint64_t file_size)
 }  // namespace
 
 Result<Bytes> encode_footer(std::span<const RunInfo> runs, std::string_view provenance_json, std::uint64_t offset) {
+    Bytes bytes;
+    const Result<std::uint64_t> size = put_footer(runs, provenance_json, offset, [&](ByteSpan piece) {
+        bytes.insert(bytes.end(), piece.begin(), piece.end());
+        return Status{};
+    });
+    if (!size) return size.error();
+    return bytes;
+}
+
+Result<std::uint64_t> put_footer(std::span<const RunInfo> runs, std::string_view provenance_json, std::uint64_t offset,
+                                 const std::function<Status(ByteSpan)>& put) {
     if (runs.size() > kMaxRunsPerFile)
         return Error{ErrorCode::kOutOfRange, fmt::format("{} runs; a file takes {} at most", runs.size(), kMaxRunsPerFile)};
     if (provenance_json.size() > kMaxFooterProvenance) return Error{ErrorCode::kOutOfRange, "provenance longer than 16 MiB"};
-    Bytes bytes;
-    const std::size_t entries_size = runs.size() * kRunEntrySize;
-    bytes.reserve(2 * kFooterHeadSize + entries_size + provenance_json.size());
-    bytes.resize(kFooterHeadSize);
-    ByteWriter out(bytes);
-    for (const RunInfo& run : runs) put_run_entry(out, run.header);
+    constexpr std::size_t kRunsAtOnce = 8192;
+    const auto entries_from = [&](std::size_t first) {
+        Bytes entries;
+        entries.reserve(std::min(runs.size() - first, kRunsAtOnce) * kRunEntrySize);
+        ByteWriter out(entries);
+        for (const RunInfo& run : runs.subspan(first, std::min(runs.size() - first, kRunsAtOnce))) put_run_entry(out, run.header);
+        return entries;
+    };
+    Hasher64 entries_hash;
+    for (std::size_t i = 0; i < runs.size(); i += kRunsAtOnce) entries_hash.update(entries_from(i));
     const ByteSpan provenance = std::as_bytes(std::span(provenance_json));
-    const Bytes head = encode_head({false, offset, runs.size(), provenance.size(),
-                                    hash64(ByteSpan(bytes).subspan(kFooterHeadSize, entries_size)), hash64(provenance)});
-    std::ranges::copy(head, bytes.begin());
-    out.put(provenance);
-    out.put(head);
-    return bytes;
+    const Bytes head = encode_head({false, offset, runs.size(), provenance.size(), entries_hash.digest(), hash64(provenance)});
+    if (Status s = put(head); !s) return s.error();
+    for (std::size_t i = 0; i < runs.size(); i += kRunsAtOnce) {
+        if (Status s = put(entries_from(i)); !s) return s.error();
+    }
+    if (Status s = put(provenance); !s) return s.error();
+    if (Status s = put(head); !s) return s.error();
+    return 2 * head.size() + runs.size() * kRunEntrySize + provenance.size();
 }
 
 bool begins_footer(ByteSpan bytes, std::uint64_t offset) {

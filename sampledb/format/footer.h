@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -19,6 +20,9 @@ inline constexpr std::uint64_t kMaxFooterProvenance = std::uint64_t{16} << 20;
 // Ready to be written at `offset`, the end of the last of the runs, which stand one behind the other. `provenance_json`: "" or
 // JSON, what a merged file was made from. Errors: kOutOfRange (more runs, or a longer provenance, than a file takes).
 Result<Bytes> encode_footer(std::span<const RunInfo> runs, std::string_view provenance_json, std::uint64_t offset);
+// The same, given to `put` a piece after the other: the list may be long. Returns the footer's size. Errors: those of `put`, too.
+Result<std::uint64_t> put_footer(std::span<const RunInfo> runs, std::string_view provenance_json, std::uint64_t offset,
+                                 const std::function<Status(ByteSpan)>& put);
 
 // Whether the bytes at `offset` of a file begin like a footer, which ends a walk. The file may end soon after.
 bool begins_footer(ByteSpan bytes, std::uint64_t offset);

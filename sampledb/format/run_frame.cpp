@@ -1,67 +1,7 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-
-#include "sampledb/data/z_order.h"
 #include "sampledb/format/file_format.h"
 #include "sampledb/format/frames.h"
 
 namespace latent::sampledb {
-
-namespace {
-
-constexpr std::size_t kPageContentSize = 32;  // the part of a page's entry that is a function of its records
-
-void put_page_content(ByteWriter& out, const PageInfo& page) {
-    out.put(page.node.level);
-    out.put(static_cast<std::uint8_t>(page.record_class));
-    out.put(std::uint16_t{0});
-    out.put(page.node.x);
-    out.put(page.node.y);
-    out.put(page.record_count);
-    out.put(page.pair_count);
-    out.put(page.decoded_size);
-    out.put(page.content_hash);
-}
-
-// Hash over what all entries say of their records; `entries` are kPageEntrySize bytes each.
-Hash128 content_hash(ByteSpan entries) {
-    Hasher128 hasher;
-    for (std::size_t at = 0; at < entries.size(); at += kPageEntrySize) hasher.update(entries.subspan(at, kPageContentSize));
-    return hasher.digest();
-}
-
-Result<PageInfo> get_page_entry(ByteReader& in, const Job& job) {
-    PageInfo page;
-    page.node.level = in.get<std::uint8_t>();
-    const std::uint8_t record_class = in.get<std::uint8_t>();
-    std::uint64_t reserved = in.get<std::uint16_t>();
-    page.node.x = in.get<std::uint32_t>();
-    page.node.y = in.get<std::uint32_t>();
-    page.record_count = in.get<std::uint32_t>();
-    page.pair_count = in.get<std::uint32_t>();
-    page.decoded_size = in.get<std::uint32_t>();
-    page.content_hash = in.get<std::uint64_t>();
-    page.stored_size = in.get<std::uint32_t>();
-    reserved |= in.get<std::uint32_t>();
-    page.stored_hash = in.get<std::uint64_t>();
-    if (record_class > 1 || reserved != 0) return corrupt("a page of unknown class");
-    page.record_class = RecordClass{record_class};
-    if (page.node.level > kZPrefixLevels || page.node.x >> page.node.level != 0 || page.node.y >> page.node.level != 0) {
-        return corrupt("a page outside the film");
-    }
-    if (page.record_count == 0 || page.record_count > max_page_records(job) ||
-        page.pair_count > std::uint64_t{page.record_count} * job.batch) {
-        return corrupt("a page of more records or pairs than there may be");
-    }
-    if (page.decoded_size != decoded_page_size(job, page.record_class, page.record_count, page.pair_count) ||
-        page.stored_size > page.decoded_size + kMaxStoredOverhead) {
-        return corrupt("a page whose size contradicts its records");
-    }
-    return page;
-}
-
-}  // namespace
 
 std::uint64_t RunHeader::index_size() const { return interval_count * kIntervalSize + page_count * kPageEntrySize; }
 std::uint64_t RunHeader::size() const { return round_up_to_block(index_offset() + index_size()); }
@@ -157,80 +97,6 @@ Result<RunHeader> decode_run_entry(ByteSpan entry) {
         return corrupt("a run header whose coverage contradicts itself");
     }
     return header;
-}
-
-Bytes encode_run_index(const RunIndex& index, RunHeader& header) {
-    const std::vector<SampleRange>& ranges = index.coverage.ranges();
-    header.samples = {ranges.front().first, ranges.back().end};
-    header.sample_count = index.coverage.size();
-    header.interval_count = static_cast<std::uint32_t>(ranges.size());
-    header.page_count = static_cast<std::uint32_t>(index.pages.size());
-    Bytes bytes;
-    ByteWriter out(bytes);
-    for (const SampleRange& range : ranges) {
-        out.put(range.first);
-        out.put(range.end);
-    }
-    header.camera_records = header.light_records = header.pair_count = header.decoded_size = header.pages_size = 0;
-    for (const PageInfo& page : index.pages) {
-        put_page_content(out, page);
-        out.put(page.stored_size);
-        out.put(std::uint32_t{0});
-        out.put(page.stored_hash);
-        (page.record_class == RecordClass::kCamera ? header.camera_records : header.light_records) += page.record_count;
-        header.pair_count += page.pair_count;
-        header.decoded_size += page.decoded_size;
-        header.pages_size += page.stored_size;
-    }
-    header.content_hash = content_hash(ByteSpan(bytes).subspan(ranges.size() * kIntervalSize));
-    out.put_zeros(header.size() - header.index_offset() - bytes.size());
-    header.index_hash = hash64(bytes);
-    return bytes;
-}
-
-Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const Job& job) {
-    if (bytes.size() != header.size() - header.index_offset()) return Error{ErrorCode::kTruncated, "ends inside a run's index"};
-    if (hash64(bytes) != header.index_hash) return corrupt("run index checksum mismatch");
-    const ByteSpan entries = bytes.subspan(header.interval_count * kIntervalSize, header.page_count * kPageEntrySize);
-    if (content_hash(entries) != header.content_hash) return corrupt("content hash mismatch");
-    if (!all_zero(bytes.subspan(header.index_size()))) return corrupt("bytes behind a run's index that are not zero");
-    if (header.light_records > 0 && job.light_paths_per_sample == 0)
-        return corrupt("light records in a job that has no light paths");
-
-    RunIndex index;
-    ByteReader in(bytes);
-    std::uint64_t reached = 0;  // intervals are sorted, disjoint and not adjacent
-    for (std::uint32_t i = 0; i < header.interval_count; ++i) {
-        const std::uint64_t first = in.get<std::uint64_t>();
-        const SampleRange range{first, in.get<std::uint64_t>()};
-        if (range.empty() || (i > 0 && range.first <= reached)) return corrupt("a run's intervals are not in order");
-        reached = range.end;
-        index.coverage.add(range);
-    }
-    const std::vector<SampleRange>& ranges = index.coverage.ranges();
-    if (ranges.front().first != header.samples.first || ranges.back().end != header.samples.end ||
-        index.coverage.size() != header.sample_count) {
-        return corrupt("a run's intervals contradict its header");
-    }
-    RunHeader sums;
-    index.pages.reserve(header.page_count);
-    for (std::uint32_t i = 0; i < header.page_count; ++i) {
-        Result<PageInfo> page = get_page_entry(in, job);
-        if (!page) return page.error().at(fmt::format("page {}", i));
-        page->offset = kRunHeaderSize + sums.pages_size;
-        if (!index.pages.empty() && page->record_class < index.pages.back().record_class)
-            return corrupt("light pages stand before camera pages");
-        (page->record_class == RecordClass::kCamera ? sums.camera_records : sums.light_records) += page->record_count;
-        sums.pair_count += page->pair_count;
-        sums.decoded_size += page->decoded_size;
-        sums.pages_size += page->stored_size;
-        index.pages.push_back(*page);
-    }
-    if (sums.camera_records != header.camera_records || sums.light_records != header.light_records ||
-        sums.pair_count != header.pair_count || sums.decoded_size != header.decoded_size || sums.pages_size != header.pages_size) {
-        return corrupt("a run's pages do not add up to its header");
-    }
-    return index;
 }
 
 }  // namespace latent::sampledb

@@ -66,6 +66,33 @@ Result<std::optional<FooterReader>> find_footer(const ByteSource& source, std::u
     return footer ? std::optional(*footer) : std::nullopt;
 }
 
+// What stands before and behind the runs.
+struct Frames {
+    FileContents file;
+    std::uint64_t begin = 0, end = 0;  // of the runs, as far as that is known
+    std::optional<FooterReader> footer;
+
+    static Result<Frames> read(const ByteSource& source) {
+        Frames frames;
+        std::string fault;
+        Result<HeaderCopy> header = read_header(source, fault);
+        if (!header) return header.error();
+        frames.file.header = std::move(header->header);
+        if (!fault.empty()) add_damage(frames.file.damage, {0, 0, "header: " + fault, false});
+        frames.begin = 2 * header->bytes.size();
+        frames.end = source.size();
+        Result<std::optional<FooterReader>> footer = find_footer(source, frames.begin, frames.end);
+        if (!footer) return footer.error();
+        frames.footer = *footer;
+        frames.file.finished = frames.footer.has_value();
+        if (!frames.footer) return frames;
+        Result<std::string> provenance = frames.footer->provenance();
+        if (!provenance) return provenance.error();
+        frames.file.footer_provenance = std::move(*provenance);
+        return frames;
+    }
+};
+
 // The runs that the footer lists: all, or none if its list is not to be believed.
 Status list_runs(const FooterReader& footer, std::uint64_t begin, FileContents& file) {
     file.runs.reserve(std::min(footer.run_count(), kMaxRunsPerFile));
@@ -144,6 +171,25 @@ Status walk(const ByteSource& source, std::uint64_t begin, std::uint64_t end, co
     return {};
 }
 
+// A long index is read a piece at a time.
+Result<RunIndex> read_index(const ByteSource& source, const RunInfo& run, const Job& job) {
+    constexpr std::uint64_t kAtOnce = 256 << 10;
+    std::uint64_t at = run.offset + run.header.index_offset();
+    const std::uint64_t size = run.header.size() - run.header.index_offset();
+    Bytes bytes(std::min(size, kAtOnce));
+    if (size <= kAtOnce) {
+        if (Status s = source.read(at, bytes); !s) return s.error();
+        return decode_run_index(bytes, run.header, job);
+    }
+    RunIndexDecoder decoder(run.header, job);
+    for (std::size_t next = 0; (next = decoder.next_size()) > 0; at += next) {
+        bytes.resize(next);
+        if (Status s = source.read(at, bytes); !s) return s.error();
+        decoder.add(bytes);
+    }
+    return decoder.finish();
+}
+
 // The pages of a run that a level looks at: all, or the last, which a torn write would have missed.
 Status verify_pages(const ByteSource& source, const RunIndex& index, const Job& job, VerifyLevel level) {
     Page page;
@@ -191,10 +237,7 @@ Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, co
     if (!here && here.error().code == ErrorCode::kIo) return here.error();
     if (!here) return Error{ErrorCode::kCorrupt, "its header is damaged: " + here.error().message};
     if (here->header != run.header) return Error{ErrorCode::kCorrupt, "the run is not the one that the footer lists"};
-    const std::uint64_t at = run.header.index_offset();
-    const Result<Bytes> bytes = read_up_to(source, run.offset + at, run.header.size() - at);
-    if (!bytes) return bytes.error();
-    Result<RunIndex> index = decode_run_index(*bytes, run.header, job);
+    Result<RunIndex> index = read_index(source, run, job);
     if (!index) return index;
     for (PageInfo& page : index->pages) page.offset += run.offset;
     return index;
@@ -214,33 +257,25 @@ Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, 
     return verify_pages(source, *index, job, level);
 }
 
-Result<FileContents> read_file(const ByteSource& source, VerifyLevel level, bool use_footer) {
-    FileContents file;
-    std::string fault;
-    Result<HeaderCopy> header = read_header(source, fault);
-    if (!header) return header.error();
-    file.header = std::move(header->header);
-    if (!fault.empty()) add_damage(file.damage, {0, 0, "header: " + fault, false});
-    const std::uint64_t begin = 2 * header->bytes.size();
+Result<FileContents> read_frames(const ByteSource& source) {
+    Result<Frames> frames = Frames::read(source);
+    if (!frames) return frames.error();
+    return std::move(frames->file);
+}
 
-    std::uint64_t end = source.size();  // of the runs
-    const Result<std::optional<FooterReader>> found = find_footer(source, begin, end);
-    if (!found) return found.error();
-    const FooterReader* const footer = *found ? &**found : nullptr;
-    file.finished = footer != nullptr;
+Result<FileContents> read_file(const ByteSource& source, VerifyLevel level, bool use_footer) {
+    Result<Frames> frames = Frames::read(source);
+    if (!frames) return frames.error();
+    FileContents file = std::move(frames->file);
+    const FooterReader* const footer = frames->footer ? &*frames->footer : nullptr;
     bool listed = false;
-    if (footer != nullptr) {
-        Result<std::string> provenance = footer->provenance();
-        if (!provenance) return provenance.error();
-        file.footer_provenance = std::move(*provenance);
-        if (use_footer) {
-            const Status list = list_runs(*footer, begin, file);
-            if (!list && list.error().code == ErrorCode::kIo) return list.error();
-            listed = list.has_value();
-        }
+    if (footer != nullptr && use_footer) {
+        const Status list = list_runs(*footer, frames->begin, file);
+        if (!list && list.error().code == ErrorCode::kIo) return list.error();
+        listed = list.has_value();
     }
     if (!listed) {
-        if (Status s = walk(source, begin, end, footer, file); !s) return s.error();
+        if (Status s = walk(source, frames->begin, frames->end, footer, file); !s) return s.error();
     }
     if (Status s = verify_runs(source, level, file); !s) return s.error();
     return file;

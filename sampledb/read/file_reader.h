@@ -42,6 +42,9 @@ struct FileContents {
 // Errors: kForeign (not a Latent file), kTruncated (ends inside its header), kUnsupported, kCorrupt (both headers), kIo.
 Result<FileContents> read_file(const ByteSource& source, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
 
+// What a file says of its job and its origin: its header, its footer's provenance. Errors as above.
+Result<FileContents> read_frames(const ByteSource& source);
+
 // A file that could be opened, and what it holds.
 struct FoundFile {
     std::shared_ptr<const FileSource> source;

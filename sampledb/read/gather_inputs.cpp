@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <functional>
 #include <map>
 
 #include "sampledb/read/input_files.h"
@@ -15,6 +16,10 @@ namespace latent::sampledb {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::uint64_t kLeastForLists = std::uint64_t{1} << 18;  // a tool that needs more for other things says so itself
+
+std::uint64_t memory_for_lists(std::uint64_t memory) { return std::max(memory / 4 * 3, kLeastForLists); }
 
 // Which files are of the job, one after another, and what is wrong with the others.
 class InputReader {
@@ -33,13 +38,10 @@ class InputReader {
     }
 
  private:
-    struct Named {  // a file that the user named, and what it holds
-        std::string path;
-        Coverage coverage;
-    };
-
     Status read_inputs(const std::vector<InputFile>& inputs);
     Status take_file(const InputFile& input, FoundFile file);
+    Status take_runs(const std::string& name, const FileSource& source, FileContents& file);
+    Status count_memory(const FileContents& file);
     Status refuse_or_leave_out(const InputFile& input, const Error& error);
     void report_state(const InputFile& input, const FileContents& file);
     Status check_jobs() const;
@@ -50,8 +52,9 @@ class InputReader {
     GatheredInputs found_;
     std::map<JobId, std::string> jobs_;  // job -> a file of it
     std::map<JobId, std::string> jobs_not_taken_;
-    std::vector<Named> named_;
     std::map<std::pair<std::string, std::uint64_t>, std::string> damaged_;  // file, offset -> why
+    std::vector<bool> must_not_repeat_;                                     // which of the files
+    std::uint64_t runs_ = 0, intervals_ = 0;                                // intervals beyond the first of each run
 };
 
 Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
@@ -92,7 +95,7 @@ Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& err
         std::string reason = error.message;
         if (reason.starts_with(name + ": ")) reason.erase(0, name.size() + 2);
         if (fs::is_directory(input.path, ignored)) reason = "a folder inside a folder is not searched";
-        found_.report.left_out.push_back({name, reason});
+        leave_out(found_.report.left_out, {name, reason});
     }
     return {};
 }
@@ -114,37 +117,57 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
         const Error error{ErrorCode::kMismatch,
                           fmt::format("{}: not of the job of {}: {}", name, found_.files[0].string(), same.error().message)};
         if (input.named) return error;
-        found_.report.left_out.push_back({name, error.message.substr(name.size() + 2)});
+        leave_out(found_.report.left_out, {name, error.message.substr(name.size() + 2)});
         return {};
     }
     report_state(input, file);
     const std::uint32_t number = static_cast<std::uint32_t>(found_.files.size());
     found_.files.push_back(input.path);
     sources_.insert(number, opened.source, 1);  // stays open: an attempt may lose its name any time
-    Coverage held;
+    must_not_repeat_.push_back(input.named && !is_attempt(input.path));
+    return take_runs(name, *opened.source, file);
+}
+
+Status InputReader::take_runs(const std::string& name, const FileSource& source, FileContents& file) {
+    if (Status s = count_memory(file); !s) return s;
+    std::vector<SelectedRun>& runs = found_.runs;
+    const std::size_t count = runs.size() + file.runs.size();
+    if (count > runs.capacity()) runs.reserve(runs.empty() ? count : std::max(count, runs.capacity() + runs.capacity() / 4));
+    const auto number = static_cast<std::uint32_t>(found_.files.size() - 1);
     for (const RunInfo& run : file.runs) {
         if (const auto damaged = damaged_.find({name, run.offset}); damaged != damaged_.end()) {
-            found_.report.left_out.push_back({name, damaged->second});
+            leave_out(found_.report.left_out, {name, damaged->second});
             continue;
         }
-        Result<Coverage> coverage = run_coverage(*opened.source, run, found_.job);
+        Result<Coverage> coverage = run_coverage(source, run, found_.job);
         if (!coverage && coverage.error().code == ErrorCode::kIo) return coverage.error().at(name);
-        if (!coverage) {
-            found_.report.left_out.push_back({fmt::format("{}: run at byte {}", name, run.offset), coverage.error().message});
-            continue;
+        if (coverage) {
+            runs.push_back({number, false, run.offset, run.header, std::move(*coverage)});
+        } else {
+            leave_out(found_.report.left_out, {fmt::format("{}: run at byte {}", name, run.offset), coverage.error().message});
         }
-        held.add(*coverage);
-        found_.candidates.push_back({number, run, std::move(*coverage)});
     }
-    if (input.named && !is_attempt(input.path)) named_.push_back({name, std::move(held)});
     return {};
+}
+
+// Before the list of runs grows: what it will take, with what choosing among them takes.
+Status InputReader::count_memory(const FileContents& file) {
+    constexpr std::uint64_t kRun = sizeof(SelectedRun) + 48;      // and numbers that stand for it while runs are chosen
+    constexpr std::uint64_t kInterval = 2 * sizeof(SampleRange);  // in its run, in the union of all
+    runs_ += file.runs.size();
+    for (const RunInfo& run : file.runs) intervals_ += run.header.interval_count - 1;
+    found_.list_memory = runs_ * kRun + intervals_ * kInterval;
+    if (found_.list_memory <= memory_for_lists(options_.memory)) return {};
+    return Error{ErrorCode::kOutOfRange,
+                 fmt::format("--memory: too small; the list of {} runs, {} intervals of samples, needs {}M at least", runs_,
+                             runs_ + intervals_, memory_with_list(found_.list_memory) >> 20)};
 }
 
 void InputReader::report_state(const InputFile& input, const FileContents& file) {
     const std::string name = input.path.string();
     for (const Damage& damage : file.damage) {
         if (damage.loss) {
-            found_.report.left_out.push_back({name, damage.reason});
+            leave_out(found_.report.left_out, {name, damage.reason});
         } else {
             found_.report.notes.push_back(name + ": " + damage.reason);
         }
@@ -156,7 +179,7 @@ void InputReader::report_state(const InputFile& input, const FileContents& file)
                 fmt::format("{}: unfinished; {} bytes behind its last run are not read", name, file.unfinished_tail));
         }
     } else if (const auto end = damage_at_end(input.path, file)) {
-        found_.report.left_out.push_back({name, end->reason});
+        leave_out(found_.report.left_out, {name, end->reason});
     }
 }
 
@@ -171,28 +194,47 @@ Status InputReader::check_jobs() const {
 // Finished files that the user named must not hold a sample twice.
 Status InputReader::check_repeats() const {
     if (options_.skip_duplicates) return {};
-    struct Piece {
+    // Intervals in ascending order, each the next of some run.
+    struct Next {
         SampleRange range;
-        std::size_t file;
-        auto operator<=>(const Piece&) const = default;
+        std::uint32_t run, interval;
+        bool operator>(const Next& other) const { return range > other.range; }
     };
-    std::vector<Piece> pieces;
-    for (std::size_t i = 0; i < named_.size(); ++i) {
-        for (const SampleRange& range : named_[i].coverage.ranges()) pieces.push_back({range, i});
+    std::vector<Next> ahead;
+    ahead.reserve(found_.runs.size());
+    for (std::uint32_t i = 0; i < found_.runs.size(); ++i) {
+        if (must_not_repeat_[found_.runs[i].file]) ahead.push_back({found_.runs[i].coverage.ranges().front(), i, 0});
     }
-    std::ranges::sort(pieces);
-    for (std::size_t i = 1; i < pieces.size(); ++i) {
-        const SampleRange& a = pieces[i - 1].range;
-        const SampleRange& b = pieces[i].range;
-        if (b.first >= a.end) continue;
-        return Error{ErrorCode::kMismatch,
-                     fmt::format("{} and {} both hold samples {}..{} (--skip-duplicates keeps one of them)",
-                                 named_[pieces[i - 1].file].path, named_[pieces[i].file].path, b.first, std::min(a.end, b.end))};
+    std::ranges::make_heap(ahead, std::greater{});
+    std::uint64_t reached = 0;
+    std::uint32_t holder = 0;  // the file that reaches so far
+    while (!ahead.empty()) {
+        std::ranges::pop_heap(ahead, std::greater{});
+        Next& next = ahead.back();
+        const SelectedRun& run = found_.runs[next.run];
+        if (next.range.first < reached && run.file != holder) {
+            const auto [a, b] = std::minmax(holder, run.file);
+            return Error{
+                ErrorCode::kMismatch,
+                fmt::format("{} and {} both hold samples {}..{} (--skip-duplicates keeps one of them)", found_.files[a].string(),
+                            found_.files[b].string(), next.range.first, std::min(reached, next.range.end))};
+        }
+        if (next.range.end > reached) reached = next.range.end, holder = run.file;
+        if (++next.interval < run.coverage.ranges().size()) {
+            next.range = run.coverage.ranges()[next.interval];
+            std::ranges::push_heap(ahead, std::greater{});
+        } else {
+            ahead.pop_back();
+        }
     }
     return {};
 }
 
 }  // namespace
+
+std::uint64_t memory_with_list(std::uint64_t list_memory) {
+    return list_memory <= kLeastForLists ? 0 : ((list_memory + 2) / 3 * 4 + (1 << 20)) >> 20 << 20;
+}
 
 Result<GatheredInputs> gather_inputs(const GatherOptions& options, RecentCache<FileSource>& sources) {
     return InputReader(options, sources).read();

@@ -2,6 +2,7 @@
 // other. docs/format.md, "Selection".
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace latent::sampledb {
 struct GatheredInputs {
     Job job;
     std::vector<std::filesystem::path> files;  // those of the job
-    std::vector<Candidate> candidates;         // their runs, in no particular order
+    std::vector<SelectedRun> runs;             // to choose from, in no particular order
+    std::uint64_t list_memory = 0;             // bytes that the runs take, those that choosing takes included
     GatherReport report;                       // what was left out so far
 };
 

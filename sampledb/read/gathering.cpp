@@ -24,10 +24,12 @@ std::size_t most_open_files() {
     return std::max(all, kOthers + kFewest) - kOthers;
 }
 
+constexpr std::uint64_t kIndexCost = 256;  // bytes to hold an index, without its pages
+
 class OpenGathering final : public Gathering {
  public:
     explicit OpenGathering(const GatherOptions& options)
-        : options_(options), indexes_(options.index_memory), sources_(most_open_files()) {}
+        : options_(options), indexes_(options.memory / 8), sources_(most_open_files()) {}
 
     Status gather();
 
@@ -39,11 +41,12 @@ class OpenGathering final : public Gathering {
     Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const override;
     Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const override;
     std::uint64_t bytes_read() const override { return bytes_read_; }
+    std::uint64_t list_memory() const override { return list_memory_; }
 
  private:
-    void select(std::vector<Candidate> candidates);
+    void select(std::vector<SelectedRun> runs);
+    void cut_to_samples();
     Result<std::shared_ptr<const FileSource>> source(std::size_t file) const;
-    std::string place(const Candidate& c) const;
     std::string place(const SelectedRun& run) const;
 
     GatherOptions options_;
@@ -52,6 +55,7 @@ class OpenGathering final : public Gathering {
     std::vector<SelectedRun> runs_;
     Coverage coverage_;
     GatherReport report_;
+    std::uint64_t list_memory_ = 0;
 
     mutable std::mutex mutex_;
     mutable RecentCache<std::vector<PageInfo>> indexes_;
@@ -65,39 +69,49 @@ Status OpenGathering::gather() {
     job_ = std::move(inputs->job);
     files_ = std::move(inputs->files);
     report_ = std::move(inputs->report);
-    select(std::move(inputs->candidates));
+    list_memory_ = inputs->list_memory;
+    select(std::move(inputs->runs));
+    if (options_.samples) cut_to_samples();
     return {};
 }
 
-void OpenGathering::select(std::vector<Candidate> candidates) {
-    const Selection selection = select_runs(candidates);
+void OpenGathering::select(std::vector<SelectedRun> runs) {
+    Selection selection = select_runs(runs);
     report_.superseded_runs = selection.superseded.size();
     report_.repeated_runs = selection.repeated.size();
+    const auto all_of = [&](std::size_t i) {
+        return fmt::format("{}: samples {}", files_[runs[i].file].string(), to_string(runs[i].coverage));
+    };
     for (const std::size_t i : selection.differing) {
-        report_.left_out.push_back(
-            {place(candidates[i]), "differs from the same samples in another file; the one with the smaller hash is kept"});
+        leave_out(report_.left_out,
+                  {all_of(i), "differs from the same samples in another file; the one with the smaller hash is kept"});
     }
     for (const std::size_t i : selection.overlapping) {
-        Coverage lost = candidates[i].coverage;
+        Coverage lost = runs[i].coverage;
         lost.remove(selection.coverage);
-        report_.left_out.push_back({place(candidates[i]), "overlaps runs that hold more; samples " + to_string(lost) + " lost"});
+        leave_out(report_.left_out, {all_of(i), "overlaps runs that hold more; samples " + to_string(lost) + " lost"});
     }
+    std::ranges::sort(selection.chosen);
+    std::size_t kept = 0;  // chosen runs close up, in the memory where they are
     for (const std::size_t i : selection.chosen) {
-        Candidate& c = candidates[i];
-        SelectedRun run{c.file, c.run.offset, c.run.header, std::move(c.coverage)};
-        if (options_.samples) {
-            Coverage within = run.coverage.intersection(Coverage(*options_.samples));
-            if (within.empty()) continue;
-            run.cut = within != run.coverage;
-            run.coverage = std::move(within);
-        }
-        coverage_.add(run.coverage);
-        runs_.push_back(std::move(run));
+        if (i != kept) runs[kept] = std::move(runs[i]);
+        ++kept;
     }
+    runs.resize(kept);
+    std::ranges::sort(runs, {}, [](const SelectedRun& run) { return run.header.samples.first; });
+    runs_ = std::move(runs);
+    coverage_ = std::move(selection.coverage);
 }
 
-std::string OpenGathering::place(const Candidate& c) const {
-    return fmt::format("{}: samples {}", files_[c.file].string(), to_string(c.coverage));
+void OpenGathering::cut_to_samples() {
+    const Coverage samples(*options_.samples);
+    std::erase_if(runs_, [&](SelectedRun& run) {
+        Coverage within = run.coverage.intersection(samples);
+        run.cut = within != run.coverage;
+        run.coverage = std::move(within);
+        return run.coverage.empty();
+    });
+    coverage_ = coverage_.intersection(samples);
 }
 
 std::string OpenGathering::place(const SelectedRun& run) const {
@@ -125,7 +139,7 @@ Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::s
     Result<RunIndex> index = read_run_index(**from, {selected.offset, selected.header}, job_);
     if (!index) return index.error().at(place(selected));
     bytes_read_ += kRunHeaderSize + selected.header.index_size();
-    const std::uint64_t cost = index->pages.size() * sizeof(PageInfo);
+    const std::uint64_t cost = kIndexCost + index->pages.size() * sizeof(PageInfo);
     auto pages = std::make_shared<const std::vector<PageInfo>>(std::move(index->pages));
     const std::lock_guard lock(mutex_);
     indexes_.insert(run, pages, cost);
@@ -145,6 +159,13 @@ Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const Col
 }
 
 }  // namespace
+
+void leave_out(std::vector<LeftOut>& list, LeftOut item) {
+    if (list.size() < kMostDamage) return list.push_back(std::move(item));
+    const std::uint64_t before = list.size() == kMostDamage ? 0 : list.back().count;
+    list.resize(kMostDamage);
+    list.push_back({"elsewhere", fmt::format("{} more like these", before + item.count), before + item.count});
+}
 
 Result<std::unique_ptr<Gathering>> Gathering::open(const GatherOptions& options) {
     auto gathering = std::make_unique<OpenGathering>(options);

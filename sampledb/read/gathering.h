@@ -13,6 +13,7 @@
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "sampledb/read/file_reader.h"
+#include "sampledb/read/selection.h"
 
 namespace latent::sampledb {
 
@@ -30,22 +31,21 @@ struct GatherOptions {
     std::optional<SampleRange> samples;          // only these sample numbers
     VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more
     std::vector<DamagedRun> damaged;             // left out as well
-    std::uint64_t index_memory = std::uint64_t{128} << 20;  // bytes for indexes held at once; the rest is read again when needed
+    // --memory of the tool, in bytes: the list of runs may take three quarters of it (or 256 KiB), indexes held at once an eighth;
+    // the rest of these is read again when needed.
+    std::uint64_t memory = std::uint64_t{1} << 30;
 };
 
-// A run that takes part.
-struct SelectedRun {
-    std::uint32_t file;    // index into `files`
-    std::uint64_t offset;  // absolute, of the run's first byte
-    RunHeader header;      // its counts and hashes; header.size() bytes on disk
-    Coverage coverage;     // what it holds completely (one interval unless compacted), cut to `samples`
-    bool cut = false;      // --samples takes only part of it: its pages are filtered when they are read
-};
+// Whole MiB, in bytes, of the least GatherOptions::memory that has room for a list of that size.
+std::uint64_t memory_with_list(std::uint64_t list_memory);
 
 struct LeftOut {
-    std::string place;   // "b.latent: run 3" or a file name
-    std::string reason;  // one clause: "checksum mismatch, samples 65536..131071 lost"
+    std::string place;        // "b.latent: run 3" or a file name
+    std::string reason;       // one clause: "checksum mismatch, samples 65536..131071 lost"
+    std::uint64_t count = 1;  // of what is left out
 };
+// Adds to a list that stays short, like that of a file's damage.
+void leave_out(std::vector<LeftOut>& list, LeftOut item);
 
 struct GatherReport {
     std::vector<LeftOut> left_out;   // not empty: exit 3
@@ -58,7 +58,7 @@ struct GatherReport {
 class Gathering {
  public:
     // Errors, naming the files: kIo, kNotFound and kForeign (of files named one by one), kMismatch (another job; a sample that
-    // finished files named one by one hold twice).
+    // finished files named one by one hold twice), kOutOfRange (more runs or intervals than `memory` is enough for).
     static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
     virtual ~Gathering() = default;
 
@@ -67,6 +67,9 @@ class Gathering {
     virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
     virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
     virtual const GatherReport& report() const = 0;
+
+    // Bytes that the list of runs takes, of their intervals too.
+    virtual std::uint64_t list_memory() const { return 0; }
 
     // N, by which the light image is divided: light paths per sample x samples selected.
     std::uint64_t light_paths() const { return coverage().size() * job().light_paths_per_sample; }

@@ -39,13 +39,13 @@ std::vector<fs::path> attempts_of(const fs::path& name) {
 }
 
 Result<Coverage> coverage_of(const ByteSource& source, const FileContents& contents) {
-    Coverage covered;
+    std::vector<SampleRange> covered;
     for (const RunInfo& run : contents.runs) {
         const Result<Coverage> held = run_coverage(source, run, contents.header.job);
         if (!held) return held.error();
-        covered.add(*held);
+        covered.insert(covered.end(), held->ranges().begin(), held->ranges().end());
     }
-    return covered;
+    return Coverage::of(std::move(covered));
 }
 
 Result<bool> is_published(const fs::path& name, const Job& job, SampleRange range) {

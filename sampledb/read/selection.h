@@ -2,6 +2,7 @@
 // "Selection".
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,13 +12,16 @@
 
 namespace latent::sampledb {
 
-struct Candidate {
-    std::uint32_t file = 0;  // for the caller; has no say in the choice
-    RunInfo run;
-    Coverage coverage;
+// A run of one of several files: at first one to choose from, then one that was chosen.
+struct SelectedRun {
+    std::uint32_t file = 0;    // which of them; has no say in the choice
+    bool cut = false;          // only part of it counts: its pages are filtered when they are read
+    std::uint64_t offset = 0;  // of the run's first byte in its file
+    RunHeader header;          // its counts and hashes; header.size() bytes on disk
+    Coverage coverage;         // what it holds completely (one interval unless compacted), less what is cut off
 };
 
-// Indices into the candidates; each stands in exactly one list.
+// Indices into the runs; each stands in exactly one list.
 struct Selection {
     std::vector<std::size_t> chosen;       // ascending by first sample; their coverages are disjoint
     std::vector<std::size_t> superseded;   // all their samples are covered by chosen runs
@@ -30,6 +34,6 @@ struct Selection {
 // Of all sets of disjoint runs the one that covers the most samples, of these the one of the fewest runs: so a canonical run
 // wins over its checkpoints, a longer attempt over a shorter one, a compacted run over what it was made from. A function of the
 // set of runs, not of their order or of the files that they are in.
-Selection select_runs(std::span<const Candidate> candidates);
+Selection select_runs(std::span<const SelectedRun> runs);
 
 }  // namespace latent::sampledb

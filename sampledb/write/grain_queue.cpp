@@ -8,7 +8,7 @@ namespace latent::sampledb {
 
 SampleRange GrainQueue::next() {
     const std::lock_guard lock(mutex_);
-    const std::vector<SampleRange>& intervals = coverage_.ranges();
+    const std::span<const SampleRange> intervals = coverage_.ranges();
     while (interval_ < intervals.size() && reached_ >= intervals[interval_].end) ++interval_;
     if (interval_ == intervals.size()) return {};
     const std::uint64_t first = std::max(reached_, intervals[interval_].first);

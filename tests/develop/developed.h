@@ -33,7 +33,7 @@ class MemoryGathering : public sampledb::Gathering {
         ASSERT_TRUE(header);
         auto index = sampledb::decode_run_index(ByteSpan(*run).subspan(header->index_offset()), *header, job_);
         ASSERT_TRUE(index) << index.error().message;
-        runs_.push_back({0, 0, *header, index->coverage, false});
+        runs_.push_back({0, false, 0, *header, index->coverage});
         coverage_.add(coverage);
         pages_.push_back(std::make_shared<const std::vector<sampledb::PageInfo>>(std::move(index->pages)));
         bytes_.push_back(std::move(*run));

@@ -51,6 +51,16 @@ class Tool : public ::testing::Test {
     }
 };
 
+TEST_F(Tool, ARunOfAnUnknownTransformIsLeftOutAndSaidSo) {
+    const synthetic::FileBytes sound = synthetic::make_file(job_, synthetic::runs_between({0, kRun, 2 * kRun, 3 * kRun}));
+    synthetic::write_file(folder_ / "a.latent", synthetic::with_transform(sound, 1, 200));
+    const Outcome outcome = develop({(folder_ / "a.latent").string(), "-o", out("a.exr"), "--size", "60"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    EXPECT_NE(outcome.err.find("transform 200 is not known here"), std::string::npos) << outcome.err;
+    ASSERT_EQ(develop({file("b.latent", {0, 2}), "-o", out("b.exr"), "--size", "60"}).status, 0);
+    EXPECT_EQ(read_text(folder_ / "a.exr"), read_text(folder_ / "b.exr"));
+}
+
 TEST_F(Tool, TheSameRunsInOneFileOrManyInAnyOrderGiveTheSameBytes) {
     const std::string all = file("all.latent", {0, 1, 2, 3, 4, 5});
     const std::string a = file("a.latent", {4, 0}), b = file("b.latent", {5}), c = file("c.latent", {3, 1, 2});

@@ -207,6 +207,25 @@ TEST_F(InspectTest, VerifyTellsWhatTheFramesContradict) {
     EXPECT_EQ(gather({folder_ / "a.latent"})->runs().size(), 4u);
 }
 
+TEST_F(InspectTest, AnUnknownTransformCostsThePageThatItIsIn) {
+    const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
+    const fs::path file = write("a.latent", synthetic::with_transform(sound, 1, 200));
+    const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+    const Outcome all = inspect({"cat", write("b.latent", sound.bytes)}), rest = inspect({"cat", file});
+    EXPECT_EQ(rest.status, 3) << rest.err;
+    EXPECT_NE(rest.err.find("transform 200 is not known here"), std::string::npos) << rest.err;
+    EXPECT_LT(lines(rest.out), lines(all.out));
+    EXPECT_GT(lines(rest.out), lines(all.out) / 2);
+    const Outcome info = inspect({"info", "--json", file});
+    EXPECT_EQ(info.status, 0) << info.out;
+    EXPECT_EQ(json::parse(info.out)["runs"], 4);
+    EXPECT_EQ(inspect({"verify", file}).status, 0);  // every stored byte is as it was written
+    const Outcome deep = inspect({"verify", "--deep", file});
+    EXPECT_EQ(deep.status, 4);
+    EXPECT_NE(deep.out.find("run 1 at byte"), std::string::npos) << deep.out;
+    EXPECT_NE(deep.out.find("transform 200 is not known here"), std::string::npos) << deep.out;
+}
+
 TEST_F(InspectTest, InfoListsTheDamageThatItMeets) {
     const synthetic::FileBytes sound = synthetic::make_file(make_short_job(), four_runs());
     for (const std::size_t into : {std::size_t{100}, std::size_t{2000}}) {  // of run 1: its header; its pages

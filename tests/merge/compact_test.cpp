@@ -85,10 +85,10 @@ TEST_F(CompactTest, OnlyWholeIntervalsAreRewritten) {
     compact({file}, "out.latent");
     const auto out = gather({folder_ / "out.latent"}), in = gather({file});
     ASSERT_EQ(out->runs().size(), 4u);
-    EXPECT_EQ(out->runs()[0].coverage.ranges(), (std::vector<SampleRange>{{0, 2 * kS}}));
-    EXPECT_EQ(out->runs()[1].coverage.ranges(), (std::vector<SampleRange>{{2 * kS, 2 * kS + 1024}}));
+    EXPECT_EQ(out->runs()[0].coverage, Coverage::of({{0, 2 * kS}}));
+    EXPECT_EQ(out->runs()[1].coverage, Coverage::of({{2 * kS, 2 * kS + 1024}}));
     EXPECT_EQ(out->runs()[1].header, in->runs()[3].header);  // as it was
-    EXPECT_EQ(out->runs()[2].coverage.ranges(), (std::vector<SampleRange>{{3 * kS, 4 * kS}, {5 * kS, 6 * kS}}));
+    EXPECT_EQ(out->runs()[2].coverage, Coverage::of({{3 * kS, 4 * kS}, {5 * kS, 6 * kS}}));
     EXPECT_EQ(out->runs()[3].header, in->runs()[6].header);
     EXPECT_EQ(out->coverage(), in->coverage());
 }

@@ -99,8 +99,8 @@ TEST_F(MergeTest, CheckpointsThatACanonicalRunSupersedesAreDropped) {
     ASSERT_EQ(merge_files({with}).status, 0);
     const std::vector<synthetic::RunContent> runs = runs_of(out_);
     ASSERT_EQ(runs.size(), 2u);
-    EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{0, kS}}));
-    EXPECT_EQ(runs[1].coverage, (std::vector<SampleRange>{{kS, kS + 1024}}));
+    EXPECT_EQ(runs[0].coverage, Coverage(SampleRange{0, kS}));
+    EXPECT_EQ(runs[1].coverage, Coverage(SampleRange{kS, kS + 1024}));
     EXPECT_LT(fs::file_size(out_), fs::file_size(with));
 }
 

@@ -64,6 +64,31 @@ TEST(Coverage, EveryOperationIsThatOfSets) {
     }
 }
 
+TEST(Coverage, OfAListIsTheUnionOfItsRanges) {
+    std::mt19937 random(5);
+    for (int trial = 0; trial < 2000; ++trial) {
+        std::vector<SampleRange> ranges;
+        Set set;
+        for (std::uint32_t i = random() % 9; i > 0; --i) {
+            const std::uint64_t first = random() % kNumbers;
+            ranges.push_back({first, std::min<std::uint64_t>(first + random() % 9, kNumbers)});
+            set |= set_of(ranges.back());
+        }
+        const Coverage coverage = Coverage::of(ranges);
+        ASSERT_TRUE(is_normal(coverage));
+        ASSERT_EQ(set_of(coverage), set);
+        for (std::uint64_t n = 0; n < kNumbers; ++n) ASSERT_EQ(coverage.contains(n), set.test(n));
+    }
+}
+
+TEST(Coverage, EndsBeforeTheLastNumber) {
+    constexpr std::uint64_t kEnd = ~std::uint64_t{0};
+    const Coverage coverage(SampleRange{kEnd - 1, kEnd});
+    EXPECT_TRUE(coverage.contains(kEnd - 1));
+    EXPECT_FALSE(coverage.contains(kEnd) || coverage.contains(kEnd - 2));
+    EXPECT_TRUE(coverage.intersects(SampleRange{0, kEnd}));
+}
+
 TEST(Coverage, IsWrittenAsIntervals) {
     Coverage coverage;
     EXPECT_EQ(to_string(coverage), "none");

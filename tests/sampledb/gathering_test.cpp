@@ -309,6 +309,32 @@ TEST_F(GatheringTest, ASliceReadsExactlyItsSamples) {
     }
 }
 
+TEST_F(GatheringTest, AListOfRunsThatMemoryIsTooSmallForIsRefusedWithWhatItNeeds) {
+    std::vector<Coverage> runs;
+    for (std::uint64_t i = 0; i < 2000; ++i) runs.emplace_back(SampleRange{i << 14, (i << 14) + 1});
+    Coverage gaps;
+    for (std::uint64_t i = 0; i < 60000; ++i) gaps.add({(i << 14) + 2, (i << 14) + 3});
+    const Job job = make_job(RecordKind::kXyz);
+    for (const std::vector<Coverage>& list : {runs, std::vector{gaps}}) {
+        GatherOptions options;
+        options.inputs = {file("a.latent", job, list)};
+        options.memory = 128 << 10;
+        const auto small = Gathering::open(options);
+        ASSERT_FALSE(small);
+        EXPECT_EQ(small.error().code, ErrorCode::kOutOfRange);
+        unsigned enough = 0;
+        const std::string words = "intervals of samples, needs ";
+        const std::size_t at = small.error().message.find(words);
+        ASSERT_NE(at, std::string::npos) << small.error().message;
+        ASSERT_EQ(std::sscanf(small.error().message.c_str() + at + words.size(), "%uM at least", &enough), 1);
+        options.memory = std::uint64_t{enough} << 20;
+        const auto large = Gathering::open(options);
+        ASSERT_TRUE(large) << message(large);
+        EXPECT_LE((*large)->list_memory(), options.memory);
+        EXPECT_GE((*large)->list_memory(), (*large)->coverage().ranges().size() * 2 * sizeof(SampleRange));
+    }
+}
+
 TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndFewerIfTheSystemAllowsNoMore) {
     std::vector<fs::path> parts;
     const Job job = make_job(RecordKind::kXyz);
@@ -317,7 +343,7 @@ TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndFewerIfTheSystemAllowsNoMore
     }
     GatherOptions options;
     options.inputs = parts;
-    options.index_memory = 4096;  // far too little for all: indexes are read again
+    options.memory = 300 << 10;  // far too little for all indexes: they are read again
     auto g = Gathering::open(options);
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->runs().size(), 600u);

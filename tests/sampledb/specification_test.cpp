@@ -281,22 +281,22 @@ void check_wavelength_batches(const Vector& vector) {
 }
 
 // "0..5,7..9#2": intervals of the coverage, and a number for the hashes.
-Candidate candidate(const std::string& text) {
-    Candidate run;
+SelectedRun candidate(const std::string& text) {
+    SelectedRun run;
     const std::size_t hash = text.find('#');
     std::istringstream intervals(text.substr(0, hash));
     for (std::string interval; std::getline(intervals, interval, ',');) {
         const std::size_t dots = interval.find("..");
         run.coverage.add(SampleRange{u64(interval.substr(0, dots), 10), u64(interval.substr(dots + 2), 10)});
     }
-    run.run.header.samples = {run.coverage.ranges().front().first, run.coverage.ranges().back().end};
-    run.run.header.sample_count = run.coverage.size();
-    run.run.header.content_hash.low = u64(text.substr(hash + 1), 10);
+    run.header.samples = {run.coverage.ranges().front().first, run.coverage.ranges().back().end};
+    run.header.sample_count = run.coverage.size();
+    run.header.content_hash.low = u64(text.substr(hash + 1), 10);
     return run;
 }
 
 void check_selection(const Vector& vector) {
-    std::vector<Candidate> runs;
+    std::vector<SelectedRun> runs;
     for (const std::string& text : vector.fields.at("runs")) runs.push_back(candidate(text));
     std::vector<std::size_t> chosen = select_runs(runs).chosen;
     std::ranges::sort(chosen);

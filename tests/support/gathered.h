@@ -26,14 +26,14 @@ inline std::unique_ptr<sampledb::Gathering> gather(const std::vector<std::filesy
 
 // A run by what it holds, whatever file it is in.
 struct RunContent {
-    std::vector<sampledb::SampleRange> coverage;
+    sampledb::Coverage coverage;
     Hash128 hash;
     bool operator==(const RunContent&) const = default;
 };
 
 inline std::vector<RunContent> runs_of(const sampledb::Gathering& gathering) {
     std::vector<RunContent> runs;
-    for (const sampledb::SelectedRun& run : gathering.runs()) runs.push_back({run.coverage.ranges(), run.header.content_hash});
+    for (const sampledb::SelectedRun& run : gathering.runs()) runs.push_back({run.coverage, run.header.content_hash});
     return runs;
 }
 inline std::vector<RunContent> runs_of(const std::filesystem::path& file) {

@@ -1,5 +1,6 @@
 #include "tests/support/synthetic.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -225,6 +226,24 @@ Bytes make_first_footer(std::span<const RunInfo> runs, std::uint64_t offset) {
     out.put_zeros(24);
     out.put(hash64(ByteSpan(bytes).subspan(size)));
     out.put(bytes_of(kFirstFooterMagic));
+    return bytes;
+}
+
+Bytes with_transform(const FileBytes& file, std::size_t run, std::uint8_t transform) {
+    std::vector<RunInfo> runs = runs_of(file);
+    RunHeader& header = runs[run].header;
+    Bytes bytes = file.bytes;
+    const std::size_t page = runs[run].offset + kRunHeaderSize, index = runs[run].offset + header.index_offset();
+    const std::size_t entry = index + header.interval_count * kIntervalSize, end = runs[run].offset + header.size();
+    bytes[page + 5] = std::byte{transform};
+    const std::uint32_t stored_size = load_le<std::uint32_t>(&bytes[entry + 32]);
+    store_le(&bytes[entry + 40], hash64(ByteSpan(bytes).subspan(page, stored_size)));
+    header.index_hash = hash64(ByteSpan(bytes).subspan(index, end - index));
+    std::ranges::copy(encode_run_header(header), bytes.begin() + static_cast<std::ptrdiff_t>(runs[run].offset));
+    const bool finished = bytes.size() > file.run_ends.back();
+    bytes.resize(file.run_ends.back());
+    const Bytes footer = finished ? *encode_footer(runs, "", bytes.size()) : Bytes();
+    bytes.insert(bytes.end(), footer.begin(), footer.end());
     return bytes;
 }
 

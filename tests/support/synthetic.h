@@ -55,6 +55,9 @@ std::vector<sampledb::RunInfo> runs_of(const FileBytes& file);
 // A footer as version 0.1 wrote it, to be put at `offset`, the end of the last run.
 Bytes make_first_footer(std::span<const sampledb::RunInfo> runs, std::uint64_t offset);
 
+// The file with another transform of the first column of the first page of a run; every hash is right.
+Bytes with_transform(const FileBytes& file, std::size_t run, std::uint8_t transform);
+
 // Writes bytes to a file of that name, replacing what is there.
 void write_file(const std::filesystem::path& path, ByteSpan bytes);
 

@@ -118,10 +118,10 @@ class Engine {
     }
 
     // Whole MiB of --memory with which the slab has `slab` bytes: 15/16 of Settings::memory go to it and the threads, and that is
-    // what indexes (1/8 at most) and the levels of a mip map (1/32) leave.
+    // what the list of runs, other indexes (1/8 at most) and the levels of a mip map (1/32) leave.
     std::uint64_t enough_for(std::uint64_t slab) const {
-        const std::uint64_t memory = (slab + own_bytes_ + 64) * 16 / 15 * 32 / 27;
-        return (memory + (2 << 20)) >> 20 << 20;
+        const std::uint64_t memory = ((slab + own_bytes_ + 64) * 16 / 15 + settings_.list_memory) * 32 / 27;
+        return std::max((memory + (2 << 20)) >> 20 << 20, sampledb::memory_with_list(settings_.list_memory));
     }
 
     // Develops a node in `room`. `missed`: see Plan::way.

@@ -20,6 +20,7 @@ struct Settings {
     Filter filter = Filter::standard();
     bool camera = true, light = true;               // which images are added up
     std::uint64_t memory = std::uint64_t{1} << 30;  // bytes to stay within, apart from the index of the files
+    std::uint64_t list_memory = 0;                  // what that takes however much memory there is
     std::filesystem::path temporary_folder = ".";   // for unnamed files
 };
 

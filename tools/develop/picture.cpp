@@ -137,7 +137,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     gather.job = options.job;
     gather.samples = options.samples;
     gather.verify = verify;
-    gather.index_memory = options.memory / 8;
+    gather.memory = options.memory;
     const auto gathered = sampledb::Gathering::open(gather);
     if (!gathered) return gathered.error();
     const sampledb::Gathering& gathering = **gathered;
@@ -178,9 +178,11 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
                                                                 : Channels::xyz(job, spectral ? &*observer : nullptr);
     if (!channels) return channels.error();
 
-    std::uint64_t index_bytes = 0;
+    std::uint64_t index_bytes = 0, largest_index = 0;
     for (const sampledb::SelectedRun& run : gathering.runs()) {
-        index_bytes += run.header.page_count * sizeof(sampledb::PageInfo);
+        const std::uint64_t bytes = run.header.page_count * sizeof(sampledb::PageInfo);
+        index_bytes += bytes;
+        largest_index = std::max(largest_index, bytes);
         report.bytes_stored += run.header.size();
     }
     const std::uint64_t waiting_for_mipmap = options.mipmap ? options.memory / 32 : 0;
@@ -191,7 +193,10 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     settings.filter = *filter;
     settings.camera = options.image != "light";
     settings.light = options.image != "camera";
-    settings.memory = options.memory - std::min(gather.index_memory, index_bytes) - waiting_for_mipmap;
+    settings.list_memory = gathering.list_memory() + largest_index;
+    const std::uint64_t taken =
+        gathering.list_memory() + waiting_for_mipmap + std::max(largest_index, std::min(options.memory / 8, index_bytes));
+    settings.memory = options.memory - std::min(options.memory, taken);
     settings.temporary_folder = folder_of(options.output);
 
     Result<OutputFile> out = OutputFile::create(options.output, options.replace);
@@ -246,7 +251,7 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
     if (Status s = set_simd_level(options.simd); !s) return s.error();
     Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, progress);
-    const bool damaged = !report && (report.error().code == ErrorCode::kCorrupt || report.error().code == ErrorCode::kTruncated);
+    const bool damaged = !report && sampledb::is_unreadable(report.error());
     return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, progress) : report;
 }
 

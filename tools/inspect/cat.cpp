@@ -178,7 +178,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
     GatherReport report = gathering.report();
     // Damage costs the page or the run that it is in.
     const auto left_out = [&](std::size_t run, const Error& error) {
-        if (!is_damage(error)) return false;
+        if (!is_unreadable(error)) return false;
         const std::string name = gathering.files()[gathering.runs()[run].file].string();
         report.left_out.push_back({name, error.message.substr(name.size() + 2)});
         return true;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/hash.h"
 #include "base/json.h"
@@ -59,15 +60,15 @@ Status look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs,
         bytes += run.header.pages_size;
         if (page_number(k) < end) {
             const Result<RunIndex> index = read_run_index(source, run, info.contents.header.job);
-            if (!index && !is_damage(index.error())) return index.error();
-            if (!index) damage.push_back(damage_of(run, index.error()));
+            if (!index && !is_unreadable(index.error())) return index.error();
+            if (!index) add_damage(damage, damage_of(run, index.error()));
             for (; page_number(k) < end; ++k) {
                 if (!index) continue;
                 const PageInfo& page = index->pages[page_number(k) - first];
                 if (Status s = look_at(source, page, info); !s) {
-                    if (!is_damage(s.error())) return s;
-                    damage.push_back(
-                        {page.offset, page.stored_size, fmt::format("page at byte {}: {}", page.offset, s.error().message)});
+                    if (!is_unreadable(s.error())) return s;
+                    add_damage(damage,
+                               {page.offset, page.stored_size, fmt::format("page at byte {}: {}", page.offset, s.error().message)});
                     continue;
                 }
                 ++pages_seen;
@@ -120,33 +121,37 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
     info.size = source.size();
     info.contents = std::move(file->contents);
     const Job& job = info.contents.header.job;
-    std::vector<Candidate> candidates;
-    for (const RunInfo& run : info.contents.runs) {
+    std::vector<RunInfo> runs = std::exchange(info.contents.runs, {});
+    std::vector<SelectedRun> candidates;
+    candidates.reserve(runs.size());
+    for (const RunInfo& run : runs) {
         Result<Coverage> coverage = run_coverage(source, run, job);
         if (coverage) {
-            candidates.push_back({0, run, std::move(*coverage)});
-        } else if (is_damage(coverage.error())) {
-            info.contents.damage.push_back(damage_of(run, coverage.error()));
+            candidates.push_back({0, false, run.offset, run.header, std::move(*coverage)});
+        } else if (is_unreadable(coverage.error())) {
+            add_damage(info.contents.damage, damage_of(run, coverage.error()));
         } else {
             return coverage.error().at(path.string());
         }
     }
-    const Selection selection = select_runs(candidates);
-    info.coverage = selection.coverage;
+    Selection selection = select_runs(candidates);
+    info.coverage = std::move(selection.coverage);
     info.runs = selection.chosen.size();
     info.superseded_runs = candidates.size() - selection.chosen.size();
-    std::vector<RunInfo> chosen;
+    runs.clear();
+    info.run_list.reserve(selection.chosen.size());
     for (const std::size_t i : selection.chosen) {
-        const RunHeader& header = candidates[i].run.header;
-        chosen.push_back(candidates[i].run);
-        info.run_list.push_back({candidates[i].coverage, header.content_hash});
+        const RunHeader& header = candidates[i].header;
+        runs.push_back({candidates[i].offset, header});
+        info.run_list.push_back({std::move(candidates[i].coverage), header.content_hash});
         if (header.samples.end % job.run_samples != 0) ++info.open_runs;
         info.pages += header.page_count;
         info.camera_records += header.camera_records;
         info.light_records += header.light_records;
         info.stored_bytes += header.size();
     }
-    if (Status s = look_at_pages(source, chosen, info); !s) return s.error().at(path.string());
+    candidates = {};
+    if (Status s = look_at_pages(source, runs, info); !s) return s.error().at(path.string());
     return info;
 }
 

@@ -81,7 +81,6 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     const Job& job = file->header.job;
     report.finished = file->finished;
     report.unfinished_tail = file->unfinished_tail;
-    for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
     report.runs = file->runs.size();
     std::vector<Result<std::uint64_t>> checked(report.runs);
     std::mutex mutex;
@@ -97,13 +96,14 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
         const RunInfo& run = file->runs[i];
         if (!checked[i] && checked[i].error().code == ErrorCode::kIo) return checked[i].error().at(path.string());
         if (!checked[i]) {
-            report.damage.push_back(lost_run(i, run, checked[i].error()).reason);
+            add_damage(file->damage, lost_run(i, run, checked[i].error()));
             continue;
         }
         report.pages += run.header.page_count;
         report.records += run.header.camera_records + run.header.light_records;
         report.not_finite += *checked[i];
     }
+    for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
     if (const auto end = damage_at_end(path, *file)) report.damage.push_back(end->reason);
     return report;
 }

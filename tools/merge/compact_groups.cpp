@@ -1,5 +1,6 @@
 // Which runs are compacted together: compact_groups.
 #include <algorithm>
+#include <span>
 
 #include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/run_codec.h"
@@ -32,13 +33,12 @@ std::vector<CompactGroup> compact_groups(const Gathering& gathering, std::uint64
     const std::uint64_t run_samples = gathering.job().run_samples;
     std::vector<CompactGroup> groups;
     CompactGroup group{0, 0};
-    std::uint64_t group_memory = 0, group_pages = 0;
-    Coverage group_coverage;
+    std::uint64_t group_memory = 0, group_pages = 0, group_intervals = 0;
+    std::uint64_t group_reaches = 0;  // the end of its last interval
     const auto close = [&](std::size_t next) {
         if (group.end - group.first > 1) groups.push_back(group);
         group = {next, next};
-        group_memory = group_pages = 0;
-        group_coverage = {};
+        group_memory = group_pages = group_intervals = 0;
     };
     for (std::size_t i = 0; i < runs.size();) {
         // The runs of one interval; or one run that is whole intervals already.
@@ -59,17 +59,19 @@ std::vector<CompactGroup> compact_groups(const Gathering& gathering, std::uint64
             more_memory += memory_of(gathering.job(), runs[j]);
             more_pages += runs[j].header.page_count;
         }
-        Coverage both = group_coverage;
-        both.add(coverage);
+        const std::span<const SampleRange> intervals = coverage.ranges();
+        const std::uint64_t joins = group_intervals > 0 && intervals.front().first == group_reaches ? 1 : 0;
+        std::uint64_t more_intervals = intervals.size() - joins;  // more than there will be, if they fill gaps
         if (group_memory + more_memory > memory / 2 || group_pages + more_pages > kMaxPagesPerRun / 2 ||
-            both.ranges().size() > kMaxIntervalsPerRun) {
+            group_intervals + more_intervals > kMaxIntervalsPerRun) {
             close(i);
-            both = coverage;
+            more_intervals = intervals.size();
         }
         group.end = i = end;
         group_memory += more_memory;
         group_pages += more_pages;
-        group_coverage = std::move(both);
+        group_intervals += more_intervals;
+        group_reaches = intervals.back().end;
     }
     close(runs.size());
     return groups;

@@ -46,7 +46,7 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
     gather.skip_duplicates = options.skip_duplicates;
     gather.job = options.job;
     gather.verify = VerifyLevel::kQuick;  // before runs are chosen; the rest while they are copied
-    gather.index_memory = options.memory / 8;
+    gather.memory = options.memory;
     std::unique_ptr<Gathering> chosen;
     std::vector<Step> plan;
     const Threads threads(options.threads);
@@ -57,7 +57,8 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
         if (!opened) return opened.error();
         if (Status s = check_anything_left(**opened); !s) return s.error();
         if (Status s = check_required(options, (*opened)->coverage()); !s) return s.error();
-        std::vector<Step> next = make_plan(**opened, options.compact, options.memory);
+        std::vector<Step> next =
+            make_plan(**opened, options.compact, options.memory - std::min(options.memory, (*opened)->list_memory()));
         if (Status s = check_number(next.size()); !s) return s.error();
         if (!chosen) {
             if (Status s = output.begin((*opened)->job()); !s) return s.error();

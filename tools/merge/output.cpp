@@ -20,10 +20,6 @@ namespace {
 constexpr std::size_t kOpenInputs = 16;                      // inputs that are kept open while runs are copied
 constexpr std::uint64_t kStretch = std::uint64_t{64} << 20;  // the disk begins to write after each
 
-bool is_damage(const Error& error) {
-    return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kTruncated || error.code == ErrorCode::kUnsupported;
-}
-
 DamagedRun damaged_run(const std::filesystem::path& file, const SelectedRun& run, const Error& why) {
     const SampleRange& samples = run.header.samples;
     return {file, run.offset,
@@ -147,7 +143,7 @@ class Output::Appending {
     Status blame(const FileSource& from, std::size_t step, const Status& copied) {
         const SelectedRun& run = run_of(step);
         const Status original = verify_run(from, {run.offset, run.header}, gathering_.job(), output_.level_);
-        if (!original && !is_damage(original.error())) return original.error().at(from.name());
+        if (!original && !is_unreadable(original.error())) return original.error().at(from.name());
         if (!original) {
             damaged_.push_back(damaged_run(gathering_.files()[run.file], run, original.error()));
             return {};
@@ -165,7 +161,7 @@ class Output::Appending {
         }
         const Result<RunHeader> header =
             compact_runs(gathering_, group, file(), output_.end_, [this](std::uint64_t bytes) { tell_progress(bytes); });
-        if (!header && !is_damage(header.error())) return header.error();
+        if (!header && !is_unreadable(header.error())) return header.error();
         if (!header) {
             const Result<bool> sound = check_group(group);
             return sound && *sound ? Result<bool>(header.error()) : sound;
@@ -190,7 +186,7 @@ class Output::Appending {
             if (!from) return from.error();
             const Status good = verify_run(**from, {run.offset, run.header}, gathering_.job(), VerifyLevel::kFull);
             if (good) continue;
-            if (!is_damage(good.error())) return good.error().at((*from)->name());
+            if (!is_unreadable(good.error())) return good.error().at((*from)->name());
             damaged_.push_back(damaged_run(gathering_.files()[run.file], run, good.error()));
             sound = false;
         }
@@ -224,10 +220,12 @@ void Output::keep(std::size_t count) {
 }
 
 Status Output::end(const std::string& provenance) {
-    const Result<Bytes> footer = encode_footer(runs_, provenance, end_);
-    if (!footer) return footer.error().at(out_.path().string());
-    if (Status s = out_.file().write_all(end_, *footer); !s) return s;
-    end_ += footer->size();
+    const Result<std::uint64_t> size = put_footer(runs_, provenance, end_, [this](ByteSpan piece) {
+        const Status written = out_.file().write_all(end_, piece);
+        end_ += piece.size();
+        return written;
+    });
+    if (!size) return size.error();
     if (Status s = out_.file().truncate(end_); !s) return s;  // nothing of what was left out stays behind it
     return out_.publish();
 }

@@ -2,7 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <numeric>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,11 +16,11 @@
 #include "sampledb/format/footer.h"
 #include "sampledb/read/file_reader.h"
 #include "sampledb/read/provenance.h"
-#include "sampledb/read/report_json.h"
 
 namespace latent::merge {
 
 using namespace sampledb;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -49,18 +55,38 @@ class Parts {
     std::string first_dropped_;
 };
 
+// As JSON: [[A,B],...].
+std::string samples_of(const std::vector<SelectedRun>& runs, std::span<const std::uint32_t> numbers) {
+    std::vector<SampleRange> ranges;
+    for (const std::uint32_t i : numbers) {
+        const std::span<const SampleRange> more = runs[i].coverage.ranges();
+        ranges.insert(ranges.end(), more.begin(), more.end());
+    }
+    const Coverage samples = Coverage::of(std::move(ranges));
+    std::string text = "[";
+    for (const SampleRange& range : samples.ranges()) fmt::format_to(std::back_inserter(text), "[{},{}],", range.first, range.end);
+    text.back() = ']';
+    return text;
+}
+
 }  // namespace
 
 Result<std::string> provenance_of(const Gathering& gathering) {
-    std::vector<Coverage> taken(gathering.files().size());
-    for (const SelectedRun& run : gathering.runs()) taken[run.file].add(run.coverage);
+    const std::vector<SelectedRun>& runs = gathering.runs();
+    std::vector<std::uint32_t> by_file(runs.size());
+    std::iota(by_file.begin(), by_file.end(), std::uint32_t{0});
+    std::ranges::sort(by_file, {}, [&](std::uint32_t i) { return std::pair(runs[i].file, i); });
 
     Parts parts;
-    for (std::size_t i = 0; i < taken.size(); ++i) {
-        if (taken[i].empty()) continue;
-        const Result<FoundFile> file = open_file(gathering.files()[i]);
-        if (!file) return file.error();
-        const FileContents& contents = file->contents;
+    for (std::size_t begin = 0, end = 0; begin < by_file.size(); begin = end) {
+        const std::uint32_t file = runs[by_file[begin]].file;
+        while (end < by_file.size() && runs[by_file[end]].file == file) ++end;
+        const fs::path& path = gathering.files()[file];
+        const Result<FileSource> source = FileSource::open(path);
+        if (!source) return source.error();
+        const Result<FileContents> frames = read_frames(*source);
+        if (!frames) return frames.error().at(path.string());
+        const FileContents& contents = *frames;
         const QuotedProvenance merged = quote_provenance(contents.footer_provenance, kFooterProvenanceDepth);
         if (merged.objection.empty() && member_of(merged.json, "parts").starts_with('[')) {
             for_each_element(member_of(merged.json, "parts"), [&](std::string_view part) { parts.add(std::string(part)); });
@@ -68,7 +94,8 @@ Result<std::string> provenance_of(const Gathering& gathering) {
             continue;
         }
         const QuotedProvenance own = quote_provenance(contents.header.provenance_json, kHeaderProvenanceDepth);
-        parts.add(fmt::format(R"({{"provenance":{},"samples":{}}})", own.json, json_text(taken[i], -1)));
+        parts.add(fmt::format(R"({{"provenance":{},"samples":{}}})", own.json,
+                              samples_of(runs, std::span(by_file).subspan(begin, end - begin))));
     }
     return parts.text();
 }
