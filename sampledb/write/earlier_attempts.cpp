@@ -15,10 +15,10 @@ bool lies_in_one_interval(SampleRange samples, std::uint64_t run_samples) {
     return !samples.empty() && samples.first / run_samples == (samples.end - 1) / run_samples;
 }
 
-// Index and a page of a run, as they are on disk.
+// Whether every byte of a run is as it was written.
 bool is_sound(const StoredRun& stored, const Job& job) {
     const Result<FileSource> source = FileSource::open(stored.file);
-    return source && verify_run(*source, stored.run, job, VerifyLevel::kQuick);
+    return source && verify_run(*source, stored.run, job, VerifyLevel::kStored);
 }
 
 Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "sampledb/codec/run_codec.h"
@@ -314,15 +315,15 @@ bool Writer::published_by_another() {
     return published_;
 }
 
-// Copies what other attempts hold of the result, and reads it again: file systems have been seen to copy zeros.
+// Copies what other attempts hold of the result, and reads the copies again: file systems have been seen to copy zeros.
 Status Writer::add_runs_of_other_attempts() {
     for (const StoredRun& run : adopted_) {
         if (Status s = attempt_->append(run); !s) return s;
     }
     if (adopted_.empty()) return {};
     const FileView written(attempt_->file(), attempt_->path().string(), attempt_->size());
-    for (const RunInfo& run : attempt_->runs()) {
-        if (Status s = verify_run(written, run, job_, VerifyLevel::kQuick); !s) return s.error().at(written.name());
+    for (const RunInfo& run : std::span(attempt_->runs()).last(adopted_.size())) {
+        if (Status s = verify_run(written, run, job_, VerifyLevel::kStored); !s) return s.error().at(written.name());
     }
     return {};
 }

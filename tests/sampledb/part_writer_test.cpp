@@ -1,5 +1,6 @@
 #include "sampledb/write/part_writer.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "sampledb/read/file_reader.h"
 #include "sampledb/read/part_name.h"
 #include "sampledb/write/grain_queue.h"
 #include "sampledb/write/run_assembler.h"
@@ -73,8 +75,8 @@ TEST_F(PartWriterTest, ARangeIsWrittenAsCanonicalRunsAndPublishedUnderItsName) {
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
     const std::vector<RunContent> runs = runs_of(name_);
     ASSERT_EQ(runs.size(), 3u);
-    EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{4096, 8192}}));
-    EXPECT_EQ(runs[2].coverage, (std::vector<SampleRange>{{12288, 14000}}));
+    EXPECT_EQ(runs[0].coverage, Coverage(SampleRange{4096, 8192}));
+    EXPECT_EQ(runs[2].coverage, Coverage(SampleRange{12288, 14000}));
     EXPECT_EQ(writer->counts().samples_committed, range.size());
     EXPECT_EQ(writer->counts().runs_written, 3u);
 }
@@ -154,8 +156,8 @@ TEST_F(PartWriterTest, ACheckpointHoldsTheFinishedGrainsUpToTheFirstGapThatNoRun
     writer.reset();
     const std::vector<RunContent> runs = runs_of(name_);
     ASSERT_EQ(runs.size(), 2u);  // the canonical run, which supersedes the first checkpoint, and the second checkpoint
-    EXPECT_EQ(runs[0].coverage, (std::vector<SampleRange>{{0, 4096}}));
-    EXPECT_EQ(runs[1].coverage, (std::vector<SampleRange>{{4096, 5120}}));
+    EXPECT_EQ(runs[0].coverage, Coverage(SampleRange{0, 4096}));
+    EXPECT_EQ(runs[1].coverage, Coverage(SampleRange{4096, 5120}));
     EXPECT_EQ(open(job, range)->missing(), Coverage(SampleRange{5120, 8192}));
 }
 
@@ -346,6 +348,46 @@ TEST_F(PartWriterTest, AttemptsThatHoldNothingReadableArePassedOver) {
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 4096}));
     EXPECT_TRUE(fs::exists(name_.string() + ".part.0000000000000001"));  // not a file of this job: not ours to remove
+}
+
+TEST_F(PartWriterTest, ACommittedRunWithOneFlippedByteIsRenderedAgain) {
+    const Job job = make_short_job();
+    const SampleRange range{0, 3 * 4096 + 2048};
+    const std::vector<RunContent> expected = undisturbed(job, range);
+    for (const double place : {0.001, 0.01, 0.3, 0.7, 0.95}) {  // of the run: its header, pages, index
+        for (const std::size_t run : {0, 2, 3}) {               // 3: a checkpoint, whose grains are taken up
+            SCOPED_TRACE(fmt::format("run {}, at {}", run, place));
+            auto first = open(job, range);
+            const std::vector<SampleRange> grains = grains_of(first->missing());
+            for (std::size_t i = 0; i + 1 < grains.size(); ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
+            ASSERT_TRUE(first->checkpoint());
+            first.reset();
+            const fs::path attempt = attempts_of(name_).at(0);
+            const Result<FoundFile> committed = open_file(attempt);
+            ASSERT_TRUE(committed);
+            ASSERT_EQ(committed->contents.runs.size(), 4u);
+            const RunInfo hit = committed->contents.runs[run];
+            const auto at =
+                static_cast<std::streamoff>(static_cast<double>(hit.header.index_offset() + hit.header.index_size()) * place);
+            std::fstream file(attempt, std::ios::in | std::ios::out | std::ios::binary);
+            file.seekg(static_cast<std::streamoff>(hit.offset) + at);
+            const char flipped = static_cast<char>(file.get() ^ 0x10);
+            file.seekp(static_cast<std::streamoff>(hit.offset) + at);
+            file.put(flipped);
+            file.close();
+
+            const auto second = open(job, range);
+            Coverage lost({grains.back().first, range.end});
+            lost.add(hit.header.samples);
+            EXPECT_EQ(second->missing(), lost);
+            submit_all(*second, job);
+            ASSERT_TRUE(second->finish());
+            EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
+            EXPECT_EQ(runs_of(name_), expected);
+            EXPECT_TRUE(open_file(name_, VerifyLevel::kFull)->contents.damage.empty());
+            fs::remove(name_);
+        }
+    }
 }
 
 TEST_F(PartWriterTest, AnEmptyShardIsAValidPart) {
