@@ -1,9 +1,7 @@
 // bench/picture.h: 256 x 256 pictures of CIE XYZ, ours or pbrt-v4's, and their means over blocks.
 #pragma once
 
-#include <stdexcept>
-
-#include "image/exr_reader.h"
+#include "bench/exr.h"
 #include "tests/transport/comparison.h"
 
 namespace latent::bench {
@@ -16,17 +14,9 @@ inline Picture read_picture(const std::string& path) {
     // CIE XYZ of linear RGB by pbrt-v4's own D65 table.
     constexpr double kXyzFromRgb[3][3] = {
         {0.4124577, 0.3575758, 0.1804372}, {0.2126735, 0.7151516, 0.0721749}, {0.0193340, 0.1191919, 0.9503026}};
-    const auto fail = [&](const std::string& why) { throw std::runtime_error(path + ": " + why); };
-    Result<image::ExrReader> reader = image::ExrReader::open(path);
-    if (!reader) fail(reader.error().message);
-    const image::ExrImage& header = reader->image();
-    const image::Rect& window = header.data_window;
-    if (window.width() != int{kSide} || window.height() != int{kSide}) fail("not 256 x 256 pixels");
-    std::vector<float> planes[3];
-    for (auto& plane : planes) plane.resize(kPixels);
-    image::ExrReader::Scratch scratch;
-    const Status read = reader->read(window, {planes[0].data(), planes[1].data(), planes[2].data()}, kSide, scratch);
-    if (!read) fail(read.error().message);
+    const Planes planes = read_planes(path);
+    if (planes.width != int{kSide} || planes.height != int{kSide}) throw std::runtime_error(path + ": not 256 x 256 pixels");
+    const image::ExrImage& header = planes.header;
     const auto primaries = header.chromaticities;  // of the channels R, G, B that hold X, Y, Z
     const bool xyz = header.xyz || (primaries && (*primaries)[0] == 1 && (*primaries)[3] == 1 && (*primaries)[4] == 0);
     Picture picture(kPixels);
@@ -34,7 +24,7 @@ inline Picture read_picture(const std::string& path) {
         for (std::size_t row = 0; row < 3; ++row) {
             for (std::size_t c = 0; c < 3; ++c) {
                 const double weight = xyz ? (row == c ? 1 : 0) : kXyzFromRgb[row][c];
-                picture[i][row] += weight * static_cast<double>(planes[c][i]);
+                picture[i][row] += weight * static_cast<double>(planes.channels[c][i]);
             }
         }
     }

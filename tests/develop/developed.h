@@ -17,9 +17,9 @@
 namespace latent::develop {
 
 // Every form of filter, with and without negative lobes.
-inline constexpr const char* kFilters[] = {
-    "quartic",  "quartic:-6,3",   "quartic:-2,1.5", "quartic:-2,1", "mitchell", "mitchell-separable",
-    "gaussian", "gaussian:0.4,1", "lanczos",        "box"};
+inline constexpr const char* kFilters[] = {"quartic",  "quartic:-5,2",       "quartic:-6,3", "quartic:-2,1.5", "quartic:-2,1",
+                                           "mitchell", "mitchell-separable", "gaussian",     "gaussian:0.4,1", "lanczos",
+                                           "box"};
 
 // Encoded runs that lie in memory.
 class MemoryGathering : public sampledb::Gathering {

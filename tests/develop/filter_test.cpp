@@ -34,7 +34,8 @@ TEST(Filter, WeightsAreTheDefinitions) {
         const char* text;
         std::function<double(double, double)> definition;
     } filters[] = {
-        {"quartic", [](double x, double y) { return quartic(std::hypot(x, y), -5, 2); }},
+        {"quartic", [](double x, double y) { return quartic(std::hypot(x, y), -3, 1.5); }},
+        {"quartic:-5,2", [](double x, double y) { return quartic(std::hypot(x, y), -5, 2); }},
         {"quartic:-6,3", [](double x, double y) { return quartic(std::hypot(x, y), -6, 3); }},
         {"quartic:-5.3,1.7", [](double x, double y) { return quartic(std::hypot(x, y), -5.3, 1.7); }},
         {"mitchell", [](double x, double y) { return mitchell(std::hypot(x, y), 1.0 / 3, 1.0 / 3); }},
@@ -67,7 +68,16 @@ TEST(Filter, NamesReadBackAsThemselves) {
                              "gaussian:0.5,1.5", "lanczos", "box"}) {
         EXPECT_EQ(filter(text).name(), text);
     }
-    EXPECT_EQ(Filter::standard().name(), "quartic:-5,2");
+    EXPECT_EQ(Filter::standard().name(), "quartic:-3,1.5");
+}
+
+TEST(Filter, NoWeightOfTheStandardIsNegative) {
+    for (const char* text : {"quartic", "quartic:-3,2", "quartic:-3,7.3", "quartic:0,2"}) {
+        const Filter f = filter(text);
+        EXPECT_FALSE(f.kernel().has_negative_lobes) << text;
+        for (double r = 0; r <= f.reach() + 0.1; r += 1e-4) ASSERT_GE(f.weight(r, 0), 0) << text << " at " << r;
+    }
+    EXPECT_TRUE(filter("quartic:-3.01,1.5").kernel().has_negative_lobes);
 }
 
 TEST(Filter, RefusesWhatCannotBeNormalised) {
@@ -78,8 +88,8 @@ TEST(Filter, RefusesWhatCannotBeNormalised) {
         ASSERT_FALSE(f) << text;
         EXPECT_EQ(f.error().code, ErrorCode::kUsage);
     }
-    EXPECT_TRUE(filter("quartic:-7.5").warning());
-    EXPECT_FALSE(filter("quartic:-7").warning());
+    EXPECT_TRUE(filter("quartic:-7.5,2").warning());
+    EXPECT_FALSE(filter("quartic:-7,2").warning());
 }
 
 // F(q) by brute force: the midpoint rule over all positions on the film, filters given by their definitions.
@@ -118,7 +128,8 @@ TEST(BorderShare, AgreesWithQuadratureAtCornersEdgesAndOnTinyFilms) {
             }
         }
     };
-    check("quartic", [](double x, double y) { return quartic(std::hypot(x, y), -5, 2); });
+    check("quartic", [](double x, double y) { return quartic(std::hypot(x, y), -3, 1.5); });
+    check("quartic:-5,2", [](double x, double y) { return quartic(std::hypot(x, y), -5, 2); });
     check("gaussian", [](double x, double y) { return std::max(0.0, std::exp(-2 * (x * x + y * y)) - std::exp(-4.5)); });
     check("mitchell-separable", [](double x, double y) { return mitchell(x, 1.0 / 3, 1.0 / 3) * mitchell(y, 1.0 / 3, 1.0 / 3); });
 }
@@ -139,7 +150,7 @@ TEST(BorderShare, SplatsOnTheFilmGiveWhatTheyDoNotLoseOverItsBorder) {
         // The integral of a radial filter, and of a box.
         EXPECT_NEAR(share.camera_share(20, 15), share.camera_share(10, 20), 0);
     }
-    EXPECT_NEAR(BorderShare(filter("quartic"), 99, 99).camera_share(50, 50), 8 * std::numbers::pi * (0.15 - 5.0 / 60), 1e-6);
+    EXPECT_NEAR(BorderShare(filter("quartic:-5,2"), 99, 99).camera_share(50, 50), 8 * std::numbers::pi * (0.15 - 5.0 / 60), 1e-6);
     EXPECT_NEAR(BorderShare(filter("mitchell-separable"), 99, 99).camera_share(50, 50), 1.0, 1e-6);
 }
 

@@ -32,7 +32,7 @@ synthetic::Scene with_light(double light_per_sample) {
 // A large picture is cut into regions whose records fit, a small one takes its records in several batches.
 TEST(Determinism, ThreadsAndMemoryChangeNoBit) {
     const MemoryGathering gathering = gather(xyz_job(), 14, 1 << 15, with_light(0.2));
-    for (const auto& [width, filter] : {std::pair{1050u, "quartic"}, {75u, "quartic"}, {600u, "lanczos"}}) {
+    for (const auto& [width, filter] : {std::pair{1050u, "quartic:-5,2"}, {75u, "quartic"}, {600u, "lanczos"}}) {
         SCOPED_TRACE(fmt::format("{} {}", width, filter));
         Settings settings = settings_for(width, width * 2 / 3, filter);
         settings.memory = 2048 * kMiB;
@@ -79,7 +79,7 @@ TEST(Determinism, InstructionSetsChangeNoBit) {
 
 TEST(Determinism, ACropHoldsThePixelsOfTheWhole) {
     const MemoryGathering gathering = gather(xyz_job(), 4, 1 << 14, with_light(0.3));
-    for (const char* filter : {"quartic", "lanczos", "box"}) {
+    for (const char* filter : {"quartic", "quartic:-5,2", "lanczos", "box"}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(375, 250, filter);
         const Developed whole = develop_in_memory(gathering, settings);
@@ -158,6 +158,34 @@ TEST(CameraImage, AConstantStaysConstantToTheLastBitsForEveryFilter) {
             EXPECT_EQ(black, 3 * got.counts.empty_pixels);
             EXPECT_TRUE(width != 600 || got.counts.fallback_pixels + got.counts.empty_pixels > 0);
         }
+    }
+}
+
+// A lamp of 10^4 in a dark room, with its edges through pixels, and light records on both sides of them: no pixel is darker than
+// what it sees. With the sharp filters some are.
+TEST(Picture, NoPixelBesideALampIsDarkerThanItsDarkestRecordByDefault) {
+    const Job job = xyz_job();
+    Records records = synthetic::make_records(job, {0, 1 << 15}, {.black = 0, .light_per_sample = 1});
+    const auto in_lamp = [](std::uint32_t u, std::uint32_t v) {
+        return u > 0x50000000u && u < 0x88888888u && v > 0x31234567u && v < 0x7FFFFFFFu;
+    };
+    for (std::size_t i = 0; i < records.size(); ++i)
+        records.x[i] = records.y[i] = records.z[i] = in_lamp(records.u[i], records.v[i]) ? 1e4f : 0.125f;
+    MemoryGathering gathering(job);
+    gathering.add(Coverage({0, 1 << 15}), records);
+    const auto least = [&](const char* filter, bool camera) {
+        Settings settings = settings_for(60, 40, filter);
+        settings.camera = camera;
+        settings.light = !camera;
+        const Developed got = develop_in_memory(gathering, settings);
+        return std::ranges::min(got.picture.pixels());
+    };
+    const std::string standard = Filter::standard().name();
+    EXPECT_GE(least(standard.c_str(), true), 0.125f * (1 - 1e-6f));
+    EXPECT_GT(least(standard.c_str(), false), 0);
+    for (const char* sharp : {"quartic:-5,2", "mitchell", "lanczos"}) {
+        EXPECT_LT(least(sharp, true), -10) << sharp;
+        EXPECT_LT(least(sharp, false), -10) << sharp;
     }
 }
 

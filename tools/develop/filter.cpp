@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "base/parse.h"
 
@@ -81,7 +82,7 @@ Result<Filter> Filter::parse(std::string_view text) {
     std::array<double, 2> p;
     std::size_t parameters = 2;
     if (kind == "quartic")
-        p = {-5, 2};
+        p = {-3, 1.5};
     else if (kind == "mitchell" || kind == "mitchell-separable")
         p = {1.0 / 3, 1.0 / 3};
     else if (kind == "gaussian")
@@ -120,6 +121,7 @@ Result<Filter> Filter::parse(std::string_view text) {
     lay_out_footprint(kernel, radius);
     if (kind == "quartic") {
         kernel.s = static_cast<float>(p[0]);
+        kernel.least_factor = kernel.has_negative_lobes ? std::numeric_limits<float>::lowest() : 0.0f;
         kernel.inverse_radius2 = static_cast<float>(1 / (radius * radius));
     } else if (kind == "gaussian") {
         const double h = 1 / (2 * p[0] * p[0]), at_edge = exp_minus(radius * radius * h);
@@ -160,14 +162,15 @@ Result<Filter> Filter::parse(std::string_view text) {
     return filter;
 }
 
-Filter Filter::standard() { return *parse("quartic:-5,2"); }
+Filter Filter::standard() { return *parse("quartic"); }
 
 double Filter::weight(double dx, double dy) const {
     const double r2 = dx * dx + dy * dy;
     switch (kernel_.form) {
         case FilterKernel::Form::kQuartic: {
             const double rho = std::sqrt(std::min(r2 * static_cast<double>(kernel_.inverse_radius2), 1.0));
-            return (1 - rho) * (1 - rho) * (1 + rho * (2 + rho * static_cast<double>(kernel_.s)));
+            const double factor = 1 + rho * (2 + rho * static_cast<double>(kernel_.s));
+            return (1 - rho) * (1 - rho) * std::max(factor, static_cast<double>(kernel_.least_factor));
         }
         case FilterKernel::Form::kTable: {
             const double t =

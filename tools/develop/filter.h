@@ -24,10 +24,11 @@ struct FilterKernel {
     static constexpr int kTableSteps = 16384;
 
     Form form = Form::kQuartic;
-    int reach = 2;                               // n
-    bool has_negative_lobes = false;             // some weights may be negative
-    float s = 0, inverse_radius2 = 0;            // kQuartic
-    float table_scale = 0;                       // kTable: steps per pixel^2
+    int reach = 2;                     // n
+    bool has_negative_lobes = false;   // some weights may be negative
+    float s = 0, inverse_radius2 = 0;  // kQuartic
+    float least_factor = 0;            // kQuartic: the second factor is no less; if s >= -3, rounding makes it no less than 0
+    float table_scale = 0;             // kTable: steps per pixel^2
     std::vector<float> table_value, table_step;  // kTable: w = value[i] + f step[i]
     float inner[4] = {}, outer[4] = {};          // kSeparable: cubics in d < 1 and in 2 - d <= 1, constant term first
     std::vector<float> column, row;              // k - n + 1 of all 4 n^2 pixels of the footprint, padded with far pixels to 16
@@ -41,9 +42,9 @@ class Filter {
     // Errors: kUsage, saying which names and ranges there are. Filters whose weights sum to zero or less around some position
     // are refused: light records could not be normalised.
     static Result<Filter> parse(std::string_view text);
-    static Filter standard();  // quartic:-5,2
+    static Filter standard();  // quartic:-3,1.5
 
-    const std::string& name() const { return name_; }  // with all parameters: "quartic:-5,2"
+    const std::string& name() const { return name_; }  // with all parameters: "quartic:-3,1.5"
     const std::optional<std::string>& warning() const { return warning_; }
     int reach() const { return kernel_.reach; }
     const FilterKernel& kernel() const { return kernel_; }

@@ -19,7 +19,8 @@ The picture's size, filter and observer are chosen here, not when rendering: dev
 them with latent-convert. Without --size the picture gets at least 16 samples per pixel. Memory stays within --memory at any size,
 and neither it nor --threads, --crop, --simd or the order of files changes a bit of any pixel.
 
-Filters: quartic:s,R (default -5,2; -6 is sharper)  mitchell:B,C  mitchell-separable:B,C  gaussian:sigma,R  lanczos  box
+Filters: quartic:s,R (default -3,1.5: no weight is negative; -6,2 is sharper and rings)  gaussian:sigma,R  box  mitchell:B,C
+mitchell-separable:B,C  lanczos
 Observers: cie1931 (default)  cie1964  cie2015-2  cie2015-10, or a CSV file: wavelength in nm, then three responses or one
 
 Examples:

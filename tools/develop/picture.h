@@ -19,7 +19,7 @@ struct PictureOptions {
     std::filesystem::path output;
     std::string size;  // "4096x2731", "4096" (height from the film), "" (default_size)
     std::optional<PixelRect> crop;
-    std::string filter = "quartic:-5,2";
+    std::string filter = Filter::standard().name();
     std::string observer;        // a name, a CSV file, "" (cie1931)
     std::string image = "both";  // or camera, light
     int spectral_bins = 0;       // 0: XYZ
