@@ -391,7 +391,8 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
                                {&none, 1},
                                {&scale, 1}},
                               normalisation_.channels, out + row * out_row + column * channels);
-                at[channels] > 0 ? ++fallback : ++empty;
+                fallback += has_lobes_ && at[channels] > 0;
+                empty += !(at[channels] > 0);
             }
         }
     });

@@ -38,7 +38,7 @@ struct Normalisation {
 };
 
 struct PixelCounts {
-    std::atomic<std::uint64_t> fallback = 0;  // camera pixels whose sum of w c was below 0.05 of its expectation
+    std::atomic<std::uint64_t> fallback = 0;  // camera pixels of few samples, weighed without the filter's negative lobes
     std::atomic<std::uint64_t> empty = 0;     // camera pixels without any record
 };
 
