@@ -49,6 +49,13 @@ int main(int argc, char** argv) {
         [] { return lamp_behind_lid(9e-4); },
         [] { return lamp_behind_lid(2e-5); },
         [] { return lamp_far_away(1e5, 0.01); },
+        [] { return narrow_spot(0.5); },
+        [] { return narrow_spot(0.1); },
+        [] { return narrow_spot(0.01); },
+        [] { return narrow_beam(0.1); },
+        [] { return sky_of_one_pixel(2048, 1024, 1024, ""); },
+        [] { return sky_of_one_pixel(2048, 1024, 1024, "Rotate 50 1 2 0"); },
+        [] { return sky_of_one_pixel(2048, 0, 0, "Rotate 180 1 2 0"); },
     };
     fmt::print("{} samples of each of {} seeds\n\n", samples, seeds);
     fmt::print("| light | path, % off | bdpt, % off |\n|---|---|---|\n");

@@ -41,17 +41,22 @@ Environment::Environment(std::shared_ptr<const ImageDescription> image, const Af
 }
 
 Environment::Pixel Environment::pixel(const Vec3f& w) const {
-    const Vec2f p = square_from_sphere(normalize(light_from_world_.vector(w)));
-    return {std::min(static_cast<std::uint32_t>(p.x * static_cast<float>(image_->width)), image_->width - 1),
-            std::min(static_cast<std::uint32_t>(p.y * static_cast<float>(image_->height)), image_->height - 1)};
+    const Vec2f p = centred_from_sphere(normalize(light_from_world_.vector(w)));
+    const auto index = [](float x, std::uint32_t size) {
+        return std::min(static_cast<std::uint32_t>(std::max(0.5 * (1 + static_cast<double>(x)) * size, 0.0)), size - 1);
+    };
+    return {index(p.x, image_->width), index(p.y, image_->height)};
 }
 
 Vec3f Environment::sample(Uniform u, Uniform v) const {
     Uniform in_x, in_y;
     const std::uint32_t y = rows_.sample(v, in_y), x = columns_[y].sample(u, in_x);
-    const Vec2f p{(static_cast<float>(x) + in_x) / static_cast<float>(image_->width),
-                  (static_cast<float>(y) + in_y) / static_cast<float>(image_->height)};
-    return normalize(world_from_light_.vector(sphere_from_square(p)));
+    // From the centre of the square, so that the pixels about +z are as exact as others.
+    const auto centred = [](std::uint32_t i, float within, std::uint32_t size) {
+        return (static_cast<float>(2 * std::int64_t{i} - size) + 2 * within) / static_cast<float>(size);
+    };
+    const Vec2f p{centred(x, in_x, image_->width), centred(y, in_y, image_->height)};
+    return normalize(world_from_light_.vector(sphere_from_centred(p)));
 }
 
 float Environment::pdf_omega(const Vec3f& w) const {

@@ -5,19 +5,8 @@
 namespace latent::render {
 namespace {
 
-double smooth_step(double x, double from, double to) {
-    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-}
-
-// Uniform directions of a cone about `axis` of half angle theta_max, 1 - cos written so that small cones keep their digits.
-struct Cone {
-    float one_minus_cos_max;
-    explicit Cone(float sin2_max)
-        : one_minus_cos_max(sin2_max < 1e-3f ? 0.5f * sin2_max * (1 + 0.25f * sin2_max)
-                                             : 1 - std::sqrt(std::max(0.0f, 1 - sin2_max))) {}
-    float pdf_omega() const { return 1 / (2 * kPi * one_minus_cos_max); }
-};
+// 1 - cos of an angle below a right one, given its squared sine.
+float one_minus_cos(float sin2) { return sin2 / (1 + std::sqrt(std::max(0.0f, 1 - sin2))); }
 
 Vec3f sample_constant_sky(const Receiver& receiver, Uniform u, Uniform v) {
     if (receiver.n == Vec3f{}) return sample_sphere(u, v);
@@ -33,8 +22,10 @@ Lights::~Lights() = default;
 Lights::Lights(Lights&&) noexcept = default;
 
 float Lights::spot_profile(const Light& light, const Vec3f& d) const {
-    const float c = dot(d, light.n);
-    return static_cast<float>(smooth_step(c, light.cos_outer, light.cos_inner));
+    const float h = one_minus_dot(d, light.n);
+    if (light.outer == light.inner) return h <= light.outer ? 1 : 0;
+    const float t = std::clamp((light.outer - h) / (light.outer - light.inner), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
 }
 
 bool Lights::sample_point(std::uint32_t i, const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v,
@@ -54,8 +45,8 @@ bool Lights::sample_point(std::uint32_t i, const Vec3f& from, const Receiver& re
             Vec3f n;
             if (d2 > r2 * 1.0002f) {
                 const float sin2_max = r2 / d2;
-                const float one_minus_cos = Cone(sin2_max).one_minus_cos_max * u, cosine = 1 - one_minus_cos;
-                const float sin2 = one_minus_cos * (1 + cosine);
+                const float h = one_minus_cos(sin2_max) * u, cosine = 1 - h;
+                const float sin2 = h * (1 + cosine);
                 // The angle at the centre between -axis and the point where the drawn direction meets the sphere [PBRT4 6.2.4].
                 const float cos_alpha = sin2 / std::sqrt(sin2_max) + cosine * std::sqrt(std::max(0.0f, 1 - sin2 / sin2_max));
                 n = Frame::from_z(-axis / std::sqrt(d2)).to_world(direction_at(std::min(cos_alpha, 1.0f), v));
@@ -101,7 +92,7 @@ float Lights::pdf_of_point(std::uint32_t i, const Vec3f& from, const Vec3f& p, c
     const Light& light = lights_[i];
     if (light.kind == Light::Kind::kSphere) {
         const float d2 = length_squared(light.p - from), r2 = light.radius * light.radius;
-        if (d2 > r2 * 1.0002f) return light.inward ? 0 : Cone(r2 / d2).pdf_omega();
+        if (d2 > r2 * 1.0002f) return light.inward ? 0 : pdf_of_cone(one_minus_cos(r2 / d2));
     }
     const Vec3f to = p - from;
     const float d2 = length_squared(to), cosine = abs_dot(to, ng) / std::sqrt(d2);
@@ -149,9 +140,8 @@ void Lights::sample_ray(std::uint32_t i, Uniform u, Uniform v, Uniform s, Unifor
         case Light::Kind::kPoint:
         case Light::Kind::kSpot:
             out.anchor = {light.p, 0, {}};
-            out.d = light.kind == Light::Kind::kPoint
-                        ? sample_sphere(s, t)
-                        : Frame::from_z(light.n).to_world(direction_at(1 - s * (1 - light.cos_outer), t));
+            out.d = light.kind == Light::Kind::kPoint ? sample_sphere(s, t)
+                                                      : Frame::from_z(light.n).to_world(sample_cone(light.outer, s, t));
             if (light.kind == Light::Kind::kSpot) out.profile = spot_profile(light, out.d);
             out.pdf_direction = pdf_of_emission(i, {}, out.d);
             return;
@@ -180,7 +170,7 @@ float Lights::pdf_of_emission(std::uint32_t i, const Vec3f& ng, const Vec3f& d) 
         case Light::Kind::kPoint:
             return kInv4Pi;
         case Light::Kind::kSpot:
-            return dot(d, light.n) < light.cos_outer ? 0 : 1 / (2 * kPi * (1 - light.cos_outer));
+            return one_minus_dot(d, light.n) > light.outer ? 0 : pdf_of_cone(light.outer);
         case Light::Kind::kDistant:
             return 0;
         default:

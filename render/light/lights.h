@@ -32,7 +32,7 @@ struct Light {
     float radius = 0;                                             // sphere
     bool inward = false;                                          // sphere: emits inwards
     float area = 0;
-    float cos_outer = -1, cos_inner = -1;  // spot: nothing beyond the outer, falls off from the inner
+    float outer = 2, inner = 2;  // spot: 1 - cos of its cones; nothing beyond the outer, falls off from the inner
     const Environment* environment = nullptr;
 
     bool is_infinite() const { return kind >= Kind::kDistant; }

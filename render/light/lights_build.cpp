@@ -81,12 +81,14 @@ Lights Lights::build(const SceneDescription& scene, const Geometry& geometry, co
                 light.kind = Light::Kind::kSpot;
                 light.p = Vec3f(from);
                 light.n = Vec3f(normalize(to - from));
-                const double degree = std::numbers::pi / 180;
-                const double outer = std::cos(d.cone_degrees * degree),
-                             inner = std::cos((d.cone_degrees - d.cone_delta_degrees) * degree);
-                light.cos_outer = static_cast<float>(outer);
-                light.cos_inner = static_cast<float>(inner);
-                const double solid_angle = 2 * std::numbers::pi * ((1 - inner) + (inner - outer) / 2);
+                const auto one_minus_cos = [](double degrees) {
+                    const double s = std::sin(degrees * std::numbers::pi / 360);
+                    return 2 * s * s;
+                };
+                const double outer = one_minus_cos(d.cone_degrees), inner = one_minus_cos(d.cone_degrees - d.cone_delta_degrees);
+                light.outer = static_cast<float>(outer);
+                light.inner = static_cast<float>(inner);
+                const double solid_angle = std::numbers::pi * (inner + outer);  // the smooth step counts half
                 if (d.power) scale *= *d.power / solid_angle;
                 light.scale = static_cast<float>(scale);
                 add(light, spectral(d.spectrum), solid_angle);

@@ -4,20 +4,20 @@
 
 namespace latent::render {
 
-Vec3f sphere_from_square(const Vec2f& p) {
-    const float u = 2 * p.x - 1, v = 2 * p.y - 1;
-    const float up = std::abs(u), vp = std::abs(v);
-    const float signed_distance = 1 - (up + vp), d = std::abs(signed_distance), r = 1 - d;
+Vec3f sphere_from_centred(const Vec2f& p) {
+    const float up = std::abs(p.x), vp = std::abs(p.y);
+    const bool upper = up + vp <= 1;
+    const float r = upper ? up + vp : (1 - up) + (1 - vp);                // 0 at either pole
     const float quadrants = r == 0 ? 0.5f : (vp - up) / r * 0.5f + 0.5f;  // of the angle phi, 0..1
     const SinCos a = sincos_of_turns(quadrants * 0.25f);
-    const float z = std::copysign(1 - r * r, signed_distance);
+    const float z = upper ? 1 - r * r : r * r - 1;
     const float s = r * std::sqrt(std::max(0.0f, 2 - r * r));
-    return {std::copysign(a.cos, u) * s, std::copysign(a.sin, v) * s, z};
+    return {std::copysign(a.cos, p.x) * s, std::copysign(a.sin, p.y) * s, z};
 }
 
-Vec2f square_from_sphere(const Vec3f& d) {
-    const float x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
-    const float r = std::sqrt(std::max(0.0f, 1 - z));
+Vec2f centred_from_sphere(const Vec3f& d) {
+    const float x = std::abs(d.x), y = std::abs(d.y);
+    const float r = std::sqrt((x * x + y * y) / (1 + std::abs(d.z)));  // sqrt(1 - |z|), without cancellation
     const float phi = x == 0 && y == 0
                           ? 0
                           : static_cast<float>(std::atan2(static_cast<double>(y), static_cast<double>(x)) * 2 / std::numbers::pi);
@@ -27,7 +27,7 @@ Vec2f square_from_sphere(const Vec3f& d) {
         u = 1 - v;
         v = swapped;
     }
-    return {(std::copysign(u, d.x) + 1) * 0.5f, (std::copysign(v, d.y) + 1) * 0.5f};
+    return {std::copysign(u, d.x), std::copysign(v, d.y)};
 }
 
 }  // namespace latent::render

@@ -73,6 +73,11 @@ template <class T>
 constexpr T max_abs(const Vec3<T>& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
+// 1 - cos of the angle between unit vectors, which keeps its digits where that is small.
+template <class T>
+constexpr T one_minus_dot(const Vec3<T>& a, const Vec3<T>& b) {
+    return length_squared(a - b) / 2;
+}
 // `v`, turned into the hemisphere of `reference`.
 template <class T>
 constexpr Vec3<T> face_forward(const Vec3<T>& v, const Vec3<T>& reference) {

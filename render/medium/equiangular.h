@@ -16,23 +16,24 @@ namespace latent::render {
 // Light falls off as the same D^2 + (t - delta)^2: what scatters there weighs the same wherever it is.
 class Equiangular {
  public:
-    // From `o` along unit `d`. The light shines on the directions within acos `cos_outer` of its unit `axis`; cones wider than a
-    // hemisphere are taken as a point.
-    Equiangular(const Vec3f& o, const Vec3f& d, float length, const Vec3f& light, const Vec3f& axis, float cos_outer)
+    // From `o` along unit `d`. The light shines on the directions about its unit `axis` to where 1 - cos is `outer`; cones wider
+    // than a hemisphere are taken as a point.
+    Equiangular(const Vec3f& o, const Vec3f& d, float length, const Vec3f& light, const Vec3f& axis, float outer)
         : length_(length) {
         const Vec3f to = light - o;
         const float r = render::length(to);
         // A ray through the light is taken to pass beside it, so that p_E stays finite: a density all the same.
-        D_ = std::max({render::length(cross(to, d)), 1e-5f * r, 1e-15f});
+        const Vec3f normal = cross(to, d);  // of the plane of ray and light
+        D_ = std::max({render::length(normal), 1e-5f * r, 1e-15f});
         delta_ = dot(to, d);
         r2_ = D_ * D_ + delta_ * delta_;
         float last = turns_of(r2_ / length - delta_, D_);
-        if (cos_outer >= 0) {
+        if (outer <= 1) {
             // In the plane of ray and light the cone is a sector: `middle` +- `half`, from the start of the stretch as all angles.
             const float along = dot(axis, d), across = dot(axis, d * delta_ - to) / D_;
-            const float square = along * along + across * across - cos_outer * cos_outer;
+            const float out = dot(axis, normal) / D_, square = outer * (2 - outer) - out * out;  // squared sines: narrow cones too
             if (!(square > 0)) return;
-            const float half = turns_of(cos_outer, std::sqrt(square));
+            const float half = turns_of(1 - outer, std::sqrt(square));
             const float x = D_ * across - delta_ * along, y = delta_ * across + D_ * along;
             float middle = y < 0 ? -turns_of(x, -y) : turns_of(x, y);
             if (middle < 0.5f * last - 0.5f) middle += 1;

@@ -37,8 +37,17 @@ inline Vec3f direction_at(float c, float turns) {
     const SinCos a = sincos_of_turns(turns);
     return {s * a.cos, s * a.sin, c};
 }
+// The same, given 1 - c: near z as exact as that.
+inline Vec3f direction_beside(float one_minus_c, float turns) {
+    const float s = std::sqrt(one_minus_c * (2 - one_minus_c));
+    const SinCos a = sincos_of_turns(turns);
+    return {s * a.cos, s * a.sin, 1 - one_minus_c};
+}
 // Sphere: density 1 / (4 pi).
-inline Vec3f sample_sphere(float u, float v) { return direction_at(1 - 2 * u, v); }
+inline Vec3f sample_sphere(float u, float v) { return direction_beside(2 * u, v); }
+// Cone about z whose half angle has `one_minus_cos`: density 1 / (2 pi one_minus_cos).
+inline Vec3f sample_cone(float one_minus_cos, float u, float v) { return direction_beside(u * one_minus_cos, v); }
+inline float pdf_of_cone(float one_minus_cos) { return 1 / (2 * kPi * one_minus_cos); }
 // Triangle, uniform: barycentric weights of its second and third vertex [Heitz19]; density 1 / area.
 inline Vec2f sample_triangle(float u, float v) { return u < v ? Vec2f{0.5f * u, v - 0.5f * u} : Vec2f{u - 0.5f * v, 0.5f * v}; }
 

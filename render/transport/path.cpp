@@ -95,7 +95,7 @@ class Path {
     }
 
     Equiangular equiangular_to(const Light& light) const {
-        return {stretch_.o, d_, stretch_.length, light.p, light.n, light.cos_outer};
+        return {stretch_.o, d_, stretch_.length, light.p, light.n, light.outer};
     }
 
     // One vertex more on the stretch, for the light of a point alone, at a distance drawn by the angle that the light sees. With p

@@ -79,4 +79,59 @@ ClosedForm lamp_far_away(double distance, double cosine) {
             .y = kReflectance / kPi * 4 * half * half * cosine * cosine / (distance * distance)};
 }
 
+ClosedForm narrow_spot(double cone_degrees) {
+    // The floor is looked at from 45 degrees, so a window of 2 `half` sees sqrt(2) times that of it upwards.
+    const double height = 10, half = 1.3 * height * std::tan(cone_degrees * kPi / 180), area = 4 * half * half * std::sqrt(2);
+    return {.name = fmt::format("the pool of a spot of {:g} degrees", cone_degrees),
+            .scene = scene_from(floor_seen(half) +
+                                fmt::format("LightSource \"spot\" \"float power\" 1 \"point3 from\" [0 0 {}] \"point3 to\" [0 0 0] "
+                                            "\"float coneangle\" {} \"float conedeltaangle\" {}\n",
+                                            height, cone_degrees, cone_degrees / 4)),
+            .y = kReflectance / kPi / area};
+}
+
+ClosedForm narrow_beam(double cone_degrees) {
+    // Light at distance z from the spot has lost e^(-sigma z); on its way to the camera at D e^(-sigma D). It is scattered evenly.
+    const double sigma = 0.05, D = 5, low = 4.5, high = 5.5, half = 1.3 * high * std::tan(cone_degrees * kPi / 180);
+    const double along = (std::exp(-sigma * low) - std::exp(-sigma * high)) / sigma, area = 2 * half * (high - low);
+    const std::string fog = fmt::format(
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0 830 0] \"spectrum sigma_s\" "
+        "[360 {0} 830 {0}]\nMediumInterface \"\" \"fog\"\n",
+        sigma);
+    return {
+        .name = fmt::format("the beam of a spot of {:g} degrees in fog", cone_degrees),
+        .scene = scene_from(
+            fog +
+            fmt::format("LookAt {} 0 0  0 0 0  0 0 1\nCamera \"orthographic\" \"float screenwindow\" [{} {} -0.5 0.5]\nWorldBegin\n"
+                        "MediumInterface \"\" \"fog\"\nLightSource \"spot\" \"float power\" 1 \"point3 from\" [0 0 5] "
+                        "\"point3 to\" [0 0 0] \"float coneangle\" {} \"float conedeltaangle\" {}\n",
+                        D, -half, half, cone_degrees, cone_degrees / 4)),
+        .y = sigma / (4 * kPi) * along * std::exp(-sigma * D) / area};
+}
+
+ClosedForm sky_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y, const std::string& rotation) {
+    Scene scene = scene_under_sky(floor_seen(1e-3) + rotation + "\nLightSource \"infinite\" \"string filename\" \"sky.exr\"\n");
+    LightDescription& light = scene.description.lights[0];
+    ImageDescription image{size, size, std::vector<float>(3 * std::size_t{size} * size)};
+    constexpr float kRadiance = 1e4f;
+    std::fill_n(image.rgb.begin() + 3 * (std::ptrdiff_t{y} * size + x), 3, kRadiance);
+    light.image = std::make_shared<ImageDescription>(std::move(image));
+
+    // The mean direction of the pixel, by the equal-area octahedral map in double [Clarberg08].
+    constexpr int kFine = 64;
+    Vec3d mean;
+    for (int i = 0; i < kFine * kFine; ++i) {
+        const double u = 2 * (x + (i % kFine + 0.5) / kFine) / size - 1, v = 2 * (y + (i / kFine + 0.5) / kFine) / size - 1;
+        const double up = std::abs(u), vp = std::abs(v), outside = up + vp - 1, r = 1 - std::abs(outside);
+        const double phi = (r == 0 ? 1 : (vp - up) / r + 1) * kPi / 4, s = r * std::sqrt(2 - r * r);
+        mean +=
+            Vec3d{std::copysign(std::cos(phi), u) * s, std::copysign(std::sin(phi), v) * s, outside > 0 ? r * r - 1 : 1 - r * r} *
+            (1.0 / (kFine * kFine));
+    }
+    const double cosine = light.world_from_light.vector(mean).z;
+    return {.name = fmt::format("pixel ({}, {}) of a sky of {} x {}{}", x, y, size, size, rotation.empty() ? "" : ", " + rotation),
+            .scene = std::move(scene),
+            .y = kReflectance / kPi * static_cast<double>(kRadiance) * 4 * kPi / (static_cast<double>(size) * size) * cosine};
+}
+
 }  // namespace latent::render::testing

@@ -26,4 +26,13 @@ ClosedForm lamp_behind_lid(double gap);
 // A small lamp `distance` away, parallel to the floor, in a direction of this cosine to the normals of both.
 ClosedForm lamp_far_away(double distance, double cosine);
 
+// The pool of light on the floor under a spot 10 m above, whole.
+ClosedForm narrow_spot(double cone_degrees);
+
+// The beam of such a spot in thin fog, seen from the side.
+ClosedForm narrow_beam(double cone_degrees);
+
+// A floor under a sky of size x size pixels of which one shines, after `rotation`, a directive.
+ClosedForm sky_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y, const std::string& rotation);
+
 }  // namespace latent::render::testing

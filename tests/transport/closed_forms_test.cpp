@@ -34,5 +34,23 @@ TEST(ClosedForms, ALampIsInTheWayOfItselfFromNowhere) {
     }
 }
 
+// Alone, the pool and the beam of a spot have all of its power, however narrow it is.
+TEST(ClosedForms, ANarrowSpotHasItsPower) {
+    for (const double degrees : {20.0, 0.5, 0.1, 0.01}) expect_exact(narrow_spot(degrees), 200'000, 4e-3);
+    for (const double degrees : {0.5, 0.1, 0.01}) expect_exact(narrow_beam(degrees), 200'000, 3e-3);
+}
+
+// Pixels about the poles of the map and elsewhere, the poles upright and at 50 degrees from that.
+TEST(ClosedForms, AnyPixelOfASkyIsAsBrightAsItIs) {
+    for (const std::string rotation : {"", "Rotate 50 1 2 0"}) {
+        for (const std::uint32_t x : {1023u, 1024u}) expect_exact(sky_of_one_pixel(2048, x, 1024, rotation), 20'000, 3e-4);
+        expect_exact(sky_of_one_pixel(2048, 1300, 900, rotation), 20'000, 3e-4);
+    }
+    for (const std::string rotation : {"Rotate 180 1 2 0", "Rotate 130 1 2 0"}) {
+        expect_exact(sky_of_one_pixel(2048, 0, 0, rotation), 20'000, 3e-4);
+        expect_exact(sky_of_one_pixel(2048, 1, 2046, rotation), 20'000, 3e-4);
+    }
+}
+
 }  // namespace
 }  // namespace latent::render::testing

@@ -22,7 +22,7 @@ TEST(Equiangular, DistancesFollowTheirDensity) {
         SCOPED_TRACE(c.delta);
         const Vec3f o{1, 2, 3}, d = normalize(Vec3f{1, -2, 2}), side = Frame::from_z(d).x;
         const Equiangular e(o, d, static_cast<float>(c.length),
-                            o + d * static_cast<float>(c.delta) + side * static_cast<float>(c.distance), {}, -1);
+                            o + d * static_cast<float>(c.delta) + side * static_cast<float>(c.distance), {}, 2);
         const double from = std::atan(-c.delta / c.distance), to = std::atan((c.length - c.delta) / c.distance);
         const auto edge = [&](int bin) { return c.delta + c.distance * std::tan(from + (to - from) * bin / kBins); };
 
@@ -85,7 +85,7 @@ TEST(Equiangular, ASpotHasItsConeAlone) {
         };
         const Vec3f o = direction() * 2, d = direction(), light = direction(), axis = direction();
         const float length = 1 + 5 * u(), cos_outer = u();
-        const Equiangular e(o, d, length, light, axis, cos_outer);
+        const Equiangular e(o, d, length, light, axis, 1 - cos_outer);
         empty += e.is_empty();
         double sum = 0;
         std::vector<float> quantiles;
@@ -118,7 +118,7 @@ TEST(Equiangular, ASpotHasItsConeAlone) {
 // A ray through the light itself, or one that starts there, has a density all the same.
 TEST(Equiangular, NoRayIsTooNear) {
     for (const Vec3f& light : {Vec3f{0, 0, 2}, Vec3f{0, 0, -2}, Vec3f{0, 0, 0}}) {
-        const Equiangular e({0, 0, 0}, {0, 0, 1}, kFar, light, {}, -1);
+        const Equiangular e({0, 0, 0}, {0, 0, 1}, kFar, light, {}, 2);
         for (const float u : {0.0f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-24f}) {
             const float t = e.sample(u);
             EXPECT_TRUE(t >= 0 && t <= kFar) << t;
