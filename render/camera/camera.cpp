@@ -7,7 +7,7 @@
 namespace latent::render {
 
 Result<Camera> Camera::make(const CameraDescription& d) {
-    if (const Status s = check_camera(d); !s) return s.error();
+    if (const Refusals r = check_camera(d); !r.empty()) return Error{ErrorCode::kUnsupported, r.front()};
     const double scale = length(d.world_from_camera.x);
     const Affined unit(d.world_from_camera.x / scale, d.world_from_camera.y / scale, d.world_from_camera.z / scale,
                        d.world_from_camera.t);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "render/scene/bounds.h"
+
 namespace latent::render {
 
 namespace {
@@ -10,27 +12,15 @@ namespace {
 void bounds_of(const RTCBoundsFunctionArguments* args) {
     const PlacedShape& placed = *static_cast<const PlacedShape*>(args->geometryUserPtr);
     const ShapeDescription& shape = placed.shape;
-    Vec3d low, high;
+    Box box;
     if (shape.kind == ShapeKind::kBilinear) {
-        const PatchCorners p = patch_corners(*shape.mesh, args->primID);
-        low = high = p[0];
-        for (const Vec3d& c : p) {
-            low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
-            high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
-        }
+        for (const Vec3d& c : patch_corners(*shape.mesh, args->primID)) box.add(c);
     } else {
-        // The image of the ball (disk) of radius r reaches r |row of the linear part| along each axis.
-        const Affined& m = shape.to_world;
-        const bool ball = shape.kind == ShapeKind::kSphere;
-        const Vec3d center = m.point({0, 0, ball ? 0 : shape.height});
-        const auto reach = [&](double x, double y, double z) { return shape.radius * std::hypot(x, y, ball ? z : 0.0); };
-        const Vec3d half(reach(m.x.x, m.y.x, m.z.x), reach(m.x.y, m.y.y, m.z.y), reach(m.x.z, m.y.z, m.z.z));
-        low = center - half;
-        high = center + half;
+        box = quadric_box(shape);
     }
     const auto down = [](double x) { return std::nextafter(static_cast<float>(x), -kInfinity); };
     const auto up = [](double x) { return std::nextafter(static_cast<float>(x), kInfinity); };
-    *args->bounds_o = {down(low.x), down(low.y), down(low.z), 0, up(high.x), up(high.y), up(high.z), 0};
+    *args->bounds_o = {down(box.low.x), down(box.low.y), down(box.low.z), 0, up(box.high.x), up(box.high.y), up(box.high.z), 0};
 }
 
 std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t primitive, const RTCRay& ray) {

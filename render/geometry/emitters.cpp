@@ -1,7 +1,6 @@
 // The pieces of area lights, found among the shapes of the world.
-#include <fmt/format.h>
-
 #include "render/geometry/embree_geometry.h"
+#include "render/scene/check.h"
 
 namespace latent::render {
 
@@ -9,12 +8,8 @@ Status EmbreeGeometry::add_emitters(const SceneDescription& scene) {
     for (PlacedShape& placed : shapes_) {
         const ShapeDescription& shape = placed.shape;
         if (shape.area_light == kNone) continue;
+        if (const Refusals r = check_area_light(shape); !r.empty()) return Error{ErrorCode::kUnsupported, r.front()};
         const AreaLightDescription& light = scene.area_lights[shape.area_light];
-        const SourceLocation& where = shape.location;
-        const auto refuse = [&](std::string_view what) {
-            return Error{ErrorCode::kUnsupported, fmt::format("{}:{}:{}: an area light on {} is not supported",
-                                                              scene.files[where.file], where.line, where.column, what)};
-        };
         placed.first_emitter = static_cast<std::uint32_t>(emitters_.size());
         // Of the piece that `power` is given for.
         const auto scale = [&](double area) {
@@ -36,23 +31,15 @@ Status EmbreeGeometry::add_emitters(const SceneDescription& scene) {
                 emitter.scale = area > 0 ? scale(shape.pairs ? 2 * area : area) : 0;
                 emitters_.push_back(emitter);
             }
-        } else if (shape.kind == ShapeKind::kSphere) {
-            const Affined& m = shape.to_world;
-            const double s = length(m.x), tolerance = 1e-5 * s;
-            const bool round = std::abs(length(m.y) - s) < tolerance && std::abs(length(m.z) - s) < tolerance &&
-                               std::abs(dot(m.x, m.y)) < tolerance * s && std::abs(dot(m.y, m.z)) < tolerance * s &&
-                               std::abs(dot(m.z, m.x)) < tolerance * s;
-            if (!round) return refuse("a sphere that is stretched");
-            const double radius = shape.radius * s, area = 4 * std::numbers::pi * radius * radius;
+        } else {
+            const double radius = shape.radius * length(shape.to_world.x), area = 4 * std::numbers::pi * radius * radius;
             emitter.is_sphere = true;
-            emitter.p = Vec3f(m.t);
+            emitter.p = Vec3f(shape.to_world.t);
             emitter.radius = static_cast<float>(radius);
             emitter.inward = shape.flip_normal;
             emitter.area = static_cast<float>(area);
             emitter.scale = scale(area);
             emitters_.push_back(emitter);
-        } else {
-            return refuse(shape.kind == ShapeKind::kDisk ? "a disk" : "a patch that is no parallelogram");
         }
     }
     return {};

@@ -67,8 +67,8 @@ Ray spawn_ray(const Anchor& from, const Anchor& to);
 
 class Geometry {
  public:
-    // `simd` is an Embree isa name (render/program/simd.h chooses). Errors: kUnsupported, of a light naming the shape; kOutOfRange:
-    // the scene does not fit into memory.
+    // `simd` is an Embree isa name (render/program/simd.h chooses). Errors: kUnsupported: what render/scene/check.h refuses;
+    // kOutOfRange: the scene does not fit into memory.
     static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd);
     virtual ~Geometry() = default;
 

@@ -54,7 +54,10 @@ class Loader {
             if (import) builder_.begin_import(d.where);
             const Status included = file(files_.resolve(d.strings[0]), depth + 1);
             if (!included && included.error().code == ErrorCode::kCorrupt) return included;
-            if (!included) return syntax_error({d.where, included.error().message});
+            if (!included) {
+                messages_.error(d.where, included.error().message);
+                builder_.set_incomplete();
+            }
             if (import) builder_.end_import(d.where);
         }
         return {};

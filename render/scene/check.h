@@ -1,12 +1,19 @@
 // render/scene/check.h: what a description may say and this renderer refuses, whichever format it came from.
 #pragma once
 
-#include "base/result.h"
+#include <string>
+#include <vector>
+
 #include "render/scene/description.h"
 
 namespace latent::render {
 
-// Errors: kUnsupported: the transformation skews or stretches; a lens on another camera than a perspective one.
-Status check_camera(const CameraDescription& camera);
+// Each of these: all reasons why not, a sentence each; empty if there is none.
+using Refusals = std::vector<std::string>;
+
+// A transformation that skews or stretches; a lens on another camera than a perspective one.
+Refusals check_camera(const CameraDescription& camera);
+// An area light on a shape of which no points can be drawn: on anything but triangles and round spheres.
+Refusals check_area_light(const ShapeDescription& shape);
 
 }  // namespace latent::render

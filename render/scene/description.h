@@ -1,5 +1,6 @@
 // render/scene/description.h: what a .pbrt file says, resolved: plain data that geometry, lights and materials are built from.
-// Conventions are pbrt-v4's (docs/scenes.md): left-handed coordinates; world-space values unless said otherwise.
+// Conventions are pbrt-v4's (docs/scenes.md): left-handed coordinates; directions of the world's, places counted from `origin`,
+// unless said otherwise.
 #pragma once
 
 #include <cstdint>
@@ -94,7 +95,7 @@ struct LightDescription {
 
 enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kSphere, kDisk };
 
-// Vertices are in world space, or in the space of the object that the shape belongs to.
+// Vertices are in the space of the world or of the object that the shape belongs to, counted from the origin of either.
 struct MeshDescription {
     std::vector<Vec3f> positions{};
     std::vector<Vec3f> normals{};          // per vertex, unit length, or empty
@@ -118,17 +119,19 @@ struct ShapeDescription {
 // Shapes that are placed several times; they carry no area lights.
 struct ObjectDescription {
     std::string name{};
+    Vec3d origin{};  // that the shapes are counted from, in the space that they were modelled in
     std::vector<ShapeDescription> shapes{};
 };
 struct InstanceDescription {
     std::uint32_t object = 0;
-    Affined world_from_object{};
+    Affined world_from_object{};  // between the two origins
     SourceLocation location{};
 };
 
 struct SceneDescription {
     std::vector<std::string> files{};  // that directives were read from; locations refer to them
     FilmDescription film;
+    Vec3d origin{};  // in world space, as the file has it: near what floats are to tell apart
     CameraDescription camera;
     std::string integrator = "volpath";  // as the scene names it
     std::uint32_t max_depth = 5;

@@ -71,7 +71,7 @@ TEST(Ply, EveryEncodingHoldsTheSameMesh) {
         const Result<PlyMesh> mesh = parse_ply(example(encoding));
         ASSERT_TRUE(mesh) << name(encoding) << ": " << mesh.error().message;
         ASSERT_EQ(mesh->positions.size(), 5u);
-        EXPECT_EQ(mesh->positions[4], Vec3f(2, 0.5f, 0.25f));
+        EXPECT_EQ(mesh->positions[4], Vec3d(2, 0.5, 0.25));
         EXPECT_EQ(mesh->normals[2], Vec3f(0, 0, 1));
         EXPECT_EQ(mesh->uvs[2], (Vec2f{0.5f, 0.5f}));
         EXPECT_EQ(mesh->triangles, (std::vector<std::uint32_t>{2, 3, 4}));

@@ -71,6 +71,39 @@ TEST(SceneRefusals, AllErrorsAreToldAtOnce) {
     for (const char* place : {":2:1: ", ":3:1: ", ":4:1: "}) EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + place));
 }
 
+// Whatever stands in the way, in whichever part of the program it would have been found.
+TEST(SceneRefusals, NothingIsToldOnlyAfterTheRestIsMended) {
+    const char* const text =
+        "Scale 1 2 1\n"
+        "Camera \"orthographic\" \"float lensradius\" .1 \"float fovv\" 3\n"
+        "WorldBegin\n"
+        "Material \"hair\"\n"
+        "AreaLightSource \"diffuse\"\n"
+        "Shape \"disk\"\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 1 ]\n"
+        "Include \"no.pbrt\"\n"
+        "AttributeBegin\nScale 1 2 1\n"
+        "Shape \"sphere\" \"float phimax\" 90\n"
+        "AttributeEnd\n"
+        "MakeNamedMaterial \"m\"\n"
+        "MakeNamedMedium \"n\" \"float g\" 2\n"
+        "LightSource \"projection\"\n"
+        "Scale 1 0 1\n"
+        "Shape \"plymesh\" \"string filename\" \"no.ply\"\n"
+        "ObjectInstance \"o\"\n";
+    const std::string message = refusal(text);
+    for (const char* line :
+         {":2:1: Camera: its transformation skews", ":2:1: Camera: \"lensradius\"", ":2:45: \"float fovv\"",
+          ":4:1: Material \"hair\" is not supported", ":6:1: an area light on a disk is not supported",
+          ":7:1: an area light on a patch that is no parallelogram", ":8:1: ", ":11:1: an area light on a sphere that is stretched",
+          ":11:1: phimax", ":13:1: MakeNamedMaterial: \"string type\"", ":14:1: MakeNamedMedium: \"string type\"",
+          ":15:1: LightSource \"projection\"", ":16:1: Scale: a factor is 0", ":17:1: Shape: the transformation is singular",
+          ":17:1: ", "no.ply", ":18:1: ObjectInstance: the transformation is singular"}) {
+        EXPECT_THAT(message, HasSubstr(line));
+    }
+    EXPECT_THAT(message, ::testing::Not(HasSubstr("not defined anywhere")));  // it may be in no.pbrt
+}
+
 // The warnings of a scene that is read, without the file's name: "line:column: message".
 std::vector<std::string> warnings(const std::string& text, bool another_integrator = false) {
     const Folder folder;

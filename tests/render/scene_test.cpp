@@ -12,6 +12,7 @@ namespace {
 
 using testing::Folder;
 using ::testing::HasSubstr;
+using testing::in_world;
 using ::testing::IsEmpty;
 using testing::load;
 using testing::load_world;
@@ -22,7 +23,7 @@ const char* const kTriangle = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 
 SceneDescription world(const std::string& text) {
     const Result<LoadedScene> scene = load_world(text);
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return scene ? scene->description : SceneDescription{};
+    return scene ? in_world(scene->description) : SceneDescription{};
 }
 
 double luminance(const color::Spectrum& s) { return color::photometric_sum(s); }
@@ -201,9 +202,9 @@ TEST(Scene, ImportKeepsItsStateToItself) {
     const Result<LoadedScene> imported =
         load_scene(folder.write("j.pbrt", std::string("WorldBegin\nImport \"a.pbrt\"\n") + kTriangle));
     ASSERT_TRUE(included && imported);
-    EXPECT_EQ(included->description.shapes[1].mesh->positions[0].x, 9);
-    EXPECT_EQ(imported->description.shapes[1].mesh->positions[0].x, 0);
-    EXPECT_EQ(imported->description.shapes[0].mesh->positions[0].x, 9);
+    EXPECT_EQ(in_world(included->description).shapes[1].mesh->positions[0].x, 9);
+    EXPECT_EQ(in_world(imported->description).shapes[1].mesh->positions[0].x, 0);
+    EXPECT_EQ(in_world(imported->description).shapes[0].mesh->positions[0].x, 9);
 }
 
 TEST(Scene, ParallelogramsBecomePairsOfTrianglesOtherPatchesStay) {

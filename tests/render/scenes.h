@@ -31,6 +31,32 @@ inline void write_exr(const std::filesystem::path& path, int width, int height, 
     ASSERT_TRUE(writer && (*writer)->write_rows(std::as_bytes(std::span(rgb))) && (*writer)->finish() && (*writer)->publish());
 }
 
+// The same scene with every place as the file has it, counted from the origin of the world, objects from theirs.
+inline SceneDescription in_world(SceneDescription scene) {
+    const auto put_back = [](std::vector<ShapeDescription>& shapes, const Vec3d& origin) {
+        for (ShapeDescription& shape : shapes) {
+            shape.to_world.t += origin;
+            if (!shape.mesh) continue;
+            MeshDescription mesh = *shape.mesh;
+            for (Vec3f& p : mesh.positions) p = Vec3f(Vec3d(p) + origin);
+            shape.mesh = std::make_shared<MeshDescription>(std::move(mesh));
+        }
+    };
+    put_back(scene.shapes, scene.origin);
+    scene.camera.world_from_camera.t += scene.origin;
+    for (LightDescription& light : scene.lights) light.world_from_light.t += scene.origin;
+    for (InstanceDescription& instance : scene.instances) {
+        Affined& map = instance.world_from_object;
+        map.t = map.point(-scene.objects[instance.object].origin) + scene.origin;
+    }
+    for (ObjectDescription& object : scene.objects) {
+        put_back(object.shapes, object.origin);
+        object.origin = {};
+    }
+    scene.origin = {};
+    return scene;
+}
+
 // Loads `text` as room.pbrt.
 inline Result<LoadedScene> load(const std::string& text) {
     const Folder folder;

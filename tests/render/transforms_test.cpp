@@ -4,6 +4,7 @@
 namespace latent::render {
 namespace {
 
+using testing::in_world;
 using testing::load;
 using testing::load_world;
 
@@ -11,7 +12,7 @@ using testing::load_world;
 Vec3d image(const std::string& directives, const std::string& p) {
     const Result<LoadedScene> scene = load_world(directives + "\nShape \"trianglemesh\" \"point3 P\" [ " + p + " 1 0 0 0 1 0 ]\n");
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return scene ? Vec3d(scene->description.shapes[0].mesh->positions[0]) : Vec3d{};
+    return scene ? Vec3d(in_world(scene->description).shapes[0].mesh->positions[0]) : Vec3d{};
 }
 
 void expect_near(const Vec3d& a, const Vec3d& b) { EXPECT_LT(max_abs(a - b), 1e-6) << a.x << " " << a.y << " " << a.z; }
@@ -37,13 +38,13 @@ TEST(Transforms, NamedCoordinateSystemsAreWhatTheyWere) {
         "LookAt 0 0 5  0 0 0  0 1 0\nCamera \"perspective\"\nWorldBegin\nCoordSysTransform \"camera\"\n"
         "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]\n");
     ASSERT_TRUE(scene) << scene.error().message;
-    expect_near(Vec3d(scene->description.shapes[0].mesh->positions[0]), {0, 0, 5});  // the camera's own place
+    expect_near(Vec3d(in_world(scene->description).shapes[0].mesh->positions[0]), {0, 0, 5});  // the camera's own place
 }
 
 // "pbrt is left-handed: LookAt down -z with y up puts world +x on the left of the image", film x grows to the right.
 TEST(Transforms, LookAtPutsWorldXOnTheLeft) {
     const Result<LoadedScene> scene = load("LookAt 0 0 3.9  0 0 0  0 1 0\nCamera \"perspective\"\nWorldBegin\n");
-    const Affined camera = scene->description.camera.world_from_camera;
+    const Affined camera = in_world(scene->description).camera.world_from_camera;
     expect_near(camera.x, {-1, 0, 0});  // right in the image
     expect_near(camera.y, {0, 1, 0});
     expect_near(camera.z, {0, 0, -1});

@@ -188,16 +188,16 @@ Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
     for (const Property& p : element.properties) {
         if (p.list) return Error{ErrorCode::kUnsupported, fmt::format("vertices with a list ({})", p.name)};
     }
-    std::vector<float> row(element.properties.size());
+    std::vector<double> row(element.properties.size());
     for (std::uint64_t i = 0; i < element.count; ++i) {
-        for (std::size_t c = 0; c < row.size(); ++c) row[c] = static_cast<float>(body.value(element.properties[c].type));
+        for (std::size_t c = 0; c < row.size(); ++c) row[c] = body.value(element.properties[c].type);
         if (!body.ok()) return cut(element, i);
-        for (const float x : row) {
-            if (!std::isfinite(x)) return Error{ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i)};
+        for (const double x : row) {
+            if (!std::isfinite(static_cast<float>(x))) return Error{ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i)};
         }
         mesh.positions.emplace_back(row[xyz[0]], row[xyz[1]], row[xyz[2]]);
-        if (!normal.empty()) mesh.normals.emplace_back(row[normal[0]], row[normal[1]], row[normal[2]]);
-        if (!uv.empty()) mesh.uvs.push_back({row[uv[0]], row[uv[1]]});
+        if (!normal.empty()) mesh.normals.emplace_back(Vec3d(row[normal[0]], row[normal[1]], row[normal[2]]));
+        if (!uv.empty()) mesh.uvs.push_back({static_cast<float>(row[uv[0]]), static_cast<float>(row[uv[1]])});
     }
     return {};
 }

@@ -11,7 +11,7 @@
 namespace latent::render {
 
 struct PlyMesh {
-    std::vector<Vec3f> positions;          // x y z
+    std::vector<Vec3d> positions;          // x y z
     std::vector<Vec3f> normals;            // nx ny nz, or empty
     std::vector<Vec2f> uvs;                // u v, s t, texture_u texture_v or texture_s texture_t, or empty
     std::vector<std::uint32_t> triangles;  // 3 indices each

@@ -6,6 +6,7 @@
 
 #include "render/load/pbrt/directive_hash.h"
 #include "render/load/pbrt/entities.h"
+#include "render/scene/check.h"
 
 namespace latent::render {
 
@@ -125,9 +126,10 @@ bool SceneBuilder::apply_state(const Directive& d) {
 void SceneBuilder::add_material(const Directive& d) {
     const ParameterList parameters = list(d, "material");
     const bool has_name = d.name == "MakeNamedMaterial";
-    std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
-    if (!type) return parameters.error("MakeNamedMaterial: \"string type\" is needed");
-    std::optional<MaterialDescription> material = read_material(*type, parameters, spectra_);
+    const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
+    if (!type) parameters.error("MakeNamedMaterial: \"string type\" is needed");
+    std::optional<MaterialDescription> material;
+    if (type) material = read_material(*type, parameters, spectra_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
         Named& named = name(materials_, d.strings[0], d.where, index);
@@ -141,7 +143,7 @@ void SceneBuilder::add_material(const Directive& d) {
         scene_.materials.emplace_back();
         interface_.push_back(false);
     }
-    interface_[index] = !material;
+    interface_[index] = type == "interface";
     scene_.materials[index] = std::move(material).value_or(MaterialDescription{.location = d.where});
     scene_.materials[index].name = has_name ? d.strings[0] : "";
     if (!has_name) state_.material = index;
@@ -150,7 +152,9 @@ void SceneBuilder::add_material(const Directive& d) {
 void SceneBuilder::add_medium(const Directive& d) {
     const ParameterList parameters = list(d, "medium");
     const std::optional<std::string> type = parameters.string("type");
-    if (!type) return parameters.error("MakeNamedMedium: \"string type\" is needed");
+    if (!type) parameters.error("MakeNamedMedium: \"string type\" is needed");
+    MediumDescription read;
+    if (type) read = read_medium(*type, parameters, spectra_);
     const std::uint32_t index = medium(d.strings[0], d.where);
     if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
     Named& named = media_.at(d.strings[0]);
@@ -158,7 +162,7 @@ void SceneBuilder::add_medium(const Directive& d) {
         return parameters.error(
             fmt::format("MakeNamedMedium \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
     named.defined = d.where;
-    scene_.media[index] = read_medium(*type, parameters, spectra_);
+    scene_.media[index] = std::move(read);
     scene_.media[index].name = d.strings[0];
 }
 
@@ -169,24 +173,32 @@ void SceneBuilder::add_area_light(const Directive& d) {
 
 void SceneBuilder::add_shape(const Directive& d) {
     const ParameterList parameters = list(d, "shape");
-    if (!state_.ctm.inverse()) return parameters.error("Shape: the transformation is singular");
+    if (!state_.ctm.inverse()) parameters.error("Shape: the transformation is singular");
     if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
-    std::vector<ShapeDescription> shapes = read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_);
-    for (ShapeDescription& shape : shapes) {
+    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_)) {
+        ShapeDescription& shape = loaded.shape;
         shape.material = state_.material;
         shape.area_light = state_.area_light;
         shape.inside_medium = state_.inside_medium;
         shape.outside_medium = state_.outside_medium;
         if (object_ != kNone && shape.area_light != kNone) parameters.error("Shape: lights inside ObjectBegin are not supported");
-        (object_ == kNone ? scene_.shapes : scene_.objects[object_].shapes).push_back(std::move(shape));
+        (object_ == kNone ? shapes_ : object_shapes_[object_]).push_back(std::move(loaded));
     }
+}
+
+SceneBuilder::Named& SceneBuilder::object(const std::string& text, const SourceLocation& where) {
+    Named& named = name(objects_, text, where, scene_.objects.size());
+    if (named.index == scene_.objects.size()) {
+        scene_.objects.push_back({.name = text});
+        object_shapes_.emplace_back();
+    }
+    return named;
 }
 
 void SceneBuilder::begin_object(const Directive& d) {
     push("ObjectBegin", d.where);
     if (object_ != kNone) return messages_.error(d.where, "ObjectBegin: inside another object");
-    Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
-    if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
+    Named& named = object(d.strings[0], d.where);
     if (named.defined)
         messages_.error(d.where, fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
     named.defined = d.where;
@@ -194,27 +206,29 @@ void SceneBuilder::begin_object(const Directive& d) {
 }
 
 void SceneBuilder::add_instance(const Directive& d) {
-    if (object_ != kNone) return messages_.error(d.where, "ObjectInstance: not inside ObjectBegin");
+    if (object_ != kNone) messages_.error(d.where, "ObjectInstance: not inside ObjectBegin");
     const std::optional<Affined> inverse = state_.ctm.inverse();
-    if (!inverse) return messages_.error(d.where, "ObjectInstance: the transformation is singular");
-    if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15)
-        return messages_.error(d.where, "ObjectInstance: too small to be traced in single precision");
-    const Named& named = name(objects_, d.strings[0], d.where, scene_.objects.size());
-    if (named.index == scene_.objects.size()) scene_.objects.push_back({.name = d.strings[0]});
-    scene_.instances.push_back({named.index, state_.ctm, d.where});
+    if (!inverse) {
+        messages_.error(d.where, "ObjectInstance: the transformation is singular");
+    } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
+        messages_.error(d.where, "ObjectInstance: too small to be traced in single precision");
+    }
+    scene_.instances.push_back({object(d.strings[0], d.where).index, state_.ctm, d.where});
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {
-    if (!in_world_) messages_.error(end, "the scene ends before WorldBegin");
+    if (!in_world_ && complete_) messages_.error(end, "the scene ends before WorldBegin");
     for (const Pushed& open : stack_) messages_.error(open.where, open.by + " is never ended");
     const auto check = [&](const Names& names, std::string_view what) {
         for (const auto& [text, named] : names) {
             if (!named.defined) messages_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
         }
     };
-    check(materials_, "material");
-    check(media_, "medium");
-    check(objects_, "object");
+    if (complete_) {
+        check(materials_, "material");
+        check(media_, "medium");
+        check(objects_, "object");
+    }
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
         if (material.alpha_x != material.alpha_y) {
@@ -224,16 +238,20 @@ void SceneBuilder::finish(const SourceLocation& end) {
         }
     }
     const auto resolve = [&](ShapeDescription& shape) {
-        if (!interface_[shape.material]) return;
-        shape.material = kNone;
-        if (shape.area_light != kNone)
-            messages_.warn(shape.location, "Shape: \"interface\" emits nothing: the area light is ignored");
-        shape.area_light = kNone;
+        if (interface_[shape.material]) {
+            shape.material = kNone;
+            if (shape.area_light != kNone)
+                messages_.warn(shape.location, "Shape: \"interface\" emits nothing: the area light is ignored");
+            shape.area_light = kNone;
+        }
+        if (shape.area_light == kNone) return;
+        for (const std::string& refusal : check_area_light(shape)) messages_.error(shape.location, refusal);
     };
-    for (ShapeDescription& shape : scene_.shapes) resolve(shape);
-    for (ObjectDescription& object : scene_.objects) {
-        for (ShapeDescription& shape : object.shapes) resolve(shape);
+    for (LoadedShape& loaded : shapes_) resolve(loaded.shape);
+    for (std::vector<LoadedShape>& shapes : object_shapes_) {
+        for (LoadedShape& loaded : shapes) resolve(loaded.shape);
     }
+    if (messages_.errors().empty()) place(std::move(shapes_), std::move(object_shapes_), scene_);
 }
 
 }  // namespace latent::render

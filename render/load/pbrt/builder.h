@@ -9,6 +9,7 @@
 
 #include "render/load/files/diagnostics.h"
 #include "render/load/files/scene_files.h"
+#include "render/load/mesh/placement.h"
 #include "render/load/pbrt/directive.h"
 #include "render/load/pbrt/spectra.h"
 
@@ -28,6 +29,8 @@ class SceneBuilder {
     void begin_import(const SourceLocation& where) { push("Import", where); }
     void end_import(const SourceLocation& where) { pop("Import", where); }
     bool in_world() const { return in_world_; }
+    // An include could not be read, and the error is told: what it would have defined is not missed once more.
+    void set_incomplete() { complete_ = false; }
 
  private:
     struct State {
@@ -64,6 +67,7 @@ class SceneBuilder {
     void begin_object(const Directive& d);
     void add_instance(const Directive& d);
     Named& name(Names& names, const std::string& text, const SourceLocation& where, std::size_t next);
+    Named& object(const std::string& text, const SourceLocation& where);
     ParameterList list(const Directive& d, std::string_view target);
     std::uint32_t medium(const std::string& text, const SourceLocation& where);
     void place_camera();
@@ -78,11 +82,13 @@ class SceneBuilder {
     State camera_state_;
     std::map<std::string, Affined> coordinate_systems_;
     Names materials_, media_, objects_;
+    std::vector<LoadedShape> shapes_;                                      // of the world
+    std::vector<std::vector<LoadedShape>> object_shapes_;                  // of each object
     std::vector<bool> interface_;                                          // of each material: "interface"
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
     const bool another_integrator_;
-    bool in_world_ = false;
+    bool in_world_ = false, complete_ = true;
 };
 
 }  // namespace latent::render

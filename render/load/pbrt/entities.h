@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/load/files/scene_files.h"
+#include "render/load/mesh/placement.h"
 #include "render/load/pbrt/parameters.h"
 #include "render/load/pbrt/spectra.h"
 
@@ -29,7 +30,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
 
 // The shapes of one Shape directive (a mesh of triangles and quads is two), in the space that `ctm` maps to. Orientation is
 // resolved; material, light and media are the caller's.
-std::vector<ShapeDescription> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
-                                         bool reverse_orientation, SceneFiles& files);
+std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
+                                    bool reverse_orientation, SceneFiles& files);
 
 }  // namespace latent::render

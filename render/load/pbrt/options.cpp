@@ -63,11 +63,11 @@ void SceneBuilder::place_camera() {
     const Directive& d = camera_ ? *camera_ : standard;
     const State& state = camera_ ? camera_state_ : state_;
     const std::optional<Affined> inverse = state.ctm.inverse();
-    if (!inverse) return messages_.error(d.where, "Camera: the transformation is singular");
+    if (!inverse) messages_.error(d.where, "Camera: the transformation is singular");
     scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, messages_), scene_.film);
-    scene_.camera.world_from_camera = *inverse;
+    scene_.camera.world_from_camera = inverse.value_or(Affined{});
     scene_.camera.medium = state.outside_medium;
-    if (const Status fit = check_camera(scene_.camera); !fit) messages_.error(d.where, fit.error().message);
+    for (const std::string& refusal : check_camera(scene_.camera)) messages_.error(d.where, refusal);
 }
 
 }  // namespace latent::render

@@ -29,11 +29,11 @@ std::vector<std::uint32_t> read_indices(const ParameterList& list, std::size_t p
     return indices;
 }
 
-MeshDescription read_mesh(const ParameterList& list, std::size_t per_face) {
-    MeshDescription mesh;
+LoadedMesh read_mesh(const ParameterList& list, std::size_t per_face) {
+    LoadedMesh mesh;
     const std::span<const double> p = list.array("P", "point3", 3), n = list.array("N", "normal", 3),
                                   uv = list.array("uv", "point2", 2);
-    for (std::size_t i = 0; i < p.size(); i += 3) mesh.positions.emplace_back(Vec3d(p[i], p[i + 1], p[i + 2]));
+    for (std::size_t i = 0; i < p.size(); i += 3) mesh.positions.emplace_back(p[i], p[i + 1], p[i + 2]);
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(Vec3d(n[i], n[i + 1], n[i + 2]));
     for (std::size_t i = 0; i < uv.size(); i += 2) mesh.uvs.push_back({static_cast<float>(uv[i]), static_cast<float>(uv[i + 1])});
     mesh.indices = read_indices(list, per_face, mesh.positions.size());
@@ -44,8 +44,8 @@ MeshDescription read_mesh(const ParameterList& list, std::size_t per_face) {
 }
 
 // Vertices into the space of `ctm`; normals of unit length, turned over by ReverseOrientation as pbrt does.
-void transform(MeshDescription& mesh, const Affined& ctm, bool reverse_orientation) {
-    for (Vec3f& p : mesh.positions) p = Vec3f(ctm.point(Vec3d(p)));
+void transform(LoadedMesh& mesh, const Affined& ctm, bool reverse_orientation) {
+    for (Vec3d& p : mesh.positions) p = ctm.point(p);
     for (Vec3f& n : mesh.normals) {
         const Vec3d world = ctm.normal(Vec3d(n));
         const double size = length(world);
@@ -54,14 +54,14 @@ void transform(MeshDescription& mesh, const Affined& ctm, bool reverse_orientati
 }
 
 // A patch with p00 + p11 = p10 + p01 (to 1e-6 of its size) is flat and has a constant density: two triangles are the same surface.
-bool is_parallelogram(const MeshDescription& mesh, const std::uint32_t* v) {
-    const Vec3d p00(mesh.positions[v[0]]), p10(mesh.positions[v[1]]), p01(mesh.positions[v[2]]), p11(mesh.positions[v[3]]);
+bool is_parallelogram(const LoadedMesh& mesh, const std::uint32_t* v) {
+    const Vec3d &p00 = mesh.positions[v[0]], &p10 = mesh.positions[v[1]], &p01 = mesh.positions[v[2]], &p11 = mesh.positions[v[3]];
     return mesh.normals.empty() && max_abs((p00 + p11) - (p10 + p01)) <= 1e-6 * std::max(max_abs(p11 - p00), max_abs(p10 - p01));
 }
 
 // Patches that are parallelograms as pairs of triangles, the others as patches.
-void add_patches(MeshDescription mesh, const ShapeDescription& common, std::vector<ShapeDescription>& shapes) {
-    MeshDescription flat, curved;
+void add_patches(const LoadedMesh& mesh, const ShapeDescription& common, std::vector<LoadedShape>& shapes) {
+    LoadedMesh flat, curved;
     for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4) {
         const std::uint32_t* v = &mesh.indices[i];
         if (is_parallelogram(mesh, v)) {
@@ -71,22 +71,21 @@ void add_patches(MeshDescription mesh, const ShapeDescription& common, std::vect
             curved.indices.insert(curved.indices.end(), v, v + 4);
         }
     }
-    const auto add = [&](MeshDescription& part, ShapeKind kind) {
+    const auto add = [&](LoadedMesh& part, ShapeKind kind) {
         if (part.indices.empty()) return;
         part.positions = mesh.positions;
         part.normals = mesh.normals;
         part.uvs = mesh.uvs;
-        shapes.push_back(common);
-        shapes.back().kind = kind;
-        shapes.back().pairs = kind == ShapeKind::kTriangles;
-        shapes.back().mesh = std::make_shared<MeshDescription>(std::move(part));
+        shapes.push_back({common, std::move(part)});
+        shapes.back().shape.kind = kind;
+        shapes.back().shape.pairs = kind == ShapeKind::kTriangles;
     };
     add(flat, ShapeKind::kTriangles);
     add(curved, ShapeKind::kBilinear);
 }
 
 void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orientation, const ShapeDescription& common,
-              SceneFiles& files, std::vector<ShapeDescription>& shapes) {
+              SceneFiles& files, std::vector<LoadedShape>& shapes) {
     const std::optional<std::string> name = list.string("filename");
     list.ignore({"edgelength"}, "there is no displacement");
     if (!name) return list.error("filename: needed");
@@ -94,48 +93,47 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (!bytes) return list.error(bytes.error().message);
     Result<PlyMesh> ply = parse_ply(*bytes);
     if (!ply) return list.error(*name + ": " + ply.error().message);
-    MeshDescription mesh{.positions = std::move(ply->positions), .normals = std::move(ply->normals), .uvs = std::move(ply->uvs)};
+    LoadedMesh mesh{.positions = std::move(ply->positions), .normals = std::move(ply->normals), .uvs = std::move(ply->uvs)};
     transform(mesh, ctm, reverse_orientation);
     if (!ply->quads.empty()) {
-        MeshDescription patches = mesh;
+        LoadedMesh patches = mesh;
         for (std::size_t i = 0; i < ply->quads.size(); i += 4) {
             for (const std::uint32_t corner : kCorners) patches.indices.push_back(ply->quads[i + corner]);
         }
-        add_patches(std::move(patches), common, shapes);
+        add_patches(patches, common, shapes);
     }
     if (!ply->triangles.empty()) {
         mesh.indices = std::move(ply->triangles);
-        shapes.push_back(common);
-        shapes.back().mesh = std::make_shared<MeshDescription>(std::move(mesh));
+        shapes.push_back({common, std::move(mesh)});
     }
     if (shapes.empty()) list.warn(*name + ": has no faces");
 }
 
 // Whether every vertex, or the corners of the box around a sphere or disk, can be told as floats.
-bool is_finite(const ShapeDescription& shape) {
-    const auto finite = [](const Vec3f& p) { return max_abs(p) < kInfinity; };
-    if (shape.mesh) return std::ranges::all_of(shape.mesh->positions, finite);
+bool is_finite(const LoadedShape& loaded) {
+    const auto finite = [](const Vec3d& p) { return max_abs(Vec3f(p)) < kInfinity; };
+    if (loaded.mesh) return std::ranges::all_of(loaded.mesh->positions, finite);
+    const ShapeDescription& shape = loaded.shape;
     const Affined& map = shape.to_world;
     const double reach = (max_abs(map.x) + max_abs(map.y) + max_abs(map.z)) * std::max(shape.radius, std::abs(shape.height));
-    return finite(Vec3f(Vec3d(max_abs(map.t) + reach, 0, 0)));
+    return finite({max_abs(map.t) + reach, 0, 0});
 }
 
 }  // namespace
 
-std::vector<ShapeDescription> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
-                                         bool reverse_orientation, SceneFiles& files) {
-    std::vector<ShapeDescription> shapes;
+std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
+                                    bool reverse_orientation, SceneFiles& files) {
+    std::vector<LoadedShape> shapes;
     ShapeDescription common{.to_world = ctm, .location = list.directive().where};
     common.flip_normal = reverse_orientation != ctm.swaps_handedness();
     if (type == "trianglemesh") {
-        MeshDescription mesh = read_mesh(list, 3);
+        LoadedMesh mesh = read_mesh(list, 3);
         transform(mesh, ctm, reverse_orientation);
-        common.mesh = std::make_shared<MeshDescription>(std::move(mesh));
-        shapes.push_back(common);
+        shapes.push_back({common, std::move(mesh)});
     } else if (type == "bilinearmesh") {
-        MeshDescription mesh = read_mesh(list, 4);
+        LoadedMesh mesh = read_mesh(list, 4);
         transform(mesh, ctm, reverse_orientation);
-        add_patches(std::move(mesh), common, shapes);
+        add_patches(mesh, common, shapes);
     } else if (type == "plymesh") {
         read_ply(list, ctm, reverse_orientation, common, files, shapes);
     } else if (type == "sphere" || type == "disk") {
@@ -150,7 +148,7 @@ std::vector<ShapeDescription> read_shape(const std::string& type, const Paramete
             common.height = list.number("height", 0);
             common.inner_radius = list.number("innerradius", 0, 0, common.radius);
         }
-        shapes.push_back(common);
+        shapes.push_back({common});
     } else {
         list.error(fmt::format("Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, sphere, disk)", type));
         return {};

@@ -1,0 +1,68 @@
+#include "render/load/mesh/placement.h"
+
+#include "render/scene/bounds.h"
+
+namespace latent::render {
+namespace {
+
+void add(const LoadedShape& loaded, Box& box) {
+    if (loaded.mesh) {
+        for (const Vec3d& p : loaded.mesh->positions) box.add(p);
+    } else {
+        const Box quadric = quadric_box(loaded.shape);
+        box.add(quadric.low);
+        box.add(quadric.high);
+    }
+}
+
+void add(const Affined& map, const Box& from, Box& box) {
+    if (from.is_empty()) return;
+    for (const double x : {from.low.x, from.high.x}) {
+        for (const double y : {from.low.y, from.high.y}) {
+            for (const double z : {from.low.z, from.high.z}) box.add(map.point({x, y, z}));
+        }
+    }
+}
+
+// Seen from `origin`, rounded once.
+ShapeDescription placed(LoadedShape loaded, const Vec3d& origin) {
+    loaded.shape.to_world.t += -origin;
+    if (loaded.mesh) {
+        MeshDescription mesh{.normals = std::move(loaded.mesh->normals),
+                             .uvs = std::move(loaded.mesh->uvs),
+                             .indices = std::move(loaded.mesh->indices)};
+        mesh.positions.reserve(loaded.mesh->positions.size());
+        for (const Vec3d& p : loaded.mesh->positions) mesh.positions.emplace_back(p - origin);
+        loaded.shape.mesh = std::make_shared<MeshDescription>(std::move(mesh));
+    }
+    return std::move(loaded.shape);
+}
+
+}  // namespace
+
+void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>> objects, SceneDescription& scene) {
+    std::vector<Box> of_object(objects.size());
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        for (const LoadedShape& shape : objects[i]) add(shape, of_object[i]);
+    }
+    Box world;
+    for (const LoadedShape& shape : shapes) add(shape, world);
+    for (const InstanceDescription& instance : scene.instances) add(instance.world_from_object, of_object[instance.object], world);
+
+    const Vec3d& camera = scene.camera.world_from_camera.t;
+    scene.origin = world.is_empty() ? camera : world.nearest(camera);
+    scene.camera.world_from_camera.t += -scene.origin;
+    for (LightDescription& light : scene.lights) light.world_from_light.t += -scene.origin;
+    for (LoadedShape& shape : shapes) scene.shapes.push_back(placed(std::move(shape), scene.origin));
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+        ObjectDescription& object = scene.objects[i];
+        if (!of_object[i].is_empty()) object.origin = of_object[i].middle();
+        for (LoadedShape& shape : objects[i]) object.shapes.push_back(placed(std::move(shape), object.origin));
+    }
+    for (InstanceDescription& instance : scene.instances) {
+        Affined& map = instance.world_from_object;
+        map.t = map.point(scene.objects[instance.object].origin) - scene.origin;
+    }
+}
+
+}  // namespace latent::render

@@ -1,0 +1,30 @@
+// render/load/mesh/placement.h: from vertices in double, wherever in the world they are, to floats about an origin that is near.
+// docs/scenes.md, "Geometry".
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+// MeshDescription, in the space of the world or of the object that it belongs to.
+struct LoadedMesh {
+    std::vector<Vec3d> positions{};
+    std::vector<Vec3f> normals{};
+    std::vector<Vec2f> uvs{};
+    std::vector<std::uint32_t> indices{};
+};
+struct LoadedShape {
+    ShapeDescription shape;            // without a mesh
+    std::optional<LoadedMesh> mesh{};  // nothing: a quadric
+};
+
+// Gives the scene its shapes, and its objects theirs (one list for each), when all is read. Every place is counted
+// from SceneDescription::origin from then on: the camera's place, or the point nearest to it of the box about all shapes, if it is
+// outside. Objects are counted from the middle of their own boxes, wherever they were modelled.
+void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>> objects, SceneDescription& scene);
+
+}  // namespace latent::render
