@@ -17,37 +17,6 @@ thread_local std::vector<ColumnEntry> table;  // of the page at hand; kept for i
 
 Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
-// Reads the table at the front of a page and finds each column's stored bytes.
-Status read_table(const Job& job, const PageInfo& info, ByteSpan stored) {
-    const std::vector<Column> expected = columns_of(job, info.record_class);
-    ByteReader in(stored);
-    if (in.get<std::uint32_t>() != expected.size()) return corrupt("a page of other columns");
-    table.clear();
-    for (const Column column : expected) {
-        ColumnEntry entry{.column = Column{in.get<std::uint8_t>()}};
-        entry.transform = Transform{in.get<std::uint8_t>()};
-        entry.bits = in.get<std::uint8_t>();
-        const std::uint8_t plane_count = in.get<std::uint8_t>();
-        const std::uint32_t lattice_bits = in.get<std::uint32_t>();
-        entry.base = in.get<std::uint64_t>();
-        entry.hash = in.get<std::uint64_t>();
-        if (entry.column != column || plane_count > kMaxPlanes || lattice_bits > 32 || entry.bits > 64) {
-            return corrupt("a page's table of columns makes no sense");
-        }
-        entry.lattice_bits = static_cast<std::uint8_t>(lattice_bits);
-        for (std::uint8_t p = 0; p < plane_count; ++p) entry.planes.push_back(PlaneEntry::from_word(in.get<std::uint32_t>()));
-        table.push_back(std::move(entry));
-    }
-    for (ColumnEntry& entry : table) {
-        std::size_t size = 0;
-        for (const PlaneEntry& plane : entry.planes) size += plane.stored_size;
-        entry.stored = in.take(size);
-    }
-    if (!in.ok() || in.remaining() != 0) return corrupt("a page's columns do not fill it");
-    if (content_hash(table) != info.content_hash) return corrupt("content hash mismatch");
-    return {};
-}
-
 // Decodes the columns of a page one after another, in the order of the table. It begins with a page without any column, and each
 // takes back the memory that it had before: none is left of another page.
 class PageDecoder {
@@ -229,7 +198,7 @@ Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const 
     const auto decode = [&]() -> Status {
         if (stored.size() != info.stored_size) return Error{ErrorCode::kTruncated, "the page ends early"};
         if (hash64(stored) != info.stored_hash) return corrupt("checksum mismatch");
-        if (Status s = read_table(job, info, stored); !s) return s;
+        if (Status s = read_table(job, info, stored, table); !s) return s;
         return PageDecoder(job, info, columns, every_column, page).decode();
     };
     Status decoded = decode();
@@ -238,7 +207,7 @@ Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const 
 }
 
 Result<std::vector<StoredColumn>> stored_columns(const Job& job, const PageInfo& info, ByteSpan stored) {
-    if (Status s = read_table(job, info, stored); !s) return s.error();
+    if (Status s = read_table(job, info, stored, table); !s) return s.error();
     const std::uint64_t values = info.pair_count, rows_of_page = info.record_count;
     static constexpr struct {
         Column column;

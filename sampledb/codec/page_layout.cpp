@@ -27,4 +27,35 @@ std::uint64_t content_hash(const std::vector<ColumnEntry>& table) {
     return hash64(std::as_bytes(std::span(hashes).first(table.size())));
 }
 
+Status read_table(const Job& job, const PageInfo& info, ByteSpan stored, std::vector<ColumnEntry>& table) {
+    const auto corrupt = [](const char* what) { return Error{ErrorCode::kCorrupt, what}; };
+    const std::vector<Column> expected = columns_of(job, info.record_class);
+    ByteReader in(stored);
+    if (in.get<std::uint32_t>() != expected.size()) return corrupt("a page of other columns");
+    table.clear();
+    for (const Column column : expected) {
+        ColumnEntry entry{.column = Column{in.get<std::uint8_t>()}};
+        entry.transform = Transform{in.get<std::uint8_t>()};
+        entry.bits = in.get<std::uint8_t>();
+        const std::uint8_t plane_count = in.get<std::uint8_t>();
+        const std::uint32_t lattice_bits = in.get<std::uint32_t>();
+        entry.base = in.get<std::uint64_t>();
+        entry.hash = in.get<std::uint64_t>();
+        if (entry.column != column || plane_count > kMaxPlanes || lattice_bits > 32 || entry.bits > 64) {
+            return corrupt("a page's table of columns makes no sense");
+        }
+        entry.lattice_bits = static_cast<std::uint8_t>(lattice_bits);
+        for (std::uint8_t p = 0; p < plane_count; ++p) entry.planes.push_back(PlaneEntry::from_word(in.get<std::uint32_t>()));
+        table.push_back(std::move(entry));
+    }
+    for (ColumnEntry& entry : table) {
+        std::size_t size = 0;
+        for (const PlaneEntry& plane : entry.planes) size += plane.stored_size;
+        entry.stored = in.take(size);
+    }
+    if (!in.ok() || in.remaining() != 0) return corrupt("a page's columns do not fill it");
+    if (content_hash(table) != info.content_hash) return corrupt("content hash mismatch");
+    return {};
+}
+
 }  // namespace latent::sampledb

@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/result.h"
 #include "sampledb/codec/plane_codec.h"
 #include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
 
 namespace latent::sampledb {
 
@@ -59,6 +61,9 @@ constexpr std::size_t kMaxPlanes = 8;
 
 // The columns of a page, in the order of its table.
 std::vector<Column> columns_of(const Job& job, RecordClass record_class);
+
+// Reads the table at the front of a page's stored bytes and finds those of each column. Errors: kCorrupt.
+Status read_table(const Job& job, const PageInfo& info, ByteSpan stored, std::vector<ColumnEntry>& table);
 
 // XXH3-64 over the hashes of the decoded columns.
 std::uint64_t content_hash(const std::vector<ColumnEntry>& table);

@@ -20,12 +20,14 @@ Examples:
 
 inline constexpr const char* kVerify = R"(
 Every stored byte is compared with its checksum; the first thing wrong is named first. An attempt (NAME.latent.part.*) is sound
-if all of its complete runs are; a published name that lacks its footer is damaged. Exit status 4 if anything is damaged.
+if all of its complete runs are; a published name that lacks its footer is damaged. --strict also lists, record by record, what breaks the
+rules that readers rely on and need not check. Exit status 4 if anything is damaged or breaks a rule.
 
 Examples:
   latent-inspect verify night.latent
   latent-inspect verify --quick night-*.latent      headers, indexes and one page of each run
-  latent-inspect verify --deep night.latent         decode every record and check that it is where it belongs)";
+  latent-inspect verify --deep night.latent         decode every record and check that it is where it belongs
+  latent-inspect verify --strict other.latent       for writers: order, page cut, squares, shares, reserved bytes as well)";
 
 inline constexpr const char* kRecover = R"(
 Copies every run that is sound to a new file and verifies that; the input is never changed. What is lost is listed, with --json as a

@@ -24,9 +24,9 @@ int run_info(const Paths& named) {
     return print_each(named, common.json, [](const std::filesystem::path& path) { return read_info(path); });
 }
 
-int run_verify(const Paths& named, sampledb::VerifyLevel level) {
-    return print_each(named, common.json, [level](const std::filesystem::path& path) {
-        return verify(path, level, common.threads, cli::progress_to_stderr("verifying"));
+int run_verify(const Paths& named, sampledb::VerifyLevel level, bool strict) {
+    return print_each(named, common.json, [=](const std::filesystem::path& path) {
+        return verify(path, level, strict, common.threads, cli::progress_to_stderr("verifying"));
     });
 }
 
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
     std::filesystem::path output;
     CatOptions cat_options;
     GenOptions gen_options;
-    bool quick = false, deep = false;
+    bool quick = false, deep = false, strict = false;
 
     CLI::App* info = app.add_subcommand("info", "what is in a file")->footer(help::kInfo);
     info->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
     verify->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
     CLI::Option* quick_flag = verify->add_flag("--quick", quick, "headers, indexes and one page of each run only");
     verify->add_flag("--deep", deep, "decode and check every record as well")->excludes(quick_flag);
+    verify->add_flag("--strict", strict, "as --deep, and list what breaks the rules for writers")->excludes(quick_flag);
 
     CLI::App* recover = app.add_subcommand("recover", "save what can be read into a new file")->footer(help::kRecover);
     recover->add_option("FILE", files, "the damaged file")->required()->expected(1);
@@ -87,7 +88,9 @@ int main(int argc, char** argv) {
     if (common.json) cat_options.format = TextFormat::kJsonLines;
     if (*info) return run_info(files);
     using sampledb::VerifyLevel;
-    if (*verify) return run_verify(files, quick ? VerifyLevel::kQuick : deep ? VerifyLevel::kFull : VerifyLevel::kStored);
+    if (*verify) {
+        return run_verify(files, quick ? VerifyLevel::kQuick : deep || strict ? VerifyLevel::kFull : VerifyLevel::kStored, strict);
+    }
     if (*recover) return run_recover(files.front(), output);
     if (*cat) return run_cat(cat_options);
     return run_gen(gen_options);

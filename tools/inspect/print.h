@@ -26,7 +26,9 @@ std::string text_of(const Report& report, bool as_json) {
 }
 
 inline int status_of(const FileInfo& info) { return info.left_out().empty() ? cli::kDone : cli::kDoneWithLosses; }
-inline int status_of(const VerifyReport& report) { return report.damage.empty() ? cli::kDone : cli::kDamaged; }
+inline int status_of(const VerifyReport& report) {
+    return report.damage.empty() && report.violations.count() == 0 ? cli::kDone : cli::kDamaged;
+}
 
 // The graver of two statuses: found damaged, then failed, then something left out, then done.
 inline int graver(int a, int b) {

@@ -14,6 +14,7 @@
 #include "sampledb/read/input_files.h"
 #include "sampledb/read/part_name.h"
 #include "tools/inspect/damage.h"
+#include "tools/inspect/strict.h"
 
 namespace latent::inspect {
 
@@ -53,23 +54,40 @@ Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunIndex& in
     return found;
 }
 
-// A run as it was read: how many of its values are not finite, or what is wrong with it.
-Result<std::uint64_t> check_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level) {
+// What there is to say of a run that is sound.
+struct RunReport {
+    std::uint64_t not_finite = 0;
+    Violations violations;
+};
+
+// A run as it was read, or what is wrong with it.
+Result<RunReport> check_run(const ByteSource& source, std::size_t number, const RunInfo& run, const Job& job, VerifyLevel level,
+                            bool strict) {
     if (Status s = verify_run(source, run, job, level); !s) return s.error();
-    if (level != VerifyLevel::kFull) return 0;
+    RunReport report;
+    if (level != VerifyLevel::kFull) return report;
     const Result<RunIndex> index = read_run_index(source, run, job);
     if (!index) return index.error();
-    return not_finite_in(source, *index, job);
+    const Result<std::uint64_t> not_finite = not_finite_in(source, *index, job);
+    if (!not_finite) return not_finite.error();
+    report.not_finite = *not_finite;
+    if (!strict) return report;
+    Result<Violations> violations = check_run_strictly(source, number, run, job);
+    if (!violations) return violations.error();
+    report.violations = std::move(*violations);
+    return report;
 }
 
 }  // namespace
 
-Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level, int threads, const Progress& progress) {
+Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level, bool strict, int threads,
+                            const Progress& progress) {
     const Result<FileSource> source = FileSource::open(path);
     if (!source) return source.error();
     VerifyReport report;
     report.path = path;
     report.level = level;
+    report.strict = strict;
     report.size = source->size();
     // The runs are the truth, so they are found by walking; the footer must say the same.
     Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
@@ -82,11 +100,16 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     report.finished = file->finished;
     report.unfinished_tail = file->unfinished_tail;
     report.runs = file->runs.size();
-    std::vector<Result<std::uint64_t>> checked(report.runs);
+    std::vector<Result<RunReport>> checked(report.runs);
+    if (strict) {
+        Result<Violations> violations = check_header_strictly(*source, *file);
+        if (!violations) return violations.error().at(path.string());
+        report.violations = std::move(*violations);
+    }
     std::mutex mutex;
     std::uint64_t bytes_checked = 0;
     const auto check = [&](std::size_t i) {
-        checked[i] = check_run(*source, file->runs[i], job, level);
+        checked[i] = check_run(*source, i, file->runs[i], job, level, strict);
         const std::lock_guard lock(mutex);
         bytes_checked += file->runs[i].header.size();
         if (progress) progress(static_cast<double>(bytes_checked) / static_cast<double>(report.size), format_size(bytes_checked));
@@ -101,40 +124,79 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
         }
         report.pages += run.header.page_count;
         report.records += run.header.camera_records + run.header.light_records;
-        report.not_finite += *checked[i];
+        report.not_finite += checked[i]->not_finite;
+        report.violations.append(std::move(checked[i]->violations));
     }
     for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
+    if (strict) report.violations.append(check_runs_against_each_other(file->runs));
     if (const auto end = damage_at_end(path, *file)) report.damage.push_back(end->reason);
     return report;
 }
+
+namespace {
+
+// "run 3, page 5, record 17: ", as far as it goes.
+std::string place_of(const Violation& violation) {
+    std::string place;
+    for (const auto& [name, number] :
+         {std::pair("run", violation.run), std::pair("page", violation.page), std::pair("record", violation.record)}) {
+        if (number) place += fmt::format("{}{} {}", place.empty() ? "" : ", ", name, *number);
+    }
+    return place.empty() ? place : place + ": ";
+}
+
+}  // namespace
 
 std::string to_text(const VerifyReport& report) {
     std::string text;
     for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", report.path.string(), damage);
     text += fmt::format("{}: {}: {} run{}, {} pages, {} records, {} ({} checked)\n", report.path.string(),
-                        report.damage.empty() ? "sound" : "DAMAGED", report.runs, report.runs == 1 ? "" : "s", report.pages,
-                        report.records, format_size(report.size), what_was_looked_at(report.level));
+                        !report.damage.empty()          ? "DAMAGED"
+                        : report.violations.count() > 0 ? "readable, but BREAKS RULES of the format"
+                        : report.strict                 ? "sound, and follows the format"
+                                                        : "sound",
+                        report.runs, report.runs == 1 ? "" : "s", report.pages, report.records, format_size(report.size),
+                        what_was_looked_at(report.level));
     if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", report.path.string());
         text += report.unfinished_tail > 0
                     ? fmt::format("; {} at its end are a write that was cut short\n", format_size(report.unfinished_tail))
                     : "\n";
     }
+    const std::vector<Violation>& violations = report.violations.listed();
+    for (const Violation& violation : violations) {
+        text += fmt::format("{}: {}{}; wanted: {}\n", report.path.string(), place_of(violation), violation.what, violation.wanted);
+    }
+    if (report.violations.count() > violations.size()) {
+        text +=
+            fmt::format("{}: {} more places of this kind\n", report.path.string(), report.violations.count() - violations.size());
+    }
     if (report.not_finite > 0) text += fmt::format("{}: {} values are not finite\n", report.path.string(), report.not_finite);
     return text;
 }
 
 nlohmann::json to_json(const VerifyReport& report) {
-    return {{"file", report.path.string()},
-            {"sound", report.damage.empty()},
-            {"size", report.size},
-            {"runs", report.runs},
-            {"pages", report.pages},
-            {"records", report.records},
-            {"finished", report.finished},
-            {"unfinished_tail", report.unfinished_tail},
-            {"not_finite", report.not_finite},
-            {"damage", report.damage}};
+    nlohmann::json json = {{"file", report.path.string()},
+                           {"sound", report.damage.empty()},
+                           {"size", report.size},
+                           {"runs", report.runs},
+                           {"pages", report.pages},
+                           {"records", report.records},
+                           {"finished", report.finished},
+                           {"unfinished_tail", report.unfinished_tail},
+                           {"not_finite", report.not_finite},
+                           {"damage", report.damage}};
+    if (!report.strict) return json;
+    json["violation_count"] = report.violations.count();
+    nlohmann::json& listed = json["violations"] = nlohmann::json::array();
+    for (const Violation& violation : report.violations.listed()) {
+        nlohmann::json item = {{"what", violation.what}, {"wanted", violation.wanted}};
+        if (violation.run) item["run"] = *violation.run;
+        if (violation.page) item["page"] = *violation.page;
+        if (violation.record) item["record"] = *violation.record;
+        listed.push_back(std::move(item));
+    }
+    return json;
 }
 
 }  // namespace latent::inspect

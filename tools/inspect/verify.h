@@ -10,6 +10,7 @@
 #include "base/progress.h"
 #include "base/result.h"
 #include "sampledb/read/file_reader.h"
+#include "tools/inspect/violation.h"
 
 namespace latent::inspect {
 
@@ -21,11 +22,13 @@ struct VerifyReport {
     std::uint64_t unfinished_tail = 0;
     std::vector<std::string> damage;  // in the order of the file; empty: the file is sound
     std::uint64_t not_finite = 0;     // kFull: values that are NaN or infinite (data, not damage)
+    bool strict = false;
+    Violations violations;           // strict: rules that are broken, though every reader reads the file
 };
 
 // Errors: kNotFound, kForeign, kUnsupported, kIo. A file whose header cannot be read is damage, not an error.
-// Runs are read by `threads` threads at once (0: one for each processor).
-Result<VerifyReport> verify(const std::filesystem::path& path, sampledb::VerifyLevel level, int threads,
+// Runs are read by `threads` threads at once (0: one for each processor). `strict`, at level kFull: looks for violations, too.
+Result<VerifyReport> verify(const std::filesystem::path& path, sampledb::VerifyLevel level, bool strict, int threads,
                             const Progress& progress = {});
 
 std::string to_text(const VerifyReport& report);

@@ -1,0 +1,101 @@
+#include "tools/inspect/strict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <string_view>
+
+#include "base/json.h"
+#include "base/printable.h"
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/read/provenance.h"
+#include "tools/inspect/strict_order.h"
+#include "tools/inspect/strict_page.h"
+#include "tools/inspect/strict_shares.h"
+
+namespace latent::inspect {
+
+using namespace sampledb;
+
+namespace {
+
+bool is_utf8(const std::string& text) {
+    const nlohmann::json back = nlohmann::json::parse(json_text(nlohmann::json(text), -1));
+    return back.get<std::string>() == text;  // where it is not, U+FFFD stands
+}
+
+bool is_zero(ByteSpan bytes) {
+    return std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{0}; });
+}
+
+}  // namespace
+
+Result<Violations> check_header_strictly(const ByteSource& source, const FileContents& file) {
+    constexpr std::size_t kReserved = 40, kReservedEnd = 56;
+    Violations violations;
+    Bytes front(kReservedEnd);
+    if (Status s = source.read(0, front); !s) return s.error();
+    if (!is_zero(ByteSpan(front).subspan(kReserved))) {
+        violations.add({.what = "reserved bytes of the header are not zero", .wanted = "zero in bytes 40..55"});
+    }
+    for (const ExtraColumnSpec& column : file.header.job.extra) {
+        if (is_utf8(column.name)) continue;
+        violations.add({.what = fmt::format("the column '{}' has a name that is no UTF-8", printable_line(column.name)),
+                        .wanted = "a name in UTF-8"});
+    }
+    const auto check_provenance = [&](const char* place, std::string_view text, std::size_t depth) {
+        const std::string objection = quote_provenance(text, depth).objection;
+        if (objection.empty()) return;
+        violations.add({.what = fmt::format("the provenance in the {} {}", place, objection),
+                        .wanted = fmt::format("nothing, or a JSON object nested at most {} deep", depth)});
+    };
+    check_provenance("header", file.header.provenance_json, kHeaderProvenanceDepth);
+    check_provenance("footer", file.footer_provenance, kFooterProvenanceDepth);
+    return violations;
+}
+
+Result<Violations> check_run_strictly(const ByteSource& source, std::size_t number, const RunInfo& run, const Job& job) {
+    const Result<RunIndex> index = read_run_index(source, run, job);
+    if (!index) return index.error();
+    Violations violations;
+    OrderCheck order(job, number, violations);
+    ShareCheck shares(index->coverage, number, violations);
+    Page page;
+    Bytes stored;
+    for (std::size_t i = 0; i < index->pages.size(); ++i) {
+        const PageInfo& info = index->pages[i];
+        stored.resize(info.stored_size);
+        if (Status s = source.read(info.offset, stored); !s) return s.error();
+        if (Status s = decode_page(job, info, stored, ColumnSet{}, page); !s) return s.error().at(fmt::format("page {}", i));
+        if (Status s = check_page_strictly(job, info, stored, number, i, violations); !s) return s.error();
+        order.add(info, i, page);
+        shares.add(page);
+    }
+    order.finish();
+    const auto read_shares = [&](std::size_t i, Page& into) {
+        return index->pages[i].record_class == RecordClass::kCamera
+                   ? read_page(source, index->pages[i], job, ColumnSet{.positions = false, .values = false, .extra = false}, into)
+                   : Status{};
+    };
+    if (Status s = shares.finish(index->pages.size(), read_shares); !s) return s.error();
+    return violations;
+}
+
+Violations check_runs_against_each_other(const std::vector<RunInfo>& runs) {
+    std::vector<std::size_t> order(runs.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return runs[i].header.samples; });
+    Violations violations;
+    for (std::size_t i = 1; i < order.size(); ++i) {
+        const RunHeader &a = runs[order[i - 1]].header, &b = runs[order[i]].header;
+        if (a.samples != b.samples || a.interval_count > 1 || b.interval_count > 1 || a.content_hash == b.content_hash) continue;
+        violations.add(
+            {.run = order[i],
+             .what = fmt::format("has other records of samples {}..{} than run {}", b.samples.first, b.samples.end, order[i - 1]),
+             .wanted = "the same records wherever a sample number stands"});
+    }
+    return violations;
+}
+
+}  // namespace latent::inspect

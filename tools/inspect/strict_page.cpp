@@ -1,0 +1,177 @@
+#include "tools/inspect/strict_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_layout.h"
+#include "sampledb/codec/planes.h"
+
+namespace latent::inspect {
+
+using namespace sampledb;
+
+namespace {
+
+// The bits of a plane from number `count` on, `bits` to a number, are zero.
+bool padding_is_zero(ByteSpan packed, std::size_t count, unsigned bits) {
+    const std::size_t used = count * bits, whole = used / 8;
+    if (used % 8 != 0 && std::to_integer<unsigned>(packed[whole]) >> used % 8 != 0) return false;
+    return std::ranges::all_of(packed.subspan(whole + (used % 8 != 0)), [](std::byte b) { return b == std::byte{0}; });
+}
+
+// Log2 of the window that a zstd frame wants, rounded up [RFC8878 3.1.1.1]; 0 for one that is no larger than its content.
+int window_log(ByteSpan frame) {
+    const auto byte = [&](std::size_t i) { return i < frame.size() ? std::to_integer<unsigned>(frame[i]) : 0; };
+    const bool single_segment = (byte(4) >> 5 & 1) != 0;
+    if (single_segment) return 0;
+    return static_cast<int>(10 + (byte(5) >> 3) + ((byte(5) & 7) != 0 ? 1 : 0));
+}
+
+class PageCheck {
+ public:
+    PageCheck(const Job& job, const PageInfo& info, ByteSpan stored, std::size_t run, std::size_t number, Violations& violations)
+        : job_(job), info_(info), stored_(stored), run_(run), number_(number), violations_(violations) {}
+
+    Status check() {
+        if (Status s = read_table(job_, info_, stored_, table_); !s) return s;
+        Result<std::vector<StoredColumn>> columns = stored_columns(job_, info_, stored_);
+        if (!columns) return columns.error();
+        columns_ = std::move(*columns);
+        for (const ColumnEntry& entry : table_) {
+            check_fields(entry);
+            if (Status s = check_planes(entry); !s) return s;
+        }
+        return {};
+    }
+
+ private:
+    void check_fields(const ColumnEntry& entry) {
+        const bool packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
+        if (!packed && entry.bits != 0)
+            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1 or 2");
+        if (!packed && entry.base != 0)
+            wrong(entry, "", fmt::format("base is {:#x}", entry.base), "0, unless the transform is 1 or 2");
+        if (entry.transform != Transform::kLattice && entry.lattice_bits != 0)
+            wrong(entry, "", fmt::format("s is {}", entry.lattice_bits), "0, unless the transform is 2");
+        const std::size_t width = columns_[number_of(entry)].decoded / std::max<std::size_t>(values_of(entry.column), 1);
+        if (packed && entry.bits == 0 && width < 8 && entry.base >> 8 * width != 0) {
+            wrong(entry, "", fmt::format("base is {:#x}", entry.base), fmt::format("zero above its {} low bytes", width));
+        }
+        if (entry.transform == Transform::kSampler && info_.record_class == RecordClass::kLight)
+            wrong(entry, "", "positions are left out of a light page", "transform 3 in camera pages only");
+        if (values_of(entry.column) == 0 && (entry.transform != Transform::kPlanes || !entry.planes.empty())) {
+            wrong(entry, "",
+                  fmt::format("no values by transform {} in {} planes", static_cast<int>(entry.transform), entry.planes.size()),
+                  "transform 0 and no planes");
+        }
+    }
+
+    // Planes in the order of their storage.
+    Status check_planes(const ColumnEntry& entry) {
+        if (values_of(entry.column) == 0) return {};
+        ByteSpan rest = entry.stored;
+        for (std::size_t p = 0; p < entry.planes.size(); ++p) {
+            const PlaneEntry& plane = entry.planes[p];
+            const ByteSpan stored = rest.first(plane.stored_size);
+            rest = rest.subspan(plane.stored_size);
+            const std::size_t size = plane_size(entry, p);
+            const std::string place = fmt::format(", plane {}", p);
+            if (plane.codec == PlaneCodec::kDictionary) check_dictionary(entry, place, stored, size);
+            if (plane.codec == PlaneCodec::kZstd && window_log(stored) > kMostWindowLog) {
+                wrong(entry, place, fmt::format("its zstd frame wants a window of up to 2^{} bytes", window_log(stored)),
+                      fmt::format("2^{} at most", kMostWindowLog));
+            }
+            const bool is_packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
+            if (!is_packed) continue;
+            const Result<ByteSpan> bytes = decode_plane(plane, stored, size, scratch_);
+            if (!bytes) return bytes.error();
+            if (!padding_is_zero(*bytes, values_of(entry.column), entry.bits))
+                wrong(entry, place, "padding bits behind the last number are set", "zero");
+        }
+        return {};
+    }
+
+    void check_dictionary(const ColumnEntry& entry, const std::string& place, ByteSpan stored, std::size_t size) {
+        const unsigned bits = std::to_integer<unsigned>(stored[0]);
+        const ByteSpan bytes = stored.subspan(1, std::size_t{1} << bits), packed = stored.subspan(1 + bytes.size());
+        numbers_.resize(size);
+        unpack_bits(packed.first(packed_size(size, bits)), bits, numbers_);
+        std::array<bool, 256> used{};
+        for (const std::uint64_t number : numbers_) used[number] = true;
+        for (std::size_t i = 0; i < bytes.size(); ++i) {
+            if (used[i] || bytes[i] == std::byte{0}) continue;
+            wrong(entry, place,
+                  fmt::format("byte {} of its dictionary is {:#x}, and nothing names it", i, std::to_integer<unsigned>(bytes[i])),
+                  "0");
+        }
+        if (!padding_is_zero(packed, size, bits)) wrong(entry, place, "padding bits behind the last number are set", "zero");
+    }
+
+    std::size_t values_of(Column column) const {
+        return column == Column::kPower || column == Column::kLambda ? info_.pair_count : info_.record_count;
+    }
+
+    std::size_t plane_size(const ColumnEntry& entry, std::size_t plane) {
+        const std::size_t values = values_of(entry.column);
+        switch (entry.transform) {
+            case Transform::kPacked:
+            case Transform::kLattice:
+                return packed_size(values, entry.bits);
+            case Transform::kSparse:
+                return plane == 0 ? (values + 7) / 8 : stored_rows();
+            case Transform::kSparseCross:
+                return stored_rows();
+            default:
+                return values;
+        }
+    }
+
+    // Of a sparse y.
+    std::size_t stored_rows() {
+        if (bright_ != kUnknown) return bright_;
+        const auto y = std::ranges::find(table_, Column::kY, &ColumnEntry::column);
+        const PlaneEntry& plane = y->planes[0];
+        const Result<ByteSpan> bitmap =
+            decode_plane(plane, y->stored.first(plane.stored_size), (info_.record_count + std::size_t{7}) / 8, scratch_);
+        bright_ = 0;
+        if (!bitmap) return 0;
+        for (const std::byte rows : *bitmap) bright_ += static_cast<std::size_t>(std::popcount(std::to_integer<unsigned>(rows)));
+        return bright_;
+    }
+
+    std::size_t number_of(const ColumnEntry& entry) const { return static_cast<std::size_t>(&entry - table_.data()); }
+
+    void wrong(const ColumnEntry& entry, const std::string& place, std::string what, std::string wanted) {
+        violations_.add({.run = run_,
+                         .page = number_,
+                         .what = fmt::format("column {}{}: {}", columns_[number_of(entry)].name, place, what),
+                         .wanted = std::move(wanted)});
+    }
+
+    static constexpr std::size_t kUnknown = ~std::size_t{0};
+    static constexpr int kMostWindowLog = 23;
+
+    const Job& job_;
+    const PageInfo& info_;
+    const ByteSpan stored_;
+    const std::size_t run_, number_;
+    Violations& violations_;
+    std::vector<ColumnEntry> table_;
+    std::vector<StoredColumn> columns_;
+    std::size_t bright_ = kUnknown;
+    Bytes scratch_;
+    std::vector<std::uint64_t> numbers_;
+};
+
+}  // namespace
+
+Status check_page_strictly(const Job& job, const PageInfo& info, ByteSpan stored, std::size_t run, std::size_t number,
+                           Violations& violations) {
+    return PageCheck(job, info, stored, run, number, violations).check();
+}
+
+}  // namespace latent::inspect
