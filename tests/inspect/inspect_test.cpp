@@ -599,7 +599,7 @@ TEST_F(InspectTest, HelpShowsWhatAnOptionTakesAndItsDefault) {
 
 // The commands that a help text shows work as they stand, one after the other.
 TEST_F(InspectTest, ExamplesInHelpTextsWorkWhenPasted) {
-    for (const char* name : {"night-0.latent", "night-1.latent", "broken.latent"}) {
+    for (const char* name : {"night-0.latent", "night-1.latent", "broken.latent", "other.latent"}) {
         const bool second = std::string(name) == "night-1.latent";
         const std::vector<Coverage> runs = {second ? Coverage(SampleRange{kS, 2 * kS}) : Coverage(SampleRange{0, kS})};
         write(name, synthetic::make_file(make_short_job(), runs).bytes);

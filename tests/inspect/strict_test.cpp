@@ -14,6 +14,7 @@
 #include "sampledb/data/z_order.h"
 #include "sampledb/format/footer.h"
 #include "tests/inspect/inspect_test.h"
+#include "tests/support/paths.h"
 #include "tools/inspect/verify.h"
 
 namespace latent::inspect {
@@ -242,7 +243,7 @@ TEST_F(Strict, WhatOurWritersMakeFollowsTheFormat) {
         EXPECT_EQ(inspect({"verify", "--strict", folder_ / "c.latent"}).status, 0) << options;
     }
     for (const char* name : {"explicit.latent", "sparse.latent", "spectral.latent", "xyz.latent", "xyz_extra.latent.part.golden"})
-        EXPECT_EQ(inspect({"verify", "--strict", std::string(LATENT_SOURCE_DIR "/tests/golden/") + name}).status, 0) << name;
+        EXPECT_EQ(inspect({"verify", "--strict", testing::in_tree(std::string("tests/golden/") + name)}).status, 0) << name;
 }
 
 TEST_F(Strict, WhatTheWriterInPythonMakesFollowsTheFormat) {
@@ -421,6 +422,45 @@ TEST_F(Strict, SharesOfASampleAddUpToOne) {
     expect_one(shares({{5, 1}, {6, 0}}), {.run = 0, .what = "the shares of sample 6 add up to 0", .wanted = "1"});
     expect_one(shares({{5, 0.5f}, {6, 1}}), {.run = 0, .what = "the shares of sample 5 add up to 0.5", .wanted = "1"});
     expect_one(shares({{9, NAN}, {6, 1}}), {.run = 0, .what = "the shares of sample 9 add up to nan", .wanted = "1"});
+}
+
+TEST_F(Strict, SharesAreAddedUpHoweverManySamplesARunCovers) {
+    const std::uint64_t far = (std::uint64_t{1} << 25) + 5;
+    const auto file = [&](std::vector<std::uint64_t> samples) {
+        std::vector<Row> rows = diagonal(static_cast<std::uint32_t>(samples.size()));
+        for (std::size_t i = 0; i < samples.size(); ++i) rows[i].sample = samples[i];
+        Coverage coverage(SampleRange{0, 4096});
+        coverage.add(SampleRange{8192, 3 * far});
+        return write_file({write_run(job_, coverage, {{.rows = rows}})});
+    };
+    EXPECT_EQ(violations_of(file({5, far, 2 * far})).count(), 0u);
+    expect_one(file({5, far, 3 * far - 1, far}),
+               {.run = 0, .what = fmt::format("the shares of sample {} add up to 2", far), .wanted = "1"});
+    expect_one(file({5, far, 3 * far - 1, 3 * far - 1}),
+               {.run = 0, .what = fmt::format("the shares of sample {} add up to 2", 3 * far - 1), .wanted = "1"});
+}
+
+TEST_F(Strict, RunsThatOthersWouldNotCutSoAreNotedAndNoMistake) {
+    const auto notes = [&](SampleRange samples) {
+        std::vector<Row> rows = diagonal(10);
+        for (Row& row : rows) row.sample += samples.first;
+        const fs::path file = write_file({write_run(job_, Coverage(samples), {{.rows = rows}})});
+        EXPECT_EQ(violations_of(file).count(), 0u);
+        return verify(file, VerifyLevel::kFull, true, 1)->notes;
+    };
+    EXPECT_TRUE(notes({4096, 8192}).empty());
+    EXPECT_TRUE(notes({4096, 6000}).empty());
+    EXPECT_TRUE(notes({4096, 16384}).empty());
+    ASSERT_EQ(notes({4000, 8192}).size(), 1u);
+    EXPECT_NE(notes({4000, 8192})[0].find("run 0, samples 4000..8192, begins at no multiple of 1024 samples"), std::string::npos);
+    ASSERT_EQ(notes({5120, 9216}).size(), 1u);
+    EXPECT_NE(notes({5120, 9216})[0].find("crosses a multiple of S = 4096"), std::string::npos);
+    job_.run_bytes = 1 << 16;
+    std::vector<Row> rows = diagonal(3000);
+    const fs::path file = write_file({write_run(job_, Coverage(SampleRange{0, 4096}), {{.rows = rows}})});
+    const std::vector<std::string> large = verify(file, VerifyLevel::kFull, true, 1)->notes;
+    ASSERT_EQ(large.size(), 1u);
+    EXPECT_NE(large[0].find("holds 99000 raw bytes, more than R = 65536"), std::string::npos) << large[0];
 }
 
 TEST_F(Strict, RunsOfTheSameSamplesHaveTheSameRecords) {

@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/printable.h"
 #include "sampledb/codec/page_codec.h"
+#include "sampledb/data/grain.h"
 #include "sampledb/read/provenance.h"
 #include "tools/inspect/strict_order.h"
 #include "tools/inspect/strict_page.h"
@@ -23,6 +24,15 @@ namespace {
 bool is_utf8(const std::string& text) {
     const nlohmann::json back = nlohmann::json::parse(json_text(nlohmann::json(text), -1));
     return back.get<std::string>() == text;  // where it is not, U+FFFD stands
+}
+
+// Of a run's columns in memory. docs/format.md, "Canonical runs".
+std::uint64_t raw_bytes(const Job& job, const RunHeader& run) {
+    const bool density = !job.density.empty();
+    std::uint64_t row = 8 + 1 + 4 + 4 + 4;
+    row += job.kind == RecordKind::kXyz ? 12 : density ? 2 + 4 + 2 : 2;
+    for (const ExtraColumnSpec& column : job.extra) row += width(column.type);
+    return (run.camera_records + run.light_records) * row + run.pair_count * (density ? 4 : 8);
 }
 
 bool is_zero(ByteSpan bytes) {
@@ -80,6 +90,19 @@ Result<Violations> check_run_strictly(const ByteSource& source, std::size_t numb
     };
     if (Status s = shares.finish(index->pages.size(), read_shares); !s) return s.error();
     return violations;
+}
+
+std::string boundary_note(const RunHeader& run, const Job& job) {
+    const SampleRange& samples = run.samples;
+    if (samples.first % kGrainSamples != 0) return fmt::format("begins at no multiple of {} samples", kGrainSamples);
+    if (run.interval_count > 1) return "";  // a checkpoint, or compacted
+    const std::uint64_t size = job.run_samples;
+    const bool of_whole_intervals = samples.first % size == 0 && samples.end % size == 0;
+    if (samples.first / size != (samples.end - 1) / size && !of_whole_intervals)
+        return fmt::format("crosses a multiple of S = {} and is not made of whole intervals of S", size);
+    if (samples.size() > size || samples.size() <= kGrainSamples) return "";
+    const std::uint64_t raw = raw_bytes(job, run);
+    return raw <= job.run_bytes ? "" : fmt::format("holds {} raw bytes, more than R = {}", raw, job.run_bytes);
 }
 
 Violations check_runs_against_each_other(const std::vector<RunInfo>& runs) {

@@ -20,6 +20,9 @@ Result<Violations> check_header_strictly(const sampledb::ByteSource& source, con
 Result<Violations> check_run_strictly(const sampledb::ByteSource& source, std::size_t number, const sampledb::RunInfo& run,
                                       const sampledb::Job& job);
 
+// Why a run's boundaries are not those that other writers would choose; "" if they may be. That is allowed, but worth a note.
+std::string boundary_note(const sampledb::RunHeader& run, const sampledb::Job& job);
+
 // Runs of the same samples with other records.
 Violations check_runs_against_each_other(const std::vector<sampledb::RunInfo>& runs);
 

@@ -126,6 +126,12 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
         report.records += run.header.camera_records + run.header.light_records;
         report.not_finite += checked[i]->not_finite;
         report.violations.append(std::move(checked[i]->violations));
+        const std::string note = strict ? boundary_note(run.header, job) : "";
+        if (!note.empty() && report.notes.size() < Violations::kMostListed) {
+            report.notes.push_back(
+                fmt::format("run {}, samples {}..{}, {}: runs of the same samples by others will not be recognised", i,
+                            run.header.samples.first, run.header.samples.end, note));
+        }
     }
     for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);
     if (strict) report.violations.append(check_runs_against_each_other(file->runs));
@@ -163,6 +169,7 @@ std::string to_text(const VerifyReport& report) {
                     ? fmt::format("; {} at its end are a write that was cut short\n", format_size(report.unfinished_tail))
                     : "\n";
     }
+    for (const std::string& note : report.notes) text += fmt::format("{}: note: {}\n", report.path.string(), note);
     const std::vector<Violation>& violations = report.violations.listed();
     for (const Violation& violation : violations) {
         text += fmt::format("{}: {}{}; wanted: {}\n", report.path.string(), place_of(violation), violation.what, violation.wanted);
@@ -187,6 +194,7 @@ nlohmann::json to_json(const VerifyReport& report) {
                            {"not_finite", report.not_finite},
                            {"damage", report.damage}};
     if (!report.strict) return json;
+    json["notes"] = report.notes;
     json["violation_count"] = report.violations.count();
     nlohmann::json& listed = json["violations"] = nlohmann::json::array();
     for (const Violation& violation : report.violations.listed()) {

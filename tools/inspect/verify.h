@@ -23,6 +23,7 @@ struct VerifyReport {
     std::vector<std::string> damage;  // in the order of the file; empty: the file is sound
     std::uint64_t not_finite = 0;     // kFull: values that are NaN or infinite (data, not damage)
     bool strict = false;
+    std::vector<std::string> notes;  // strict: what is allowed, and unusual
     Violations violations;           // strict: rules that are broken, though every reader reads the file
 };
 
