@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "base/result.h"
@@ -36,7 +37,7 @@ class ShareCheck {
     bool marks_are_good() const;
     Status add_up(std::uint64_t begin, std::uint64_t end, std::size_t pages, const ReadPage& read);
 
-    const std::vector<sampledb::SampleRange>& ranges_;
+    const std::span<const sampledb::SampleRange> ranges_;
     std::vector<std::uint64_t> ranks_;  // of the first samples of ranges_
     std::uint64_t samples_ = 0;
     const std::size_t run_;
