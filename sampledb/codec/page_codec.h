@@ -16,10 +16,9 @@ namespace latent::sampledb {
 // node and are sorted; positions are left out where the job's sampler yields every one of them.
 PageInfo encode_page(const Job& job, const Page& page, Bytes& out);
 
-// Decodes `stored`, the bytes that `info` describes, into `page`, of which nothing is left but its memory. Columns that are not asked
-// for are empty; so is the page after an error.
-// `every_column`: compare each decoded column with its content hash, not only those that were derived.
-// Errors: kCorrupt, kUnsupported (a transform that this version does not know).
+// Decodes `stored`, the bytes that `info` describes, into `page`, of which nothing is left but its memory. Columns that are not
+// asked for are empty; so is the page after an error. `every_column`: compare each decoded column with its content hash, not only
+// those that were derived. Errors: kCorrupt, kUnsupported (a transform that this version does not know).
 Status decode_page(const Job& job, const PageInfo& info, ByteSpan stored, const ColumnSet& columns, Page& page,
                    bool every_column = false);
 
