@@ -2,17 +2,26 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pthread.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <exception>
 #include <filesystem>
+#include <memory>
+#include <new>
+#include <utility>
 
 #include "base/parse.h"
 #include "base/printable.h"
+#include "base/temporary_path.h"
 
 namespace latent::cli {
 
@@ -23,6 +32,63 @@ std::string& program_name() {
 }
 
 bool failure_was_said = false;
+
+constexpr const char* kNoMemoryAdvice = " (fewer --threads need less, and a smaller --memory where there is one)";
+
+// When memory runs out, several threads may meet that at once: the first of them speaks, the others wait for the end.
+std::atomic<pthread_t> ending{};
+
+void wait_if_another_ends() {
+    while (ending != pthread_t{} && ending != ::pthread_self()) ::pause();
+}
+
+// False if this thread is ending already, and failed at that.
+bool begin_to_end() {
+    pthread_t nobody{};
+    const bool first = ending.compare_exchange_strong(nobody, ::pthread_self());
+    wait_if_another_ends();
+    return first;
+}
+
+// Small, so that freeing it makes room for the small allocations of an orderly end.
+std::unique_ptr<char[]> reserve;
+
+// Never allocates.
+void say_exception(const std::exception_ptr& exception) {
+    char line[1024] = "";
+    const auto say = [&line](const char* what, const char* advice) {
+        std::snprintf(line, sizeof line, "%s: %s%s\n", program_invocation_short_name, what, advice);
+    };
+    try {
+        if (exception) std::rethrow_exception(exception);
+        say("ended by a fault inside a library", "");
+    } catch (const std::bad_alloc&) {
+        say("out of memory", kNoMemoryAdvice);
+    } catch (const std::exception& what) {
+        say(what.what(), "");
+    } catch (...) {
+        say("ended by an exception of an unknown kind", "");
+    }
+    [[maybe_unused]] const ssize_t said = ::write(STDERR_FILENO, line, std::strlen(line));
+}
+
+// For std::terminate: nobody catches this exception, or none can be caught where it was thrown.
+[[noreturn]] void end_with_exception() {
+    if (!begin_to_end()) ::_exit(kFailed);
+    reserve.reset();
+    say_exception(std::current_exception());
+    remove_temporaries();
+    ::_exit(kFailed);
+}
+
+// For SIGABRT: a library gives up and has said why, as the C library does when a new thread finds no memory for its variables.
+// Where asserts are on, an abort is a fault of ours and ends as one.
+[[maybe_unused]] void end_with_abort(int) {
+    if (!begin_to_end()) ::_exit(kFailed);
+    ::alarm(10);  // should its locks be in the way
+    remove_temporaries();
+    ::_exit(kFailed);
+}
 
 // Files that are opened must not be taken for a standard stream that was closed (">&-"): reports would be written into them.
 void occupy_closed_streams() {
@@ -117,6 +183,13 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     program_name() = app.get_name();
     occupy_closed_streams();
     std::atexit(flush_stdout_at_exit);
+    reserve = std::make_unique<char[]>(64 << 10);
+    std::set_terminate(end_with_exception);
+    // Else oneTBB would go on waiting for tasks that were lost for want of memory.
+    static const tbb::global_control ends_too(tbb::global_control::terminate_on_exception, 1);
+#ifdef NDEBUG
+    std::signal(SIGABRT, end_with_abort);
+#endif
     const auto formatter = std::make_shared<HelpFormatter>();
     app.formatter(formatter);
     for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
@@ -182,10 +255,20 @@ int print_report(const std::string& report, int status) {
 }
 
 int fail(const Error& error) {
+    wait_if_another_ends();
     failure_was_said = true;
-    fmt::print(stderr, "{}: {}\n", program(), printable(error.message));
+    fmt::print(stderr, "{}: {}{}\n", program(), printable(error.message),
+               error.code == ErrorCode::kNoMemory ? kNoMemoryAdvice : "");
     if (error.code == ErrorCode::kUsage) return kUsage;
     return error.code == ErrorCode::kStopped ? kStopped : kFailed;
+}
+
+int fail_with_exception() {
+    begin_to_end();
+    reserve.reset();
+    failure_was_said = true;
+    say_exception(std::current_exception());
+    return kFailed;
 }
 
 void warn(const std::string& message) { fmt::print(stderr, "{}: warning: {}\n", program(), printable(message)); }

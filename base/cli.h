@@ -81,6 +81,10 @@ int print_report(const std::string& report, int status);
 // Prints "PROGRAM: MESSAGE" on stderr; returns kUsage for ErrorCode::kUsage, kStopped for kStopped, else kFailed.
 int fail(const Error& error);
 
+// For the `catch (...)` of main: prints the exception as `fail` would, without memory if there is none left; returns kFailed.
+// `parse` sees to it that exceptions in any other thread end the program in the same way, after removing what is temporary.
+int fail_with_exception();
+
 // The program's name for messages ("latent-merge"); set by `parse`.
 const std::string& program();
 

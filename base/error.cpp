@@ -1,5 +1,9 @@
 #include <cerrno>
 #include <cstring>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <system_error>
 
 #include "base/result.h"
 
@@ -9,6 +13,20 @@ namespace latent {
 Error Error::at(std::string_view place) const {
     const std::string front = std::string(place) + ": ";
     return {code, message.starts_with(front) ? message : front + message};
+}
+
+Error current_error() {
+    try {
+        throw;
+    } catch (const std::bad_alloc&) {
+        return {ErrorCode::kNoMemory, "out of memory"};
+    } catch (const std::length_error&) {  // more than a vector can have
+        return {ErrorCode::kNoMemory, "out of memory"};
+    } catch (const std::exception& exception) {
+        return {ErrorCode::kIo, exception.what()};
+    } catch (...) {
+        return {ErrorCode::kIo, "an exception of an unknown kind"};
+    }
 }
 
 Error error_from_errno(int errno_value, std::string_view path, std::string_view verb) {

@@ -22,6 +22,7 @@ enum class ErrorCode : std::uint8_t {
     kUsage,        // the arguments contradict each other or the input
     kOutOfRange,   // a value outside the documented range
     kStopped,      // a signal or --max-time; what was committed stays
+    kNoMemory,
 };
 
 // One line for the user: what, where, and what to do. `at` adds a place in front: "night_03.latent: run 31: checksum mismatch".
@@ -31,6 +32,9 @@ struct Error {
 
     Error at(std::string_view place) const;
 };
+
+// In a `catch (...)`: the exception in hand, as where threads end. Out of memory it allocates nothing.
+Error current_error();
 
 // Error from errno: "PATH: VERB: No space left on device"; code kNoSpace, kNotFound, kExists or kIo.
 Error error_from_errno(int errno_value, std::string_view path, std::string_view verb);
@@ -43,5 +47,15 @@ class [[nodiscard]] Result : public tl::expected<T, Error> {
 };
 
 using Status = Result<void>;
+
+// What `call`, a function that returns a Status, returns, or the exception that it throws.
+template <class Call>
+Status caught(const Call& call) {
+    try {
+        return call();
+    } catch (...) {
+        return current_error();
+    }
+}
 
 }  // namespace latent

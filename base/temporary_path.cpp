@@ -1,9 +1,13 @@
 #include "base/temporary_path.h"
 
+#include <chrono>
 #include <csignal>
 #include <set>
+#include <stdexcept>
 #include <thread>
 #include <utility>
+
+#include "base/parallel.h"
 
 namespace latent {
 
@@ -32,8 +36,8 @@ void remove_wholly(const fs::path& path) {
 void wait_for(sigset_t signals) {
     int signal = 0;
     if (::sigwait(&signals, &signal) != 0) return;
-    registry().mutex.lock();  // for ever: nothing gets a name any more
-    for (const fs::path& path : registry().paths) remove_wholly(path);
+    registry().mutex.lock();
+    remove_temporaries();
     ::pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
     ::raise(signal);
 }
@@ -61,6 +65,13 @@ TemporaryPath::~TemporaryPath() {
     registry().paths.erase(path_);
 }
 
+// The lock is never returned. Should its owner have been ended by an exception, nobody returns it: then it is done without.
+void remove_temporaries() {
+    constexpr int kTries = 100;
+    for (int i = 0; i < kTries && !registry().mutex.try_lock(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    for (const fs::path& path : registry().paths) remove_wholly(path);
+}
+
 void remove_temporaries_on_signals() {
     sigset_t signals;
     ::sigemptyset(&signals);
@@ -69,7 +80,9 @@ void remove_temporaries_on_signals() {
         if (::sigaction(signal, nullptr, &action) == 0 && action.sa_handler != SIG_IGN) ::sigaddset(&signals, signal);
     }
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // the threads to come inherit it
-    std::thread(wait_for, signals).detach();
+    Result<std::thread> waiting = start_thread([signals] { wait_for(signals); });
+    if (!waiting) throw std::runtime_error(waiting.error().message);
+    waiting->detach();
 }
 
 std::unique_lock<std::recursive_mutex> hold_signals() { return std::unique_lock(registry().mutex); }

@@ -25,8 +25,11 @@ class TemporaryPath {
 };
 
 // For main, before there are other threads: SIGINT, SIGTERM and SIGHUP, unless they are ignored, first remove all that is
-// temporary, then end the program as they would have.
+// temporary, then end the program as they would have. Throws std::runtime_error if the system refuses the thread that waits.
 void remove_temporaries_on_signals();
+
+// Removes all that is temporary, for a program that is about to end: from here on nothing gets its name any more.
+void remove_temporaries();
 
 // While it is held, such signals wait: what gets its name in several steps gets it wholly.
 std::unique_lock<std::recursive_mutex> hold_signals();

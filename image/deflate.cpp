@@ -3,6 +3,8 @@
 #include <zlib.h>
 
 #include <cassert>
+#include <memory>
+#include <new>
 
 namespace latent::image {
 
@@ -13,17 +15,17 @@ const Bytef* zlib_bytes(ByteSpan bytes) { return reinterpret_cast<const Bytef*>(
 // Pieces are some megabytes at most: they fit zlib's 32-bit counts.
 Bytes compress(ByteSpan raw, int level, int window_bits, int flush) {
     z_stream stream{};
-    [[maybe_unused]] int result = deflateInit2(&stream, level, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY);
-    assert(result == Z_OK && raw.size() < (std::size_t{1} << 31));
+    if (deflateInit2(&stream, level, Z_DEFLATED, window_bits, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+    const std::unique_ptr<z_stream, decltype(&deflateEnd)> owner(&stream, deflateEnd);
+    assert(raw.size() < (std::size_t{1} << 31));
     Bytes out(deflateBound(&stream, raw.size()) + 16);  // 16: the empty block of a sync flush
     stream.next_in = const_cast<Bytef*>(zlib_bytes(raw));
     stream.avail_in = static_cast<uInt>(raw.size());
     stream.next_out = reinterpret_cast<Bytef*>(out.data());
     stream.avail_out = static_cast<uInt>(out.size());
-    result = deflate(&stream, flush);
+    deflate(&stream, flush);
     assert(stream.avail_in == 0 && stream.avail_out > 0);
     out.resize(stream.total_out);
-    deflateEnd(&stream);
     return out;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <ImfIO.h>
-#include <fmt/format.h>
 
 #include <exception>
 #include <utility>
@@ -38,8 +37,8 @@ class ExrStream final : public Imf::OStream {
     Status guard(const Call& call) {
         try {
             call();
-        } catch (const std::exception& failed) {
-            if (status_) return Error{ErrorCode::kIo, fmt::format("{}: {}", file_.path().string(), failed.what())};
+        } catch (...) {
+            if (status_) return current_error().at(file_.path().string());
         }
         return status_;
     }

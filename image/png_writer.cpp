@@ -74,7 +74,11 @@ Result<Bytes> head(const PixelFormat& format, const ImageTags& tags) {
     Bytes out;
     std::string fault;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &fault, refuse, ignore_warning);
-    png_infop info = png_create_info_struct(png);
+    png_infop info = png ? png_create_info_struct(png) : nullptr;
+    if (!info) {
+        png_destroy_write_struct(&png, nullptr);
+        return Error{ErrorCode::kNoMemory, "out of memory"};
+    }
     png_set_write_fn(png, &out, append, nothing_to_flush);
     std::vector<png_text> texts;
     for (const auto& [key, value] : tags.texts) {

@@ -10,7 +10,7 @@
 #include "render/program/report.h"
 #include "render/program/stop_signals.h"
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     using namespace latent;
     using namespace latent::render;
 
@@ -92,4 +92,6 @@ int main(int argc, char** argv) {
     return cli::fail(
         {ErrorCode::kStopped, fmt::format("stopped: {} of {} samples are committed; run the same command again to go on",
                                           report->committed, (*job)->range.size())});
+} catch (...) {
+    return latent::cli::fail_with_exception();
 }

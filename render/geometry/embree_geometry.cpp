@@ -102,15 +102,13 @@ Result<std::unique_ptr<Geometry>> Geometry::build(const SceneDescription& scene,
     return std::unique_ptr<Geometry>(std::move(*geometry));
 }
 
-Status EmbreeGeometry::check_device() const {
-    switch (rtcGetDeviceError(device_.get())) {
-        case RTC_ERROR_NONE:
-            return {};
-        case RTC_ERROR_OUT_OF_MEMORY:
-            return Error{ErrorCode::kOutOfRange, "the scene does not fit into memory"};
-        default:
-            return Error{ErrorCode::kUnsupported, "Embree cannot build this scene"};
-    }
+// Of what went wrong, Embree says more here than by rtcGetDeviceError. Any thread.
+void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) {
+    const Error error =
+        code == RTC_ERROR_OUT_OF_MEMORY
+            ? Error{ErrorCode::kNoMemory, "out of memory"}
+            : Error{ErrorCode::kUnsupported, fmt::format("Embree cannot build this scene: {}", message ? message : "")};
+    static_cast<EmbreeGeometry*>(self)->fault_.set(error);
 }
 
 SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
@@ -129,7 +127,10 @@ SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
 Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescription& description, const std::string& simd) {
     auto self = std::make_unique<EmbreeGeometry>();
     self->device_.reset(rtcNewDevice(fmt::format("isa={}", simd).c_str()));
+    if (!self->device_ && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY)
+        return Error{ErrorCode::kNoMemory, "out of memory"};
     if (!self->device_) return Error{ErrorCode::kUnsupported, fmt::format("Embree does not run with isa={}", simd)};
+    rtcSetDeviceErrorFunction(self->device_.get(), keep_fault, self.get());
     for (const ShapeDescription& shape : description.shapes) self->shapes_.push_back(place(shape));
     if (const Status emitters = self->add_emitters(description); !emitters) return emitters.error();
 
@@ -156,7 +157,11 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
         rtcReleaseGeometry(geometry);
     }
     rtcCommitScene(self->scene_.get());
-    if (const Status built = self->check_device(); !built) return built.error();
+    if (self->fault_) {
+        // Of a scene that it could not build, for want of threads say, Embree may still have tasks at work, and ends the program
+        // when it is released: so all of it stays.
+        return self.release()->fault_.status().error();
+    }
     self->find_bounds();
     return self;
 }

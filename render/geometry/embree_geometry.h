@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/first_error.h"
 #include "render/geometry/exact_shapes.h"
 #include "render/geometry/geometry.h"
 
@@ -42,10 +43,11 @@ class EmbreeGeometry final : public Geometry {
 
  private:
     Status add_emitters(const SceneDescription& scene);
-    Status check_device() const;
+    static void keep_fault(void* self, RTCError code, const char* message);
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
     void find_bounds();
 
+    FirstError fault_;  // of Embree, while building
     DeviceHandle device_;
     std::vector<PlacedShape> shapes_;                // of the world; geomID is the index
     std::vector<std::vector<PlacedShape>> objects_;  // geomID within an object is the index

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <mutex>
-#include <thread>
-#include <vector>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/size.h"
 #include "sampledb/write/grain_queue.h"
 
@@ -23,7 +21,7 @@ using sampledb::SampleRange;
 
 constexpr double kGraceSeconds = 4;     // after a stop: grains that are nearly done may end, slower ones are given up
 constexpr double kEstimateSeconds = 2;  // that a dry run renders
-constexpr double kProgressSeconds = 0.2;
+constexpr std::chrono::duration<double> kProgressInterval(0.2);
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -35,46 +33,26 @@ class Work {
 
     // The next grain; empty when there is none, or no more is wanted.
     SampleRange next() { return stopping() ? SampleRange{} : grains_.next(); }
-    bool stopping() { return stop_ || failed_ || (max_seconds_ > 0 && seconds_since(begin_) > max_seconds_); }
+    bool stopping() { return stop_ || error_ || (max_seconds_ > 0 && seconds_since(begin_) > max_seconds_); }
     // True once a grain in work is no longer worth waiting for.
     bool give_up() {
-        if (failed_) return true;
+        if (error_) return true;
         if (!stopping()) return false;
         double stopped = stopped_at_.load();
         if (stopped < 0 && stopped_at_.compare_exchange_strong(stopped, seconds_since(begin_))) return false;
         return seconds_since(begin_) > stopped_at_.load() + kGraceSeconds;
-    }
-    void fail(const Error& error) {
-        const std::lock_guard lock(mutex_);
-        if (!failed_) error_ = error;
-        failed_ = true;
     }
     void finished(const SampleRange& grain, const RadianceFaults& faults) {
         const std::lock_guard lock(mutex_);
         samples_ += grain.size();
         faults_ += faults;
     }
-    void thread_ended() {
-        const std::lock_guard lock(mutex_);
-        ++ended_;
-        changed_.notify_all();
-    }
-    // Waits until `threads` have ended, telling of progress meanwhile.
-    void wait(int threads, std::uint64_t total, const sampledb::PartWriter& writer, const Progress& progress) {
-        std::unique_lock lock(mutex_);
-        while (!changed_.wait_for(lock, std::chrono::duration<double>(kProgressSeconds), [&] { return ended_ == threads; })) {
-            if (!progress) continue;
-            const auto samples = static_cast<double>(samples_);
-            lock.unlock();
-            progress(samples / static_cast<double>(total),
-                     fmt::format("{:.3f} M samples/s, {}", samples / seconds() / 1e6, format_size(writer.counts().bytes_written)));
-            lock.lock();
-        }
-    }
     double seconds() const { return seconds_since(begin_); }
-    bool failed() const { return failed_; }
-    const Error& error() const { return error_; }
-    std::uint64_t samples() const { return samples_; }
+    FirstError& error() { return error_; }
+    std::uint64_t samples() const {
+        const std::lock_guard lock(mutex_);
+        return samples_;
+    }
     const RadianceFaults& faults() const { return faults_; }
 
  private:
@@ -83,14 +61,11 @@ class Work {
     const double max_seconds_;
     const Clock::time_point begin_ = Clock::now();
     std::atomic<double> stopped_at_{-1};
-    std::atomic<bool> failed_{false};
+    FirstError error_;
 
-    std::mutex mutex_;
-    std::condition_variable changed_;
+    mutable std::mutex mutex_;
     std::uint64_t samples_ = 0;
     RadianceFaults faults_;
-    Error error_;
-    int ended_ = 0;
 };
 
 void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Work& work) {
@@ -103,9 +78,15 @@ void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Wo
         }
         const Status submitted = writer.submit(std::move(grain));
         if (!submitted && submitted.error().code == ErrorCode::kStopped) return;
-        if (!submitted) return work.fail(submitted.error());
+        if (!submitted) return work.error().set(submitted.error());
         work.finished(range, faults);
     }
+}
+
+void tell(const Progress& progress, const Work& work, std::uint64_t total, const sampledb::PartWriter& writer) {
+    const auto samples = static_cast<double>(work.samples());
+    progress(samples / static_cast<double>(total),
+             fmt::format("{:.3f} M samples/s, {}", samples / work.seconds() / 1e6, format_size(writer.counts().bytes_written)));
 }
 
 }  // namespace
@@ -124,16 +105,13 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     Work work(writer.missing(), stop, options.max_seconds);
     const std::uint64_t total = writer.missing().size();
     {
-        std::vector<std::jthread> threads;
-        for (int i = 0; i < options.threads; ++i) {
-            threads.emplace_back([&] {
-                trace_grains(*job.integrator, writer, work);
-                work.thread_ended();
-            });
+        Workers workers(options.threads, work.error(), [&](int) { trace_grains(*job.integrator, writer, work); });
+        while (!workers.wait(kProgressInterval)) {
+            if (work.error()) writer.give_up();  // nobody is to wait for a grain that will not come
+            if (progress) tell(progress, work, total, writer);
         }
-        work.wait(options.threads, total, writer, progress);
     }
-    if (work.failed()) return work.error();
+    if (work.error()) return work.error().status().error();
 
     RenderReport report;
     report.elsewhere = total > 0 && writer.published_elsewhere();

@@ -2,6 +2,7 @@
 
 #define ZSTD_STATIC_LINKING_ONLY  // ZSTD_c_literalCompressionMode
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +10,7 @@
 #include <cassert>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <numeric>
 #include <span>
 
@@ -88,6 +90,18 @@ bool repeats(ByteSpan plane, const Sample& sample) {
     return 2 * equal * sample.size * sample.size > i * (squares + sample.size * sample.size);
 }
 
+// What zstd answers for want of memory is no answer about the bytes.
+std::size_t unless_out_of_memory(std::size_t result) {
+    if (ZSTD_getErrorCode(result) == ZSTD_error_memory_allocation) throw std::bad_alloc();
+    return result;
+}
+
+template <class Context>
+Context* made(Context* context) {
+    if (context == nullptr) throw std::bad_alloc();
+    return context;
+}
+
 // Level 1, but hasty about matches, which are few in planes like these: looked for at every fifth byte, and long enough not to be
 // chance. Literals are coded in spite of that, as zstd's own faster levels do not.
 struct Compressor {
@@ -97,7 +111,7 @@ struct Compressor {
         ZSTD_CCtx_setParameter(context.get(), ZSTD_c_targetLength, 4);
         ZSTD_CCtx_setParameter(context.get(), ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
     }
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context{made(ZSTD_createCCtx()), &ZSTD_freeCCtx};
     Bytes buffer;
 };
 
@@ -208,7 +222,8 @@ PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
             thread_local Compressor zstd;
             const std::size_t bound = ZSTD_compressBound(plane.size());
             if (zstd.buffer.size() < bound) zstd.buffer.resize(bound);
-            const std::size_t size = ZSTD_compress2(zstd.context.get(), zstd.buffer.data(), bound, plane.data(), plane.size());
+            const std::size_t size =
+                unless_out_of_memory(ZSTD_compress2(zstd.context.get(), zstd.buffer.data(), bound, plane.data(), plane.size()));
             if (!ZSTD_isError(size) && size < plane.size() - plane.size() / 64) {
                 out.insert(out.end(), zstd.buffer.begin(), zstd.buffer.begin() + static_cast<std::ptrdiff_t>(size));
                 return entry(PlaneCodec::kZstd);
@@ -232,11 +247,13 @@ Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t siz
             std::fill(plane.begin(), plane.end(), stored.front());
             break;
         case PlaneCodec::kZstd: {
-            thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+            thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{made(ZSTD_createDCtx()),
+                                                                                            &ZSTD_freeDCtx};
             // exactly one frame, and no skippable one
             if (stored.size() < 4 || load_le<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER ||
                 ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
-                ZSTD_decompressDCtx(context.get(), plane.data(), size, stored.data(), stored.size()) != size) {
+                unless_out_of_memory(ZSTD_decompressDCtx(context.get(), plane.data(), size, stored.data(), stored.size())) !=
+                    size) {
                 return corrupt("a plane that zstd does not read");
             }
             break;

@@ -12,6 +12,7 @@
 #include <span>
 #include <thread>
 
+#include "base/parallel.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/read/part_name.h"
 #include "sampledb/write/checkpoint_clock.h"
@@ -118,7 +119,9 @@ Status Writer::begin(bool published) {
     Result<PartAttempt> attempt = PartAttempt::create(options_.path, {job_, options_.provenance_json});
     if (!attempt) return attempt.error();
     attempt_ = std::move(*attempt);
-    committer_ = std::thread([this] { commit_until_stopped(); });
+    Result<std::thread> committer = start_thread([this] { commit_until_stopped(); });
+    if (!committer) return committer.error();
+    committer_ = std::move(*committer);
     Lock lock(mutex_);
     advance(lock);
     return status();
@@ -241,7 +244,7 @@ void Writer::commit_until_stopped() {
 
         committing_ = true;
         lock.unlock();
-        const Status done = commit(std::move(grains), coverage);
+        const Status done = caught([&] { return commit(std::move(grains), coverage); });
         lock.lock();
         committing_ = false;
         if (done) {

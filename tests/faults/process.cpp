@@ -146,6 +146,16 @@ FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault
     return outcome;
 }
 
+FaultOutcome run_exhausted(const std::vector<std::string>& command, const std::string& rule) {
+    TemporaryFolder scratch;
+    FaultOutcome outcome;
+    static_cast<Outcome&>(outcome) = run(command, {{"LD_PRELOAD", tool("liblatent_exhaustion_shim.so")},
+                                                   {"LATENT_EXHAUST", rule},
+                                                   {"LATENT_FAULT_HIT", (scratch / "hit").string()}});
+    outcome.happened = fs::exists(scratch / "hit");
+    return outcome;
+}
+
 TemporaryFolder::TemporaryFolder() : TemporaryFolder(fs::temp_directory_path()) {}
 
 TemporaryFolder::TemporaryFolder(const fs::path& parent) : path_(parent / ("latent-test-" + make_nonce())) {

@@ -57,6 +57,9 @@ struct FaultOutcome : Outcome {
 Environment environment_of(const Fault& fault);
 FaultOutcome run_with_fault(const std::vector<std::string>& command, const Fault& fault, const Environment& environment = {});
 
+// With memory or threads that run out: tests/faults/exhaustion_shim.cpp explains the rules ("memory:100+").
+FaultOutcome run_exhausted(const std::vector<std::string>& command, const std::string& rule);
+
 // A new empty folder, removed with everything in it at the end.
 class TemporaryFolder {
  public:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <new>
 
 #include "base/file.h"
 #include "color/adaptation.h"
@@ -59,9 +60,9 @@ Result<color::Transfer> transfer_of(const cmsToneCurve* curve) {
 
 Bytes saved(cmsHPROFILE profile) {
     cmsUInt32Number size = 0;
-    cmsSaveProfileToMem(profile, nullptr, &size);
+    if (!cmsSaveProfileToMem(profile, nullptr, &size)) throw std::bad_alloc();
     Bytes bytes(size);
-    cmsSaveProfileToMem(profile, bytes.data(), &size);
+    if (!cmsSaveProfileToMem(profile, bytes.data(), &size)) throw std::bad_alloc();
     return bytes;
 }
 
@@ -94,13 +95,16 @@ Bytes icc_of(const color::RgbSpace& space) {
     const auto curve = curve_of(space.transfer);
     cmsToneCurve* curves[] = {curve.get(), curve.get(), curve.get()};
     const Profile profile(cmsCreateRGBProfile(&white, &primaries, curves));
-    if (!profile) return {};
-    cmsMLU* text = cmsMLUalloc(nullptr, 1);
-    cmsMLUsetASCII(text, "en", "US", space.name.c_str());
-    cmsWriteTag(profile.get(), cmsSigProfileDescriptionTag, text);
-    cmsMLUsetASCII(text, "en", "US", "CC0");
-    cmsWriteTag(profile.get(), cmsSigCopyrightTag, text);
-    cmsMLUfree(text);
+    if (!profile) {
+        // That the white cannot be adapted is said elsewhere.
+        if (color::adaptation_matrix(p.white, {0.3457, 0.3585})) throw std::bad_alloc();
+        return {};
+    }
+    const auto write = [&](cmsTagSignature tag, const char* words) {  // a text of its own: of each language it takes one only
+        const std::unique_ptr<cmsMLU, decltype(&cmsMLUfree)> text(cmsMLUalloc(nullptr, 1), cmsMLUfree);
+        return text && cmsMLUsetASCII(text.get(), "en", "US", words) && cmsWriteTag(profile.get(), tag, text.get());
+    };
+    if (!write(cmsSigProfileDescriptionTag, space.name.c_str()) || !write(cmsSigCopyrightTag, "CC0")) throw std::bad_alloc();
     Bytes bytes = saved(profile.get());
     // The header's time of creation, and the hash over it: 2000-01-01 00:00:00 and none [ICC, 7.2].
     const std::uint16_t date[] = {2000, 1, 1, 0, 0, 0};

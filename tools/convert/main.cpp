@@ -78,7 +78,7 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     namespace cli = latent::cli;
     latent::convert::ConvertOptions options;
     cli::CommonOptions common;
@@ -96,4 +96,6 @@ int main(int argc, char** argv) {
     if (report->damaged() > 0) cli::warn(fmt::format("{} pixels were not numbers", report->damaged()));
     return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),
                              report->damaged() > 0 ? cli::kDoneWithLosses : cli::kDone);
+} catch (...) {
+    return latent::cli::fail_with_exception();
 }

@@ -35,7 +35,7 @@ left out, or the report could not be written.)";
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     develop::PictureOptions options;
     cli::CommonOptions common;
     CLI::App app{"Develop records into an EXR of linear XYZ.", "latent-develop"};
@@ -80,4 +80,6 @@ int main(int argc, char** argv) {
     for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
     return cli::print_report(common.json ? develop::to_json(*report) : develop::to_text(*report),
                              report->has_losses() ? cli::kDoneWithLosses : cli::kDone);
+} catch (...) {
+    return latent::cli::fail_with_exception();
 }

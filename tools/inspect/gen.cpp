@@ -2,19 +2,21 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <thread>
-#include <vector>
 
 #include "base/first_error.h"
+#include "base/parallel.h"
 #include "base/size.h"
 #include "sampledb/write/grain_queue.h"
 
 namespace latent::inspect {
 
 using namespace sampledb;
+
+namespace {
+constexpr std::chrono::duration<double> kProgressInterval(0.2);
+}
 
 Result<GenReport> generate(const GenOptions& options, const Progress& progress) {
     const auto begin = std::chrono::steady_clock::now();
@@ -38,22 +40,23 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
 
     GrainQueue queue((*writer)->missing());
     FirstError error;
-    const auto work = [&](bool reports) {
-        for (SampleRange range = queue.next(); !range.empty(); range = queue.next()) {
-            const Status submitted = (*writer)->submit(synthetic_grain(options.scene, report.job, range));
-            if (!submitted) return error.set(submitted.error());
-            if (!reports || !progress) continue;
-            const WriterCounts counts = (*writer)->counts();
-            progress(static_cast<double>(counts.samples_committed) / static_cast<double>(samples.size()),
-                     format_size(counts.bytes_written));
-        }
+    const auto tell = [&] {
+        if (!progress || samples.empty()) return;
+        const WriterCounts counts = (*writer)->counts();
+        progress(static_cast<double>(counts.samples_committed) / static_cast<double>(samples.size()),
+                 format_size(counts.bytes_written));
     };
-    std::vector<std::thread> threads;
-    const unsigned count =
-        options.threads > 0 ? static_cast<unsigned>(options.threads) : std::max(1u, std::thread::hardware_concurrency());
-    for (unsigned i = 1; i < count; ++i) threads.emplace_back(work, false);
-    work(true);
-    for (std::thread& thread : threads) thread.join();
+    tell();
+    {
+        Workers workers(Threads::count_of(options.threads), error, [&](int) {
+            for (SampleRange range = queue.next(); !range.empty() && !error; range = queue.next())
+                error.keep((*writer)->submit(synthetic_grain(options.scene, report.job, range)));
+        });
+        while (!workers.wait(kProgressInterval)) {
+            if (error) (*writer)->give_up();  // nobody is to wait for a grain that will not come
+            tell();
+        }
+    }
     if (error) return error.status().error();
     if (Status s = (*writer)->finish(); !s) return s.error();
     report.counts = (*writer)->counts();

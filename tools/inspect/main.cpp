@@ -54,7 +54,7 @@ int run_gen(GenOptions options) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     CLI::App app{"Look into .latent files, check them, save what can be saved, make synthetic ones.", "latent-inspect"};
     app.require_subcommand(1)->fallthrough()->footer(help::kTool);
     cli::add_common(app, common, false);
@@ -94,4 +94,6 @@ int main(int argc, char** argv) {
     if (*recover) return run_recover(files.front(), output);
     if (*cat) return run_cat(cat_options);
     return run_gen(gen_options);
+} catch (...) {
+    return latent::cli::fail_with_exception();
 }

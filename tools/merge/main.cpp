@@ -28,7 +28,7 @@ or the report could not be written.)";
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     merge::MergeOptions options;
     cli::CommonOptions common;
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
@@ -61,4 +61,6 @@ int main(int argc, char** argv) {
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
     return cli::print_report(common.json ? merge::to_json(*report) : merge::to_text(*report),
                              report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses);
+} catch (...) {
+    return latent::cli::fail_with_exception();
 }
