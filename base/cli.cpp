@@ -176,7 +176,12 @@ void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
     if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within")->default_str("1G");
     app.add_flag("--json", options.json, "print the report as JSON on stdout");
     app.add_flag("--force", options.force, "replace an output that exists");
+    app.add_flag("-q,--quiet", options.quiet, "show no progress: a bar on a terminal, elsewhere a line every half minute");
     app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
+}
+
+Progress progress(const CommonOptions& options, std::string verb) {
+    return options.quiet ? Progress() : progress_to_stderr(std::move(verb));
 }
 
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {

@@ -32,10 +32,14 @@ struct CommonOptions {
     std::uint64_t memory = std::uint64_t{1} << 30;  // bytes
     bool json = false;
     bool force = false;
+    bool quiet = false;
 };
 
-// Adds --threads, --json, --force and --version, and --memory where it applies.
+// Adds --threads, --json, --force, --quiet and --version, and --memory where it applies.
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory);
+
+// For an engine: `progress_to_stderr`, or nothing if --quiet was given.
+Progress progress(const CommonOptions& options, std::string verb);
 
 // Parses; an exit status if the program should end now: --help and --version 0, misuse 2 (one line on stderr).
 // From here on, a program whose standard output cannot be written (disk full, say) says so when it ends, with status kFailed.

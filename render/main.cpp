@@ -84,7 +84,7 @@ int main(int argc, char** argv) try {
         cli::print(to_text(*estimated, common.json));
         return cli::kDone;
     }
-    const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress_to_stderr("latent-render"));
+    const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress(common, "rendering"));
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);

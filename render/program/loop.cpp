@@ -83,10 +83,13 @@ void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Wo
     }
 }
 
-void tell(const Progress& progress, const Work& work, std::uint64_t total, const sampledb::PartWriter& writer) {
-    const auto samples = static_cast<double>(work.samples());
-    progress(samples / static_cast<double>(total),
-             fmt::format("{:.3f} M samples/s, {}", samples / work.seconds() / 1e6, format_size(writer.counts().bytes_written)));
+// `before`: samples of the range that earlier work has committed. The pace is that of this run.
+void tell(const Progress& progress, const Work& work, const SampleRange& range, std::uint64_t before,
+          const sampledb::PartWriter& writer) {
+    const std::uint64_t samples = work.samples();
+    progress(static_cast<double>(before + samples) / static_cast<double>(range.size()),
+             fmt::format("{:.3f} M samples/s, {} written", static_cast<double>(samples) / work.seconds() / 1e6,
+                         format_size(writer.counts().bytes_written)));
 }
 
 }  // namespace
@@ -103,12 +106,13 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     sampledb::PartWriter& writer = **opened;
 
     Work work(writer.missing(), stop, options.max_seconds);
-    const std::uint64_t total = writer.missing().size();
+    const std::uint64_t total = writer.missing().size(), before = job.range.size() - total;
+    if (progress && total > 0) progress(static_cast<double>(before) / static_cast<double>(job.range.size()), "");
     {
         Workers workers(options.threads, work.error(), [&](int) { trace_grains(*job.integrator, writer, work); });
         while (!workers.wait(kProgressInterval)) {
             if (work.error()) writer.give_up();  // nobody is to wait for a grain that will not come
-            if (progress) tell(progress, work, total, writer);
+            if (progress) tell(progress, work, job.range, before, writer);
         }
     }
     if (work.error()) return work.error().status().error();

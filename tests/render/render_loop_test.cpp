@@ -1,6 +1,7 @@
 // The loop over grains with a renderer that is made up: what is asked of it, what it may do, and how it stops.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -136,6 +137,21 @@ TEST(RenderLoop, StopsKeepWhatWasFinishedAndTheNextCallGoesOn) {
     }
     EXPECT_EQ(committed, 40960u);
     EXPECT_GT(calls, 1);
+}
+
+TEST(RenderLoop, ProgressCountsWhatEarlierCallsCommitted) {
+    Fake fake({0, 40960}, std::chrono::microseconds(20));
+    fake.integrator->stop_after(20000, fake.stop);
+    const Result<RenderReport> first = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(first && first->committed > 0 && !first->complete);
+    fake.stop = false;
+    fake.integrator->forget();
+    std::vector<double> parts;
+    ASSERT_TRUE(render(fake.job, fake.options, fake.stop, [&](double done, const std::string&) { parts.push_back(done); }));
+    ASSERT_FALSE(parts.empty());
+    EXPECT_EQ(parts.front(), static_cast<double>(first->committed) / 40960);
+    EXPECT_TRUE(std::ranges::is_sorted(parts));
+    EXPECT_LE(parts.back(), 1);
 }
 
 TEST(RenderLoop, TimeLimitIsAStop) {

@@ -91,7 +91,7 @@ int main(int argc, char** argv) try {
     options.memory = common.memory;
     options.replace = common.force;
     latent::remove_temporaries_on_signals();
-    const auto report = latent::convert::convert(options, cli::progress_to_stderr("printing"));
+    const auto report = latent::convert::convert(options, cli::progress(common, "printing"));
     if (!report) return cli::fail(report.error());
     if (report->damaged() > 0) cli::warn(fmt::format("{} pixels were not numbers", report->damaged()));
     return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),

@@ -73,7 +73,7 @@ int main(int argc, char** argv) try {
     options.threads = common.threads;
 
     remove_temporaries_on_signals();
-    const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress_to_stderr("developing"));
+    const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress(common, "developing"));
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const std::string& warning : report->warnings) cli::warn(warning);

@@ -26,12 +26,12 @@ int run_info(const Paths& named) {
 
 int run_verify(const Paths& named, sampledb::VerifyLevel level, bool strict) {
     return print_each(named, common.json, [=](const std::filesystem::path& path) {
-        return verify(path, level, strict, common.threads, cli::progress_to_stderr("verifying"));
+        return verify(path, level, strict, common.threads, cli::progress(common, "verifying"));
     });
 }
 
 int run_recover(const std::filesystem::path& input, const std::filesystem::path& output) {
-    const Result<RecoverReport> report = recover(input, output, common.force, cli::progress_to_stderr("recovering"));
+    const Result<RecoverReport> report = recover(input, output, common.force, cli::progress(common, "recovering"));
     if (!report) return cli::fail(report.error());
     return cli::print_report(text_of(*report, common.json), report->lost_anything() ? cli::kDoneWithLosses : cli::kDone);
 }
@@ -47,7 +47,7 @@ int run_cat(const CatOptions& options) {
 int run_gen(GenOptions options) {
     options.force = common.force;
     options.threads = common.threads;
-    const Result<GenReport> report = generate(options, cli::progress_to_stderr("generating"));
+    const Result<GenReport> report = generate(options, cli::progress(common, "generating"));
     if (!report) return cli::fail(report.error());
     return cli::print_report(text_of(*report, common.json), cli::kDone);
 }

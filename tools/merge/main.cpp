@@ -55,7 +55,7 @@ int main(int argc, char** argv) try {
     options.threads = common.threads;
 
     remove_temporaries_on_signals();
-    const Result<merge::MergeReport> report = merge::merge(options, cli::progress_to_stderr("merging"));
+    const Result<merge::MergeReport> report = merge::merge(options, cli::progress(common, "merging"));
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);
     for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
