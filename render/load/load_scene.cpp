@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "render/load/foreign_format.h"
 #include "render/load/pbrt/builder.h"
 
 namespace latent::render {
@@ -39,8 +40,13 @@ class Loader {
         DirectiveReader reader(*text, index);
         while (true) {
             const auto directive = reader.next();
+            if (!begun_ && !(directive && *directive)) {
+                const std::string_view format = foreign_format(*text);
+                if (!format.empty() || directive) return not_pbrt(path, format);
+            }
             if (!directive) return syntax_error(directive.error());
             if (!*directive) break;
+            begun_ = true;
             const Directive& d = **directive;
             end_ = d.where;
             if (d.name != "Include" && d.name != "Import") {
@@ -63,6 +69,11 @@ class Loader {
         return {};
     }
 
+    static Error not_pbrt(const std::filesystem::path& path, std::string_view format) {
+        return {ErrorCode::kForeign, fmt::format("{}: not a pbrt-v4 scene, the only kind that is read: {}", path.string(),
+                                                 format.empty() ? "there is nothing in it" : format)};
+    }
+
     // Ends the loading at once; what was found before is told too.
     Error syntax_error(const ParseError& error) {
         messages_.error(error.where, error.message);
@@ -75,6 +86,7 @@ class Loader {
     Messages messages_;
     SceneBuilder builder_;
     SourceLocation end_;
+    bool begun_ = false;  // there was a directive
 };
 
 }  // namespace

@@ -66,6 +66,26 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("not before WorldBegin"));
 }
 
+TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
+    using namespace std::string_literals;
+    const auto is = [](const char* format) {
+        return HasSubstr(std::string("room.pbrt: not a pbrt-v4 scene, the only kind that is read: ") + format);
+    };
+    EXPECT_THAT(refusal("{ \"asset\": { \"version\": \"2.0\" } }"), is("this is a glTF scene"));
+    EXPECT_THAT(refusal("\xef\xbb\xbf\n{\"scenes\": [], \"asset\": {}}"), is("this is a glTF scene"));
+    EXPECT_THAT(refusal("glTF\2\0\0\0"s), is("this is a binary glTF scene"));
+    EXPECT_THAT(refusal("#usda 1.0\ndef Xform \"x\" {}\n"), is("this is a USD scene"));
+    EXPECT_THAT(refusal("#usda 1.0\n"), is("this is a USD scene"));
+    EXPECT_THAT(refusal("# a cube\n\nmtllib cube.mtl\nv 0 0 0\n"), is("this is a Wavefront OBJ scene"));
+    EXPECT_THAT(refusal("<?xml version=\"1.0\"?><scene/>"), is("this is XML"));
+    EXPECT_THAT(refusal("\x1f\x8b\b\0\0"s), is("this is compressed by gzip"));
+    EXPECT_THAT(refusal("\x89\0\1\2"s), is("this is a binary file"));
+    EXPECT_THAT(refusal(""), is("there is nothing in it"));
+    EXPECT_THAT(refusal("# only a comment\n"), is("there is nothing in it"));
+    EXPECT_THAT(refusal("Lookat 0 0 0\nWorldBegin"), HasSubstr("room.pbrt:1:1: \"Lookat\" is not a directive of pbrt-v4"));
+    EXPECT_THAT(refusal("WorldBegin\n{ \"asset\": 1 }"), HasSubstr("room.pbrt:2:1: "));  // what began as a scene is one
+}
+
 TEST(SceneRefusals, AllErrorsAreToldAtOnce) {
     const std::string message = refused_world("Material \"hair\"\nShape \"curve\"\nLightSource \"projection\"\n");
     for (const char* place : {":2:1: ", ":3:1: ", ":4:1: "}) EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + place));
