@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
     RenderSettings settings;
     RenderOptions options;
     cli::CommonOptions common;
-    bool dry_run = false;
+    bool dry_run = false, ignore_space = false;
 
     CLI::App app{"Renders samples of a pbrt-v4 scene into one .latent part. The same command again goes on where it stopped.",
                  "latent-render"};
@@ -55,7 +55,9 @@ int main(int argc, char** argv) try {
                    "Samples are equal bit for bit only at one level")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
-    app.add_flag("--dry-run", dry_run, "render for two seconds, then tell the time and disk space that everything would take");
+    app.add_flag("--dry-run", dry_run,
+                 "render for two seconds, then print how long the rest would take, how large the part would be, and what is free");
+    app.add_flag("--ignore-space", ignore_space, "begin even if the part is not expected to fit on the disk");
     cli::add_common(app, common, false);
     app.footer(
         "Examples:\n"
@@ -74,17 +76,22 @@ int main(int argc, char** argv) try {
     Result<std::unique_ptr<RenderJob>> job = Error{};
     threads.run([&] { job = prepare(settings); });
     if (!job) return cli::fail(job.error());
-    for (const std::string& warning : (*job)->scene.warnings) cli::warn(warning);
+    for (const std::string& warning : (*job)->warnings) cli::warn(warning);
     options.provenance_json = provenance(**job, settings);
 
     const std::atomic<bool>& stop_requested = commit_on_signals();
     if (dry_run) {
-        const Result<RenderEstimate> estimated = estimate(**job, options, stop_requested);
-        if (!estimated) return cli::fail(estimated.error());
-        cli::print(to_text(*estimated, common.json));
+        const Result<Forecast> expected = forecast(**job, options, 2, stop_requested);
+        if (!expected) return cli::fail(expected.error());
+        if (!expected->fits()) cli::warn(too_large(*expected, options.output));
+        cli::print(to_text(*expected, common.json));
         return cli::kDone;
     }
-    const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress(common, "rendering"));
+    if (!ignore_space) {
+        if (const Status fits = check_space(**job, options, stop_requested); !fits) return cli::fail(fits.error());
+    }
+    const Progress progress = cli::progress(common, "rendering");
+    const Result<RenderReport> report = render::render(**job, options, stop_requested, progress);
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);

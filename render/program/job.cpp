@@ -65,8 +65,8 @@ sampledb::JobId job_id(const Hash128& scene, const IntegratorSettings& settings,
     return hash128(bytes);
 }
 
-Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const FilmDescription& film, std::uint32_t run_samples) {
-    const Resolution pixels = settings.resolution.value_or(Resolution{film.width, film.height});
+// The samples of all shards.
+Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const Resolution& pixels, std::uint32_t run_samples) {
     const double count = std::ceil(settings.spp * pixels.width * pixels.height);
     if (!settings.samples && count >= 0x1p62)
         return Error{ErrorCode::kUsage, fmt::format("--spp {}: too large; a job has fewer than 2^62 samples", settings.spp)};
@@ -80,13 +80,32 @@ Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const Fil
             fmt::format("--samples {}:{}: the first must be a multiple of {}, the samples of a run; the nearest are {} and {}",
                         all.first, all.end, run_samples, all.first - beyond, all.first - beyond + run_samples)};
     }
-    return shard_of(all, settings.shard, run_samples);
+    return all;
+}
+
+std::uint64_t runs_of(const sampledb::SampleRange& all, std::uint32_t run_samples) {
+    return all.size() / run_samples + (all.size() % run_samples != 0 ? 1 : 0);
+}
+
+// Of a shard where there are fewer runs than shards, so that some have nothing to do.
+std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples) {
+    const std::uint64_t runs = runs_of(all, run_samples);
+    std::uint32_t shorter = run_samples;
+    while (shorter > sampledb::kMinRunSamples && runs_of(all, shorter) < shard.count) shorter /= 2;
+    const std::string advice = runs_of(all, shorter) >= shard.count
+                                   ? fmt::format("; with --run-samples {}, the same for every shard, none would be", shorter)
+                                   : "";
+    return fmt::format(
+        "--shard {}/{}: {} of {} shards are empty{}: {} samples make {} run{} of up to {}, and shards consist of whole runs{}",
+        shard.index, shard.count, shard.count - runs, shard.count,
+        shard_of(all, shard, run_samples).empty() ? ", this one too" : "", all.size(), runs, runs == 1 ? "" : "s", run_samples,
+        advice);
 }
 
 }  // namespace
 
 sampledb::SampleRange shard_of(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples) {
-    const std::uint64_t runs = all.size() / run_samples + (all.size() % run_samples != 0 ? 1 : 0);
+    const std::uint64_t runs = runs_of(all, run_samples);
     // floor(runs i / count) without overflow
     const auto boundary = [&](std::uint64_t i) {
         const std::uint64_t run = runs / shard.count * i + runs % shard.count * i / shard.count;
@@ -107,7 +126,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     Result<std::unique_ptr<Geometry>> geometry = Geometry::build(description, out->simd);
     if (!geometry) return geometry.error();
     out->geometry = std::move(*geometry);
-    const IntegratorSettings integrator_options = integrator_settings(settings, description);
+    const IntegratorSettings& integrator_options = out->settings = integrator_settings(settings, description);
+    out->raw_sample_bytes = bytes_per_sample(integrator_options);
     Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, *out->geometry, integrator_options);
     if (!integrator) return integrator.error();
     out->integrator = std::move(*integrator);
@@ -122,15 +142,18 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
         job.density = out->integrator->density();
     }
     job.light_paths_per_sample = out->integrator->light_paths_per_sample();
-    job.run_samples =
-        settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(bytes_per_sample(integrator_options));
+    job.run_samples = settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(out->raw_sample_bytes);
     job.positions = integrator_options.positions;
     job.id = job_id(out->scene.content, integrator_options, out->integrator->density(), job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 
-    const Result<sampledb::SampleRange> range = range_of(settings, description.film, job.run_samples);
-    if (!range) return range.error();
-    out->range = *range;
+    out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});
+    const Result<sampledb::SampleRange> all = range_of(settings, out->resolution, job.run_samples);
+    if (!all) return all.error();
+    out->range = shard_of(*all, settings.shard, job.run_samples);
+    out->warnings = out->scene.warnings;
+    if (runs_of(*all, job.run_samples) < settings.shard.count)
+        out->warnings.push_back(too_few_runs(*all, settings.shard, job.run_samples));
     return out;
 }
 

@@ -52,7 +52,11 @@ struct RenderJob {
     std::unique_ptr<Geometry> geometry;
     std::unique_ptr<Integrator> integrator;
     sampledb::Job job;
-    sampledb::SampleRange range;  // of this process
+    sampledb::SampleRange range;         // of this process
+    IntegratorSettings settings;         // as the command line and the scene give them together
+    Resolution resolution{};             // that counts samples
+    std::uint64_t raw_sample_bytes = 0;  // at least, uncompressed
+    std::vector<std::string> warnings;
 };
 
 // Errors: those of the scene; kUsage for a range that does not begin a run, naming its neighbours, or a SIMD level that this

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <mutex>
 
-#include "base/file.h"
 #include "base/parallel.h"
 #include "base/size.h"
 #include "sampledb/write/grain_queue.h"
@@ -19,8 +18,7 @@ using Clock = std::chrono::steady_clock;
 using sampledb::Grain;
 using sampledb::SampleRange;
 
-constexpr double kGraceSeconds = 4;     // after a stop: grains that are nearly done may end, slower ones are given up
-constexpr double kEstimateSeconds = 2;  // that a dry run renders
+constexpr double kGraceSeconds = 4;  // after a stop: grains that are nearly done may end, slower ones are given up
 constexpr std::chrono::duration<double> kProgressInterval(0.2);
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
@@ -94,14 +92,17 @@ void tell(const Progress& progress, const Work& work, const SampleRange& range, 
 
 }  // namespace
 
+sampledb::PartOptions part_options(const RenderJob& job, const RenderOptions& options) {
+    return {.path = options.output,
+            .range = job.range,
+            .checkpoint_seconds = options.checkpoint_seconds,
+            .provenance_json = options.provenance_json,
+            .force = options.force};
+}
+
 Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop,
                             const Progress& progress) {
-    const sampledb::PartOptions part{.path = options.output,
-                                     .range = job.range,
-                                     .checkpoint_seconds = options.checkpoint_seconds,
-                                     .provenance_json = options.provenance_json,
-                                     .force = options.force};
-    Result<std::unique_ptr<sampledb::PartWriter>> opened = sampledb::PartWriter::open(part, job.job);
+    Result<std::unique_ptr<sampledb::PartWriter>> opened = sampledb::PartWriter::open(part_options(job, options), job.job);
     if (!opened) return opened.error();
     sampledb::PartWriter& writer = **opened;
 
@@ -128,29 +129,6 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     report.written = writer.counts();
     report.committed = report.written.samples_committed;
     return report;
-}
-
-Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
-    if (job.range.empty()) return RenderEstimate{};
-    std::error_code error;
-    const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
-    if (error) return Error{ErrorCode::kIo, "no folder for temporary files, set TMPDIR: " + error.message()};
-    const std::filesystem::path folder = temporary / ("latent-dry-run-" + make_nonce());
-    if (!std::filesystem::create_directory(folder, error))
-        return Error{ErrorCode::kIo, fmt::format("{}: cannot be created: {}", folder.string(), error.message())};
-    RenderOptions trial = options;
-    trial.output = folder / "trial.latent";
-    trial.max_seconds = kEstimateSeconds;
-    const Result<RenderReport> report = render(job, trial, stop, {});
-    std::filesystem::remove_all(folder, error);
-    if (!report) return report.error();
-    if (report->samples == 0) return Error{ErrorCode::kStopped, "no sample was finished in the time of a dry run"};
-    const double factor = static_cast<double>(job.range.size()) / static_cast<double>(report->samples);
-    return RenderEstimate{
-        .samples = job.range.size(),
-        .bytes = static_cast<std::uint64_t>(std::min(static_cast<double>(report->written.bytes_written) * factor, 0x1p63)),
-        .seconds = report->seconds * factor,
-        .measured_samples = report->samples};
 }
 
 }  // namespace latent::render

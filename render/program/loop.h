@@ -34,17 +34,12 @@ struct RenderReport {
     sampledb::WriterCounts written;
 };
 
+// The part that these options name.
+sampledb::PartOptions part_options(const RenderJob& job, const RenderOptions& options);
+
 // Renders what is missing of the job's range into `options.output`. `stop` may become true at any moment, from a signal handler.
 // Errors: those of sampledb::PartWriter.
 Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop,
                             const Progress& progress);
-
-// What the whole range would take, from a few seconds of it rendered into a temporary file that is gone afterwards.
-struct RenderEstimate {
-    std::uint64_t samples = 0, bytes = 0;
-    double seconds = 0;
-    std::uint64_t measured_samples = 0;
-};
-Result<RenderEstimate> estimate(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop);
 
 }  // namespace latent::render

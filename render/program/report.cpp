@@ -41,37 +41,63 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"negative", report.faults.negative}};
         return json_text(out) + "\n";
     }
-    const bool was_complete = report.complete && report.samples == 0 && !report.elsewhere;
-    const std::string rendered = was_complete ? "nothing was left to render"
-                                              : fmt::format("{} rendered in {} ({:.3f} M samples/s)", report.samples,
-                                                            format_duration(report.seconds), rate / 1e6);
+    std::string rendered =
+        fmt::format("{} rendered in {} ({:.3f} M samples/s)", report.samples, format_duration(report.seconds), rate / 1e6);
+    if (report.complete && report.samples == 0 && !report.elsewhere) rendered = "nothing was left to render";
+    if (job.range.empty()) rendered = "an empty shard";
     return fmt::format("job {}\nsamples {}:{}, {}, {} written\n{}", to_hex(job.job.id), job.range.first, job.range.end, rendered,
                        format_size(report.written.bytes_written),
                        report.elsewhere ? "another process has finished this part meanwhile: nothing was left to do\n" : "");
 }
 
-std::string to_text(const RenderEstimate& estimate, bool json) {
+std::string to_text(const Forecast& forecast, bool json) {
     if (json) {
-        const Json out = {{"samples", estimate.samples},
-                          {"bytes", estimate.bytes},
-                          {"seconds", estimate.seconds},
-                          {"measured_samples", estimate.measured_samples}};
+        Json out = {{"samples", forecast.samples},
+                    {"committed", forecast.committed},
+                    {"bytes", forecast.bytes},
+                    {"seconds", forecast.seconds},
+                    {"measured_samples", forecast.measured_samples},
+                    {"fits", forecast.fits()}};
+        if (forecast.free_bytes) out["free_bytes"] = *forecast.free_bytes;
         return json_text(out) + "\n";
     }
-    return fmt::format("{} samples would take {} and {} on disk (measured on {} samples)\n", estimate.samples,
-                       format_duration(estimate.seconds), format_size(estimate.bytes), estimate.measured_samples);
+    const std::string free = forecast.free_bytes ? fmt::format("; {} are free", format_size(*forecast.free_bytes)) : "";
+    if (forecast.committed == forecast.samples) return fmt::format("all {} samples are committed already\n", forecast.samples);
+    const std::uint64_t missing = forecast.samples - forecast.committed;
+    const std::string which = forecast.committed == 0 ? fmt::format("{} samples", missing)
+                                                      : fmt::format("{} of {} samples are committed; the other {}",
+                                                                    forecast.committed, forecast.samples, missing);
+    return fmt::format("{} would take {}, the part {} on disk{} (measured on {} samples)\n", which,
+                       format_duration(forecast.seconds), format_size(forecast.bytes), free, forecast.measured_samples);
 }
 
 std::string provenance(const RenderJob& job, const RenderSettings& settings) {
+    const IntegratorSettings& integrator = job.settings;
+    const bool bdpt = integrator.kind == IntegratorKind::kBdpt;
     char host[256] = "";
     ::gethostname(host, sizeof host - 1);
-    const Json out = {{"program", "latent-render " LATENT_VERSION},
-                      {"scene", settings.scene.string()},
-                      {"simd", job.simd},
-                      {"render_epoch", kRenderEpoch},
-                      {"seed", settings.seed},
-                      {"host", host},
-                      {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
+    Json out = {
+        {"program", "latent-render " LATENT_VERSION}, {"scene", settings.scene.string()}, {"integrator", bdpt ? "bdpt" : "path"}};
+    if (bdpt) out["connections"] = integrator.connections == Connections::kAll ? "all" : "one";
+    if (integrator.max_depth == kUnlimited) {
+        out["max_depth"] = "unlimited";
+    } else {
+        out["max_depth"] = integrator.max_depth;
+    }
+    out["record"] = integrator.record == sampledb::RecordKind::kXyz ? "xyz" : "spectral";
+    out["wavelengths"] = integrator.batch;
+    out["seed"] = integrator.seed;
+    if (settings.samples) {
+        out["samples"] = {settings.samples->first, settings.samples->end};
+    } else {
+        out["spp"] = settings.spp;
+        out["resolution"] = {job.resolution.width, job.resolution.height};
+    }
+    if (settings.shard.count > 1) out["shard"] = fmt::format("{}/{}", settings.shard.index, settings.shard.count);
+    out["simd"] = job.simd;
+    out["render_epoch"] = kRenderEpoch;
+    out["host"] = host;
+    out["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
     return json_text(out, -1);
 }
 

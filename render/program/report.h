@@ -3,15 +3,16 @@
 
 #include <string>
 
+#include "render/program/forecast.h"
 #include "render/program/loop.h"
 
 namespace latent::render {
 
 std::string to_text(const RenderReport& report, const RenderJob& job, bool json);
-std::string to_text(const RenderEstimate& estimate, bool json);
+std::string to_text(const Forecast& forecast, bool json);
 std::string to_text(const RadianceFaults& faults);
 
-// Program and version, scene, SIMD level, render epoch, seed, host and date, as JSON for the file's header.
+// Program and version, scene, all settings that shape the samples or choose them, host and date, as JSON for the file's header.
 std::string provenance(const RenderJob& job, const RenderSettings& settings);
 
 }  // namespace latent::render

@@ -13,7 +13,6 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::uint32_t kMinRunSamples = 1u << 10, kMaxRunSamples = 1u << 22;
 constexpr std::uint64_t kMinRunBytes = std::uint64_t{64} << 10, kMaxRunBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kRunTargetBytes = std::uint64_t{64} << 20;
 

@@ -21,6 +21,8 @@ struct ExtraColumnSpec {
     bool operator==(const ExtraColumnSpec&) const = default;
 };
 
+inline constexpr std::uint32_t kMinRunSamples = 1u << 10, kMaxRunSamples = 1u << 22;
+
 struct Job {
     JobId id;
     std::uint32_t aspect_width = 1, aspect_height = 1;  // film aspect, reduced to lowest terms

@@ -390,4 +390,16 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
     return writer;
 }
 
+Result<Coverage> PartWriter::find_missing(const PartOptions& options, const Job& job) {
+    Coverage missing(options.range);
+    if (options.force) return missing;
+    const Result<bool> published = is_published(options.path, job, options.range);
+    if (!published) return published.error();
+    if (*published) return Coverage{};
+    const Result<EarlierAttempts> earlier = EarlierAttempts::find(options.path, job, options.range);
+    if (!earlier) return earlier.error();
+    missing.remove(earlier->committed());
+    return missing;
+}
+
 }  // namespace latent::sampledb

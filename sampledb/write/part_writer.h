@@ -35,6 +35,8 @@ class PartWriter {
     // Errors: kMismatch (NAME.latent is of another job, or covers another range), kUsage (range.first; the message names the
     // nearest valid ones), kIo, kNoSpace.
     static Result<std::unique_ptr<PartWriter>> open(const PartOptions& options, const Job& job);
+    // What `open` would find missing. Only looks. Errors: kMismatch, kIo.
+    static Result<Coverage> find_missing(const PartOptions& options, const Job& job);
     virtual ~PartWriter() = default;
 
     // What was not committed when the part was opened, grain by grain in ascending order: render exactly these.

@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "base/simd.h"
 #include "render/program/arguments.h"
 #include "render/program/job.h"
+#include "render/program/report.h"
 #include "render/program/simd.h"
 #include "tests/render/scenes.h"
 
@@ -124,6 +126,36 @@ TEST_F(JobOf, HowMuchAndWhereAreNoPartOfIt) {
     EXPECT_EQ(plain->job.aspect_height, 3u);
     EXPECT_EQ(plain->range, (SampleRange{0, 16 * 64 * 48}));
     EXPECT_EQ(same->range, (SampleRange{0, 30000}));  // one run: shard 0 is empty
+}
+
+TEST_F(JobOf, ProvenanceNamesEverySettingAsItWasUsed) {
+    const auto of = [this](auto&& change) {
+        RenderSettings changed = settings();
+        change(changed);
+        return nlohmann::json::parse(provenance(*job(changed), changed));
+    };
+    const nlohmann::json plain = of([](RenderSettings&) {});
+    EXPECT_EQ(plain["integrator"], "path");
+    EXPECT_EQ(plain["max_depth"], 5);  // pbrt-v4's, as the scene names none
+    EXPECT_EQ(plain["record"], "spectral");
+    EXPECT_EQ(plain["wavelengths"], 28);
+    EXPECT_EQ(plain["spp"], 16);
+    EXPECT_EQ(plain["resolution"], nlohmann::json({64, 48}));
+    EXPECT_FALSE(plain.contains("connections") || plain.contains("samples") || plain.contains("shard"));
+    const nlohmann::json other = of([](RenderSettings& s) {
+        s.integrator = IntegratorKind::kBdpt;
+        s.max_depth = kUnlimited;
+        s.resolution = Resolution{1000, 750};
+        s.shard = {1, 2};
+    });
+    EXPECT_EQ(other["integrator"], "bdpt");
+    EXPECT_EQ(other["connections"], "one");
+    EXPECT_EQ(other["max_depth"], "unlimited");
+    EXPECT_EQ(other["resolution"], nlohmann::json({1000, 750}));
+    EXPECT_EQ(other["shard"], "1/2");
+    const nlohmann::json range = of([](RenderSettings& s) { s.samples = SampleRange{0, 5000}; });
+    EXPECT_EQ(range["samples"], nlohmann::json({0, 5000}));
+    EXPECT_FALSE(range.contains("spp") || range.contains("resolution"));
 }
 
 TEST_F(JobOf, SeedsShiftFilmPositionsButForZero) {

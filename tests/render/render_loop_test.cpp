@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "render/program/forecast.h"
 #include "render/program/loop.h"
 #include "tests/faults/process.h"
 
@@ -154,6 +155,21 @@ TEST(RenderLoop, ProgressCountsWhatEarlierCallsCommitted) {
     EXPECT_LE(parts.back(), 1);
 }
 
+TEST(RenderLoop, ADryRunOfWhatWasStoppedCountsTheRestButTheWholePart) {
+    Fake fake({0, 1 << 20}, std::chrono::microseconds(20));
+    fake.integrator->stop_after(20000, fake.stop);
+    const Result<RenderReport> first = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(first && first->committed > 0 && !first->complete);
+    fake.stop = false;
+    fake.integrator->forget();
+    const Result<Forecast> rest = forecast(fake.job, fake.options, 0.3, fake.stop);
+    ASSERT_TRUE(rest) << rest.error().message;
+    EXPECT_EQ(rest->samples, std::uint64_t{1} << 20);
+    EXPECT_EQ(rest->committed, first->committed);
+    EXPECT_NEAR(static_cast<double>(rest->missing_bytes()) / static_cast<double>(rest->bytes),
+                1 - static_cast<double>(first->committed) / (1 << 20), 1e-6);
+}
+
 TEST(RenderLoop, TimeLimitIsAStop) {
     Fake fake({0, std::uint64_t{1} << 40});
     fake.options.max_seconds = 0.2;
@@ -175,7 +191,7 @@ TEST(RenderLoop, SlowGrainsAreGivenUp) {
 
 TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
     Fake fake({0, std::uint64_t{1} << 30}, std::chrono::microseconds(50));
-    const Result<RenderEstimate> estimated = estimate(fake.job, fake.options, fake.stop);
+    const Result<Forecast> estimated = forecast(fake.job, fake.options, 2, fake.stop);
     ASSERT_TRUE(estimated) << estimated.error().message;
     EXPECT_EQ(estimated->samples, std::uint64_t{1} << 30);
     EXPECT_GT(estimated->seconds, 1000);
@@ -185,7 +201,7 @@ TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
 
 TEST(RenderLoop, AnEmptyShardIsEstimatedAtNothing) {
     Fake fake({8192, 8192});
-    const Result<RenderEstimate> estimated = estimate(fake.job, fake.options, fake.stop);
+    const Result<Forecast> estimated = forecast(fake.job, fake.options, 2, fake.stop);
     ASSERT_TRUE(estimated) << estimated.error().message;
     EXPECT_EQ(estimated->samples, 0u);
     EXPECT_EQ(estimated->bytes, 0u);

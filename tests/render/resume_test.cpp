@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <random>
 #include <thread>
@@ -126,7 +127,7 @@ TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
 TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const std::filesystem::path part = folder_ / ("s" + std::to_string(signal) + ".latent");
-        Child child(command(part, {}, "0:1000000000000"));
+        Child child(command(part, {"--ignore-space"}, "0:1000000000000"));
         wait_for_samples(part);  // its attempts are read under its name
         child.send(signal);
         child.send(signal);
@@ -167,9 +168,45 @@ TEST_F(Resume, ThreadsAndShardsMakeTheSameRuns) {
         const Outcome outcome = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         const Outcome again = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
-        EXPECT_THAT(again.out, HasSubstr(", nothing was left to render, "));
+        EXPECT_THAT(again.out, HasSubstr(i == 0 ? ", an empty shard, " : ", nothing was left to render, "));
     }
     EXPECT_EQ(runs_of(shards), whole_);
+}
+
+TEST_F(Resume, MoreShardsThanRunsIsSaidWithAWayToGiveEveryShardWork) {
+    const Outcome empty = latent::testing::run(command(folder_ / "0.latent", {"--shard", "0/4"}));
+    EXPECT_EQ(empty.status, 0);
+    EXPECT_THAT(empty.err, HasSubstr("warning: --shard 0/4: 1 of 4 shards are empty, this one too: 150000 samples make 3 runs"));
+    EXPECT_THAT(empty.err, HasSubstr("with --run-samples 32768, the same for every shard, none would be"));
+    const Outcome other = latent::testing::run(command(folder_ / "1.latent", {"--shard", "1/4"}));
+    EXPECT_THAT(other.err, HasSubstr("1 of 4 shards are empty: 150000 samples"));
+    EXPECT_EQ(latent::testing::run(command(folder_ / "2.latent", {"--shard", "2/3"})).err, "");
+}
+
+// On a disk that holds a tenth of it.
+TEST_F(Resume, APartThatWillNotFitIsRefusedBeforeItBegins) {
+    const latent::testing::SmallDisk disk(2 << 20);
+    if (!disk.mounted()) GTEST_SKIP() << "no right to mount a small disk";
+    const Command part = command(disk / "p.latent");
+    const auto with = [&part](const Command& more) {
+        Command out = part;
+        out.insert(out.end(), more.begin(), more.end());
+        return latent::testing::run(out);
+    };
+    const Outcome dry = with({"--dry-run"});
+    EXPECT_EQ(dry.status, 0);
+    EXPECT_THAT(dry.err, HasSubstr("warning: "));
+    EXPECT_THAT(dry.err, HasSubstr(" are free in "));
+    const Outcome refused = with({});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.err, HasSubstr(" are free in "));
+    EXPECT_THAT(refused.err, HasSubstr("--ignore-space"));
+    EXPECT_EQ(std::ranges::count(refused.err, '\n'), 1);
+    EXPECT_TRUE(disk.names().empty());
+    EXPECT_EQ(with({"--max-time", "1e-9"}).status, 75);  // what can be rendered until then fits
+    const Outcome full = with({"--ignore-space"});
+    EXPECT_EQ(full.status, 1);
+    EXPECT_THAT(full.err, HasSubstr("No space left"));
 }
 
 TEST_F(Resume, AnotherJobOrRangeUnderTheNameIsRefused) {

@@ -1,0 +1,77 @@
+#include "render/program/forecast.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/file.h"
+#include "base/size.h"
+#include "base/temporary_path.h"
+
+namespace latent::render {
+
+namespace {
+
+constexpr double kTrialSeconds = 1;  // before a render that may not fit
+
+// For a part under this name; with --force it gets the place of another.
+std::optional<std::uint64_t> free_space(const RenderOptions& options) {
+    std::error_code error;
+    const std::filesystem::space_info space = std::filesystem::space(folder_of(options.output), error);
+    if (error) return std::nullopt;
+    const std::uint64_t replaced = options.force ? std::filesystem::file_size(options.output, error) : 0;
+    return error ? space.available : space.available + replaced;
+}
+
+std::uint64_t scaled(std::uint64_t bytes, double factor) {
+    return static_cast<std::uint64_t>(std::min(static_cast<double>(bytes) * factor, 0x1p63));
+}
+
+}  // namespace
+
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
+    const Result<sampledb::Coverage> missing = sampledb::PartWriter::find_missing(part_options(job, options), job.job);
+    if (!missing) return missing.error();
+    Forecast out;
+    out.samples = job.range.size();
+    out.committed = job.range.size() - missing->size();
+    out.free_bytes = free_space(options);
+    if (missing->empty()) return out;
+
+    std::error_code error;
+    const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+    if (error) return Error{ErrorCode::kIo, "no folder for temporary files, set TMPDIR: " + error.message()};
+    const TemporaryPath folder(temporary / ("latent-dry-run-" + make_nonce()));
+    if (!std::filesystem::create_directory(folder.path(), error))
+        return Error{ErrorCode::kIo, fmt::format("{}: cannot be created: {}", folder.path().string(), error.message())};
+    RenderOptions trial = options;
+    trial.output = folder.path() / "trial.latent";
+    trial.max_seconds = seconds;
+    const Result<RenderReport> report = render(job, trial, stop, {});
+    if (!report) return report.error();
+    if (report->samples == 0) return Error{ErrorCode::kStopped, "no sample was finished in the time of a dry run"};
+    const auto measured = static_cast<double>(report->samples);
+    out.measured_samples = report->samples;
+    out.seconds = report->seconds * static_cast<double>(missing->size()) / measured;
+    out.bytes = scaled(report->written.bytes_written, static_cast<double>(out.samples) / measured);
+    return out;
+}
+
+std::string too_large(const Forecast& forecast, const std::filesystem::path& output) {
+    return fmt::format("{}: needs about {}, but {} are free in {}; make room, or render less (--spp, --samples, --shard)",
+                       output.string(), format_size(forecast.bytes), format_size(forecast.free_bytes.value_or(0)),
+                       folder_of(output).string());
+}
+
+Status check_space(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
+    const std::optional<std::uint64_t> free = free_space(options);
+    if (!free || job.range.size() <= *free / std::max<std::uint64_t>(job.raw_sample_bytes, 1)) return {};
+    const Result<Forecast> expected = forecast(job, options, kTrialSeconds, stop);
+    if (!expected || expected->fits()) return {};  // what else is wrong, rendering says
+    const double part_of_time = options.max_seconds > 0 ? options.max_seconds / expected->seconds : 1;
+    if (part_of_time < 1 && scaled(expected->missing_bytes(), part_of_time) <= *free) return {};
+    return Error{ErrorCode::kNoSpace, too_large(*expected, options.output) + "; --ignore-space renders until the disk is full"};
+}
+
+}  // namespace latent::render

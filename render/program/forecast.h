@@ -1,0 +1,41 @@
+// render/program/forecast.h: what a job will take, of time and of the disk, before it is rendered.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "render/program/loop.h"
+
+namespace latent::render {
+
+struct Forecast {
+    std::uint64_t samples = 0;    // of the job's range
+    std::uint64_t committed = 0;  // of these, by earlier work
+    double seconds = 0;           // for the others
+    std::uint64_t bytes = 0;      // of the whole part: a resumed render copies what was committed before it removes that
+    std::uint64_t measured_samples = 0;
+    std::optional<std::uint64_t> free_bytes;  // in the folder of the output, if the system says
+
+    std::uint64_t missing_bytes() const {
+        return static_cast<std::uint64_t>(static_cast<double>(bytes) * static_cast<double>(samples - committed) /
+                                          static_cast<double>(samples));
+    }
+    bool fits() const { return !free_bytes || committed == samples || bytes <= *free_bytes; }
+};
+
+// From `seconds` of rendering into a temporary file that is gone afterwards. Errors: those of `render`, and kStopped if not one
+// sample was finished.
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop);
+
+// For a forecast that does not fit: what, where, and what to do.
+std::string too_large(const Forecast& forecast, const std::filesystem::path& output);
+
+// Before rendering. Takes no time where uncompressed records would fit, else a second. Errors: kNoSpace if the part, or what
+// --max-time lets it become, will not fit. No answer is none.
+Status check_space(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop);
+
+}  // namespace latent::render
