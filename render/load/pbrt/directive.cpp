@@ -117,7 +117,8 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
     if (!*first) return std::optional<Directive>{};
     Directive directive{.name = std::string((*first)->text), .where = (*first)->where};
     const Grammar* grammar = grammar_of(**first);
-    if (grammar == nullptr) return tl::unexpected(ParseError{directive.where, quote(directive.name) + " is not a directive of pbrt-v4"});
+    if (grammar == nullptr)
+        return tl::unexpected(ParseError{directive.where, quote(directive.name) + " is not a directive of pbrt-v4"});
 
     for (int i = 0; i < grammar->strings; ++i) {
         const auto token = require(Token::Kind::kString, directive, "a quoted name");
