@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
         [] { return lamp_among_large_triangles(16'384); },
         [] { return lamp_among_large_triangles(131'072); },
         [] { return lamp_among_large_triangles(1 << 20); },
+        [] { return lamp_among_large_triangles(1 << 20, 1e6); },
         [] { return lamp_behind_lid(9e-4); },
         [] { return lamp_behind_lid(2e-5); },
         [] { return lamp_far_away(1e5, 0.01); },

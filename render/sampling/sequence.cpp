@@ -46,23 +46,31 @@ std::vector<std::uint64_t> scrambled_block(std::uint32_t base, std::uint32_t dig
 
 }  // namespace
 
-Sequence::Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important) : seed_(mix(seed + 0x6a09e667f3bcc909u)) {
-    for (const std::uint32_t dimension : important) {
-        if (radicals_.size() == kPrimes) break;
-        const std::uint32_t base = kBases[radicals_.size()];
-        Radical r;
-        std::uint32_t digits = 0;
-        for (r.block = 1; r.block * base <= 4096; r.block *= base) ++digits;
-        r.reciprocal = ~std::uint64_t{0} / r.block + 1;
-        std::uint64_t unit = kOne;
-        while (unit > kOne >> 34) {
-            r.table.push_back(scrambled_block(base, digits, unit, mix(seed_ + (std::uint64_t{base} << 40) + r.table.size())));
-            for (std::uint32_t d = 0; d < digits; ++d) unit /= base;
-        }
-        r.tail = unit;
-        radicals_.push_back(std::move(r));
-        radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
+Sequence::Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing)
+    : seed_(mix(seed + 0x6a09e667f3bcc909u)) {
+    for (std::size_t i = 0; i < std::min(important.size(), kPrimes); ++i)
+        add_radical(important[i], kBases[i], seed_ + (std::uint64_t{kBases[i]} << 40));
+    for (const Sharing& s : sharing) {
+        if (radical_of_[s.with] == 0) continue;
+        const std::uint32_t base = radicals_[radical_of_[s.with] - 1u].base;
+        add_radical(s.dimension, base, seed_ + (std::uint64_t{base} << 40) + (std::uint64_t{s.dimension + 1} << 32));
     }
+}
+
+void Sequence::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key) {
+    Radical r;
+    r.base = base;
+    std::uint32_t digits = 0;
+    for (r.block = 1; r.block * base <= 4096; r.block *= base) ++digits;
+    r.reciprocal = ~std::uint64_t{0} / r.block + 1;
+    std::uint64_t unit = kOne;
+    while (unit > kOne >> 34) {
+        r.table.push_back(scrambled_block(base, digits, unit, mix(key + r.table.size())));
+        for (std::uint32_t d = 0; d < digits; ++d) unit /= base;
+    }
+    r.tail = unit;
+    radicals_.push_back(std::move(r));
+    radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
 }
 
 std::uint64_t Sequence::hash(std::uint64_t n, std::uint32_t dimension) const {

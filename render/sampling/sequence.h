@@ -9,10 +9,23 @@
 
 namespace latent::render {
 
-// What each random decision of a sample is called. Camera and light subpaths have blocks of their own, one per vertex.
+// What each random decision of a sample is called. Scattering vertices of camera and light subpaths have blocks of their own.
 struct Dimension {
-    enum : std::uint32_t { kXi, kKeptWavelength, kLensU, kLensV, kCameraVertices = 8, kLightVertices = 1u << 20 };
-    // Within the block of a vertex. At a scattering vertex; a light subpath's first block is that of the light itself.
+    enum : std::uint32_t {
+        kXi,
+        kKeptWavelength,
+        kLensU,
+        kLensV,
+        // Of the ray that a light subpath starts with.
+        kStartLight,
+        kStartU,
+        kStartV,
+        kStartDirectionU,
+        kStartDirectionV,
+        kCameraVertices = 16,
+        kLightVertices = 1u << 20
+    };
+    // Within the block of a vertex.
     enum : std::uint32_t {
         kDistanceChannel,
         kDistance,
@@ -40,13 +53,18 @@ struct Dimension {
 // The film position of sample n is Halton(2, 3)(n), so samples of one pixel, at whatever size the film is developed, are those
 // whose n agree modulo 2^a 3^b. The dimensions that matter most are therefore scrambled radical inverses in the *other* primes:
 // along every such subsequence they are as well spread as along n itself [Halton60], [Owen95]; a sequence in base 2 would not be.
+// Large primes are spread out only over many samples, so two dimensions that no path has both of may have the same small one.
 // All further dimensions are hashes of (seed, n, dimension).
 class Sequence {
  public:
     static constexpr std::size_t kPrimes = 16;  // 5 .. 61
 
+    // A dimension that takes the prime of another, scrambled on its own; hashed if that one is.
+    struct Sharing {
+        std::uint32_t dimension, with;
+    };
     // `important`: dimensions, most important first; the i-th takes the i-th prime from 5 on; those beyond kPrimes are hashed.
-    Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important);
+    Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing = {});
 
     // 60 bits of it differ from sample to sample, or all 64.
     Uniform at(std::uint64_t n, std::uint32_t dimension) const;
@@ -55,6 +73,7 @@ class Sequence {
     // Digits are looked up several at a time: `table[j]` maps a block of base-b digits to its scrambled mirror image, in units of
     // 2^-60.
     struct Radical {
+        std::uint32_t base = 0;
         std::uint32_t block = 0;       // b^digits, at most 4096
         std::uint64_t reciprocal = 0;  // ceil(2^64 / block): exact quotients below 2^52
         std::uint64_t tail = 0;        // b^-(all digits) in units of 2^-60: the room for a random number below the digits
@@ -62,6 +81,8 @@ class Sequence {
     };
     static constexpr std::uint32_t kTabulated = 64;  // dimensions below this may have a prime
 
+    // `key`: how it is scrambled.
+    void add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key);
     std::uint64_t hash(std::uint64_t n, std::uint32_t dimension) const;
 
     std::uint64_t seed_;

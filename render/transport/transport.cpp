@@ -7,7 +7,7 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       settings_(settings),
       density_(wavelength_density(world_->lights().spectra())),
       wavelengths_(density_, settings.batch),
-      sequence_(settings.seed, important_dimensions(*world_)),
+      sequence_(settings.seed, important_dimensions(*world_), shared_dimensions()),
       records_(settings.record),
       spectra_([this] { return SampledSpectra(world_->library()); }) {}
 
@@ -23,6 +23,16 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     Radiance camera;
     trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, camera, out, faults);
     records_.camera(n, film.u, film.v, camera, spectra.wavelengths, kept, out, faults);
+}
+
+std::vector<Sequence::Sharing> shared_dimensions() {
+    using D = Dimension;
+    const auto vertex = [](std::uint32_t v, std::uint32_t what) { return D::of_camera_vertex(v, what); };
+    return {{D::kStartDirectionU, vertex(0, D::kLightU)},
+            {D::kStartDirectionV, vertex(0, D::kLightV)},
+            {D::kStartU, vertex(1, D::kLightU)},
+            {D::kStartV, vertex(1, D::kLightV)},
+            {D::kStartLight, vertex(0, D::kLight)}};
 }
 
 std::vector<std::uint32_t> important_dimensions(const World& world) {

@@ -54,13 +54,15 @@ double form_factor(double half, double z) {
 
 }  // namespace
 
-ClosedForm lamp_among_large_triangles(std::uint32_t triangles) {
+ClosedForm lamp_among_large_triangles(std::uint32_t triangles, double distance) {
     const int log2 = std::bit_width(triangles / 4) - 1;
     const std::uint32_t columns = 1u << (log2 + 1) / 2, rows = 1u << log2 / 2;
     const double half = 0.01;  // too small to be found by chance: all of its light is from points drawn on it
-    return {.name = fmt::format("a lamp of {} of {} triangles", 2 * columns * rows, 4 * columns * rows),
-            .scene = scene_from(floor_seen(1e-3) + kLamp + grid(half, 2, false, columns, rows) +
-                                grid(half * std::sqrt(200), 3, true, columns, rows)),
+    const std::string text =
+        floor_seen(1e-3) + kLamp + grid(half, 2, false, columns, rows) + grid(half * std::sqrt(200), 3, true, columns, rows);
+    return {.name = fmt::format("a lamp of {} of {} triangles{}", 2 * columns * rows, 4 * columns * rows,
+                                distance == 0 ? "" : fmt::format(", moved by {:g}", distance)),
+            .scene = scene_from(distance == 0 ? text : moved(text, distance)),
             .y = kReflectance * form_factor(half, 2)};
 }
 

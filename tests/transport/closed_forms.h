@@ -17,8 +17,9 @@ struct ClosedForm {
     IntegratorSettings settings{.max_depth = 1};
 };
 
-// A grey floor under a square lamp of `triangles` / 2 triangles; as many, each of 200 times the area, shine away from it.
-ClosedForm lamp_among_large_triangles(std::uint32_t triangles);
+// A grey floor under a square lamp of `triangles` / 2 triangles; as many, each of 200 times the area, shine away from it. All of it
+// stands `distance` along each axis.
+ClosedForm lamp_among_large_triangles(std::uint32_t triangles, double distance = 0);
 
 // A lamp above an opaque lid twice its size, `gap` apart, 10 m above the floor: nothing gets past the lid.
 ClosedForm lamp_behind_lid(double gap);

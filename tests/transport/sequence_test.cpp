@@ -36,17 +36,20 @@ TEST(Sequence, EveryDimensionIsUniform) {
     }
 }
 
-// The samples of one pixel are spread out in the important dimensions as no random numbers are, at any resolution.
+// The samples of one pixel are spread out in the important dimensions, and in those that share their primes, as no random numbers
+// are, at any resolution.
 TEST(Sequence, SamplesOfOnePixelAreSpreadOut) {
-    const Sequence sequence(7, kImportant);
+    constexpr std::uint32_t kDimensions = 6;
+    const Sequence sequence(7, kImportant, {{4, 0}, {5, 1}});
     for (const std::uint32_t width : {64u, 100u, 256u}) {
         double sum = 0;
         int count = 0;
-        std::vector<std::vector<float>> x(std::size_t{width} * 4);  // of the pixels of one row, in 4 dimensions
+        std::vector<std::vector<float>> x(std::size_t{width} * kDimensions);  // of the pixels of one row
         for (std::uint64_t n = 0; n < width * width * 16; ++n) {
             const sampledb::FilmPosition p = sampledb::halton23(n, {sampledb::PositionSampler::kHalton23, 0, 0});
             if (std::uint64_t{p.v} * width >> 32 != 40) continue;
-            for (std::uint32_t d = 0; d < 4; ++d) x[(std::uint64_t{p.u} * width >> 32) * 4 + d].push_back(sequence.at(n, d));
+            for (std::uint32_t d = 0; d < kDimensions; ++d)
+                x[(std::uint64_t{p.u} * width >> 32) * kDimensions + d].push_back(sequence.at(n, d));
         }
         for (const std::vector<float>& of_one : x) {
             sum += discrepancy(of_one) * std::sqrt(static_cast<double>(of_one.size()));
@@ -66,6 +69,12 @@ TEST(Sequence, IsAFunctionOfSeedSampleAndDimension) {
         }
     }
     EXPECT_LT(same, 3);
+    const Sequence sharing(1, kImportant, {{4, 0}, {5, 20}});  // 20 is hashed, so 5 is too
+    for (std::uint64_t n = 0; n < 1000; ++n) {
+        EXPECT_EQ(sharing.at(n, 0).bits, a.at(n, 0).bits);
+        EXPECT_EQ(sharing.at(n, 5).bits, a.at(n, 5).bits);
+        EXPECT_NE(sharing.at(n, 4).bits, sharing.at(n, 0).bits);
+    }
     EXPECT_NE(a.at((std::uint64_t{1} << 53) + 5, 0).bits,
               a.at(5, 0).bits);  // sample numbers beyond the tables are samples of their own
 }

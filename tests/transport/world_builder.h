@@ -1,6 +1,7 @@
 // tests/transport/world_builder.h: scenes written as text, loaded and ready to trace.
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -57,6 +58,13 @@ inline Scene scene_under_sky(const std::string& text) {
     }
     write_exr(folder / "sky.exr", 8, 8, rgb);
     return scene_of(load_scene(folder.write("room.pbrt", text)));
+}
+// The text of a scene whose camera and everything else stand `distance` further along each axis.
+inline std::string moved(std::string text, double distance) {
+    text.insert(text.find("Camera "), fmt::format("Translate {0} {0} {0}\n", -distance));
+    const std::string begin = "WorldBegin\n";
+    text.insert(text.find(begin) + begin.size(), fmt::format("Translate {0} {0} {0}\n", distance));
+    return text;
 }
 // A file of the project's scenes/.
 inline Scene scene_named(const std::string& name) { return scene_of(load_scene(latent::testing::in_tree("scenes/" + name))); }

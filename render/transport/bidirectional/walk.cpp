@@ -28,11 +28,11 @@ void Bidirectional::trace_eye(double u, double v) {
 }
 
 void Bidirectional::trace_light() {
-    chosen_ = lights_.choose(light_number(0, Dimension::kLight));
+    chosen_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
     const Light& light = lights_[chosen_];
     LightRay ray;
-    lights_.sample_ray(chosen_, light_number(0, Dimension::kLightU), light_number(0, Dimension::kLightV),
-                       light_number(0, Dimension::kDirectionU), light_number(0, Dimension::kDirectionV), ray);
+    lights_.sample_ray(chosen_, sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
+                       sample_.numbers(Dimension::kStartDirectionU), sample_.numbers(Dimension::kStartDirectionV), ray);
     const float odds = lights_.probability(chosen_);
     light_.resize(1);
     SubpathVertex& x = light_[0];
