@@ -44,6 +44,8 @@ int main(int argc, char** argv) try {
     cli::add_choice<RecordKind>(app, "--record", settings.record, {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
                                 "what a record stores: its wavelengths, or XYZ only");
     cli::add_count(app, "--wavelengths", settings.wavelengths, "wavelengths of one sample", 4u, 32u);
+    cli::add_count(app, "--precision", settings.precision, "mantissa bits of stored values, rounded without bias; 23: as they are",
+                   1u, 23u);
     cli::add_count(app, "--seed", settings.seed, "another (not 0) is another job: independent samples");
     cli::add_count(app, "--run-samples", settings.run_samples, "samples of a run, a power of two, instead of runs near 64 MiB",
                    1024u, 4194304u);

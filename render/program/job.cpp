@@ -55,7 +55,8 @@ sampledb::JobId job_id(const Hash128& scene, const IntegratorSettings& settings,
           static_cast<std::uint64_t>(settings.kind),
           settings.kind == IntegratorKind::kBdpt ? static_cast<std::uint64_t>(settings.connections) : 0,
           std::uint64_t{settings.max_depth}, settings.seed, static_cast<std::uint64_t>(job.positions.sampler),
-          static_cast<std::uint64_t>(job.kind), std::uint64_t{settings.batch}, std::uint64_t{job.run_samples}, job.run_bytes}) {
+          static_cast<std::uint64_t>(job.kind), std::uint64_t{settings.batch}, std::uint64_t{job.precision},
+          std::uint64_t{job.run_samples}, job.run_bytes}) {
         writer.put(field);
     }
     for (const sampledb::WavelengthDensity::Knot& knot : density.knots()) {
@@ -141,6 +142,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
         job.batch = static_cast<std::uint16_t>(settings.wavelengths);
         job.density = out->integrator->density();
     }
+    job.precision = static_cast<std::uint8_t>(settings.precision);
     job.light_paths_per_sample = out->integrator->light_paths_per_sample();
     job.run_samples = settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(out->raw_sample_bytes);
     job.positions = integrator_options.positions;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/rounding.h"
 #include "sampledb/codec/row_sorter.h"
 
 namespace latent::sampledb {
@@ -112,6 +113,7 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces
             const std::size_t before = begin > 0 ? 1 : 0;
             end = begin - before + page_end(rows.z(record_class, begin - before, before + most + 1), before, most);
             rows.gather(record_class, begin, end, page);
+            round_values(job, page);
             encoder.add_page(page, run);
         }
     }

@@ -18,10 +18,10 @@ namespace latent::sampledb {
 // Records of a run, piece by piece, ascending by sample from piece to piece; within one in any order, those of a sample as emitted.
 using Pieces = std::vector<std::shared_ptr<const Records>>;
 
-// One run, ready to be written at a multiple of kBlock. The same bytes however the records are cut into pieces. They belong to
-// samples of `coverage`; samples may be without records. Pieces are let go as they are taken up.
-// `memory`: bytes that are no longer needed, whose memory the run is built in.
-// Errors: kOutOfRange, naming the sample whose record does not fit the job (kind, pairs, index, share, coverage).
+// One run, its values rounded to the precision of the job, ready to be written at a multiple of kBlock. The same bytes however the
+// records are cut into pieces. They belong to samples of `coverage`; samples may be without records. Pieces are let go as they are
+// taken up. `memory`: bytes that are no longer needed, whose memory the run is built in. Errors: kOutOfRange, naming the sample
+// whose record does not fit the job (kind, pairs, index, share, coverage).
 Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces, Bytes memory = {});
 Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records, Bytes memory = {});
 
@@ -44,7 +44,7 @@ class RunEncoder {
     RunEncoder(const Job& job, const Coverage& coverage);
 
     // Appends the bytes of the next page to `out`: camera pages first, then light pages, each class ascending by
-    // (Z prefix, sample, order of emission) and cut by `page_end`.
+    // (Z prefix, sample, order of emission) and cut by `page_end`. Values are stored as they are.
     void add_page(const Page& page, Bytes& out);
 
     struct Tail {

@@ -40,6 +40,8 @@ Status Job::validate() const {
     }
     if (run_bytes < kMinRunBytes || run_bytes > kMaxRunBytes)
         return refuse(fmt::format("run cap of {} bytes, not 64K to 1G", run_bytes));
+    if (precision < 1 || precision > kFullPrecision)
+        return refuse(fmt::format("a precision of {} bits, not 1 to {}", precision, kFullPrecision));
     if (positions.sampler != PositionSampler::kNone && positions.sampler != PositionSampler::kHalton23) {
         return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
     }
@@ -68,6 +70,7 @@ Status same_job(const Job& a, const Job& b) {
     if (a.light_paths_per_sample != b.light_paths_per_sample) return differs("the number of light paths per sample");
     if (a.run_samples != b.run_samples) return differs("the number of samples per run");
     if (a.run_bytes != b.run_bytes) return differs("the cap of a run's bytes");
+    if (a.precision != b.precision) return differs("the precision of values");
     if (!(a.positions == b.positions)) return differs("the position sampler");
     if (a.extra != b.extra) return differs("the list of extra columns");
     return {};

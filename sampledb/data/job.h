@@ -13,6 +13,8 @@
 
 namespace latent::sampledb {
 
+inline constexpr std::uint8_t kFullPrecision = 23;  // mantissa bits of a float
+
 using JobId = Hash128;  // names scene and settings; files of the same job can be merged
 
 struct ExtraColumnSpec {
@@ -33,6 +35,7 @@ struct Job {
     std::uint32_t light_paths_per_sample = 0;            // 0: no light image
     std::uint32_t run_samples = 1u << 20;                // S, a power of two, 2^10..2^22
     std::uint64_t run_bytes = std::uint64_t{256} << 20;  // R, the cap of a run's raw bytes
+    std::uint8_t precision = kFullPrecision;             // mantissa bits of stored values, 1..23
     PositionSamplerSpec positions;
     std::vector<ExtraColumnSpec> extra;
 

@@ -8,6 +8,10 @@ namespace {
 constexpr std::size_t kFrontSize = 64;  // what is checked before the rest is believed
 constexpr std::size_t kKnotSize = 12;
 
+// The lowest version that says it all, so that programs that know no higher one read what they can.
+std::uint16_t minor_of(const Job& job) { return job.precision < kFullPrecision ? 1 : 0; }
+std::uint64_t features_of(const Job& job) { return job.precision < kFullPrecision ? kPrecisionFeature : 0; }
+
 Bytes encode_job(const FileHeader& header) {
     const Job& job = header.job;
     Bytes body;
@@ -37,10 +41,11 @@ Bytes encode_job(const FileHeader& header) {
         out.put(std::as_bytes(std::span(column.name)));
     }
     out.put(std::as_bytes(std::span(header.provenance_json)));
+    if (minor_of(job) >= 1) out.put(job.precision);
     return body;
 }
 
-Result<FileHeader> decode_job(ByteSpan body, bool exact) {
+Result<FileHeader> decode_job(ByteSpan body, std::uint16_t minor, std::uint64_t features) {
     FileHeader header;
     Job& job = header.job;
     ByteReader in(body);
@@ -73,12 +78,14 @@ Result<FileHeader> decode_job(ByteSpan body, bool exact) {
         job.extra.push_back({get_text(in, name_size), type});
     }
     header.provenance_json = get_text(in, provenance_size);
-    if (!in.ok() || (exact && in.remaining() != 0)) return corrupt("the header's fields do not fill it");
+    if (minor >= 1) job.precision = in.get<std::uint8_t>();
+    if (!in.ok() || (minor <= kHeaderMinor && in.remaining() != 0)) return corrupt("the header's fields do not fill it");
     if (knot_count != 0) {
         Result<WavelengthDensity> density = WavelengthDensity::from_knots(std::move(knots));
         if (!density) return corrupt(density.error().message);
         job.density = std::move(*density);
     }
+    if (features != features_of(job)) return corrupt("a header whose features contradict its fields");
     if (Status s = job.validate(); !s) {
         return Error{s.error().code == ErrorCode::kUnsupported ? ErrorCode::kUnsupported : ErrorCode::kCorrupt, s.error().message};
     }
@@ -99,9 +106,9 @@ Result<Bytes> encode_file_header(const FileHeader& header) {
     ByteWriter out(file);
     out.put(bytes_of(kFileMagic));
     out.put(kMajor);
-    out.put(kMinor);
+    out.put(minor_of(header.job));
     out.put(static_cast<std::uint32_t>(copy_size));
-    out.put(kKnownFeatures);
+    out.put(features_of(header.job));
     out.put(static_cast<std::uint64_t>(body.size()));
     out.put(hash64(rest));
     out.put_zeros(16);
@@ -124,7 +131,7 @@ Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size) 
     const std::uint64_t body_hash = in.get<std::uint64_t>();
     in.take(16);
     if (in.get<std::uint64_t>() != hash64(bytes.first(kFrontSize - 8))) return corrupt("header checksum mismatch");
-    if (Status s = check_version(major, features); !s) return s.error();
+    if (Status s = check_version(major, features, kPrecisionFeature); !s) return s.error();
     if (size % kBlock != 0 || size == 0 || size > kMaxHeaderSize || body_size > size - kFrontSize) {
         return corrupt("a header of impossible size");
     }
@@ -133,7 +140,7 @@ Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size) 
     if (hash64(bytes.subspan(kFrontSize, size - kFrontSize)) != body_hash) return corrupt("header checksum mismatch");
     if (!all_zero(bytes.subspan(kFrontSize + body_size, size - kFrontSize - body_size)))
         return corrupt("bytes behind the header's fields that are not zero");
-    return decode_job(bytes.subspan(kFrontSize, body_size), minor <= kMinor);
+    return decode_job(bytes.subspan(kFrontSize, body_size), minor, features);
 }
 
 }  // namespace latent::sampledb

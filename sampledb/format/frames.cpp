@@ -14,12 +14,12 @@ bool all_zero(ByteSpan bytes) {
     return std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{0}; });
 }
 
-Status check_version(std::uint16_t major, std::uint64_t features) {
+Status check_version(std::uint16_t major, std::uint64_t features, std::uint64_t known) {
     if (major != kMajor)
         return Error{ErrorCode::kUnsupported, fmt::format("format version {}, this program reads version {}", major, kMajor)};
-    if ((features & ~kKnownFeatures) != 0) {
+    if ((features & ~known) != 0) {
         return Error{ErrorCode::kUnsupported,
-                     fmt::format("needs features {:#x} that this program does not know", features & ~kKnownFeatures)};
+                     fmt::format("needs features {:#x} that this program does not know", features & ~known)};
     }
     return {};
 }

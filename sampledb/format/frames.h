@@ -18,8 +18,9 @@ inline constexpr Magic kFileMagic = {0x8D, 'L', 'T', 'D', 'B', 'F', '\r', '\n'};
 inline constexpr Magic kRunMagic = {0x8D, 'L', 'T', 'D', 'B', 'R', '\r', '\n'};
 inline constexpr Magic kFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'I', '\r', '\n'};
 inline constexpr Magic kFirstFooterMagic = {0x8D, 'L', 'T', 'D', 'B', 'E', '\r', '\n'};  // as version 0.1 wrote it
-inline constexpr std::uint16_t kMajor = 1, kMinor = 0;
-inline constexpr std::uint64_t kKnownFeatures = 0;
+inline constexpr std::uint16_t kMajor = 1;
+inline constexpr std::uint16_t kHeaderMinor = 1, kRunMinor = 0;  // the highest that this program writes and knows
+inline constexpr std::uint64_t kPrecisionFeature = 1;            // of a header: its field `precision` is below 23
 
 inline ByteSpan bytes_of(const Magic& magic) { return std::as_bytes(std::span(magic)); }
 bool begins_with(ByteSpan bytes, const Magic& magic);
@@ -27,8 +28,8 @@ bool all_zero(ByteSpan bytes);
 
 constexpr std::uint64_t round_up_to_block(std::uint64_t size) { return (size + kBlock - 1) / kBlock * kBlock; }
 
-// Errors: kUnsupported if the format is one that this program cannot read.
-Status check_version(std::uint16_t major, std::uint64_t features);
+// Errors: kUnsupported if the format is one that this program cannot read. `known`: the features that it knows.
+Status check_version(std::uint16_t major, std::uint64_t features, std::uint64_t known);
 
 inline Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 

@@ -8,9 +8,9 @@ std::uint64_t RunHeader::size() const { return round_up_to_block(index_offset() 
 
 void put_run_entry(ByteWriter& out, const RunHeader& header) {
     out.put(kMajor);
-    out.put(kMinor);
+    out.put(kRunMinor);
     out.put(header.interval_count);
-    out.put(kKnownFeatures);
+    out.put(std::uint64_t{0});  // features
     put_hash(out, header.job);
     out.put(header.samples.first);
     out.put(header.samples.end);
@@ -80,7 +80,7 @@ Result<RunHeader> decode_run_entry(ByteSpan entry) {
     header.index_hash = in.get<std::uint64_t>();
     header.content_hash = get_hash(in);
     if (!in.ok()) return Error{ErrorCode::kTruncated, "ends inside a run's header"};
-    if (Status s = check_version(major, features); !s) return s.error();
+    if (Status s = check_version(major, features, 0); !s) return s.error();
 
     const std::uint64_t most_records = page_count * kMaxRecordsPerPage;  // page_count is small: checked first
     if (page_count > kMaxPagesPerRun || header.camera_records > most_records || header.light_records > most_records ||

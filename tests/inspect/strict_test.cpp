@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -236,13 +237,14 @@ TEST_F(Strict, WhatOurWritersMakeFollowsTheFormat) {
             EXPECT_NE(outcome.out.find("sound, and follows the format"), std::string::npos) << outcome.out;
         }
     }
-    for (const char* options : {"--light=0.3", "--every=77", "--kind=spectral", "--random-positions"}) {
+    for (const char* options : {"--light=0.3", "--every=77", "--kind=spectral", "--random-positions", "--precision=9"}) {
         ASSERT_EQ(
             inspect({"gen", "-o", folder_ / "c.latent", "--records", "30k", "--run-samples", "8192", "--force", options}).status,
             0);
         EXPECT_EQ(inspect({"verify", "--strict", folder_ / "c.latent"}).status, 0) << options;
     }
-    for (const char* name : {"explicit.latent", "sparse.latent", "spectral.latent", "xyz.latent", "xyz_extra.latent.part.golden"})
+    for (const char* name :
+         {"explicit.latent", "rounded.latent", "sparse.latent", "spectral.latent", "xyz.latent", "xyz_extra.latent.part.golden"})
         EXPECT_EQ(inspect({"verify", "--strict", testing::in_tree(std::string("tests/golden/") + name)}).status, 0) << name;
 }
 
@@ -438,6 +440,20 @@ TEST_F(Strict, SharesAreAddedUpHoweverManySamplesARunCovers) {
                {.run = 0, .what = fmt::format("the shares of sample {} add up to 2", far), .wanted = "1"});
     expect_one(file({5, far, 3 * far - 1, 3 * far - 1}),
                {.run = 0, .what = fmt::format("the shares of sample {} add up to 2", 3 * far - 1), .wanted = "1"});
+}
+
+TEST_F(Strict, ValuesHaveNoMoreBitsThanTheJob) {
+    std::vector<Row> rows = diagonal(10);
+    job_.precision = 9;
+    rows[3].y = std::numeric_limits<float>::max();  // has no neighbour above
+    EXPECT_EQ(violations_of(write_pages({{.rows = rows}})).count(), 0u);
+    rows[5].y = 1 + 0x1p-10f;  // x, y and z
+    const Violations found = violations_of(write_pages({{.rows = rows}}));
+    ASSERT_EQ(found.count(), 3u);
+    EXPECT_EQ(found.listed().front().what, "column x: value 5 has the bits 3f802000");
+    EXPECT_EQ(found.listed().front().wanted, "9 bits of mantissa");
+    job_.precision = 10;
+    EXPECT_EQ(violations_of(write_pages({{.rows = rows}})).count(), 0u);
 }
 
 TEST_F(Strict, RunsThatOthersWouldNotCutSoAreNotedAndNoMistake) {

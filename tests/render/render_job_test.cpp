@@ -111,6 +111,7 @@ TEST_F(JobOf, EverySettingThatChangesRecordsOrRunsIsAnotherJob) {
     EXPECT_TRUE(differs([](RenderSettings& s) { s.wavelengths = 27; }));
     EXPECT_TRUE(differs([](RenderSettings& s) { s.record = sampledb::RecordKind::kXyz; }));
     EXPECT_TRUE(differs([](RenderSettings& s) { s.run_samples = 1024; }));
+    EXPECT_TRUE(differs([](RenderSettings& s) { s.precision = 13; }));
     EXPECT_TRUE(differs([&](RenderSettings& s) { s = settings("\"integer xresolution\" 64 \"integer yresolution\" 49"); }));
 }
 

@@ -28,10 +28,11 @@ Bytes one_copy(const Job& job) {
 }
 
 TEST(Extensions, FieldsOfALaterMinorVersionAreReadPast) {
-    const Job job = synthetic::make_job(RecordKind::kSpectral);
+    Job job = synthetic::make_job(RecordKind::kSpectral);
+    job.precision = 11;
     Bytes header = one_copy(job);
     const std::uint64_t body_size = load_le<std::uint64_t>(&header[24]);
-    store_le(&header[10], std::uint16_t{1});
+    store_le(&header[10], std::uint16_t{2});
     store_le(&header[24], body_size + 5);
     std::fill_n(header.begin() + static_cast<std::ptrdiff_t>(kFront + body_size), 5, std::byte{7});
     const Result<FileHeader> read = decode_file_header(sealed(header));
@@ -39,8 +40,10 @@ TEST(Extensions, FieldsOfALaterMinorVersionAreReadPast) {
     EXPECT_TRUE(same_job(read->job, job));
     EXPECT_EQ(read->provenance_json, R"({"host": "a"})");
 
-    store_le(&header[10], std::uint16_t{0});  // in version 1.0 the fields fill the body
-    EXPECT_EQ(decode_file_header(sealed(header)).error().code, ErrorCode::kCorrupt);
+    for (const std::uint16_t minor : {0, 1}) {  // the fields fill the body
+        store_le(&header[10], minor);
+        EXPECT_EQ(decode_file_header(sealed(header)).error().code, ErrorCode::kCorrupt);
+    }
 }
 
 TEST(Extensions, AnyUnknownFeatureOfAHeaderOrRunIsRefused) {
@@ -48,8 +51,8 @@ TEST(Extensions, AnyUnknownFeatureOfAHeaderOrRunIsRefused) {
     const Bytes run = *encode_run(job, Coverage(SampleRange{0, 3}), synthetic::make_records(job, {0, 3}));
     for (int bit = 0; bit < 64; ++bit) {
         Bytes header = one_copy(job), other = run;
-        store_le(&header[16], std::uint64_t{1} << bit);
-        EXPECT_EQ(decode_file_header(sealed(header)).error().code, ErrorCode::kUnsupported);
+        store_le(&header[16], std::uint64_t{1} << bit);  // bit 0 is known, and contradicts a header without a precision
+        EXPECT_EQ(decode_file_header(sealed(header)).error().code, bit == 0 ? ErrorCode::kCorrupt : ErrorCode::kUnsupported);
         store_le(&other[16], std::uint64_t{1} << bit);
         store_le(&other[248], hash64(ByteSpan(other).first(248)));
         EXPECT_EQ(decode_run_header(other).error().code, ErrorCode::kUnsupported);

@@ -45,6 +45,36 @@ TEST_P(ForeignFile, HoldsTheRunsThatThisLibraryMakesOfItsRecordsAndTheReaderInPy
     }
 }
 
+// Its rounding and ours make the same values of the same records.
+TEST(ForeignWriter, RoundsAsThisLibraryDoes) {
+    const testing::TemporaryFolder folder;
+    for (const char* kind : {"xyz", "spectral", "explicit"}) {
+        SCOPED_TRACE(kind);
+        const fs::path exact = folder.path() / "exact.latent", rounded = folder.path() / "rounded.latent";
+        ASSERT_EQ(testing::run_python("tests/sampledb/write_latent.py", {kind, exact.string()}).status, 0);
+        ASSERT_EQ(testing::run_python("tests/sampledb/write_latent.py", {kind, rounded.string(), "--precision", "9"}).status, 0);
+        const testing::Outcome read = testing::run_python("tests/sampledb/read_latent.py", {rounded.string()});
+        EXPECT_EQ(read.status, 0) << read.err;
+
+        const Result<FileSource> from = FileSource::open(exact), to = FileSource::open(rounded);
+        ASSERT_TRUE(from && to);
+        const Result<FileContents> records = read_file(*from, VerifyLevel::kFull), expected = read_file(*to, VerifyLevel::kFull);
+        ASSERT_TRUE(records) << records.error().message;
+        ASSERT_TRUE(expected) << expected.error().message;
+        EXPECT_EQ(expected->header.job.precision, 9);
+        ASSERT_EQ(records->runs.size(), expected->runs.size());
+        for (std::size_t i = 0; i < records->runs.size(); ++i) {
+            Bytes bytes(records->runs[i].header.size());
+            ASSERT_TRUE(from->read(records->runs[i].offset, bytes));
+            const Result<DecodedRun> run = decode_run(records->header.job, bytes);
+            ASSERT_TRUE(run) << run.error().message;
+            const Result<Bytes> ours = encode_run(expected->header.job, run->coverage, run->records);
+            ASSERT_TRUE(ours) << ours.error().message;
+            EXPECT_EQ(decode_run_header(*ours)->content_hash, expected->runs[i].header.content_hash);
+        }
+    }
+}
+
 std::vector<std::pair<std::string, std::string>> foreign_files() {
     std::vector<std::pair<std::string, std::string>> files = {{"smallest", ""}};
     for (const char* kind : {"xyz", "spectral", "explicit"}) {

@@ -46,6 +46,7 @@ TEST(Golden, FilesAreReadAsTheyWereWritten) {
         {"xyz.latent", "13112ff2d8289399dcb26b5c71400011"},
         {"xyz_extra.latent.part.golden", "93c0899602b185fffaa39bc0661c1621"},
         {"sparse.latent", "a7847b189d86f79b827e8412258811aa"},
+        {"rounded.latent", "29cdcc8d65ea9a12e2285ac71223ba81"},
         {"spectral.latent", "78d681be18208cd7f3973773c6d7f6b5"},
         {"explicit.latent", "60d0773f5532369c59a4f7a8b22012cd"},
     };

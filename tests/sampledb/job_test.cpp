@@ -32,6 +32,7 @@ const std::vector<std::function<void(Job&)>>& changes() {
         [](Job& j) { j.light_paths_per_sample = 2; },
         [](Job& j) { j.run_samples *= 2; },
         [](Job& j) { j.run_bytes /= 2; },
+        [](Job& j) { j.precision = 11; },
         [](Job& j) { j.positions.shift_v += 1; },
         [](Job& j) { j.positions = {}; },
         [](Job& j) { j.extra[0].name = "distance"; },
@@ -80,6 +81,8 @@ TEST(Job, ImpossibleJobsAreRefused) {
     EXPECT_TRUE(refused([](Job& j) { j.run_samples = 1000; }));
     EXPECT_TRUE(refused([](Job& j) { j.run_samples = 1u << 23; }));
     EXPECT_TRUE(refused([](Job& j) { j.run_bytes = 1000; }));
+    EXPECT_TRUE(refused([](Job& j) { j.precision = 0; }));
+    EXPECT_TRUE(refused([](Job& j) { j.precision = 24; }));
     EXPECT_TRUE(refused([](Job& j) { j.positions.sampler = PositionSampler::kNone; }));  // with shifts
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].name = j.extra[0].name; }));
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].name.clear(); }));

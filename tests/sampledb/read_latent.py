@@ -31,7 +31,7 @@ def fields(layout, data, at):
 
 
 class Job:
-    def __init__(self, body):
+    def __init__(self, body, minor):
         (*self.id, width, height, self.kind, self.sampler, self.k, self.light_paths) = fields("QQIIBBHI", body, 0)
         (unit, run_bytes, run_samples, *self.shifts, knots, extra, provenance) = fields("dQIIIIII", body, 32)
         check(width > 0 and height > 0 and math.gcd(width, height) == 1, "aspect")
@@ -55,7 +55,13 @@ class Job:
             self.extra.append((bytes(body[at + 2 : at + 2 + length]).decode(), WIDTHS[kind]))
             at += 2 + length
         check(len({name for name, _ in self.extra}) == extra, "names of extra columns")
-        check(at + provenance == len(body), "the header's fields do not fill it")
+        at += provenance
+        self.precision = 23
+        if minor >= 1:
+            (self.precision,) = fields("B", body, at)
+            at += 1
+        check(1 <= self.precision <= 23, "precision")
+        check(at == len(body) or minor > 1, "the header's fields do not fill it")
 
     def columns(self, camera):
         """(number, width) of each column of a page, in order."""
@@ -76,15 +82,17 @@ def read_header(data):
     for at in range(0, min(len(data), 2**20 + 1), 4096):
         if data[at : at + 8] != b"\x8dLTDBF\r\n":
             continue
-        (major, _, size, features, body_size, body_hash) = fields("HHIQQQ", data, at + 8)
+        (major, minor, size, features, body_size, body_hash) = fields("HHIQQQ", data, at + 8)
         if hash64(data[at : at + 56]) != fields("Q", data, at + 56)[0] or (at != 0 and at != size):
             continue
-        check(major == 1 and features == 0, "another format")
+        check(major == 1 and features in (0, 1), "another format")
         check(size % 4096 == 0 and 0 < size <= 2**20 and body_size <= size - 64, "size of the header")
         if hash64(data[at + 64 : at + size]) == body_hash:
             check(not any(data[at + 40 : at + 56]) and not any(data[at + 64 + body_size : at + size]), "zeros of the header")
             check(at != 0 or data[:size] == data[size : 2 * size], "the header's copies differ")
-            return Job(data[at + 64 : at + 64 + body_size]), 2 * size
+            job = Job(data[at + 64 : at + 64 + body_size], minor)
+            check(features == (job.precision < 23), "features")
+            return job, 2 * size
     raise ValueError("no header")
 
 
@@ -108,6 +116,33 @@ def wavelength(knots, k, xi, i):
     j = [cumulative <= q for cumulative, _ in knots].count(True) - 1
     slope = float(knots[j + 1][1] - knots[j][1]) / float(knots[j + 1][0] - knots[j][0])
     return fields("I", struct.pack("<f", (float(knots[j][1]) + slope * float(q - knots[j][0])) * 2.0**-20), 0)[0]
+
+
+# ---- rounding
+
+
+def rounding_seed(job_id, n, u, v):
+    x = hash64(struct.pack("<QQ", *job_id)) + n * 0x9E3779B97F4A7C15 + (v << 32 | u) * 0xD1B54A32D192ED03 & M64
+    x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9 & M64
+    x = (x ^ x >> 27) * 0x94D049BB133111EB & M64
+    return x ^ x >> 31
+
+
+def rounding_random(seed, i):
+    x = (seed & M32) + i * 0x9E3779B9 & M32
+    x = (x ^ x >> 16) * 0x7FEB352D & M32
+    x = (x ^ x >> 15) * 0x846CA68B & M32
+    return x ^ x >> 16 ^ seed >> 32
+
+
+def rounded(bits, precision, random):
+    step = 2 ** (23 - precision)
+    return bits if bits % 2**31 > 0x7F800000 - step else bits + random % step & -step
+
+
+def is_rounded(bits, precision):
+    """Whether rounding leaves the value as it is, whatever the random number."""
+    return rounded(bits, precision, M32) == bits
 
 
 # ---- planes and transforms: bytes to values, which are unsigned integers, the bits of floats
@@ -253,6 +288,8 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
             check(all(n in (0, 1, job.k) for n in counts), "neither one pair nor the batch")
             alone = [n == 1 and job.k > 1 for n in counts]
             check(all(i < job.k if a else i == 65535 for i, a in zip(columns[10], alone)), "index")
+    for number in (5, 6, 7, 11):
+        check(all(is_rounded(bits, job.precision) for bits in columns.get(number, [])), "values beyond the precision of the job")
     return columns
 
 
@@ -442,6 +479,7 @@ def check_vectors(page):
     planes = lambda case, first=0: [plane(case, "plane %d" % p) for p in range(first, 8) if "plane %d" % p in case]
     ints = lambda tokens: [int(token) for token in tokens]
     pattern = lambda size: bytes(i % 251 for i in range(size))
+    hash128_of = lambda text: (int(text[16:], 16), int(text[:16], 16))
     hash128_hex = lambda data: "%016x%016x" % hash128(data)[::-1]
     checked = {}
 
@@ -503,6 +541,14 @@ def check_vectors(page):
             offsets = [i * int(case["step"][0], 16) % 2**32 for i in range(count)]
             batches = b"".join(struct.pack("<I", wavelength(knots, k, xi, i)) for xi in offsets for i in range(k))
             expect(name, hash128_hex(batches), case["hash128"][0])
+        elif name == "rounding":
+            seed = rounding_seed(hash128_of(case["job id"][0]), int(case["n"][0]), int(case["u"][0], 16), int(case["v"][0], 16))
+            expect(name, ["%016x" % seed], case["h"])
+            randoms = [rounding_random(seed, i) for i in range(len(case["value"]))]
+            expect(name, randoms, hex_numbers(case["r"]))
+            for precision in ints([key[2:] for key in case if key.startswith("p ")]):
+                values = [rounded(value, precision, random) for value, random in zip(hex_numbers(case["value"]), randoms)]
+                expect(name, values, hex_numbers(case["p %d" % precision]))
         elif name == "selection":
             runs = []
             for token in case["runs"]:

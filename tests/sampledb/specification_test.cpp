@@ -13,6 +13,7 @@
 #include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/page_layout.h"
 #include "sampledb/codec/planes.h"
+#include "sampledb/codec/rounding.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/data/z_order.h"
 #include "sampledb/read/selection.h"
@@ -280,6 +281,22 @@ void check_wavelength_batches(const Vector& vector) {
     EXPECT_EQ(to_hex(hash128(bytes)), vector.fields.at("hash128").at(0));
 }
 
+void check_rounding(const Vector& vector) {
+    const std::string& id = vector.fields.at("job id").at(0);
+    const std::uint64_t seed =
+        rounding_seed(rounding_key({u64(id.substr(16), 16), u64(id.substr(0, 16), 16)}), vector.one<std::uint64_t>("n"),
+                      vector.one<std::uint32_t>("u", 16), vector.one<std::uint32_t>("v", 16));
+    EXPECT_EQ(seed, vector.one<std::uint64_t>("h", 16));
+    const auto values = vector.hex<std::uint32_t>("value"), randoms = vector.hex<std::uint32_t>("r");
+    for (std::uint32_t i = 0; i < values.size(); ++i) EXPECT_EQ(rounding_random(seed, i), randoms.at(i));
+    for (unsigned p = 1; p < 23; ++p) {
+        const std::string key = "p " + std::to_string(p);
+        if (!vector.fields.contains(key)) continue;
+        const auto expected = vector.hex<std::uint32_t>(key);
+        for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(rounded(values[i], 23 - p, randoms.at(i)), expected.at(i));
+    }
+}
+
 // "0..5,7..9#2": intervals of the coverage, and a number for the hashes.
 SelectedRun candidate(const std::string& text) {
     SelectedRun run;
@@ -319,6 +336,7 @@ const std::map<std::string, std::function<void(const Vector&)>> kChecks = {
     {"halton23-points", check_halton_points},
     {"wavelengths", check_wavelengths},
     {"wavelength-batches", check_wavelength_batches},
+    {"rounding", check_rounding},
     {"selection", check_selection},
 };
 

@@ -2,10 +2,10 @@
 """A second writer of sample files, written from docs/format.md alone: an example for writers in other programs, and a test of the
 page. Makes up the records of a small file and writes them.
 
-    write_latent.py KIND FILE [--vary SEED] [--parts I,J,...] [--records LINES]
+    write_latent.py KIND FILE [--precision BITS] [--vary SEED] [--parts I,J,...] [--records LINES]
 
 KIND is smallest (two records, in as few bytes as possible), xyz, spectral (wavelengths of a density) or explicit (wavelengths as
-data). The simplest encoding of every column is used; with --vary, any that the page allows, chosen at random. --parts writes only these runs of the file. --records writes the
+data). --precision rounds values. The simplest encoding of every column is used; with --vary, any that the page allows, chosen at random. --parts writes only these runs of the file. --records writes the
 records as well, one JSON object a line, values as their bits, in the order of the file."""
 import argparse
 import json
@@ -35,6 +35,7 @@ class Job:
     light_unit: float = 1.0
     run_bytes: int = 2**28
     run_samples: int = 2**13
+    precision: int = 23
     extra: list = field(default_factory=list)  # (name, type)
 
 
@@ -69,8 +70,11 @@ def encode_header(job, provenance=b""):
     for name, kind in job.extra:
         body += bytes([TYPE[kind], len(name.encode())]) + name.encode()
     body += provenance
+    with_precision = job.precision < 23
+    if with_precision:
+        body += bytes([job.precision])
     rest = padded(bytes(64) + body)[64:]
-    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, 0, 64 + len(rest), 0, len(body), hash64(rest))
+    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, with_precision, 64 + len(rest), with_precision, len(body), hash64(rest))
     return 2 * (front + struct.pack("<Q", hash64(front)) + rest)
 
 
@@ -134,6 +138,34 @@ def wavelength(job, xi, i):
     (below, at), (above, to) = job.knots[j], job.knots[j + 1]
     slope = float(to - at) / float(above - below)
     return float_bits((float(at) + slope * float(q - below)) * 2.0**-20)
+
+
+# ---- rounding
+
+
+def mixed(x, bits, steps):
+    for shift, factor in steps:
+        x = (x ^ x >> shift) * factor % 2**bits
+    return x
+
+
+def round_values(job, record):
+    if job.precision == 23:
+        return
+    place = record.v << 32 | record.u
+    h = mixed((hash64(struct.pack("<QQ", *job.id)) + record.sample * 0x9E3779B97F4A7C15 + place * 0xD1B54A32D192ED03) & M64, 64,
+              [(30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)])
+    h ^= h >> 31
+    low_bits = (1 << 23 - job.precision) - 1
+
+    def rounded(i, bits):
+        r = mixed(h + i * 0x9E3779B9 & M32, 32, [(16, 0x7FEB352D), (15, 0x846CA68B)])
+        r ^= r >> 16 ^ h >> 32
+        stays = (bits & 0x7FFFFFFF) > 0x7F800000 - (low_bits + 1)
+        return bits if stays else bits + (r & low_bits) & ~low_bits
+
+    record.xyz = tuple(rounded(i, bits) for i, bits in enumerate(record.xyz))
+    record.power = [rounded(i, bits) for i, bits in enumerate(record.power)]
 
 
 # ---- columns of a page: encodings give (transform, bits, s, base, planes)
@@ -488,11 +520,16 @@ def main():
     kinds = {"smallest": smallest, "xyz": xyz, "spectral": spectral, "explicit": explicit}
     parser.add_argument("kind", choices=kinds)
     parser.add_argument("file")
+    parser.add_argument("--precision", type=int, default=23)
     parser.add_argument("--vary", type=int)
     parser.add_argument("--parts")
     parser.add_argument("--records")
     options = parser.parse_args()
     job, runs = kinds[options.kind]()
+    job.precision = options.precision
+    for _, records in runs:
+        for record in records:
+            round_values(job, record)
     if options.parts:
         runs = [runs[int(i)] for i in options.parts.split(",")]
     choice = Plain() if options.vary is None else Varied(options.vary)

@@ -66,6 +66,8 @@ void add_gen_options(CLI::App& gen, GenOptions& options) {
     cli::add_count(gen, "--first", options.first, "first sample number, a multiple of the run length");
     cli::add_count<std::uint64_t>(gen, "--every", scene.every, "only sample numbers divisible by this have records", 1,
                                   std::uint64_t{1} << 40);
+    cli::add_count<std::uint8_t>(gen, "--precision", scene.precision, "mantissa bits of stored values; 23: as they are", 1,
+                                 kFullPrecision);
     cli::add_count(gen, "--seed", scene.seed, "another seed, another job");
     cli::add_count(gen, "--run-samples", scene.run_samples, "samples of a run, a power of two; 0: near 64 MiB");
     cli::add_size(gen, "--run-bytes", scene.run_bytes, "cap of a run")->default_str("256M");

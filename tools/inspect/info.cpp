@@ -206,6 +206,8 @@ std::string to_text(const FileInfo& info) {
         line("records", fmt::format("spectral, {} wavelengths, {}", job.batch,
                                     job.density.empty() ? "stored with each record" : "from the job's density"));
     }
+    line("precision", job.precision == kFullPrecision ? "values as they were made"
+                                                      : fmt::format("values rounded to {} mantissa bits", job.precision));
     line("positions",
          job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
     for (const ExtraColumnSpec& column : job.extra) line("column", printable_line(column.name));
@@ -260,6 +262,7 @@ std::string to_json_text(const FileInfo& info) {
                          {"kind", job.kind == RecordKind::kXyz ? "xyz" : "spectral"},
                          {"wavelengths", job.batch},
                          {"explicit_wavelengths", job.kind == RecordKind::kSpectral && job.density.empty()},
+                         {"precision", job.precision},
                          {"light_unit_cd_m2", job.light_unit_cd_m2},
                          {"light_paths_per_sample", job.light_paths_per_sample},
                          {"run_samples", job.run_samples},

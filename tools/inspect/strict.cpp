@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 #include <string_view>
 
 #include "base/json.h"
 #include "base/printable.h"
 #include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/rounding.h"
 #include "sampledb/data/grain.h"
 #include "sampledb/read/provenance.h"
 #include "tools/inspect/strict_order.h"
@@ -33,6 +35,24 @@ std::uint64_t raw_bytes(const Job& job, const RunHeader& run) {
     row += job.kind == RecordKind::kXyz ? 12 : density ? 2 + 4 + 2 : 2;
     for (const ExtraColumnSpec& column : job.extra) row += width(column.type);
     return (run.camera_records + run.light_records) * row + run.pair_count * (density ? 4 : 8);
+}
+
+// Every value is one that rounding to the job's precision leaves as it is, whatever the random number.
+void check_precision(const Job& job, const Page& page, std::size_t run, std::size_t number, Violations& violations) {
+    const unsigned dropped = kFullPrecision - job.precision;
+    const auto check = [&](const char* name, const std::vector<float>& values, std::size_t count) {
+        for (std::size_t i = 0; i < std::min(count, values.size()); ++i) {
+            const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[i]);
+            if (rounded(bits, dropped, ~std::uint32_t{0}) == bits) continue;
+            violations.add({.run = run,
+                            .page = number,
+                            .what = fmt::format("column {}: value {} has the bits {:08x}", name, i, bits),
+                            .wanted = fmt::format("{} bits of mantissa", job.precision)});
+            return;
+        }
+    };
+    check("x", page.x, page.count), check("y", page.y, page.count), check("z", page.z, page.count);
+    check("power", page.power, page.pairs.empty() ? 0 : page.first_pair[page.count]);
 }
 
 bool is_zero(ByteSpan bytes) {
@@ -79,6 +99,7 @@ Result<Violations> check_run_strictly(const ByteSource& source, std::size_t numb
         if (Status s = source.read(info.offset, stored); !s) return s.error();
         if (Status s = decode_page(job, info, stored, ColumnSet{}, page); !s) return s.error().at(fmt::format("page {}", i));
         if (Status s = check_page_strictly(job, info, stored, number, i, violations); !s) return s.error();
+        check_precision(job, page, number, i, violations);
         order.add(info, i, page);
         shares.add(page);
     }

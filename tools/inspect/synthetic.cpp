@@ -149,15 +149,17 @@ Job synthetic_job(const SyntheticScene& scene) {
     job.light_paths_per_sample = scene.light_records > 0 ? 1 : 0;
     if (!scene.random_positions) job.positions.sampler = PositionSampler::kHalton23;
     const double record_bytes = spectral ? 27.0 + 4.0 * scene.batch * (scene.explicit_wavelengths ? 2 : 1) : 33.0;
+    job.precision = scene.precision;
     job.run_bytes = scene.run_bytes;
     job.run_samples = scene.run_samples != 0
                           ? scene.run_samples
                           : default_run_samples(static_cast<std::uint64_t>(record_bytes * (1 + scene.light_records)));
-    const std::string description =
+    std::string description =
         fmt::format("synthetic 1: {} {}:{} k={} light={} single={} texture={} random={} explicit={} every={} seed={} S={} R={}",
                     spectral ? "spectral" : "xyz", job.aspect_width, job.aspect_height, job.batch, scene.light_records,
                     scene.single_wavelengths, static_cast<int>(scene.texture), scene.random_positions, scene.explicit_wavelengths,
                     scene.every, scene.seed, job.run_samples, job.run_bytes);
+    if (job.precision != kFullPrecision) description += fmt::format(" precision={}", job.precision);
     job.id = hash128(std::as_bytes(std::span(description)));
     return job;
 }

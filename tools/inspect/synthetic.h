@@ -29,6 +29,7 @@ struct SyntheticScene {
     bool explicit_wavelengths = false;  // spectral: stored wavelengths, as foreign writers have them
     std::uint64_t every = 1;            // only sample numbers divisible by this have records
     std::uint64_t seed = 0;
+    std::uint8_t precision = sampledb::kFullPrecision;
     std::uint32_t run_samples = 0;  // 0: the default for this kind
     std::uint64_t run_bytes = std::uint64_t{256} << 20;
 };
