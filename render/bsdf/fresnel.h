@@ -38,7 +38,7 @@ inline Batch fresnel_conductor(float c, const Batch& eta, const Batch& k) {
     });
 }
 
-// Direction that `w` (towards the light or the eye, on the side of unit normal n) is refracted to, `eta` the index of the other
+// Direction that `w` (towards the light or the camera, on the side of unit normal n) is refracted to, `eta` the index of the other
 // side over that of w's side. False: total reflection.
 inline bool refract(const Vec3f& w, const Vec3f& n, float eta, Vec3f& out) {
     const float c = dot(w, n);

@@ -2,6 +2,7 @@
 // shading normal.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/math/vec.h"
@@ -11,6 +12,10 @@ namespace latent::render {
 
 struct Microfacets {
     float alpha_x, alpha_y;
+
+    static Microfacets of_alpha(float x, float y) { return {std::max(x, 1e-4f), std::max(y, 1e-4f)}; }
+    // Rougher, facets have a density; smoother is a mirror [PBRT4 9.6.1].
+    bool are_smooth() const { return std::max(alpha_x, alpha_y) < 1e-3f; }
 
     // D(m) = 1 / (pi ax ay cos^4 (1 + tan^2 (cos^2 phi / ax^2 + sin^2 phi / ay^2))^2), written without quotients of cosines
     // [WMLT07].
@@ -45,5 +50,16 @@ struct Microfacets {
         return normalize(Vec3f{alpha_x * m.x, alpha_y * m.y, std::max(1e-6f, m.z)});
     }
 };
+
+// The facet normal, z > 0, that reflects `a` into `b`, or refracts it there if `eta` (b's side over a's) is not 1.
+// False: none, or it faces away from one of the two.
+inline bool half_vector(const Vec3f& a, const Vec3f& b, float eta, Vec3f& m) {
+    const Vec3f sum = a + b * eta;
+    const float squared = length_squared(sum);
+    if (!(squared > 0) || a.z == 0 || b.z == 0) return false;
+    m = sum / std::sqrt(squared);
+    if (m.z < 0) m = -m;
+    return dot(m, a) * a.z > 0 && dot(m, b) * b.z > 0;
+}
 
 }  // namespace latent::render

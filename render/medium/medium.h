@@ -4,7 +4,8 @@
 #include <cstdint>
 
 #include "render/math/elementary.h"
-#include "render/sampling/sampling.h"
+#include "render/medium/phase.h"
+#include "render/sampling/uniform.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
 
@@ -12,7 +13,7 @@ namespace latent::render {
 
 struct Medium {
     std::uint32_t sigma_t = 0, sigma_s = 0;  // spectra [1/m]
-    float g = 0;                             // Henyey-Greenstein
+    PhaseFunction phase;
 };
 
 // Farther than any scene; products with it stay finite.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "color/spectrum.h"
+#include "render/spectral/arena.h"
 #include "render/spectral/batch.h"
 #include "sampledb/data/wavelengths.h"
 
@@ -68,29 +69,40 @@ class SpectrumLibrary {
     std::vector<SpectrumTable> tables_;
 };
 
-// A scene's spectra at one sample's wavelengths, each evaluated when it is first asked for. One per thread, used sample after
-// sample.
+// Values at one sample's wavelengths: a scene's spectra, each evaluated when it is first used, and what holds at one point alone.
+// One per thread, used sample after sample; all values live until the next sample starts.
 class SampledSpectra {
  public:
-    explicit SampledSpectra(const SpectrumLibrary& library)
-        : library_(library), value_(library.size()), stamp_(library.size(), 0) {}
+    explicit SampledSpectra(const SpectrumLibrary& library) : library_(library), evaluated_(library.size()) {}
 
     Wavelengths wavelengths;
 
-    void start_sample() { ++now_; }  // after `wavelengths` changed
-    const Batch& operator[](std::uint32_t id) {
-        if (stamp_[id] != now_) {
-            library_[id].evaluate(wavelengths, value_[id]);
-            stamp_[id] = now_;
-        }
-        return value_[id];
+    void start_sample() {  // after `wavelengths` changed
+        ++now_;
+        arena_.clear();
     }
+    const Batch& operator[](std::uint32_t id) {
+        Evaluated& spectrum = evaluated_[id];
+        if (spectrum.sample != now_) {
+            Batch& value = arena_.allocate();
+            library_[id].evaluate(wavelengths, value);
+            spectrum = {&value, now_};
+        }
+        return *spectrum.value;
+    }
+    // Room for a value that no spectrum of the scene has, such as a reflectance that varies over a surface. Not initialised.
+    Batch& allocate() { return arena_.allocate(); }
 
  private:
+    struct Evaluated {
+        const Batch* value = nullptr;
+        std::uint64_t sample = 0;
+    };
+
     const SpectrumLibrary& library_;
-    std::vector<Batch> value_;
-    std::vector<std::uint64_t> stamp_;
-    std::uint64_t now_ = 0;
+    std::vector<Evaluated> evaluated_;
+    BatchArena arena_;
+    std::uint64_t now_ = 1;
 };
 
 }  // namespace latent::render

@@ -1,6 +1,7 @@
 #include "render/transport/path.h"
 
 #include "render/medium/equiangular.h"
+#include "render/transport/scattering.h"
 #include "render/transport/transport.h"
 
 namespace latent::render {
@@ -26,7 +27,7 @@ class Path {
                             lens ? sample_.numbers(Dimension::kLensV) : Uniform{}, origin, d_);
         at_ = {origin, 0, {}};
         medium_ = world_.camera().medium();
-        Scattering scattering = Scattering::phase(0);
+        Scattering scattering;
         for (; find_vertex(scattering) && depth_ < max_depth_; ++depth_) {
             if (!scattering.is_delta()) sample_light(scattering);
             if (!scatter(scattering)) return;
@@ -52,7 +53,7 @@ class Path {
                 if (step.scattered) {
                     stretch_.step = step;
                     at_ = {ray.o + ray.d * step.t, 0, {}};
-                    scattering = Scattering::phase(medium.g);
+                    scattering = medium.phase;
                     return true;
                 }
                 passing_ *= step.density;
@@ -65,7 +66,7 @@ class Path {
             if (!world_.is_interface(hit->material)) {
                 at_ = hit->anchor();
                 surface_ = *hit;
-                if (depth_ < max_depth_) scattering = world_.scattering(*hit, sample_.spectra, sample_.kept);
+                if (depth_ < max_depth_) scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
                 return true;
             }
             medium_ = World::medium_beyond(*hit, d_, medium_);
@@ -112,7 +113,7 @@ class Path {
         Batch value = beta_;
         const float walk_pdf = scatter_at(medium, t, sample_.spectra, value).density;
         Line line;
-        if (!receive(at, Scattering::phase(medium.g), i, point, medium_, value, line)) return;
+        if (!receive(at, medium.phase, i, point, medium_, value, line)) return;
         value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
         camera_.add(value, dispersed_, sample_.kept, sample_.k());
     }
@@ -153,7 +154,7 @@ class Path {
     // Goes on in a direction of the scattering's own choice. False: absorbed.
     bool scatter(const Scattering& scattering) {
         const Vec3f wo = -d_;
-        Scattering::Sample next;
+        BsdfSample next;
         if (!scattering.sample(wo, true, number(Dimension::kLobe), number(Dimension::kDirectionU), number(Dimension::kDirectionV),
                                next, beta_)) {
             return false;

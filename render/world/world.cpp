@@ -10,14 +10,8 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     std::unique_ptr<World> world(new World(geometry, *camera));
 
     for (const MaterialDescription& d : scene.materials) {
-        Material m{d.kind};
-        m.alpha_x = d.alpha_x;
-        m.alpha_y = d.alpha_y;
-        m.dispersive = d.dispersive;
-        m.first = world->library_.add(d.kind == MaterialKind::kDiffuse ? d.reflectance : d.eta, Lookup::kLinear);
-        if (d.kind == MaterialKind::kConductor) m.second = world->library_.add(d.k, Lookup::kLinear);
-        world->has_dispersion_ |= m.dispersive;
-        world->materials_.push_back(m);
+        world->materials_.emplace_back(d, world->library_);
+        world->has_dispersion_ |= d.dispersive;
     }
     for (const MediumDescription& d : scene.media) {
         Medium m;
@@ -26,7 +20,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         };
         m.sigma_t = add([&](double nm) { return d.scale * (d.sigma_a(nm) + d.sigma_s(nm)); });
         m.sigma_s = add([&](double nm) { return d.scale * d.sigma_s(nm); });
-        m.g = static_cast<float>(d.g);
+        m.phase.g = static_cast<float>(d.g);
         world->media_.push_back(m);
     }
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
@@ -56,23 +50,6 @@ std::uint32_t World::find_medium_at_infinity() const {
         ray = spawn_ray(hit->anchor(), ray.d);
     }
     return medium;
-}
-
-Scattering World::scattering(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
-    const Material& m = materials_[hit.material];
-    const Frame frame = m.alpha_x == m.alpha_y ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu);
-    const Batch& first = spectra[m.first];
-    switch (m.kind) {
-        case MaterialKind::kConductor:
-            return Scattering::conductor(frame, hit.ng, first, spectra[m.second], m.alpha_x, m.alpha_y);
-        case MaterialKind::kDielectric:
-            return Scattering::dielectric(frame, hit.ng, first, m.dispersive, kept, m.alpha_x, m.alpha_y);
-        case MaterialKind::kThinDielectric:
-            return Scattering::thin_dielectric(frame, hit.ng, first, m.dispersive, kept);
-        case MaterialKind::kDiffuse:
-            break;
-    }
-    return Scattering::diffuse(frame, hit.ng, first);
 }
 
 bool World::connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "base/result.h"
-#include "render/bsdf/scattering.h"
 #include "render/camera/camera.h"
 #include "render/geometry/geometry.h"
 #include "render/light/lights.h"
+#include "render/material/material.h"
 #include "render/medium/medium.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
@@ -32,8 +32,10 @@ class World {
     std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
 
     static bool is_interface(std::uint32_t material) { return material == kNone; }
-    // What the surface at `hit` does; valid for as long as `spectra` stays at this sample.
-    Scattering scattering(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const;
+    // What the surface at `hit` does to light; valid as long as `spectra` stays at this sample.
+    Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
+        return materials_[hit.material].bsdf(hit, spectra, kept);
+    }
     // The medium on the side of `hit` that w points to, for a ray that came through `current`.
     static std::uint32_t medium_beyond(const SurfaceHit& hit, const Vec3f& w, std::uint32_t current) {
         if (hit.inside_medium == hit.outside_medium) return current;
@@ -48,12 +50,6 @@ class World {
                      Line& line) const;
 
  private:
-    struct Material {
-        MaterialKind kind;
-        std::uint32_t first = 0, second = 0;  // spectra
-        bool dispersive = false;
-        float alpha_x = 0, alpha_y = 0;
-    };
     World(const Geometry& geometry, Camera camera) : geometry_(&geometry), camera_(camera) {}
     std::uint32_t find_medium_at_infinity() const;
     bool walk(Ray ray, float length, std::uint32_t medium, SampledSpectra& spectra, Batch& value, Line& line) const;

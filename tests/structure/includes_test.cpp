@@ -39,7 +39,8 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/camera", {"render/sampling", "render/scene"}},
         {"render/light", {"render/geometry", "render/bsdf", "render/camera"}},
         {"render/medium", {"render/light"}},
-        {"render/world", {"render/medium"}},
+        {"render/material", {"render/light"}},
+        {"render/world", {"render/material", "render/medium"}},
         {"render/transport", {"render/world"}},
         {"render/transport/bidirectional", {"render/transport"}},
         {"render/load/mesh", {"render/scene"}},
@@ -143,8 +144,8 @@ TEST(Structure, AReversedArrowIsCaught) {
     EXPECT_EQ(wrong("sampledb/data/page.h", "render/scene/description.h"), 1u);
     EXPECT_EQ(wrong("tools/convert/convert.cpp", "sampledb/data/page.h"), 1u);
     EXPECT_EQ(wrong("tools/develop/develop.cpp", "sampledb/write/part_writer.h"), 1u);
-    EXPECT_EQ(wrong("render/bsdf/scattering.h", "render/light/lights.h"), 1u);
-    EXPECT_EQ(wrong("render/bsdf/scattering.h", "render/geometry/geometry.h"), 1u);  // side by side
+    EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/light/lights.h"), 1u);
+    EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/geometry/geometry.h"), 1u);  // side by side
     EXPECT_EQ(wrong("sampledb/format/run_frame.cpp", "sampledb/codec/page_codec.h"), 1u);
     EXPECT_EQ(wrong("render/world/world.h", "render/world.h"), 1u);  // in no room
     EXPECT_EQ(wrong("sampledb/data/page.h", "base/result.h"), 0u);

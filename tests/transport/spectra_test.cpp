@@ -206,5 +206,33 @@ TEST(SpectrumLibrary, StoresEqualSpectraOnce) {
     EXPECT_EQ(library.size(), 2u);
 }
 
+// Of scene spectra and of values at single points alike, also in a sample that needs more of them than any before.
+TEST(SampledSpectra, ValuesHoldUntilTheNextSample) {
+    SpectrumLibrary library;
+    const std::uint32_t first = library.add(sodium(), Lookup::kLinear),
+                        second = library.add(color::illuminant_d65(), Lookup::kLinear);
+    const WavelengthSampler sampler(wavelength_density({}), 28);
+    SampledSpectra spectra(library);
+    for (const std::uint32_t count : {3u, 1000u, 5u}) {
+        sampler.draw(count * 858993u, spectra.wavelengths);
+        spectra.start_sample();
+        const Batch& line = spectra[first];
+        std::vector<const Batch*> points;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            Batch& value = spectra.allocate();
+            value = Batch(static_cast<float>(i));
+            points.push_back(&value);
+        }
+        const Batch& daylight = spectra[second];
+        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+            const double nm = static_cast<double>(spectra.wavelengths.lambda_nm[lane]);
+            ASSERT_NEAR(line[lane], sodium()(nm), 1e-6);
+            ASSERT_NEAR(daylight[lane], color::illuminant_d65()(nm), 1e-4);
+            for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ((*points[i])[lane], static_cast<float>(i));
+        }
+        EXPECT_EQ(&spectra[first], &line);
+    }
+}
+
 }  // namespace
 }  // namespace latent::render::testing

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/transport/scattering.h"
 #include "render/transport/transport.h"
 
 namespace latent::render {
@@ -28,11 +29,11 @@ inline float chained(float reverse, float forward, float rest) {
 // odds of passing media on the way.
 struct SubpathVertex {
     Anchor at;
-    Vec3f normal;                                  // of the surface, the light or the lens; 0: none
-    Vec3f wo;                                      // to the previous vertex
-    Scattering scattering = Scattering::phase(0);  // not of the first vertex
-    Batch beta;                                    // what arrives here: of importance, or of light
-    float forward = 0;                             // density from this side
+    Vec3f normal;                  // of the surface, the light or the lens; 0: none
+    Vec3f wo;                      // to the previous vertex
+    Scattering scattering;         // not of the first vertex
+    Batch beta;                    // what arrives here: of importance, or of light
+    float forward = 0;             // density from this side
     float to_previous = 0;         // times a direction's density [1/sr] here: density of the previous vertex from here
     float before = 0;              // open_(i-1) + C_(i-2)
     float open = 0;                // open_i; of a light's second vertex times the square of the ratio of its

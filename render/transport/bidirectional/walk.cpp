@@ -59,7 +59,7 @@ void Bidirectional::walk(Subpath& path, bool from_eye, Step& step) {
     while (find_vertex(path, from_eye, step)) {
         const std::size_t i = path.size() - 1;
         const SubpathVertex& x = path[i];
-        Scattering::Sample next;
+        BsdfSample next;
         Batch weight(1.0f);
         if (!x.scattering.sample(x.wo, from_eye, number(from_eye, i, Dimension::kLobe), number(from_eye, i, Dimension::kDirectionU),
                                  number(from_eye, i, Dimension::kDirectionV), next, weight)) {
@@ -111,7 +111,7 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_eye, Step& step) {
             SubpathVertex x;
             x.at = {ray.o + ray.d * length.t, 0, {}};
             x.in_medium = true;
-            x.scattering = Scattering::phase(world_.medium(step.medium).g);
+            x.scattering = world_.medium(step.medium).phase;
             return append(path, from_eye, x, step, line, density);
         }
         if (!hit) {
@@ -124,7 +124,7 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_eye, Step& step) {
             SubpathVertex x;
             x.at = hit->anchor();
             x.normal = hit->ng;
-            x.scattering = world_.scattering(*hit, sample_.spectra, sample_.kept);
+            x.scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
             x.inside_medium = hit->inside_medium;
             x.outside_medium = hit->outside_medium;
             return append(path, from_eye, x, step, line, density);

@@ -1,0 +1,61 @@
+// render/bsdf/bsdf.h: what a surface does to light where a path meets it: a closure in the frame of the shading normal.
+// docs/rendering.md, "Surfaces".
+#pragma once
+
+#include "render/bsdf/closures.h"
+#include "render/bsdf/receiver.h"
+#include "render/math/vec.h"
+#include "render/spectral/batch.h"
+
+namespace latent::render {
+
+struct BsdfSample {
+    Vec3f wi;
+    float pdf, pdf_reverse;  // 1/sr; of a delta function the probability that its coefficient stands for (see bdpt.h)
+    bool delta;
+    float eta2;  // by which radiance was scaled: squared index on wi's side over that on wo's; 1 for reflection
+};
+
+// Directions are the world's and point away from the surface; `w_camera` leads towards the camera, `w_light` towards the light,
+// whichever subpath came first. Values are those of radiance flowing from w_light to w_camera: the one function serves both kinds
+// of subpath.
+//
+// Cosines: f holds with the shading normal ns, area and solid angle convert with the geometric normal ng, so that a vertex
+// contributes f |w_light.ns| / |w_light.ng| between two geometry terms in ng [Veach97 5.3]. `multiply_f_cos` multiplies by
+// f |w_light.ns|: along a camera subpath that is all; along a light subpath the caller divides by |w_light.ng| and multiplies by
+// |w_camera.ng|. A surface reflects only on one side of ng and transmits only to the other: no light leaks through bumps [R06 9.8].
+class Bsdf {
+ public:
+    // frame.z is the shading normal. Valid as long as the values that the closure points to.
+    template <Closure C>
+    Bsdf(const Frame& frame, const Vec3f& ng, const C& closure)
+        : frame_(frame), ng_(ng), delta_(closure.is_delta()), transmits_(C::kTransmits), closure_(closure) {}
+
+    // Directions come from a delta function: nothing can be connected to this vertex.
+    bool is_delta() const { return delta_; }
+    // For whom a light's point is drawn, looked at from wo.
+    Receiver receiver(const Vec3f& wo) const { return {face_forward(frame_.z, wo), transmits_}; }
+
+    // value *= f |w_light.ns|. Nothing but zero if is_delta().
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    // Density [1/sr] with which `sample` finds wi from wo; 0 if is_delta().
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    // What passes from w_light to w_camera is refracted by an index that varies with wavelength: only the kept lane is right.
+    bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const {
+        return std::visit(
+            [&](const auto& closure) { return closure.disperses(frame_.to_local(w_camera), frame_.to_local(w_light)); }, closure_);
+    }
+    // Draws wi for a subpath that arrives from wo; beta *= weight of the step. `from_camera`: a camera subpath. False: absorbed.
+    bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, Batch& beta) const;
+
+ private:
+    // The side rule, for two directions in the world and in the frame.
+    bool connects(const Vec3f& world_a, const Vec3f& world_b, const Vec3f& a, const Vec3f& b) const;
+
+    Frame frame_;
+    Vec3f ng_;
+    bool delta_, transmits_;
+    AnyClosure closure_;
+};
+
+}  // namespace latent::render

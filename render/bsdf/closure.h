@@ -1,0 +1,44 @@
+// render/bsdf/closure.h: the verbs of a closure: what one kind of surface does to light, at the wavelengths of one sample.
+// docs/rendering.md, "Surfaces".
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+
+#include "render/math/vec.h"
+#include "render/spectral/batch.h"
+
+namespace latent::render {
+
+// A direction that a closure has drawn.
+struct ClosureSample {
+    Vec3f wi;
+    bool delta = false;  // from a delta function: its two probabilities below are set, else f and pdf_omega say everything
+    float probability = 0, probability_reverse = 0;
+    float eta2 = 1;  // squared index on wi's side over that on wo's; 1 for reflection
+};
+
+// Directions are local: they point away from the surface, z is the shading normal. Values are those of radiance flowing from
+// w_light to w_camera, whichever subpath came first. A closure is small and has no destructor; the values in every wavelength that
+// it points to live as long as its sample: SampledSpectra. The side rule, light subpaths and the compression of radiance in delta
+// refractions are Bsdf's.
+//
+//   kTransmits       what it scatters may leave on the other side; otherwise both directions of f and pdf_omega are on one side
+//   is_delta         all directions come from delta functions; f and pdf_omega are not called
+//   disperses        from w_light to w_camera light is refracted by an index that varies with wavelength: only lane `kept` is right
+//   multiply_f_cos   value *= f |w_light.z|
+//   pdf_omega        density [1/sr] with which `sample` finds wi
+//   sample           draws wi for a wo with z != 0; false: absorbed. From a delta function also: weight *= coefficient over
+//                    probability, as if radiance were not compressed
+template <class C>
+concept Closure = std::is_trivially_copyable_v<C> && std::is_trivially_destructible_v<C> &&
+    requires(const C& c, const Vec3f& w, float u, ClosureSample& out, Batch& value) {
+    { C::kTransmits } -> std::convertible_to<bool>;
+    { c.is_delta() } -> std::same_as<bool>;
+    { c.disperses(w, w) } -> std::same_as<bool>;
+    { c.multiply_f_cos(w, w, value) } -> std::same_as<void>;
+    { c.pdf_omega(w, w) } -> std::same_as<float>;
+    { c.sample(w, u, u, u, out, value) } -> std::same_as<bool>;
+};
+
+}  // namespace latent::render

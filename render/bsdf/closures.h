@@ -1,0 +1,23 @@
+// render/bsdf/closures.h: the list of closures.
+#pragma once
+
+#include <variant>
+
+#include "render/bsdf/closure.h"
+#include "render/bsdf/conductor.h"
+#include "render/bsdf/dielectric.h"
+#include "render/bsdf/diffuse.h"
+#include "render/bsdf/thin_dielectric.h"
+
+namespace latent::render {
+
+template <Closure... C>
+using ClosureList = std::variant<C...>;
+
+using AnyClosure = ClosureList<  //
+    Diffuse,                     //
+    Conductor,                   //
+    Dielectric,                  //
+    ThinDielectric>;
+
+}  // namespace latent::render

@@ -1,0 +1,89 @@
+#include "render/bsdf/dielectric.h"
+
+#include "render/bsdf/fresnel.h"
+
+namespace latent::render {
+namespace {
+
+// Index of the side that w does not lie on over that of its side.
+float across(const Vec3f& w, float eta) { return w.z > 0 ? eta : 1 / eta; }
+
+// d omega_m / d omega_b of refraction: |b.m| / (b.m + a.m / eta)^2 [WMLT07].
+float refraction_jacobian(const Vec3f& a, const Vec3f& b, const Vec3f& m, float eta) {
+    const float denominator = dot(b, m) + dot(a, m) / eta;
+    return abs_dot(b, m) / (denominator * denominator);
+}
+
+}  // namespace
+
+Batch Dielectric::reflectance(const Vec3f& w, float c) const {
+    if (!dispersive_) return Batch(fresnel_dielectric(c, across(w, eta_kept_)));
+    return batch_of([&](std::uint32_t i) { return fresnel_dielectric(c, across(w, (*eta_)[i])); });
+}
+
+// Reflection F D G / (4 |cos cos|); transmission (1 - F) D G |camera.m light.m| / (|cos cos| (light.m + camera.m / eta)^2 eta^2),
+// eta the index on light's side over that on the camera's [WMLT07]; the last factor is the compression of radiance.
+void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+    const bool same_side = w_camera.z * w_light.z > 0;
+    const float eta = same_side ? 1 : across(w_camera, eta_kept_);
+    Vec3f m;
+    if (!half_vector(w_camera, w_light, eta, m)) {
+        value = Batch(0.0f);
+        return;
+    }
+    const float dg = facets_.density(m) * facets_.masking_shadowing(w_camera, w_light);
+    const float cosine = abs_dot(w_camera, m);
+    if (same_side) {
+        value *= reflectance(w_camera, cosine);
+        value *= dg / (4 * std::abs(w_camera.z));
+    } else {
+        const float t = 1 - fresnel_dielectric(cosine, eta);
+        value *= t * dg * cosine * refraction_jacobian(w_camera, w_light, m, eta) / (std::abs(w_camera.z) * eta * eta);
+    }
+}
+
+float Dielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
+    const bool same_side = wo.z * wi.z > 0;
+    const float eta = across(wo, eta_kept_);
+    Vec3f m;
+    if (!half_vector(wo, wi, same_side ? 1 : eta, m)) return 0;
+    const float f = fresnel_dielectric(abs_dot(wo, m), eta);
+    const float d = facets_.visible_density(wo, m);
+    return same_side ? f * d / (4 * abs_dot(wo, m)) : (1 - f) * d * refraction_jacobian(wo, wi, m, eta);
+}
+
+// Reflection with probability F, at the kept wavelength, of refraction else.
+bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const {
+    if (is_delta()) return sample_smooth(wo, u_lobe, out, weight);
+    const Vec3f m = facets_.sample_visible(wo, u, v);
+    const float eta = across(wo, eta_kept_);
+    const bool reflected = u_lobe < fresnel_dielectric(abs_dot(wo, m), eta);
+    if (reflected) {
+        out.wi = m * (2 * dot(wo, m)) - wo;
+    } else if (!refract(wo, face_forward(m, wo), eta, out.wi)) {
+        return false;
+    }
+    if (!reflected) out.eta2 = eta * eta;
+    return reflected == (out.wi.z * wo.z > 0);
+}
+
+bool Dielectric::sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, Batch& weight) const {
+    const float c = std::abs(wo.z), eta = across(wo, eta_kept_), f = fresnel_dielectric(c, eta);
+    out.delta = true;
+    if (u_lobe < f) {
+        out.wi = {-wo.x, -wo.y, wo.z};
+        out.probability = out.probability_reverse = f;
+        if (dispersive_) {
+            weight *= reflectance(wo, c);
+            weight *= 1 / f;
+        }
+        return true;
+    }
+    if (!refract(wo, Vec3f{0, 0, wo.z > 0 ? 1.0f : -1.0f}, eta, out.wi)) return false;
+    out.eta2 = eta * eta;
+    out.probability = 1 - f;
+    out.probability_reverse = (1 - f) * c / (std::abs(out.wi.z) * out.eta2);  // per solid angle of its own side
+    return true;
+}
+
+}  // namespace latent::render

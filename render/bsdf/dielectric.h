@@ -1,0 +1,36 @@
+// render/bsdf/dielectric.h: reflection and refraction at an interface of clear matter, smooth or of GGX facets. docs/rendering.md,
+// "Surfaces".
+#pragma once
+
+#include "render/bsdf/closure.h"
+#include "render/bsdf/microfacet.h"
+
+namespace latent::render {
+
+class Dielectric {
+ public:
+    static constexpr bool kTransmits = true;
+
+    // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
+    // `dispersive` one follows lane `kept` alone, and so do the probabilities of its lobes.
+    Dielectric(const Batch& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y)
+        : eta_(&eta), eta_kept_(eta[kept]), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), dispersive_(dispersive) {}
+
+    bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_); }
+    bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return dispersive_ && w_camera.z * w_light.z < 0; }
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+
+ private:
+    bool sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, Batch& weight) const;
+    // In each wavelength, for light that meets a facet at cosine c from the side of w.
+    Batch reflectance(const Vec3f& w, float c) const;
+
+    const Batch* eta_;
+    float eta_kept_;
+    Microfacets facets_;
+    bool dispersive_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,29 @@
+// render/bsdf/thin_dielectric.h: a smooth pane of clear matter, with all reflections between its faces. docs/rendering.md,
+// "Surfaces".
+#pragma once
+
+#include "render/bsdf/closure.h"
+
+namespace latent::render {
+
+class ThinDielectric {
+ public:
+    static constexpr bool kTransmits = true;
+
+    // `eta` in each wavelength. Nothing is refracted: all lanes go on together, with the probabilities of lane `kept`.
+    ThinDielectric(const Batch& eta, bool dispersive, std::uint32_t kept)
+        : eta_(&eta), eta_kept_(eta[kept]), dispersive_(dispersive) {}
+
+    bool is_delta() const { return true; }
+    bool disperses(const Vec3f&, const Vec3f&) const { return false; }
+    void multiply_f_cos(const Vec3f&, const Vec3f&, Batch& value) const { value = Batch(0.0f); }
+    float pdf_omega(const Vec3f&, const Vec3f&) const { return 0; }
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+
+ private:
+    const Batch* eta_;
+    float eta_kept_;
+    bool dispersive_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,22 @@
+#include "render/medium/phase.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/sampling/sampling.h"
+
+namespace latent::render {
+
+float PhaseFunction::operator()(const Vec3f& wo, const Vec3f& wi) const {
+    const float d = 1 + g * g + 2 * g * dot(wo, wi);
+    return kInv4Pi * (1 - g * g) / (d * std::sqrt(std::max(0.0f, d)));
+}
+
+// The inverse of the cumulative distribution in the cosine; isotropic where g would divide by nothing.
+Vec3f PhaseFunction::sample(const Vec3f& wo, float u, float v) const {
+    const float t = (1 - g * g) / (1 + g - 2 * g * u);
+    const float c = std::abs(g) < 1e-3f ? 1 - 2 * u : -(1 + g * g - t * t) / (2 * g);
+    return Frame::from_z(wo).to_world(direction_at(std::clamp(c, -1.0f, 1.0f), v));
+}
+
+}  // namespace latent::render

@@ -1,0 +1,31 @@
+// render/spectral/arena.h: room for the values of one sample in every wavelength, used again by the next sample.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "render/spectral/batch.h"
+
+namespace latent::render {
+
+// Grows to what the largest sample needs. Not for several threads at once.
+class BatchArena {
+ public:
+    // Not initialised; stays where it is until clear().
+    Batch& allocate() {
+        if (used_ == blocks_.size() * kBlock) blocks_.push_back(std::make_unique_for_overwrite<Batch[]>(kBlock));
+        Batch& batch = blocks_[used_ / kBlock][used_ % kBlock];
+        ++used_;
+        return batch;
+    }
+    void clear() { used_ = 0; }
+
+ private:
+    static constexpr std::size_t kBlock = 64;
+
+    std::vector<std::unique_ptr<Batch[]>> blocks_;
+    std::size_t used_ = 0;
+};
+
+}  // namespace latent::render

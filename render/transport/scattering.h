@@ -1,0 +1,49 @@
+// render/transport/scattering.h: what a vertex of a path does to light: the BSDF of a surface or the phase function of a medium,
+// with the verbs of Bsdf for both.
+#pragma once
+
+#include <variant>
+
+#include "render/bsdf/bsdf.h"
+#include "render/medium/phase.h"
+
+namespace latent::render {
+
+class Scattering {
+ public:
+    Scattering() : what_(PhaseFunction{}) {}
+    Scattering(const Bsdf& bsdf) : what_(bsdf) {}
+    Scattering(const PhaseFunction& phase) : what_(phase) {}
+
+    bool in_medium() const { return bsdf() == nullptr; }
+    bool is_delta() const { return bsdf() && bsdf()->is_delta(); }
+    Receiver receiver(const Vec3f& wo) const { return bsdf() ? bsdf()->receiver(wo) : Receiver{}; }
+    bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return bsdf() && bsdf()->disperses(w_camera, w_light); }
+
+    // value *= f |w_light.ns|, or the phase function.
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+        if (const Bsdf* surface = bsdf()) {
+            surface->multiply_f_cos(w_camera, w_light, value);
+        } else {
+            value *= phase()(w_camera, w_light);
+        }
+    }
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const { return bsdf() ? bsdf()->pdf_omega(wo, wi) : phase()(wo, wi); }
+
+    bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, Batch& beta) const {
+        if (const Bsdf* surface = bsdf()) return surface->sample(wo, from_camera, u_lobe, u, v, out, beta);
+        out.wi = phase().sample(wo, u, v);
+        out.pdf = out.pdf_reverse = phase()(wo, out.wi);
+        out.delta = false;
+        out.eta2 = 1;
+        return out.pdf > 0;
+    }
+
+ private:
+    const Bsdf* bsdf() const { return std::get_if<Bsdf>(&what_); }
+    const PhaseFunction& phase() const { return *std::get_if<PhaseFunction>(&what_); }
+
+    std::variant<PhaseFunction, Bsdf> what_;
+};
+
+}  // namespace latent::render
