@@ -21,6 +21,13 @@ bool is_sound(const StoredRun& stored, const Job& job) {
     return source && verify_run(*source, stored.run, job, VerifyLevel::kStored);
 }
 
+// Whether a run is no larger in memory than one that a writer of the job would make.
+bool is_small(const RunHeader& run, const Job& job) {
+    constexpr std::uint64_t kLeast = std::uint64_t{32} << 20;  // a single grain may be larger than R
+    const std::uint64_t most = std::max(2 * job.run_bytes, kLeast);
+    return run.size() <= most && run.decoded_size <= most && run.page_count * sizeof(PageInfo) <= most;
+}
+
 Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {
     const Result<FileSource> source = FileSource::open(stored.file);
     if (!source) return source.error();
@@ -66,7 +73,7 @@ void EarlierAttempts::believe() {
     });
     std::erase_if(others_, [&](const auto& entry) {
         const auto& [samples, stored] = entry;
-        if (committed_.contains(samples)) return true;
+        if (committed_.contains(samples) || !is_small(stored.run.header, job_)) return true;
         const Result<DecodedRun> run = read_run(stored, job_);
         if (!run) return true;
         LooseGrains loose{stored, {}};

@@ -26,7 +26,8 @@ class EarlierAttempts {
     EarlierAttempts() = default;
 
     // Looks at every attempt under `name`. What cannot be read is passed over: it is rendered again. Canonical runs are believed if
-    // every stored byte is sound; the others are decoded. Errors: kMismatch if an attempt is of another job.
+    // every stored byte is sound; the others are decoded, unless they are larger than any of the job should be. Errors: kMismatch
+    // if an attempt is of another job.
     static Result<EarlierAttempts> find(const std::filesystem::path& name, const Job& job, SampleRange range);
 
     // The samples that need not be rendered: whole grains.

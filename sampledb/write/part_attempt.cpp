@@ -1,5 +1,6 @@
 #include "sampledb/write/part_attempt.h"
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -33,7 +34,14 @@ Result<PartAttempt> PartAttempt::create(const fs::path& name, const FileHeader& 
     return attempt;
 }
 
+// A file whose footer could not list all its runs would never be finished.
+Status PartAttempt::check_room() const {
+    if (runs_.size() < kMaxRunsPerFile) return {};
+    return Error{ErrorCode::kOutOfRange, fmt::format("{}: {} runs, the most that a file takes", name_.string(), runs_.size())};
+}
+
 Status PartAttempt::append(ByteSpan run) {
+    if (Status s = check_room(); !s) return s;
     const Result<RunHeader> header = decode_run_header(run);
     if (!header) return header.error();
     if (Status s = file_.write_all(end_, run); !s) return s;
@@ -41,6 +49,7 @@ Status PartAttempt::append(ByteSpan run) {
 }
 
 Status PartAttempt::append(const StoredRun& run) {
+    if (Status s = check_room(); !s) return s;
     const Result<File> source = File::open_read(run.file);
     if (!source) return source.error();
     if (Status s = file_.copy_from(*source, run.run.offset, end_, run.run.header.size()); !s) return s;

@@ -37,6 +37,7 @@ class PartAttempt {
     const File& file() const { return file_; }
 
  private:
+    Status check_room() const;
     Status commit(const RunHeader& header);
 
     std::filesystem::path name_;

@@ -380,6 +380,11 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
             fmt::format("samples {}:{}: a part begins at a multiple of {}, the samples of a run; the nearest are {} and {}",
                         options.range.first, options.range.end, job.run_samples, below, below + job.run_samples)};
     }
+    if (options.range.size() > kMaxRunsPerFile * job.run_samples) {
+        return Error{ErrorCode::kUsage,
+                     fmt::format("samples {}:{}: more than {} runs of {} samples, the most that a part takes; make several parts",
+                                 options.range.first, options.range.end, kMaxRunsPerFile, job.run_samples)};
+    }
     if (options.force) {
         if (Status s = remove_everything(options.path); !s) return s.error();
     }

@@ -278,6 +278,22 @@ TEST(Walk, GoesOnBehindARunOfAnotherVersionAndSaysSo) {
                 EXPECT_TRUE(mentions(file, said));
                 EXPECT_TRUE(mentions(file, "samples " + std::to_string(run * 1024) + ".." + std::to_string(run * 1024 + 3)));
             }
+            // A footer of a later writer lists the run, too; that is no contradiction.
+            Bytes listed = c.second(c.runs);
+            store_le(&listed[c.runs[run].offset + at], value);
+            store_le(&listed[c.runs[run].offset + 248], hash64({&listed[c.runs[run].offset], 248}));
+            std::byte* const footer = &listed[c.footer()];
+            store_le(footer + 64 + 128 * run + at - 8, value);
+            store_le(footer + 32, hash64({footer + 64, 128 * c.runs.size()}));
+            store_le(footer + 56, hash64({footer, 56}));
+            std::copy_n(footer, 64, listed.end() - 64);
+            for (const bool by_footer : {false, true}) {
+                const FileContents file = *read_file(MemorySource(listed), VerifyLevel::kHeaders, by_footer);
+                EXPECT_TRUE(file.finished);
+                EXPECT_EQ(file.runs.size(), 4u);
+                ASSERT_EQ(file.damage.size(), 1u);
+                EXPECT_TRUE(mentions(file, said));
+            }
         }
     }
 }

@@ -408,6 +408,16 @@ TEST_F(PartWriterTest, ARangeThatBeginsInsideARunIsRefusedNamingTheNearest) {
     EXPECT_TRUE(folder_.names().empty());
 }
 
+TEST_F(PartWriterTest, ARangeOfMoreRunsThanAFileTakesIsRefusedBeforeAnythingIsRendered) {
+    const Job job = make_short_job();
+    const std::uint64_t most = kMaxRunsPerFile * job.run_samples;
+    const Error refused = refusal(job, {job.run_samples, most + job.run_samples + 1});
+    EXPECT_EQ(refused.code, ErrorCode::kUsage);
+    EXPECT_NE(refused.message.find("more than 1048576 runs"), std::string::npos) << refused.message;
+    EXPECT_EQ(open(job, {job.run_samples, most + job.run_samples})->missing().size(), most);
+    EXPECT_TRUE(folder_.names().empty());
+}
+
 TEST_F(PartWriterTest, GrainsThatAreNotMissingOrNotGrainsAreRefused) {
     const Job job = make_short_job();
     const SampleRange range{0, 9000};
