@@ -245,8 +245,14 @@ CLI::Option* add_duration(CLI::App& app, const std::string& name, double& second
 }
 
 void print(const std::string& text) {
-    const std::string shown = printable(text);
-    std::fwrite(shown.data(), 1, shown.size(), stdout);
+    constexpr std::size_t kAtOnce = 1 << 16;
+    const std::string_view all(text);
+    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+        end = std::min(begin + kAtOnce, all.size());
+        while (end < all.size() && (all[end] & 0xc0) == 0x80) ++end;  // inside a character
+        const std::string shown = printable(all.substr(begin, end - begin));
+        std::fwrite(shown.data(), 1, shown.size(), stdout);
+    }
 }
 
 int print_report(const std::string& report, int status) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace latent {
 
@@ -10,7 +11,9 @@ namespace {
 
 template <class Json>
 std::string text_of(const Json& value, int indent) {
-    return escape_controls(value.dump(indent, ' ', false, Json::error_handler_t::replace));
+    std::string text;
+    append_escaped(text, value.dump(indent, ' ', false, Json::error_handler_t::replace));
+    return text;
 }
 
 // Follows the reader without keeping anything; false ends it.
@@ -88,8 +91,9 @@ class Scanner {
 std::string json_text(const nlohmann::json& value, int indent) { return text_of(value, indent); }
 std::string json_text(const nlohmann::ordered_json& value, int indent) { return text_of(value, indent); }
 
-std::string escape_controls(std::string_view json) {
-    std::string text;
+void append_escaped(std::string& text, std::string_view json) {
+    const auto to_escape = std::ranges::count_if(json, [](char c) { return c == '\x7f' || c == '\xc2'; });
+    text.reserve(text.size() + json.size() + 5 * static_cast<std::size_t>(to_escape) + 16);  // with what ends an object
     for (std::size_t at = 0; at < json.size();) {
         const std::size_t next = std::min(json.find_first_of("\x7f\xc2", at), json.size());
         text += json.substr(at, next - at);
@@ -98,15 +102,21 @@ std::string escape_controls(std::string_view json) {
         const bool two_bytes = json[at] == '\xc2' && at + 1 < json.size();
         const unsigned code = two_bytes ? static_cast<unsigned char>(json[at + 1]) : 0x7f;
         const std::size_t length = two_bytes ? 2 : 1;
-        text += code < 0xa0 ? fmt::format("\\u{:04x}", code) : std::string(json.substr(at, length));
+        if (code < 0xa0) {
+            fmt::format_to(std::back_inserter(text), "\\u{:04x}", code);
+        } else {
+            text += json.substr(at, length);
+        }
         at += length;
     }
-    return text;
 }
 
-std::string with_member(std::string object, std::string_view name, std::string_view value) {
+std::string with_member(std::string object, std::string_view name, const std::function<void(std::string&)>& put_value) {
     object.resize(object.rfind('}') - 1);  // and the line break before it
-    return fmt::format("{},\n  \"{}\": {}\n}}", object, name, value);
+    fmt::format_to(std::back_inserter(object), ",\n  \"{}\": ", name);
+    put_value(object);
+    object += "\n}";
+    return object;
 }
 
 Status check_json_object(std::string_view text, std::size_t most_depth) {

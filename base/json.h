@@ -15,11 +15,11 @@ namespace latent {
 std::string json_text(const nlohmann::json& value, int indent = 2);
 std::string json_text(const nlohmann::ordered_json& value, int indent = 2);
 
-// JSON text with DEL and U+0080 .. U+009F escaped, which JSON allows raw and terminals obey.
-std::string escape_controls(std::string_view json);
+// Appends JSON text with DEL and U+0080 .. U+009F escaped, which JSON allows raw and terminals obey.
+void append_escaped(std::string& text, std::string_view json);
 
-// `object`, as json_text writes it with an indent, with one more member whose value is JSON text.
-std::string with_member(std::string object, std::string_view name, std::string_view value);
+// `object`, as json_text writes it with an indent, with one more member; `put_value` appends its value, JSON text of any length.
+std::string with_member(std::string object, std::string_view name, const std::function<void(std::string&)>& put_value);
 
 // Whether `text` is a JSON object nested at most `most_depth` deep; takes memory for its longest string only.
 // Errors: kCorrupt, saying why.

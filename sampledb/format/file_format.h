@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,17 +86,21 @@ Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const
 // The same of an index that is read a piece at a time, for it may be long.
 class RunIndexDecoder {
  public:
+    // Takes pages as they come, before all of the index is known to be sound. What it returns ends the decoding.
+    using TakePage = std::function<Status(const PageInfo&)>;
+
     // Both are kept.
-    RunIndexDecoder(const RunHeader& header, const Job& job);
+    RunIndexDecoder(const RunHeader& header, const Job& job, TakePage take);
 
     std::size_t next_size() const;  // bytes that `add` takes next; 0: there are no more
-    void add(ByteSpan piece);
-    // After the last piece. Errors: kTruncated, kCorrupt.
-    Result<RunIndex> finish();
+    // Errors: those of TakePage.
+    Status add(ByteSpan piece);
+    // After the last piece: the coverage. Errors: kTruncated, kCorrupt.
+    Result<Coverage> finish();
 
  private:
     void add_intervals(ByteSpan piece);
-    void add_pages(ByteSpan piece);
+    Status add_pages(ByteSpan piece);
     void refuse(std::string why);
 
     const RunHeader& header_;
@@ -104,7 +109,7 @@ class RunIndexDecoder {
     Hasher64 hasher_;
     Hasher128 content_;
     std::vector<SampleRange> intervals_;
-    RunIndex index_;
+    TakePage take_;
     RunHeader sums_;  // of the pages
     std::optional<Error> error_;
 };

@@ -93,9 +93,9 @@ Bytes encode_run_index(const RunIndex& index, RunHeader& header) {
     return bytes;
 }
 
-RunIndexDecoder::RunIndexDecoder(const RunHeader& header, const Job& job) : header_(header), job_(job) {
+RunIndexDecoder::RunIndexDecoder(const RunHeader& header, const Job& job, TakePage take)
+    : header_(header), job_(job), take_(std::move(take)) {
     intervals_.reserve(header.interval_count);
-    index_.pages.reserve(header.page_count);
 }
 
 std::size_t RunIndexDecoder::next_size() const {
@@ -106,17 +106,18 @@ std::size_t RunIndexDecoder::next_size() const {
     return header_.size() - header_.index_offset() - position_;
 }
 
-void RunIndexDecoder::add(ByteSpan piece) {
+Status RunIndexDecoder::add(ByteSpan piece) {
     hasher_.update(piece);
     const std::uint64_t begin = std::exchange(position_, position_ + piece.size());
     if (begin == 0) {
         add_intervals(piece);
     } else if (begin < header_.index_size()) {
         update_content(content_, piece);
-        add_pages(piece);
+        return add_pages(piece);
     } else if (!all_zero(piece)) {
         refuse("bytes behind a run's index that are not zero");
     }
+    return {};
 }
 
 void RunIndexDecoder::add_intervals(ByteSpan piece) {
@@ -136,27 +137,34 @@ void RunIndexDecoder::add_intervals(ByteSpan piece) {
     }
 }
 
-void RunIndexDecoder::add_pages(ByteSpan piece) {
+Status RunIndexDecoder::add_pages(ByteSpan piece) {
     ByteReader in(piece);
     while (in.remaining() > 0 && !error_) {
         Result<PageInfo> page = get_page_entry(in, job_);
-        if (!page) return refuse(fmt::format("page {}: {}", index_.pages.size(), page.error().message));
+        if (!page) {
+            refuse(fmt::format("page {}: {}", sums_.page_count, page.error().message));
+            break;
+        }
         page->offset = kRunHeaderSize + sums_.pages_size;
-        if (!index_.pages.empty() && page->record_class < index_.pages.back().record_class)
-            return refuse("light pages stand before camera pages");
+        if (page->record_class == RecordClass::kCamera && sums_.light_records > 0) {
+            refuse("light pages stand before camera pages");
+            break;
+        }
         (page->record_class == RecordClass::kCamera ? sums_.camera_records : sums_.light_records) += page->record_count;
         sums_.pair_count += page->pair_count;
         sums_.decoded_size += page->decoded_size;
         sums_.pages_size += page->stored_size;
-        index_.pages.push_back(*page);
+        ++sums_.page_count;
+        if (Status s = take_(*page); !s) return s;
     }
+    return {};
 }
 
 void RunIndexDecoder::refuse(std::string why) {
     if (!error_) error_ = corrupt(std::move(why));
 }
 
-Result<RunIndex> RunIndexDecoder::finish() {
+Result<Coverage> RunIndexDecoder::finish() {
     if (next_size() != 0) return Error{ErrorCode::kTruncated, "ends inside a run's index"};
     if (hasher_.digest() != header_.index_hash) return corrupt("run index checksum mismatch");
     if (content_.digest() != header_.content_hash) return corrupt("content hash mismatch");
@@ -168,15 +176,24 @@ Result<RunIndex> RunIndexDecoder::finish() {
         sums_.pages_size != header_.pages_size) {
         return corrupt("a run's pages do not add up to its header");
     }
-    index_.coverage = Coverage::of(std::move(intervals_));
-    return std::move(index_);
+    return Coverage::of(std::move(intervals_));
 }
 
 Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const Job& job) {
     if (bytes.size() != header.size() - header.index_offset()) return Error{ErrorCode::kTruncated, "ends inside a run's index"};
-    RunIndexDecoder decoder(header, job);
-    for (std::size_t at = 0, size = 0; (size = decoder.next_size()) > 0; at += size) decoder.add(bytes.subspan(at, size));
-    return decoder.finish();
+    RunIndex index;
+    index.pages.reserve(header.page_count);
+    RunIndexDecoder decoder(header, job, [&](const PageInfo& page) {
+        index.pages.push_back(page);
+        return Status{};
+    });
+    for (std::size_t at = 0, size = 0; (size = decoder.next_size()) > 0; at += size) {
+        if (Status s = decoder.add(bytes.subspan(at, size)); !s) return s.error();
+    }
+    Result<Coverage> coverage = decoder.finish();
+    if (!coverage) return coverage.error();
+    index.coverage = std::move(*coverage);
+    return index;
 }
 
 }  // namespace latent::sampledb

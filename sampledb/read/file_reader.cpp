@@ -158,7 +158,7 @@ Status walk(const ByteSource& source, std::uint64_t begin, std::uint64_t end, co
     if (!list && list.error().code == ErrorCode::kIo) return list;
     if (footer != nullptr && list) return compare_with_list(*footer, begin, std::move(walk->damage), file);
     for (Damage& hole : walk->damage) add_damage(file.damage, std::move(hole));
-    if (!list)
+    if (!list && list.error().code != ErrorCode::kUnsupported)  // a run of a later version: the walk has named it
         add_damage(file.damage,
                    {footer->offset(), 0, "the footer lists other runs than there are: " + list.error().message, false});
     if (footer != nullptr) return {};
@@ -171,45 +171,22 @@ Status walk(const ByteSource& source, std::uint64_t begin, std::uint64_t end, co
     return {};
 }
 
-// A long index is read a piece at a time.
-Result<RunIndex> read_index(const ByteSource& source, const RunInfo& run, const Job& job) {
-    constexpr std::uint64_t kAtOnce = 256 << 10;
-    std::uint64_t at = run.offset + run.header.index_offset();
-    const std::uint64_t size = run.header.size() - run.header.index_offset();
-    Bytes bytes(std::min(size, kAtOnce));
-    if (size <= kAtOnce) {
-        if (Status s = source.read(at, bytes); !s) return s.error();
-        return decode_run_index(bytes, run.header, job);
-    }
-    RunIndexDecoder decoder(run.header, job);
-    for (std::size_t next = 0; (next = decoder.next_size()) > 0; at += next) {
-        bytes.resize(next);
-        if (Status s = source.read(at, bytes); !s) return s.error();
-        decoder.add(bytes);
-    }
-    return decoder.finish();
-}
-
-// The pages of a run that a level looks at: all, or the last, which a torn write would have missed.
-Status verify_pages(const ByteSource& source, const RunIndex& index, const Job& job, VerifyLevel level) {
-    Page page;
-    const std::size_t first = level == VerifyLevel::kQuick && !index.pages.empty() ? index.pages.size() - 1 : 0;
-    for (std::size_t i = first; i < index.pages.size(); ++i) {
-        const PageInfo& info = index.pages[i];
-        const Result<Bytes> stored = read_up_to(source, info.offset, info.stored_size);
-        if (!stored) return stored.error();
-        const auto corrupt = [&](std::string_view what) { return Error{ErrorCode::kCorrupt, fmt::format("page {}: {}", i, what)}; };
-        if (level != VerifyLevel::kFull) {
-            if (hash64(*stored) != info.stored_hash) return corrupt("checksum mismatch");
-            continue;
-        }
-        if (Status s = decode_page(job, info, *stored, ColumnSet{}, page, true); !s) return s.error().at(fmt::format("page {}", i));
-        const int shift = 32 - info.node.level;
-        for (std::size_t row = 0; row < page.count; ++row) {
-            if (shift < 32 && (page.u[row] >> shift != info.node.x || page.v[row] >> shift != info.node.y))
-                return corrupt("a record outside its node");
-            if (!index.coverage.contains(page.sample[row])) return corrupt("a record outside the run's coverage");
-        }
+// A page, the `number`th of its run, as the level asks. `coverage`: of its run.
+Status verify_page(const ByteSource& source, const PageInfo& info, std::size_t number, const Coverage& coverage, const Job& job,
+                   VerifyLevel level, Page& page) {
+    const Result<Bytes> stored = read_up_to(source, info.offset, info.stored_size);
+    if (!stored) return stored.error();
+    const auto corrupt = [&](std::string_view what) {
+        return Error{ErrorCode::kCorrupt, fmt::format("page {}: {}", number, what)};
+    };
+    if (level != VerifyLevel::kFull) return hash64(*stored) == info.stored_hash ? Status{} : corrupt("checksum mismatch");
+    if (Status s = decode_page(job, info, *stored, ColumnSet{}, page, true); !s)
+        return s.error().at(fmt::format("page {}", number));
+    const int shift = 32 - info.node.level;
+    for (std::size_t row = 0; row < page.count; ++row) {
+        if (shift < 32 && (page.u[row] >> shift != info.node.x || page.v[row] >> shift != info.node.y))
+            return corrupt("a record outside its node");
+        if (!coverage.contains(page.sample[row])) return corrupt("a record outside the run's coverage");
     }
     return {};
 }
@@ -232,29 +209,63 @@ Status verify_runs(const ByteSource& source, VerifyLevel level, FileContents& fi
 
 }  // namespace
 
-Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job) {
+Result<Coverage> scan_run_index(const ByteSource& source, const RunInfo& run, const Job& job,
+                                const RunIndexDecoder::TakePage& take) {
     const Result<RunInfo> here = read_run(source, run.offset, job.id);
     if (!here && here.error().code == ErrorCode::kIo) return here.error();
     if (!here) return Error{ErrorCode::kCorrupt, "its header is damaged: " + here.error().message};
     if (here->header != run.header) return Error{ErrorCode::kCorrupt, "the run is not the one that the footer lists"};
-    Result<RunIndex> index = read_index(source, run, job);
-    if (!index) return index;
-    for (PageInfo& page : index->pages) page.offset += run.offset;
+    RunIndexDecoder decoder(run.header, job, [&](PageInfo page) {
+        page.offset += run.offset;
+        return take(page);
+    });
+    constexpr std::uint64_t kAtOnce = 256 << 10;  // bytes of an index that one read gets whole
+    std::uint64_t at = run.offset + run.header.index_offset();
+    const std::uint64_t size = run.header.size() - run.header.index_offset();
+    Bytes bytes(size <= kAtOnce ? size : 0);
+    if (Status s = source.read(at, bytes); !s) return s.error();
+    for (std::size_t next = 0, done = 0; (next = decoder.next_size()) > 0; done += next) {
+        if (size > kAtOnce) {
+            bytes.resize(next);
+            if (Status s = source.read(at + done, bytes); !s) return s.error();
+        }
+        if (Status s = decoder.add(size > kAtOnce ? ByteSpan(bytes) : ByteSpan(bytes).subspan(done, next)); !s) return s.error();
+    }
+    return decoder.finish();
+}
+
+Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job) {
+    RunIndex index;
+    Result<Coverage> coverage = scan_run_index(source, run, job, [&](const PageInfo& page) {
+        if (index.pages.empty()) index.pages.reserve(run.header.page_count);
+        index.pages.push_back(page);
+        return Status{};
+    });
+    if (!coverage) return coverage.error();
+    index.coverage = std::move(*coverage);
     return index;
 }
 
 Result<Coverage> run_coverage(const ByteSource& source, const RunInfo& run, const Job& job) {
     if (run.header.interval_count == 1) return Coverage(run.header.samples);
-    Result<RunIndex> index = read_run_index(source, run, job);
-    if (!index) return index.error();
-    return std::move(index->coverage);
+    return scan_run_index(source, run, job, [](const PageInfo&) { return Status{}; });
 }
 
 Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level) {
     if (level == VerifyLevel::kHeaders) return {};
-    const Result<RunIndex> index = read_run_index(source, run, job);
-    if (!index) return index.error();
-    return verify_pages(source, *index, job, level);
+    std::optional<PageInfo> last;  // a torn write would have missed it
+    const Result<Coverage> coverage = scan_run_index(source, run, job, [&](const PageInfo& info) {
+        last = info;
+        return Status{};
+    });
+    if (!coverage) return coverage.error();
+    Page page;
+    if (!last) return {};
+    if (level == VerifyLevel::kQuick) return verify_page(source, *last, run.header.page_count - 1, *coverage, job, level, page);
+    std::size_t number = 0;
+    const Result<Coverage> again = scan_run_index(
+        source, run, job, [&](const PageInfo& info) { return verify_page(source, info, number++, *coverage, job, level, page); });
+    return again ? Status{} : Status(again.error());
 }
 
 Result<FileContents> read_frames(const ByteSource& source) {

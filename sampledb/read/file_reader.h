@@ -57,6 +57,11 @@ Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level
 // the one in `run`), kIo.
 Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, const Job& job);
 
+// The same for an index of any length: `take` is given its pages one by one, before all of it is known to be sound; what it returns
+// ends the reading. Returns the coverage. Errors as above, and those of `take`.
+Result<Coverage> scan_run_index(const ByteSource& source, const RunInfo& run, const Job& job,
+                                const RunIndexDecoder::TakePage& take);
+
 // The samples that a run holds: its header tells, or its index if there are gaps. Errors as above.
 Result<Coverage> run_coverage(const ByteSource& source, const RunInfo& run, const Job& job);
 

@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::uint64_t kLeastForLists = std::uint64_t{1} << 18;  // a tool that needs more for other things says so itself
 
-std::uint64_t memory_for_lists(std::uint64_t memory) { return std::max(memory / 4 * 3, kLeastForLists); }
-
 // Which files are of the job, one after another, and what is wrong with the others.
 class InputReader {
  public:
@@ -150,17 +148,12 @@ Status InputReader::take_runs(const std::string& name, const FileSource& source,
     return {};
 }
 
-// Before the list of runs grows: what it will take, with what choosing among them takes.
+// Before the list of runs grows.
 Status InputReader::count_memory(const FileContents& file) {
-    constexpr std::uint64_t kRun = sizeof(SelectedRun) + 48;      // and numbers that stand for it while runs are chosen
-    constexpr std::uint64_t kInterval = 2 * sizeof(SampleRange);  // in its run, in the union of all
     runs_ += file.runs.size();
     for (const RunInfo& run : file.runs) intervals_ += run.header.interval_count - 1;
-    found_.list_memory = runs_ * kRun + intervals_ * kInterval;
-    if (found_.list_memory <= memory_for_lists(options_.memory)) return {};
-    return Error{ErrorCode::kOutOfRange,
-                 fmt::format("--memory: too small; the list of {} runs, {} intervals of samples, needs {}M at least", runs_,
-                             runs_ + intervals_, memory_with_list(found_.list_memory) >> 20)};
+    found_.list_memory = list_memory_of(runs_, intervals_);
+    return check_list_memory(runs_, intervals_, options_.memory);
 }
 
 void InputReader::report_state(const InputFile& input, const FileContents& file) {
@@ -231,6 +224,20 @@ Status InputReader::check_repeats() const {
 }
 
 }  // namespace
+
+std::uint64_t list_memory_of(std::uint64_t runs, std::uint64_t intervals) {
+    constexpr std::uint64_t kRun = sizeof(SelectedRun) + 48;      // and numbers that stand for it while runs are chosen
+    constexpr std::uint64_t kInterval = 2 * sizeof(SampleRange);  // in its run, in the union of all
+    return runs * kRun + intervals * kInterval;
+}
+
+Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint64_t memory) {
+    const std::uint64_t needed = list_memory_of(runs, intervals);
+    if (needed <= std::max(memory / 4 * 3, kLeastForLists)) return {};
+    return Error{ErrorCode::kOutOfRange,
+                 fmt::format("--memory: too small; the list of {} runs, {} intervals of samples, needs {}M at least", runs,
+                             runs + intervals, memory_with_list(needed) >> 20)};
+}
 
 std::uint64_t memory_with_list(std::uint64_t list_memory) {
     return list_memory <= kLeastForLists ? 0 : ((list_memory + 2) / 3 * 4 + (1 << 20)) >> 20 << 20;

@@ -136,10 +136,14 @@ Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::s
     const SelectedRun& selected = runs_[run];
     const Result<std::shared_ptr<const FileSource>> from = source(selected.file);
     if (!from) return from.error();
+    const std::uint64_t cost = kIndexCost + selected.header.page_count * sizeof(PageInfo);
+    {
+        const std::lock_guard lock(mutex_);
+        indexes_.make_room(cost);
+    }
     Result<RunIndex> index = read_run_index(**from, {selected.offset, selected.header}, job_);
     if (!index) return index.error().at(place(selected));
     bytes_read_ += kRunHeaderSize + selected.header.index_size();
-    const std::uint64_t cost = kIndexCost + index->pages.size() * sizeof(PageInfo);
     auto pages = std::make_shared<const std::vector<PageInfo>>(std::move(index->pages));
     const std::lock_guard lock(mutex_);
     indexes_.insert(run, pages, cost);

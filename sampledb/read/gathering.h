@@ -36,8 +36,12 @@ struct GatherOptions {
     std::uint64_t memory = std::uint64_t{1} << 30;
 };
 
+// What a list of runs takes while some of them are chosen; of intervals only those beyond the first of each run count.
+std::uint64_t list_memory_of(std::uint64_t runs, std::uint64_t intervals);
 // Whole MiB, in bytes, of the least GatherOptions::memory that has room for a list of that size.
 std::uint64_t memory_with_list(std::uint64_t list_memory);
+// Whether `memory`, as in GatherOptions, has. Errors: kOutOfRange, naming what is needed.
+Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint64_t memory);
 
 struct LeftOut {
     std::string place;        // "b.latent: run 3" or a file name

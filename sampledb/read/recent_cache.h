@@ -28,7 +28,18 @@ class RecentCache {
         recent_.push_front(key);
         entries_[key] = {std::move(value), cost, recent_.begin()};
         held_ += cost;
-        while (held_ > capacity_ && recent_.size() > 1) {
+        shrink(1);
+    }
+    // Drops what a value of that cost would push out, before it is made.
+    void make_room(std::uint64_t cost) {
+        held_ += cost;
+        shrink(0);
+        held_ -= cost;
+    }
+
+ private:
+    void shrink(std::size_t least) {
+        while (held_ > capacity_ && recent_.size() > least) {
             const auto oldest = entries_.find(recent_.back());
             held_ -= oldest->second.cost;
             entries_.erase(oldest);
@@ -36,7 +47,6 @@ class RecentCache {
         }
     }
 
- private:
     struct Entry {
         std::shared_ptr<const Value> value;
         std::uint64_t cost;

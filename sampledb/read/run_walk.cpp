@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sampledb/format/footer.h"
+#include "sampledb/format/frames.h"
 
 namespace latent::sampledb {
 
@@ -102,6 +103,7 @@ class Walker {
             const Result<Bytes> chunk = read(offset, kChunk);
             if (!chunk) return chunk.error();
             for (std::uint64_t at = 0; at < chunk->size(); at += kBlock) {
+                if ((*chunk)[at] != std::byte{kRunMagic.front()}) continue;
                 Place place = look(offset + at, ByteSpan(*chunk).subspan(at));
                 if (place.found == Found::kNothing) continue;
                 if (place.found != Found::kRun) return place;

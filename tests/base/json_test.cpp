@@ -62,7 +62,8 @@ TEST(Json, PartsOfATextAreFoundAsTheyStand) {
 
 TEST(Json, AMemberThatIsAddedIsReadBack) {
     const nlohmann::json object = {{"a", 1}, {"b", {{"c", "}"}}}};
-    const nlohmann::json both = nlohmann::json::parse(with_member(json_text(object), "d", R"({"e":[1]})"));
+    const auto put = [](std::string& text) { text += R"({"e":[1]})"; };
+    const nlohmann::json both = nlohmann::json::parse(with_member(json_text(object), "d", put));
     EXPECT_EQ(both, (nlohmann::json{{"a", 1}, {"b", {{"c", "}"}}}, {"d", {{"e", {1}}}}}));
 }
 

@@ -19,8 +19,6 @@ std::string to_json(const PictureReport& r) {
                                    {"job", to_hex(r.job)},
                                    {"files", r.files},
                                    {"runs", r.runs},
-                                   {"samples", r.coverage},
-                                   {"missing_samples", r.missing},
                                    {"light_paths", c.light_paths},
                                    {"camera_records", c.camera_records},
                                    {"light_records", c.light_records},
@@ -40,7 +38,7 @@ std::string to_json(const PictureReport& r) {
                                    {"left_out", r.gathering.left_out},
                                    {"notes", r.gathering.notes},
                                    {"warnings", r.warnings}};
-    return json_text(report) + "\n";
+    return with_member(with_member(json_text(report), "samples", r.coverage), "missing_samples", r.missing) + "\n";
 }
 
 std::string to_text(const PictureReport& r) {

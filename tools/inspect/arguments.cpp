@@ -45,6 +45,7 @@ void add_cat_options(CLI::App& cat, CatOptions& options) {
     cli::add_parsed(cat, "--job", options.job, parse_job_id,
                     "where folders hold several jobs: the one to print (32 hexadecimal digits)")
         ->type_name("ID");
+    cli::add_size(cat, "--memory", options.memory, "memory to stay within")->default_str("1G");
     cli::add_count(cat, "--limit", options.limit, "at most this many records");
     cli::add_choice<TextFormat>(cat, "--format", options.format, {{"csv", TextFormat::kCsv}, {"json", TextFormat::kJsonLines}},
                                 "csv, or one JSON object a line");

@@ -162,6 +162,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
     gather.inputs = options.inputs;
     gather.samples = options.samples;
     gather.job = options.job;
+    gather.memory = options.memory;
     const Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
     if (!opened) return opened.error();
     const Gathering& gathering = **opened;
@@ -180,7 +181,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
     const auto left_out = [&](std::size_t run, const Error& error) {
         if (!is_unreadable(error)) return false;
         const std::string name = gathering.files()[gathering.runs()[run].file].string();
-        report.left_out.push_back({name, error.message.substr(name.size() + 2)});
+        leave_out(report.left_out, {name, error.message.substr(name.size() + 2)});
         return true;
     };
     std::uint64_t left = options.limit;

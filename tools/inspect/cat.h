@@ -23,6 +23,7 @@ struct CatOptions {
     std::optional<sampledb::JobId> job;           // where folders hold several: this one
     std::optional<std::array<double, 4>> region;  // u0, v0, u1, v1 in [0,1]
     std::uint64_t limit = ~std::uint64_t{0};      // records
+    std::uint64_t memory = std::uint64_t{1} << 30;
 };
 
 // Writes to `out`, in the order of the file: run by run, page by page. Positions are exact fractions of 2^32; wavelengths of jobs

@@ -12,7 +12,7 @@ an output could not be written; 4 verify found damage.)";
 inline constexpr const char* kInfo = R"(
 Job, film, samples, runs, and what each column costs (estimated if there are many pages: fast at any size).
 What is damaged is left out and listed, with exit status 3; as far as it is noticed: verify reads every byte.
---json lists the runs that count, with the samples and the content hash of each.
+--json lists the runs that count, with the samples and the content hash of each. --memory bounds the list of runs.
 
 Examples:
   latent-inspect info night.latent

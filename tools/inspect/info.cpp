@@ -59,12 +59,17 @@ Status look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs,
         const std::uint64_t end = first + run.header.page_count;
         bytes += run.header.pages_size;
         if (page_number(k) < end) {
-            const Result<RunIndex> index = read_run_index(source, run, info.contents.header.job);
+            std::vector<PageInfo> pages;
+            std::uint64_t number = first;
+            const Result<Coverage> index = scan_run_index(source, run, info.contents.header.job, [&](const PageInfo& page) {
+                if (number++ == page_number(k)) pages.push_back(page), ++k;
+                return Status{};
+            });
             if (!index && !is_unreadable(index.error())) return index.error();
+            while (page_number(k) < end) ++k;
             if (!index) add_damage(damage, damage_of(run, index.error()));
-            for (; page_number(k) < end; ++k) {
-                if (!index) continue;
-                const PageInfo& page = index->pages[page_number(k) - first];
+            if (!index) pages.clear();
+            for (const PageInfo& page : pages) {
                 if (Status s = look_at(source, page, info); !s) {
                     if (!is_unreadable(s.error())) return s;
                     add_damage(damage,
@@ -112,7 +117,7 @@ std::string grouped(std::uint64_t number) {
 
 }  // namespace
 
-Result<FileInfo> read_info(const std::filesystem::path& path) {
+Result<FileInfo> read_info(const std::filesystem::path& path, std::uint64_t memory) {
     Result<FoundFile> file = open_file(path);
     if (!file) return file.error();
     const FileSource& source = *file->source;
@@ -122,6 +127,9 @@ Result<FileInfo> read_info(const std::filesystem::path& path) {
     info.contents = std::move(file->contents);
     const Job& job = info.contents.header.job;
     std::vector<RunInfo> runs = std::exchange(info.contents.runs, {});
+    std::uint64_t intervals = 0;
+    for (const RunInfo& run : runs) intervals += run.header.interval_count - 1;
+    if (Status s = check_list_memory(runs.size(), intervals, memory); !s) return s.error().at(path.string());
     std::vector<SelectedRun> candidates;
     candidates.reserve(runs.size());
     for (const RunInfo& run : runs) {
@@ -245,14 +253,12 @@ std::string to_text(const FileInfo& info) {
 std::string to_json_text(const FileInfo& info) {
     using nlohmann::json;
     const Job& job = info.contents.header.job;
-    json columns = json::object(), extra = json::array(), runs = json::array();
+    json columns = json::object(), extra = json::array();
     const double records = static_cast<double>(info.camera_records + info.light_records);
     for (const ColumnCost& column : info.columns) {
         columns[column.name] = {{"stored_bytes_per_record", static_cast<double>(column.stored) / records},
                                 {"decoded_bytes_per_record", static_cast<double>(column.decoded) / records}};
     }
-    for (const ListedRun& run : info.run_list)
-        runs.push_back({{"samples", run.coverage}, {"content_hash", to_hex(run.content_hash)}});
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
     const json report = {{"file", info.path.string()},
                          {"size", info.size},
@@ -268,7 +274,6 @@ std::string to_json_text(const FileInfo& info) {
                          {"run_samples", job.run_samples},
                          {"run_bytes", job.run_bytes},
                          {"extra_columns", extra},
-                         {"samples", info.coverage},
                          {"sample_count", info.coverage.size()},
                          {"light_paths", info.light_paths()},
                          {"camera_records", info.camera_records},
@@ -281,17 +286,26 @@ std::string to_json_text(const FileInfo& info) {
                          {"columns", columns},
                          {"columns_estimated", info.columns_estimated},
                          {"frame_bytes", info.frame_bytes()},
-                         {"run_list", runs},
                          {"unfinished_tail", info.contents.unfinished_tail},
                          {"damage", info.left_out()},
                          {"notes", info.remarks()}};
+    std::string text = with_member(json_text(report), "samples", info.coverage);
+    text = with_member(std::move(text), "run_list", [&](std::string& list) {
+        list += '[';
+        for (const ListedRun& run : info.run_list) {
+            list += list.back() == '[' ? "{\"content_hash\":\"" : ",{\"content_hash\":\"";
+            list += to_hex(run.content_hash) + "\",\"samples\":";
+            append_json(list, run.coverage);
+            list += '}';
+        }
+        list += ']';
+    });
     // What others wrote is copied, however long it is.
-    const auto quoted = [](const std::string& text, std::size_t depth) {
-        return escape_controls(quote_provenance(text, depth).json);
+    const auto quoted = [](const std::string& provenance, std::size_t depth) {
+        return [&provenance, depth](std::string& to) { append_escaped(to, quote_provenance(provenance, depth).json); };
     };
-    return with_member(
-        with_member(json_text(report), "origin", quoted(info.contents.header.provenance_json, kHeaderProvenanceDepth)),
-        "merged_from", quoted(info.contents.footer_provenance, kFooterProvenanceDepth));
+    text = with_member(std::move(text), "origin", quoted(info.contents.header.provenance_json, kHeaderProvenanceDepth));
+    return with_member(std::move(text), "merged_from", quoted(info.contents.footer_provenance, kFooterProvenanceDepth));
 }
 
 }  // namespace latent::inspect

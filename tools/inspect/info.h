@@ -46,8 +46,9 @@ struct FileInfo {
     std::vector<std::string> remarks() const;
 };
 
-// Errors: those of opening the file and reading its header; kIo. Damage behind the header is left out, and listed.
-Result<FileInfo> read_info(const std::filesystem::path& path);
+// Errors: those of opening the file and reading its header; kOutOfRange (more runs than fit `memory`, in bytes); kIo. Damage behind
+// the header is left out, and listed.
+Result<FileInfo> read_info(const std::filesystem::path& path, std::uint64_t memory = std::uint64_t{1} << 30);
 
 std::string to_text(const FileInfo& info);
 std::string to_json_text(const FileInfo& info);

@@ -21,7 +21,7 @@ using Paths = std::vector<std::filesystem::path>;
 cli::CommonOptions common;
 
 int run_info(const Paths& named) {
-    return print_each(named, common.json, [](const std::filesystem::path& path) { return read_info(path); });
+    return print_each(named, common.json, [](const std::filesystem::path& path) { return read_info(path, common.memory); });
 }
 
 int run_verify(const Paths& named, sampledb::VerifyLevel level, bool strict) {
@@ -66,6 +66,7 @@ int main(int argc, char** argv) try {
 
     CLI::App* info = app.add_subcommand("info", "what is in a file")->footer(help::kInfo);
     info->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
+    cli::add_size(*info, "--memory", common.memory, "memory to stay within")->default_str("1G");
 
     CLI::App* verify = app.add_subcommand("verify", "is every byte as it was written?")->footer(help::kVerify);
     verify->add_option("FILE", files, ".latent files, finished or not, or folders")->required();

@@ -1,11 +1,10 @@
 // tools/inspect/print.h: reports on standard output. Whether they could be written shows at the end (base/cli.h). For main.cpp.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/cli.h"
@@ -22,7 +21,9 @@ std::string to_json_text(const Report& report) {
 }
 template <class Report>
 std::string text_of(const Report& report, bool as_json) {
-    return as_json ? to_json_text(report) + "\n" : to_text(report);
+    std::string text = as_json ? to_json_text(report) : to_text(report);
+    if (as_json) text += '\n';
+    return text;
 }
 
 inline int status_of(const FileInfo& info) { return info.left_out().empty() ? cli::kDone : cli::kDoneWithLosses; }
@@ -40,31 +41,29 @@ inline int graver(int a, int b) {
 // As JSON, one file is an object; several are an array, where a file that cannot be read has an "error".
 template <class Look>
 int print_each(const std::vector<std::filesystem::path>& named, bool as_json, const Look& look) {
-    int gravest = cli::kDone;
-    std::vector<std::string> reports;
-    const auto failed = [&](const std::filesystem::path& path, const Error& error) {
-        gravest = graver(gravest, cli::fail(error));
-        reports.push_back(json_text(nlohmann::json{{"file", path.string()}, {"error", error.message}}));
-    };
+    std::vector<std::pair<std::filesystem::path, Status>> files;  // an error: they cannot be listed
     for (const std::filesystem::path& name : named) {
-        const Result<std::vector<sampledb::InputFile>> files = sampledb::list_input_files({name});
-        if (!files) failed(name, files.error());
-        for (const sampledb::InputFile& file : files ? *files : std::vector<sampledb::InputFile>{}) {
-            const auto report = look(file.path);
-            if (!report) {
-                failed(file.path, report.error());
-                continue;
-            }
+        const Result<std::vector<sampledb::InputFile>> found = sampledb::list_input_files({name});
+        if (!found) files.emplace_back(name, found.error());
+        for (const sampledb::InputFile& file : found ? *found : std::vector<sampledb::InputFile>{})
+            files.emplace_back(file.path, Status{});
+    }
+    int gravest = cli::kDone;
+    const bool array = as_json && files.size() != 1;
+    if (array) cli::print("[");
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        if (i > 0 && as_json) cli::print(",\n");
+        const auto& [path, listed] = files[i];
+        const auto report = listed ? look(path) : decltype(look(path))(listed.error());
+        if (report) {
             gravest = graver(gravest, status_of(*report));
-            if (as_json) {
-                reports.push_back(to_json_text(*report));
-            } else {
-                cli::print(to_text(*report));
-            }
+            cli::print(as_json ? to_json_text(*report) : to_text(*report));
+        } else {
+            gravest = graver(gravest, cli::fail(report.error()));
+            if (as_json) cli::print(json_text(nlohmann::json{{"file", path.string()}, {"error", report.error().message}}));
         }
     }
-    if (as_json && reports.size() == 1) cli::print(reports.front() + "\n");
-    if (as_json && reports.size() != 1) cli::print(fmt::format("[{}]\n", fmt::join(reports, ",\n")));
+    if (as_json) cli::print(array ? "]\n" : "\n");
     return gravest;
 }
 

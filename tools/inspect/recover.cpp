@@ -19,10 +19,10 @@ using namespace sampledb;
 Result<RecoverReport> recover(const std::filesystem::path& input, const std::filesystem::path& output, bool replace,
                               const Progress& progress) {
     // Walking finds every run that begins with a sound header; then each is read in full.
-    const Result<FoundFile> found = open_file(input, VerifyLevel::kHeaders, false);
+    Result<FoundFile> found = open_file(input, VerifyLevel::kHeaders, false);
     if (!found) return found.error();
     const FileSource& source = *found->source;
-    const FileContents& file = found->contents;
+    FileContents& file = found->contents;
     std::error_code ignored;  // an output that is not there yet is no other name of the input
     if (std::filesystem::equivalent(input, output, ignored)) {
         return Error{ErrorCode::kExists, output.string() + ": is the damaged file itself, which stays as it is; name another"};
@@ -45,9 +45,10 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     if (!header) return header.error();
     if (Status s = out->file().write_all(0, *header); !s) return s.error();
     std::uint64_t end = header->size();
-    std::vector<RunInfo> runs;
-    for (std::size_t i = 0; i < file.runs.size(); ++i) {
-        const RunInfo& run = file.runs[i];
+    std::vector<RunInfo>& runs = file.runs;
+    std::size_t kept = 0;  // at the front of these, now where the new file has them
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        const RunInfo run = runs[i];
         if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source.size()), fmt::format("run {}", i));
         const Result<Coverage> covered = run_coverage(source, run, job);
         if (!covered && covered.error().code == ErrorCode::kIo) return covered.error().at(input.string());
@@ -59,25 +60,29 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
             continue;
         }
         if (Status s = out->file().copy_from(source.file(), run.offset, end, run.header.size()); !s) return s.error();
-        runs.push_back({end, run.header});
+        runs[kept++] = {end, run.header};
         end += run.header.size();
         report.kept.add(held);
     }
+    runs.resize(kept);
     if (runs.empty() && (report.lost_anything() || report.unfinished_tail > 0)) {
         const auto loss = std::ranges::find(report.damage, true, &Damage::loss);
         const std::string why = loss != report.damage.end() ? loss->reason : "its only write was cut short";
         return Error{ErrorCode::kCorrupt, fmt::format("{}: {}; nothing could be recovered", input.string(), why)};
     }
-    const Result<Bytes> footer = encode_footer(runs, file.footer_provenance, end);
+    const Result<std::uint64_t> footer = put_footer(runs, file.footer_provenance, end, [&](ByteSpan piece) {
+        const Status put = out->file().write_all(end, piece);
+        end += piece.size();
+        return put;
+    });
     if (!footer) return footer.error().at(output.string());
-    if (Status s = out->file().write_all(end, *footer); !s) return s.error();
-    const FileView written(out->file(), output.string(), end + footer->size());
+    const FileView written(out->file(), output.string(), end);
     for (const RunInfo& run : runs) {
         if (Status s = verify_run(written, run, job, VerifyLevel::kStored); !s) return s.error().at(output.string());
     }
     if (Status s = out->publish(); !s) return s.error();
     report.runs = runs.size();
-    report.bytes = end + footer->size();
+    report.bytes = end;
     report.lost = promised;
     report.lost.remove(report.kept);
     return report;
@@ -98,15 +103,11 @@ std::string to_text(const RecoverReport& report) {
     return text;
 }
 
-nlohmann::json to_json(const RecoverReport& report) {
-    return {{"input", report.input.string()},
-            {"output", report.output.string()},
-            {"runs", report.runs},
-            {"bytes", report.bytes},
-            {"kept_samples", report.kept},
-            {"lost_samples", report.lost},
-            {"damage", report.damage},
-            {"unfinished_tail", report.unfinished_tail}};
+std::string to_json_text(const RecoverReport& report) {
+    const nlohmann::json facts = {
+        {"input", report.input.string()}, {"output", report.output.string()}, {"runs", report.runs},
+        {"bytes", report.bytes},          {"damage", report.damage},          {"unfinished_tail", report.unfinished_tail}};
+    return with_member(with_member(json_text(facts), "kept_samples", report.kept), "lost_samples", report.lost);
 }
 
 }  // namespace latent::inspect

@@ -32,6 +32,6 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
                               const Progress& progress = {});
 
 std::string to_text(const RecoverReport& report);
-nlohmann::json to_json(const RecoverReport& report);
+std::string to_json_text(const RecoverReport& report);
 
 }  // namespace latent::inspect

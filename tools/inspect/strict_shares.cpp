@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace latent::inspect {
 
@@ -26,8 +27,6 @@ ShareCheck::ShareCheck(const Coverage& coverage, std::size_t number, Violations&
         ranks_.push_back(samples_);
         samples_ += range.size();
     }
-    has_record_.resize(std::min(samples_, kMarked));
-    has_one_.resize(has_record_.size());
 }
 
 std::uint64_t ShareCheck::rank(std::uint64_t sample) const {
@@ -45,9 +44,14 @@ void ShareCheck::add(const Page& page) { mark(page); }
 
 void ShareCheck::mark(const Page& page) {
     if (page.record_class != RecordClass::kCamera) return;
-    for (std::size_t row = 0; row < page.count && simple_; ++row) {
-        const std::uint64_t at = rank(page.sample[row]) - begin_;
-        if (at >= has_record_.size()) continue;
+    if (has_record_.empty()) {  // most of what a run claims to cover may be empty
+        has_record_.resize(std::min(samples_, kMarked));
+        has_one_.resize(has_record_.size());
+    }
+    for (std::size_t row = 0; row < page.count; ++row) {
+        const std::uint64_t here = rank(page.sample[row]), at = here - begin_;
+        if (here >= begin_ && at >= has_record_.size()) next_ = std::min(next_, here);
+        if (here < begin_ || at >= has_record_.size() || !simple_) continue;
         const float share = share_of(page, row);
         has_record_[at] = true;
         simple_ = share == 0 || (share == 1 && !has_one_[at]);
@@ -60,18 +64,18 @@ bool ShareCheck::marks_are_good() const { return simple_ && has_record_ == has_o
 Status ShareCheck::finish(std::size_t pages, const ReadPage& read) {
     Page page;
     for (;;) {
-        const std::uint64_t end = std::min(samples_, begin_ + kMarked);
+        const std::uint64_t end = begin_ + std::min(samples_ - begin_, kMarked);
         if (!marks_are_good()) {
             for (std::uint64_t at = begin_; at < end; at += kAdded) {
                 if (Status s = add_up(at, std::min(end, at + kAdded), pages, read); !s) return s;
             }
         }
-        if (end == samples_) return {};
-        begin_ = end;
+        if (next_ == kNoRank) return {};
+        begin_ = std::exchange(next_, kNoRank);
         has_record_.assign(has_record_.size(), false);
         has_one_.assign(has_one_.size(), false);
         simple_ = true;
-        for (std::size_t i = 0; i < pages && simple_; ++i) {
+        for (std::size_t i = 0; i < pages; ++i) {
             page.count = 0;
             if (Status s = read(i, page); !s) return s;
             mark(page);

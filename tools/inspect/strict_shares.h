@@ -37,6 +37,7 @@ class ShareCheck {
     bool marks_are_good() const;
     Status add_up(std::uint64_t begin, std::uint64_t end, std::size_t pages, const ReadPage& read);
 
+    static constexpr std::uint64_t kNoRank = ~std::uint64_t{0};
     const std::span<const sampledb::SampleRange> ranges_;
     std::vector<std::uint64_t> ranks_;  // of the first samples of ranges_
     std::uint64_t samples_ = 0;
@@ -44,6 +45,7 @@ class ShareCheck {
     Violations& violations_;
     std::uint64_t begin_ = 0;                 // the first rank that is marked
     std::vector<bool> has_record_, has_one_;  // a camera record; one whose share is 1
+    std::uint64_t next_ = kNoRank;            // the first rank behind those that has a camera record
     bool simple_ = true;                      // so far: every share is 0 or 1, at most one of a sample is 1
 };
 

@@ -22,6 +22,8 @@ using namespace sampledb;
 
 namespace {
 
+constexpr std::uint64_t kRunsAtOnce = 4096, kRunsAtOnceStrictly = 64;  // what is found of them is held
+
 const char* what_was_looked_at(VerifyLevel level) {
     switch (level) {
         case VerifyLevel::kHeaders:
@@ -43,14 +45,16 @@ std::uint64_t count_not_finite(const std::vector<float>& values, std::size_t cou
 }
 
 // Values that are NaN or infinite in a run whose pages are known to decode.
-Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunIndex& index, const Job& job) {
+Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunInfo& run, const Job& job) {
     Page page;
     std::uint64_t found = 0;
-    for (const PageInfo& info : index.pages) {
-        if (Status s = read_page(source, info, job, ColumnSet{}, page); !s) return s.error();
+    const Result<Coverage> scanned = scan_run_index(source, run, job, [&](const PageInfo& info) {
+        if (Status s = read_page(source, info, job, ColumnSet{}, page); !s) return s;
         for (const auto* column : {&page.x, &page.y, &page.z, &page.share}) found += count_not_finite(*column, page.count);
         found += count_not_finite(page.power, info.pair_count);
-    }
+        return Status{};
+    });
+    if (!scanned) return scanned.error();
     return found;
 }
 
@@ -66,9 +70,7 @@ Result<RunReport> check_run(const ByteSource& source, std::size_t number, const 
     if (Status s = verify_run(source, run, job, level); !s) return s.error();
     RunReport report;
     if (level != VerifyLevel::kFull) return report;
-    const Result<RunIndex> index = read_run_index(source, run, job);
-    if (!index) return index.error();
-    const Result<std::uint64_t> not_finite = not_finite_in(source, *index, job);
+    const Result<std::uint64_t> not_finite = not_finite_in(source, run, job);
     if (!not_finite) return not_finite.error();
     report.not_finite = *not_finite;
     if (!strict) return report;
@@ -100,37 +102,43 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     report.finished = file->finished;
     report.unfinished_tail = file->unfinished_tail;
     report.runs = file->runs.size();
-    std::vector<Result<RunReport>> checked(report.runs);
     if (strict) {
         Result<Violations> violations = check_header_strictly(*source, *file);
         if (!violations) return violations.error().at(path.string());
         report.violations = std::move(*violations);
     }
+    std::vector<Result<RunReport>> checked(std::min(report.runs, strict ? kRunsAtOnceStrictly : kRunsAtOnce));
     std::mutex mutex;
     std::uint64_t bytes_checked = 0;
-    const auto check = [&](std::size_t i) {
-        checked[i] = check_run(*source, i, file->runs[i], job, level, strict);
-        const std::lock_guard lock(mutex);
-        bytes_checked += file->runs[i].header.size();
-        if (progress) progress(static_cast<double>(bytes_checked) / static_cast<double>(report.size), format_size(bytes_checked));
-    };
-    Threads(threads).run([&] { tbb::parallel_for(std::size_t{0}, file->runs.size(), check); });
-    for (std::size_t i = 0; i < file->runs.size(); ++i) {
-        const RunInfo& run = file->runs[i];
-        if (!checked[i] && checked[i].error().code == ErrorCode::kIo) return checked[i].error().at(path.string());
-        if (!checked[i]) {
-            add_damage(file->damage, lost_run(i, run, checked[i].error()));
-            continue;
-        }
-        report.pages += run.header.page_count;
-        report.records += run.header.camera_records + run.header.light_records;
-        report.not_finite += checked[i]->not_finite;
-        report.violations.append(std::move(checked[i]->violations));
-        const std::string note = strict ? boundary_note(run.header, job) : "";
-        if (!note.empty() && report.notes.size() < Violations::kMostListed) {
-            report.notes.push_back(
-                fmt::format("run {}, samples {}..{}, {}: runs of the same samples by others will not be recognised", i,
-                            run.header.samples.first, run.header.samples.end, note));
+    const Threads workers(threads);
+    for (std::size_t first = 0; first < report.runs; first += checked.size()) {
+        const std::size_t end = std::min(first + checked.size(), file->runs.size());
+        const auto check = [&](std::size_t i) {
+            checked[i - first] = check_run(*source, i, file->runs[i], job, level, strict);
+            const std::lock_guard lock(mutex);
+            bytes_checked += file->runs[i].header.size();
+            if (progress)
+                progress(static_cast<double>(bytes_checked) / static_cast<double>(report.size), format_size(bytes_checked));
+        };
+        workers.run([&] { tbb::parallel_for(first, end, check); });
+        for (std::size_t i = first; i < end; ++i) {
+            const RunInfo& run = file->runs[i];
+            Result<RunReport>& found = checked[i - first];
+            if (!found && found.error().code == ErrorCode::kIo) return found.error().at(path.string());
+            if (!found) {
+                add_damage(file->damage, lost_run(i, run, found.error()));
+                continue;
+            }
+            report.pages += run.header.page_count;
+            report.records += run.header.camera_records + run.header.light_records;
+            report.not_finite += found->not_finite;
+            report.violations.append(std::move(found->violations));
+            const std::string note = strict ? boundary_note(run.header, job) : "";
+            if (!note.empty() && report.notes.size() < Violations::kMostListed) {
+                report.notes.push_back(
+                    fmt::format("run {}, samples {}..{}, {}: runs of the same samples by others will not be recognised", i,
+                                run.header.samples.first, run.header.samples.end, note));
+            }
         }
     }
     for (const Damage& damage : file->damage) report.damage.push_back(damage.reason);

@@ -21,8 +21,8 @@ Status CopyCheck::check(const Task& task, const ByteSource& output) const {
     const Expected& run = runs_[task.run];
     if (task.page == kFrame) {
         if (!run.pages) return verify_run(output, run.copy, job_, level_);
-        const Result<RunIndex> index = read_run_index(output, run.copy, job_);
-        return index ? Status{} : Status(index.error());
+        const Result<Coverage> frame = scan_run_index(output, run.copy, job_, [](const PageInfo&) { return Status{}; });
+        return frame ? Status{} : Status(frame.error());
     }
     const PageInfo& page = (*run.pages)[task.page];
     thread_local Bytes buffer;

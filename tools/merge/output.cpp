@@ -18,6 +18,7 @@ using namespace sampledb;
 namespace {
 
 constexpr std::size_t kOpenInputs = 16;                      // inputs that are kept open while runs are copied
+constexpr std::uint64_t kPagesListed = 1 << 17;              // of the runs of a stretch
 constexpr std::uint64_t kStretch = std::uint64_t{64} << 20;  // the disk begins to write after each
 
 DamagedRun damaged_run(const std::filesystem::path& file, const SelectedRun& run, const Error& why) {
@@ -105,10 +106,11 @@ class Output::Appending {
         if (!from) return from.error();
         CopyCheck check(gathering_.job(), output_.level_, output_.threads_);
         std::vector<RunInfo> copies;
-        std::uint64_t length = 0;
+        std::uint64_t length = 0, listed = 0;
         for (std::size_t i = begin; i < end; ++i) {
             std::shared_ptr<const std::vector<PageInfo>> pages;
-            if (output_.level_ == VerifyLevel::kStored) {
+            if (output_.level_ == VerifyLevel::kStored && listed + run_of(i).header.page_count <= kPagesListed) {
+                listed += run_of(i).header.page_count;
                 const auto read = gathering_.pages(plan_[i].first);
                 if (!read && read.error().code == ErrorCode::kIo) return read.error();
                 if (!read) break;  // as the look at the original will show

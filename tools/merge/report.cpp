@@ -15,13 +15,12 @@ std::string to_json(const MergeReport& r) {
                                    {"runs_out", r.runs_out},
                                    {"superseded_runs", r.gathering.superseded_runs},
                                    {"repeated_runs", r.gathering.repeated_runs},
-                                   {"samples", r.coverage},
                                    {"camera_records", r.camera_records},
                                    {"light_records", r.light_records},
                                    {"bytes", r.bytes},
                                    {"left_out", r.gathering.left_out},
                                    {"notes", r.gathering.notes}};
-    return json_text(report) + "\n";
+    return with_member(json_text(report), "samples", r.coverage) + "\n";
 }
 
 std::string to_text(const MergeReport& r) {
