@@ -7,6 +7,7 @@
 #include "render/bsdf/conductor.h"
 #include "render/bsdf/dielectric.h"
 #include "render/bsdf/diffuse.h"
+#include "render/bsdf/phong.h"
 #include "render/bsdf/thin_dielectric.h"
 
 namespace latent::render {
@@ -16,6 +17,7 @@ using ClosureList = std::variant<C...>;
 
 using AnyClosure = ClosureList<  //
     Diffuse,                     //
+    Phong,                       //
     Conductor,                   //
     Dielectric,                  //
     ThinDielectric>;

@@ -6,8 +6,10 @@ Material::Material(const MaterialDescription& d, SpectrumLibrary& library)
     : kind_(d.kind),
       dispersive_(d.dispersive),
       reflectance_(library.add(d.reflectance, Lookup::kLinear)),
+      specular_(library.add(d.specular, Lookup::kLinear)),
       eta_(library.add(d.eta, Lookup::kLinear)),
       k_(library.add(d.k, Lookup::kLinear)),
+      exponent_(d.exponent),
       alpha_x_(d.alpha_x),
       alpha_y_(d.alpha_y) {}
 
@@ -17,6 +19,8 @@ Bsdf Material::bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_
     switch (kind_) {
         case MaterialKind::kDiffuse:
             return bsdf_of(Diffuse(spectra[reflectance_]));
+        case MaterialKind::kPhong:
+            return bsdf_of(Phong(spectra[reflectance_], spectra[specular_], exponent_));
         case MaterialKind::kConductor:
             return bsdf_of(Conductor(spectra[eta_], spectra[k_], alpha_x_, alpha_y_));
         case MaterialKind::kDielectric:

@@ -22,8 +22,8 @@ class Material {
  private:
     MaterialKind kind_;
     bool dispersive_;
-    std::uint32_t reflectance_, eta_, k_;  // in the library
-    float alpha_x_, alpha_y_;
+    std::uint32_t reflectance_, specular_, eta_, k_;  // in the library
+    float exponent_, alpha_x_, alpha_y_;
 };
 
 }  // namespace latent::render

@@ -41,12 +41,14 @@ struct CameraDescription {
     SourceLocation location{};
 };
 
-enum class MaterialKind : std::uint8_t { kDiffuse, kConductor, kDielectric, kThinDielectric };
+enum class MaterialKind : std::uint8_t { kDiffuse, kPhong, kConductor, kDielectric, kThinDielectric };
 
 struct MaterialDescription {
     MaterialKind kind = MaterialKind::kDiffuse;
     std::string name{};              // of MakeNamedMaterial; else empty
-    color::Spectrum reflectance{};   // diffuse
+    color::Spectrum reflectance{};   // diffuse; phong: Kd
+    color::Spectrum specular{};      // phong: Ks
+    float exponent = 0;              // phong
     color::Spectrum eta{}, k{};      // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
                                      // dielectric, thindielectric: eta
     bool dispersive = false;         // eta of a dielectric or thindielectric varies with wavelength

@@ -166,6 +166,18 @@ TEST(Scene, ColouredRgbLightHasTheChromaticityOfItsRgb) {
     EXPECT_NEAR(rgb[2], 0.2, 3e-3);
 }
 
+TEST(Scene, PhongHasTwoReflectancesAndAnExponent) {
+    const SceneDescription scene = world(
+        "Material \"phong\" \"spectrum Kd\" [ 360 0.4 830 0.5 ] \"spectrum Ks\" [ 360 0.3 830 0.2 ] \"float exponent\" 75\n"
+        "Material \"phong\"\n");
+    ASSERT_EQ(scene.materials[1].kind, MaterialKind::kPhong);
+    EXPECT_EQ(scene.materials[1].reflectance(830), 0.5);
+    EXPECT_EQ(scene.materials[1].specular(360), 0.3);
+    EXPECT_EQ(scene.materials[1].exponent, 75);
+    EXPECT_EQ(scene.materials[2].reflectance(500) + scene.materials[2].specular(500), 0.5);
+    EXPECT_THAT(refused_world("Material \"phong\" \"float exponent\" -1"), HasSubstr("exponent"));
+}
+
 TEST(Scene, SpectraComeInlineByNameFromFilesAndAsRgb) {
     const Folder folder;
     folder.write("grey.spd", "# two samples\n360 0.25\n830 0.25\n");

@@ -74,6 +74,7 @@ const std::vector<Choice> kMaterials = {
      "Material \"dielectric\" \"spectrum eta\" \"glass-SF11\" \"float roughness\" 0.3 \"bool remaproughness\" false\n"},
     {"pane", "Material \"thindielectric\" \"float eta\" 1.5\n"},
     {"interface", "Material \"interface\"\n"},
+    {"phong", "Material \"phong\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" 40\n"},
 };
 const std::vector<Choice> kCameras = {
     {"pinhole", "LookAt 0.3 0.9 -2.6  0 0.5 0  0 1 0\nCamera \"perspective\" \"float fov\" 45\n"},

@@ -23,9 +23,11 @@ struct Example {
 
 // Values in every lane that outlive the examples.
 struct Values {
-    Batch grey{0.7f}, glass{1.5f}, varying, eta, k;
+    Batch black{0.0f}, grey{0.7f}, white{1.0f}, glass{1.5f}, rising, falling, varying, eta, k;
     Values() {
         for (std::uint32_t i = 0; i < kLanes; ++i) {
+            rising[i] = 0.02f * static_cast<float>(i);
+            falling[i] = 1 - rising[i];
             varying[i] = 1.7f + 0.003f * static_cast<float>(i);
             eta[i] = 0.3f + 0.04f * static_cast<float>(i);
             k[i] = 3.0f + 0.1f * static_cast<float>(i);
@@ -50,6 +52,15 @@ inline std::vector<Example<PhaseFunction>> examples() {
 template <>
 inline std::vector<Example<Diffuse>> examples() {
     return {{.name = "grey", .scatters = Diffuse(values().grey)}};
+}
+
+template <>
+inline std::vector<Example<Phong>> examples() {
+    const Values& v = values();
+    return {{.name = "wide lobe", .scatters = Phong(v.rising, v.falling, 3)},
+            {.name = "narrow lobe", .scatters = Phong(v.falling, v.rising, 60)},
+            {.name = "lobe alone, flat", .scatters = Phong(v.black, v.white, 0)},
+            {.name = "no lobe", .scatters = Phong(v.white, v.black, 60)}};
 }
 
 template <>

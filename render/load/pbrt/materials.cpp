@@ -57,6 +57,18 @@ void read_conductor_index(const ParameterList& list, SceneSpectra& spectra, Mate
     material.k = color::Spectrum::from_function(k_of, color::Outside::kClamped);
 }
 
+void read_phong(const ParameterList& list, SceneSpectra& spectra, MaterialDescription& material) {
+    const auto diffuse = spectra.find(list, "Kd", SpectrumRole::kReflectance),
+               specular = spectra.find(list, "Ks", SpectrumRole::kReflectance);
+    material.reflectance = diffuse ? *diffuse : color::Spectrum::constant(0.25);
+    material.specular = specular ? *specular : color::Spectrum::constant(0.25);
+    material.exponent = static_cast<float>(list.number("exponent", 20, 0, 1e5));
+    bool makes_light = false;
+    for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm)
+        makes_light |= material.reflectance(nm) + material.specular(nm) > 1 + 1e-9;
+    if (makes_light) list.warn("Kd + Ks: above 1: such a surface makes light");
+}
+
 }  // namespace
 
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneSpectra& spectra) {
@@ -70,6 +82,9 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         const auto reflectance = spectra.find(list, "reflectance", SpectrumRole::kReflectance);
         material.reflectance = reflectance ? *reflectance : color::Spectrum::constant(0.5);
         if (material.reflectance.max_value() > 1) list.warn("reflectance: above 1: such a surface makes light");
+    } else if (type == "phong") {
+        material.kind = MaterialKind::kPhong;
+        read_phong(list, spectra, material);
     } else if (type == "conductor") {
         material.kind = MaterialKind::kConductor;
         read_conductor_index(list, spectra, material);
@@ -82,8 +97,8 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         material.kind = MaterialKind::kThinDielectric;
         read_dielectric_index(list, spectra, material);
     } else {
-        list.error(
-            fmt::format("Material \"{}\" is not supported (diffuse, conductor, dielectric, thindielectric, interface)", type));
+        list.error(fmt::format(
+            "Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, interface)", type));
         return std::nullopt;
     }
     list.report_unused();

@@ -1,0 +1,30 @@
+// render/bsdf/phong.h: Lambert's reflection and Phong's lobe, normalised to give back no more than it gets, on both sides.
+// docs/rendering.md, "Surfaces".
+#pragma once
+
+#include "render/bsdf/closure.h"
+
+namespace latent::render {
+
+//   f = Kd / pi + Ks (n + 2) / (2 pi) max(0, cos a)^n,   a the angle between w_light and the mirror direction of w_camera
+// [R06 3.1.2]. Kd + Ks <= 1 conserves energy; at grazing angles the surface cuts off a part of the lobe.
+class Phong {
+ public:
+    static constexpr bool kTransmits = false;
+
+    Phong(const Batch& diffuse, const Batch& specular, float exponent);
+
+    bool is_delta() const { return false; }
+    bool disperses(const Vec3f&, const Vec3f&) const { return false; }
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+
+ private:
+    const Batch* diffuse_;
+    const Batch* specular_;
+    float exponent_;
+    float specular_probability_;  // that a direction is drawn from the lobe
+};
+
+}  // namespace latent::render
