@@ -36,7 +36,7 @@ struct RenderSettings {
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
     std::uint32_t wavelengths = 28;
     std::uint64_t seed = 0;
-    std::uint32_t precision = 23;   // mantissa bits of stored values
+    std::uint32_t precision = 9;    // mantissa bits of stored values; docs/format.md, "Rounding", says why
     std::uint32_t run_samples = 0;  // 0: such that a run is near 64 MiB
     std::string simd = "best";      // or a level of base/simd.h
 

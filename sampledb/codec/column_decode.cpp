@@ -23,6 +23,11 @@ thread_local Scratch scratch;
 
 std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded & 1)); }
 
+// The same of numbers that are multiples of 2^step, counted in these.
+std::uint32_t unzigzag(std::uint32_t coded, unsigned step) { return unzigzag(coded >> step) << step; }
+
+constexpr unsigned kMostStep = 22;
+
 Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
 // Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
@@ -53,6 +58,12 @@ Status load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
     if (!packed) return packed.error();
     unpack_bits(*packed, entry.bits, values);
     return {};
+}
+
+Result<unsigned> step_of(const ColumnEntry& entry, bool stepped) {
+    if (!stepped) return 0u;
+    if (entry.bits < 1 || entry.bits > kMostStep) return corrupt("a step of impossible size");
+    return unsigned{entry.bits};
 }
 
 Status unknown_transform(const ColumnEntry& entry) {
@@ -109,18 +120,21 @@ Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& b
 
 Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y, const BrightRows& bright) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
-    const bool sparse = entry.transform == Transform::kSparseCross;
-    if (entry.transform != Transform::kCross && !sparse) return decode_plain(entry, bytes, 4);
+    const bool sparse = entry.transform == Transform::kSparseCross || entry.transform == Transform::kSteppedSparseCross;
+    const bool stepped = entry.transform == Transform::kSteppedCross || entry.transform == Transform::kSteppedSparseCross;
+    if (entry.transform != Transform::kCross && !sparse && !stepped) return decode_plain(entry, bytes, 4);
+    const Result<unsigned> step = step_of(entry, stepped);
+    if (!step) return step.error();
     if (sparse && !bright.known) return corrupt("a sparse column beside a y that is not");
     const std::size_t count = sparse ? bright.count : values.size();
     const std::span<std::uint32_t> words = at_least(scratch.words, count + kExpandPadding).first(count);
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
     if (sparse) {
-        for (std::size_t i = 0; i < count; ++i) words[i] = bright.y[i] + unzigzag(words[i]);
+        for (std::size_t i = 0; i < count; ++i) words[i] = bright.y[i] + unzigzag(words[i], *step);
         expand(bright.bitmap, words.data(), bytes);
     } else {
         for (std::size_t i = 0; i < count; ++i) {
-            values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(y[i]) + unzigzag(words[i]));
+            values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(y[i]) + unzigzag(words[i], *step));
         }
     }
     return {};
@@ -128,7 +142,10 @@ Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::sp
 
 Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
-    if (entry.transform != Transform::kDelta2) return decode_plain(entry, bytes, 4);
+    const bool stepped = entry.transform == Transform::kSteppedDelta2;
+    if (entry.transform != Transform::kDelta2 && !stepped) return decode_plain(entry, bytes, 4);
+    const Result<unsigned> step = step_of(entry, stepped);
+    if (!step) return step.error();
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
     std::size_t at = 0;
@@ -137,7 +154,7 @@ Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::spa
         std::uint32_t before = words[at], slope = 0;
         values[at++] = std::bit_cast<float>(before);
         for (std::uint16_t i = 1; i < n; ++i, ++at) {
-            slope += unzigzag(words[at]);
+            slope += unzigzag(words[at], *step);
             before += slope;
             values[at] = std::bit_cast<float>(before);
         }

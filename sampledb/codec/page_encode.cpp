@@ -22,6 +22,20 @@ struct Scratch {
 thread_local Scratch scratch;
 
 std::uint32_t zigzag(std::uint32_t difference) { return difference << 1 ^ (0u - (difference >> 31)); }
+// Of multiples of 2^step, counted in these: what rounding has made zero stays zero.
+std::uint32_t zigzag(std::uint32_t difference, unsigned step) {
+    return zigzag(static_cast<std::uint32_t>(static_cast<std::int32_t>(difference) >> step)) << step;
+}
+
+// The differences of rounded values are multiples of 2^step. `bits`: all of them, or-ed.
+unsigned step_of(const Job& job, std::uint32_t bits) {
+    const unsigned step = kFullPrecision - job.precision;
+    return (bits & ((1u << step) - 1)) == 0 ? step : 0;
+}
+void set_transform(ColumnEntry& entry, unsigned step, Transform plain, Transform stepped) {
+    entry.transform = step == 0 ? plain : stepped;
+    entry.bits = static_cast<std::uint8_t>(step);
+}
 
 void store_planes(ColumnEntry& entry, ByteSpan values, std::size_t value_width) {
     const std::span<std::byte> planes = at_least(scratch.planes, values.size());
@@ -121,21 +135,24 @@ void store_bright(ColumnEntry& entry, const Bright& bright, std::span<std::uint3
     store_planes(entry, std::as_bytes(words.first(bright.count)), 4);
 }
 
-void encode_crossed(Column column, std::span<const float> values, std::span<const float> y, const Bright& bright) {
+void encode_crossed(const Job& job, Column column, std::span<const float> values, std::span<const float> y, const Bright& bright) {
     if (begin_column(column, std::as_bytes(values), 4)) return;
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
-    std::uint32_t elsewhere = 0;  // bits of values where y is zero
+    std::uint32_t elsewhere = 0, all = 0;  // bits of values where y is zero; of differences
     for (std::size_t i = 0; i < values.size(); ++i) {
         const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[i]), of_y = std::bit_cast<std::uint32_t>(y[i]);
-        words[i] = zigzag(bits - of_y);
+        words[i] = bits - of_y;
+        all |= bits - of_y;
         elsewhere |= of_y == 0 ? bits : 0;
     }
+    const unsigned step = step_of(job, all);
+    for (std::uint32_t& word : words) word = zigzag(word, step);
     ColumnEntry& entry = scratch.table.back();
     if (bright.worth_it && elsewhere == 0) {
-        entry.transform = Transform::kSparseCross;
+        set_transform(entry, step, Transform::kSparseCross, Transform::kSteppedSparseCross);
         store_bright(entry, bright, words);
     } else {
-        entry.transform = Transform::kCross;
+        set_transform(entry, step, Transform::kCross, Transform::kSteppedCross);
         store_planes(entry, std::as_bytes(words), 4);
     }
 }
@@ -151,30 +168,33 @@ void encode_y(std::span<const float> y, const Bright& bright) {
     store_bright(entry, bright, words);
 }
 
-void encode_xyz(const Page& page) {
+void encode_xyz(const Job& job, const Page& page) {
     const std::span<const float> y = rows(page.y, page.count);
     Bright bright{.count = find_nonzero(std::as_bytes(y), scratch.bitmap)};
     bright.worth_it = bright.count > 0 && bright.count <= y.size() - (y.size() + 15) / 16;
-    encode_crossed(Column::kX, rows(page.x, page.count), y, bright);
+    encode_crossed(job, Column::kX, rows(page.x, page.count), y, bright);
     encode_y(y, bright);
-    encode_crossed(Column::kZ, rows(page.z, page.count), y, bright);
+    encode_crossed(job, Column::kZ, rows(page.z, page.count), y, bright);
 }
 
 // First value as it is, then zigzag(b1 - b0), then zigzag(b_i - 2 b_{i-1} + b_{i-2}), for each record on its own.
-void encode_delta2(Column column, std::span<const float> values, std::span<const std::uint16_t> pairs) {
+void encode_delta2(const Job& job, Column column, std::span<const float> values, std::span<const std::uint16_t> pairs) {
     if (begin_column(column, std::as_bytes(values), 4)) return;
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
+    std::uint32_t all = 0;
+    for (const float value : values) all |= std::bit_cast<std::uint32_t>(value);
+    const unsigned step = step_of(job, all);
     std::size_t at = 0;
     for (const std::uint16_t n : pairs) {
         std::uint32_t before = 0, slope = 0;
         for (std::uint16_t i = 0; i < n; ++i, ++at) {
             const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[at]);
-            words[at] = i == 0 ? bits : zigzag(bits - before - slope);
+            words[at] = i == 0 ? bits : zigzag(bits - before - slope, step);
             slope = i == 0 ? 0 : bits - before;
             before = bits;
         }
     }
-    scratch.table.back().transform = Transform::kDelta2;
+    set_transform(scratch.table.back(), step, Transform::kDelta2, Transform::kSteppedDelta2);
     store_planes(scratch.table.back(), std::as_bytes(words), 4);
 }
 
@@ -213,7 +233,7 @@ PageInfo encode_page(const Job& job, const Page& page, Bytes& out) {
     }
     std::size_t pair_count = 0;
     if (job.kind == RecordKind::kXyz) {
-        encode_xyz(page);
+        encode_xyz(job, page);
     } else {
         const std::span<const std::uint16_t> pairs = rows(page.pairs, page.count);
         for (const std::uint16_t n : pairs) pair_count += n;
@@ -222,8 +242,8 @@ PageInfo encode_page(const Job& job, const Page& page, Bytes& out) {
             encode_plain(Column::kXi, rows(page.xi, page.count));
             encode_plain(Column::kIndex, rows(page.index, page.count));
         }
-        encode_delta2(Column::kPower, rows(page.power, pair_count), pairs);
-        if (job.density.empty()) encode_delta2(Column::kLambda, rows(page.lambda_nm, pair_count), pairs);
+        encode_delta2(job, Column::kPower, rows(page.power, pair_count), pairs);
+        if (job.density.empty()) encode_delta2(job, Column::kLambda, rows(page.lambda_nm, pair_count), pairs);
     }
     for (std::size_t i = 0; i < job.extra.size(); ++i) {
         const std::size_t value_width = width(job.extra[i].type);

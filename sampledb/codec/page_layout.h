@@ -35,14 +35,17 @@ enum class Column : std::uint8_t {
 };
 
 enum class Transform : std::uint8_t {
-    kPlanes = 0,       // the values' byte planes
-    kPacked = 1,       // value = base + `bits` bits; 0 bits: a constant column
-    kLattice = 2,      // sample numbers, by the bits that a base 2 radical inverse makes of them
-    kSampler = 3,      // u and v follow from the sample numbers
-    kCross = 4,        // x and z: zigzag of the difference to y's bits
-    kDelta2 = 5,       // power and lambda: zigzag of second differences along each record
-    kSparse = 6,       // y: which rows are not zero, and the planes of those
-    kSparseCross = 7,  // x and z: as kCross, of the rows where y is not zero; zero in the others
+    kPlanes = 0,         // the values' byte planes
+    kPacked = 1,         // value = base + `bits` bits; 0 bits: a constant column
+    kLattice = 2,        // sample numbers, by the bits that a base 2 radical inverse makes of them
+    kSampler = 3,        // u and v follow from the sample numbers
+    kCross = 4,          // x and z: zigzag of the difference to y's bits
+    kDelta2 = 5,         // power and lambda: zigzag of second differences along each record
+    kSparse = 6,         // y: which rows are not zero, and the planes of those
+    kSparseCross = 7,    // x and z: as kCross, of the rows where y is not zero; zero in the others
+    kSteppedCross = 8,   // these three as kCross, kDelta2 and kSparseCross, of differences that are multiples of 2^bits,
+    kSteppedDelta2 = 9,  //   counted in these
+    kSteppedSparseCross = 10,
 };
 
 constexpr std::size_t kColumnEntrySize = 24;
@@ -50,7 +53,7 @@ constexpr std::size_t kColumnEntrySize = 24;
 struct ColumnEntry {
     Column column{};
     Transform transform = Transform::kPlanes;
-    std::uint8_t bits = 0;
+    std::uint8_t bits = 0;          // of kPacked and kLattice; the step of kStepped...
     std::uint8_t lattice_bits = 0;  // s of kLattice
     std::uint64_t base = 0;
     std::uint64_t hash = 0;  // XXH3-64 of the decoded values

@@ -52,7 +52,9 @@ TEST(ForeignWriter, RoundsAsThisLibraryDoes) {
         SCOPED_TRACE(kind);
         const fs::path exact = folder.path() / "exact.latent", rounded = folder.path() / "rounded.latent";
         ASSERT_EQ(testing::run_python("tests/sampledb/write_latent.py", {kind, exact.string()}).status, 0);
-        ASSERT_EQ(testing::run_python("tests/sampledb/write_latent.py", {kind, rounded.string(), "--precision", "9"}).status, 0);
+        ASSERT_EQ(testing::run_python("tests/sampledb/write_latent.py", {kind, rounded.string(), "--precision", "9", "--vary", "3"})
+                      .status,
+                  0);
         const testing::Outcome read = testing::run_python("tests/sampledb/read_latent.py", {rounded.string()});
         EXPECT_EQ(read.status, 0) << read.err;
 

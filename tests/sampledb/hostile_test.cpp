@@ -306,6 +306,22 @@ TEST(Hostile, BitmapsThatMisleadAreRefused) {
     EXPECT_FALSE(decode_crossed(x, values, of_y, bright));
 }
 
+TEST(Hostile, StepsOfImpossibleSizeAreRefused) {
+    const Bytes stored(4);
+    std::vector<float> values(5), y(5);
+    const std::vector<std::uint16_t> pairs = {2, 3};
+    ColumnEntry entry{.column = Column::kX, .stored = stored};
+    for (int p = 0; p < 4; ++p) entry.planes.push_back({PlaneCodec::kConstant, 1});
+    for (int bits = 0; bits <= 64; ++bits) {
+        const bool possible = bits >= 1 && bits <= 22;
+        entry.bits = static_cast<std::uint8_t>(bits);
+        entry.transform = Transform::kSteppedCross;
+        EXPECT_EQ(bool(decode_crossed(entry, values, y, {})), possible) << bits;
+        entry.transform = Transform::kSteppedDelta2;
+        EXPECT_EQ(bool(decode_delta2(entry, values, pairs)), possible) << bits;
+    }
+}
+
 TEST(Hostile, FileHeadersBeyondTheirCeilingsAreRefused) {
     const Bytes good = *encode_file_header({make_job(RecordKind::kSpectral), "{}"});
     const std::size_t copy = good.size() / 2;

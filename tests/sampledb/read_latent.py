@@ -192,16 +192,20 @@ def from_lattice(plane, bits, s, base, count):
     return [base - low + reverse((reverse(low, s) + number) % 2**s, s) for number in numbers(plane, bits, count)]
 
 
-def from_cross(planes, ys):
-    return [y + unzigzag(value) & M32 for value, y in zip(from_planes(planes), ys)]
+def unzigzag_steps(value, step):
+    return unzigzag(value >> step) << step & M32
 
 
-def from_delta2(planes, counts):
+def from_cross(planes, ys, step=0):
+    return [y + unzigzag_steps(value, step) & M32 for value, y in zip(from_planes(planes), ys)]
+
+
+def from_delta2(planes, counts, step=0):
     values, first = from_planes(planes), 0
     for n in counts:
         for i in range(first + 1, first + n):
             before = 2 * values[i - 1] - values[i - 2] if i > first + 1 else values[i - 1]
-            values[i] = before + unzigzag(values[i]) & M32
+            values[i] = before + unzigzag_steps(values[i], step) & M32
         first += n
     return values
 
@@ -229,8 +233,10 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, width in expected:
         (column, transform, bits, plane_count, s, base, column_hash) = fields("BBBBIQQ", data, at)
         check(column == number, "column %d instead of %d" % (column, number))
-        check(transform <= 7 and bits <= 64 and plane_count <= 8, "table of columns")
-        check(transform in (1, 2) or (bits, base) == (0, 0), "reserved fields of the table")
+        check(transform <= 10 and bits <= 64 and plane_count <= 8, "table of columns")
+        stepped = transform in (8, 9, 10)
+        check(transform in (1, 2) or base == 0, "base of the table")
+        check((1 <= bits <= 22 and job.precision < 23) if stepped else transform in (1, 2) or bits == 0, "bits of the table")
         check(1 <= s <= 32 if transform == 2 else s == 0, "s of the table")
         words = fields("%dI" % plane_count, data, at + 24)
         at += 24 + 4 * plane_count
@@ -249,15 +255,16 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     order = sorted(table, key=lambda t: (t[0] != 1, t[0] != 6))  # samples before positions, y before x and z
     rows = None
     for number, width, transform, bits, s, base, column_hash, words in order:
-        allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7), 6: (0, 1, 6), 7: (0, 1, 4, 7), 11: (0, 1, 5), 12: (0, 1, 5)}
+        allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7, 8, 10), 6: (0, 1, 6), 7: (0, 1, 4, 7, 8, 10), 11: (0, 1, 5, 9),
+                   12: (0, 1, 5, 9)}
         check(transform in allowed.get(number, (0, 1)), "transform %d of column %d" % (transform, number))
         check(number == 1 or transform != 1 or (bits == 0 and base < 256**width), "constant column %d" % number)
         n = pair_count if number in (11, 12) else records
         planes = [decode_plane(*plane, (records + 7) // 8) for plane in stored[number][:1]] if transform == 6 else []
         if transform == 6:
             rows = stored_rows(planes[0], records)
-        check(transform != 7 or rows, "a sparse column beside a y that is not")
-        size = (n * bits + 7) // 8 if transform in (1, 2) else len(rows) if transform in (6, 7) else n
+        check(transform not in (7, 10) or rows, "a sparse column beside a y that is not")
+        size = (n * bits + 7) // 8 if transform in (1, 2) else len(rows) if transform in (6, 7, 10) else n
         planes = [decode_plane(*plane, size) for plane in stored[number][len(planes) :]]
         check(len(planes) == (bits > 0 if transform in (1, 2) else 0 if transform == 3 or n == 0 else width), "number of planes")
         if transform == 3:
@@ -277,6 +284,9 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
                 5: lambda: from_delta2(planes, columns[8]),
                 6: lambda: from_sparse(rows, from_planes(planes), records),
                 7: lambda: from_sparse(rows, from_cross(planes, [columns[6][i] for i in rows]), records),
+                8: lambda: from_cross(planes, columns[6], bits),
+                9: lambda: from_delta2(planes, columns[8], bits),
+                10: lambda: from_sparse(rows, from_cross(planes, [columns[6][i] for i in rows], bits), records),
             }[transform]()
         decoded = b"".join(value.to_bytes(width, "little") for value in values)
         check(hash64(decoded) == column_hash, "column %d does not decode to its hash" % number)
@@ -509,10 +519,12 @@ def check_vectors(page):
         elif name == "lattice":
             values, (bits,), (s,) = hex_numbers(case["values"]), ints(case["bits"]), ints(case["s"])
             expect(name, from_lattice(plane(case, "plane 0"), bits, s, int(case["base"][0], 16), len(values)), values)
-        elif name == "cross":
-            expect(name, from_cross(planes(case), hex_numbers(case["y"])), hex_numbers(case["x"]))
-        elif name == "delta2":
-            expect(name, from_delta2(planes(case), ints(case["pairs"])), hex_numbers(case["values"]))
+        elif name in ("cross", "stepped-cross"):
+            step = int(case.get("bits", ["0"])[0])
+            expect(name, from_cross(planes(case), hex_numbers(case["y"]), step), hex_numbers(case["x"]))
+        elif name in ("delta2", "stepped-delta2"):
+            step = int(case.get("bits", ["0"])[0])
+            expect(name, from_delta2(planes(case), ints(case["pairs"]), step), hex_numbers(case["values"]))
         elif name == "sparse":
             ys, xs = hex_numbers(case["y"]), hex_numbers(case["x"])
             rows = stored_rows(plane(case, "bitmap"), len(ys))

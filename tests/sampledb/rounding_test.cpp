@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -231,6 +232,35 @@ TEST(Rounding, TakesNothingAwayFromWhatIsNoValue) {
         EXPECT_TRUE(a.sample == b.sample && a.u == b.u && a.v == b.v && a.share == b.share && a.pairs == b.pairs);
         EXPECT_TRUE(a.lambda_nm == b.lambda_nm && a.extra[0].values == b.extra[0].values);
         EXPECT_FALSE(a.x == b.x && a.power == b.power);
+    }
+}
+
+// Differences are counted in steps where all of them fit, else as they are.
+TEST(Rounding, ValuesWithMoreBitsThanTheJobAreStoredBesideRoundedOnes) {
+    for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
+        const Job job = rounding_job(9, kind);
+        const Coverage coverage(SampleRange{0, 5000});
+        Records records = make_records(job, {0, 5000}, {.black = 0.5});
+        const Bytes plain = *encode_run(job, coverage, records);
+        for (std::vector<float>* column : {&records.x, &records.y, &records.z, &records.power}) {
+            if (column->empty()) continue;
+            (*column)[1000] = std::bit_cast<float>(0xFFC12345u);
+            (*column)[2000] = std::numeric_limits<float>::max();
+            (*column)[2001] = std::numeric_limits<float>::infinity();
+        }
+        const Bytes run = *encode_run(job, coverage, records);
+        EXPECT_GT(decode_run_header(run)->pages_size, decode_run_header(plain)->pages_size);
+        const DecodedRun decoded = *decode_run(job, run);
+        const auto count = [&](std::uint32_t bits) {
+            std::size_t found = 0;
+            for (const auto* column : {&decoded.records.x, &decoded.records.y, &decoded.records.z, &decoded.records.power})
+                found += static_cast<std::size_t>(std::ranges::count(*column, bits, bits_of));
+            return found;
+        };
+        const std::size_t columns = kind == RecordKind::kXyz ? 3 : 1;
+        EXPECT_EQ(count(0xFFC12345), columns);
+        EXPECT_EQ(count(0x7F7FFFFF), columns);
+        EXPECT_EQ(count(0x7F800000), columns);
     }
 }
 

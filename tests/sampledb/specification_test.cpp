@@ -198,19 +198,29 @@ void check_packed(const Vector& vector) {
     EXPECT_EQ(values, vector.hex<std::uint64_t>("values"));
 }
 
+void set_step(const Vector& vector, Transform stepped, ColumnEntry& entry) {
+    if (!vector.fields.contains("bits")) return;
+    entry.transform = stepped;
+    entry.bits = vector.one<std::uint8_t>("bits");
+}
+
 void check_cross(const Vector& vector) {
     std::vector<float> y;
     for (const std::uint32_t value : vector.hex<std::uint32_t>("y")) y.push_back(std::bit_cast<float>(value));
     Bytes stored;
     std::vector<float> x(y.size());
-    ASSERT_TRUE(decode_crossed(column(vector, Transform::kCross, stored), x, y, {}));
+    ColumnEntry entry = column(vector, Transform::kCross, stored);
+    set_step(vector, Transform::kSteppedCross, entry);
+    ASSERT_TRUE(decode_crossed(entry, x, y, {}));
     EXPECT_EQ(bits(x), vector.hex<std::uint32_t>("x"));
 }
 
 void check_delta2(const Vector& vector) {
     Bytes stored;
     std::vector<float> values(vector.fields.at("values").size());
-    ASSERT_TRUE(decode_delta2(column(vector, Transform::kDelta2, stored), values, vector.decimal<std::uint16_t>("pairs")));
+    ColumnEntry entry = column(vector, Transform::kDelta2, stored);
+    set_step(vector, Transform::kSteppedDelta2, entry);
+    ASSERT_TRUE(decode_delta2(entry, values, vector.decimal<std::uint16_t>("pairs")));
     EXPECT_EQ(bits(values), vector.hex<std::uint32_t>("values"));
 }
 
@@ -330,6 +340,8 @@ const std::map<std::string, std::function<void(const Vector&)>> kChecks = {
     {"lattice", check_packed},
     {"cross", check_cross},
     {"delta2", check_delta2},
+    {"stepped-cross", check_cross},
+    {"stepped-delta2", check_delta2},
     {"sparse", check_sparse},
     {"codec", check_codec},
     {"halton23", check_halton},

@@ -176,6 +176,16 @@ def zigzag(difference):
     return (difference << 1 & M32) ^ (M32 if difference >> 31 else 0)
 
 
+def signed(difference):
+    return (difference + 2**31 & M32) - 2**31
+
+
+def step_of(job, values):
+    """log2 of the step in which differences of rounded values can be counted; 0: they cannot."""
+    bits = 23 - job.precision
+    return 0 if any(value % 2**bits for value in values) else bits
+
+
 def byte_planes(values, width):
     return [bytes(value >> 8 * p & 255 for value in values) for p in range(width)]
 
@@ -206,26 +216,34 @@ def as_lattice(values, s, bits, base):
 AS_SAMPLER = (3, 0, 0, 0, [])
 
 
-def as_cross(values, ys):
-    return (4, 0, 0, 0, byte_planes([zigzag(value - y) for value, y in zip(values, ys)], 4))
+def by_steps(differences, bits):
+    """Numbers that are stored for differences; bits = 0: by a plain transform."""
+    assert all(d % 2**bits == 0 for d in differences)
+    return [zigzag(signed(d) >> bits) << bits for d in differences]
 
 
-def as_delta2(values, counts):
+def as_cross(values, ys, bits=0):
+    numbers = by_steps([value - y for value, y in zip(values, ys)], bits)
+    return (8 if bits else 4, bits, 0, 0, byte_planes(numbers, 4))
+
+
+def as_delta2(values, counts, bits=0):
     words, at = [], 0
     for n in counts:
         b = values[at : at + n]
-        words += b[:1] + [zigzag(y - x) for x, y in zip(b[:1], b[1:2])]
-        words += [zigzag(z - 2 * y + x) for x, y, z in zip(b, b[1:], b[2:])]
+        differences = [y - x for x, y in zip(b[:1], b[1:2])] + [z - 2 * y + x for x, y, z in zip(b, b[1:], b[2:])]
+        words += b[:1] + by_steps(differences, bits)
         at += n
-    return (5, 0, 0, 0, byte_planes(words, 4))
+    return (9 if bits else 5, bits, 0, 0, byte_planes(words, 4))
 
 
 def as_sparse(ys, stored):
     return (6, 0, 0, 0, [packed(stored, 1)] + byte_planes([y for y, s in zip(ys, stored) if s], 4))
 
 
-def as_sparse_cross(values, ys, stored):
-    return (7, 0, 0, 0, byte_planes([zigzag(x - y) for x, y, s in zip(values, ys, stored) if s], 4))
+def as_sparse_cross(values, ys, stored, bits=0):
+    numbers = by_steps([x - y for x, y, s in zip(values, ys, stored) if s], bits)
+    return (10 if bits else 7, bits, 0, 0, byte_planes(numbers, 4))
 
 
 def raw(plane):
@@ -322,7 +340,9 @@ def encode_columns(job, light, rows, choice):
                 columns.append((6, 4, ys, encoding))
                 continue
             fits = encoding[0] == 6 and all(s or value == 0 for s, value in zip(stored, values))
-            add(number, 4, values, [as_cross(values, ys)] + ([as_sparse_cross(values, ys, stored)] if fits else []))
+            steps = {0, step_of(job, values + ys)}
+            add(number, 4, values, [as_cross(values, ys, bits) for bits in steps] +
+                [as_sparse_cross(values, ys, stored, bits) for bits in steps if fits])
     else:
         counts = [len(r.power) for r in rows]
         add(8, 2, counts)
@@ -333,7 +353,7 @@ def encode_columns(job, light, rows, choice):
         if not job.knots:
             pairs.append((12, [l for r in rows for l in r.lambdas]))
         for number, values in pairs:
-            add(number, 4, values, [as_delta2(values, counts)] if values else [])
+            add(number, 4, values, [as_delta2(values, counts, bits) for bits in {0, step_of(job, values)}] if values else [])
     for i, (_, kind) in enumerate(job.extra):
         add(64 + i, WIDTH[kind], [r.extra[i] for r in rows])
     return columns

@@ -51,8 +51,9 @@ class PageCheck {
  private:
     void check_fields(const ColumnEntry& entry) {
         const bool packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
-        if (!packed && entry.bits != 0)
-            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1 or 2");
+        const bool stepped = entry.transform >= Transform::kSteppedCross && entry.transform <= Transform::kSteppedSparseCross;
+        if (!packed && !stepped && entry.bits != 0)
+            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1, 2, 8, 9 or 10");
         if (!packed && entry.base != 0)
             wrong(entry, "", fmt::format("base is {:#x}", entry.base), "0, unless the transform is 1 or 2");
         if (entry.transform != Transform::kLattice && entry.lattice_bits != 0)
@@ -124,6 +125,7 @@ class PageCheck {
             case Transform::kSparse:
                 return plane == 0 ? (values + 7) / 8 : stored_rows();
             case Transform::kSparseCross:
+            case Transform::kSteppedSparseCross:
                 return stored_rows();
             default:
                 return values;
