@@ -19,6 +19,7 @@
 #include <new>
 #include <utility>
 
+#include "base/help.h"
 #include "base/parse.h"
 #include "base/printable.h"
 #include "base/temporary_path.h"
@@ -112,46 +113,6 @@ void flush_stdout_at_exit() {
     if (!flushed && !failure_was_said) ::_exit(fail(flushed.error()));
 }
 
-// What stands for the value: a name of our own ("SIZE", "A:B"), or what CLI11 makes of the type and its check: "TEXT",
-// "TEXT:{both,camera,light}", "TEXT:NAME.latent".
-std::string placeholder(const std::string& type) {
-    if (!type.starts_with("TEXT:")) return type;
-    std::string check = type.substr(type.find(':') + 1);
-    if (!check.starts_with('{')) return check;
-    std::ranges::replace(check, ',', '|');
-    return check.substr(1, check.find('}') - 1);
-}
-
-constexpr const char* kNumbers =
-    "Numbers may end in K, M, G or T (powers of 1000) or in Ki, Mi, Gi or Ti (powers of 1024).\n"
-    "A SIZE is in bytes, with K, M, G and T as powers of 1024. A TIME is 90, 90s, 10m, 1.5h or 1h30m.\n\n";
-
-// How --help sets options: "--filter NAME", "--integrator path|bdpt", "--quality 1..100 [90]" with the default in brackets.
-class HelpFormatter final : public CLI::Formatter {
- public:
-    HelpFormatter() { column_width(38); }
-
-    std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
-        const std::string names = CLI::Formatter::make_option_name(option, is_positional);
-        return names.substr(0, names.find('{'));  // "--dither,--no-dither{false}"
-    }
-
-    std::string make_option_opts(const CLI::Option* option) const override {
-        if (option->get_type_name().empty()) return "";  // a flag
-        if (option->get_positional()) return option->get_expected_max() > 1 ? " ..." : "";
-        std::string text = " " + placeholder(option->get_type_name());
-        if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
-        return option->get_required() ? text + " (required)" : text;
-    }
-
-    std::string make_footer(const CLI::App* app) const override {
-        const std::string footer = app->get_footer();
-        const std::size_t first = footer.find_first_not_of('\n'), last = footer.find_last_not_of('\n');
-        if (first == std::string::npos) return kNumbers;
-        return kNumbers + footer.substr(first, last + 1 - first) + "\n";
-    }
-};
-
 // CLI11 says "--output: 1 required TEXT:NAME.latent missing" and "--output: At Most 1 required but received 2".
 std::string in_plain_words(const CLI::ParseError& error) {
     const std::string what = error.what();
@@ -172,12 +133,13 @@ CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, con
 const std::string& program() { return program_name(); }
 
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
-    add_count(app, "--threads", options.threads, "at most so many worker threads; 0: one for each processor", 0, 4096);
-    if (with_memory) add_size(app, "--memory", options.memory, "memory to stay within")->default_str("1G");
-    app.add_flag("--json", options.json, "print the report as JSON on stdout");
-    app.add_flag("--force", options.force, "replace an output that exists");
-    app.add_flag("-q,--quiet", options.quiet, "show no progress: a bar on a terminal, elsewhere a line every half minute");
+    add_count(app, "--threads", options.threads, "maximum number of worker threads; 0: one per CPU", 0, 4096);
+    if (with_memory) add_size(app, "--memory", options.memory, "memory limit")->default_str("1G");
+    app.add_flag("--json", options.json, "print the report as JSON on standard output");
+    app.add_flag("--force", options.force, "replace an existing output");
+    app.add_flag("-q,--quiet", options.quiet, "show no progress (a bar on a terminal, a line every 30 seconds in a log)");
     app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
+    app.set_help_flag("-h,--help", "print this help");
 }
 
 Progress progress(const CommonOptions& options, std::string verb) {
@@ -195,9 +157,7 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 #ifdef NDEBUG
     std::signal(SIGABRT, end_with_abort);
 #endif
-    const auto formatter = std::make_shared<HelpFormatter>();
-    app.formatter(formatter);
-    for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
+    format_help(app);
     try {
         app.parse(argc, argv);
         return std::nullopt;

@@ -592,9 +592,20 @@ TEST(Synthetic, ExpectedLuminanceIsTheSameForBothKinds) {
 TEST_F(InspectTest, HelpShowsWhatAnOptionTakesAndItsDefault) {
     const std::string help = inspect({"gen", "--help"}).out + inspect({"cat", "--help"}).out;
     for (const char* option :
-         {"  -o,--output NAME.latent (required)  ", "  --kind xyz|spectral [xyz]  ", "  --wavelengths 1..1024 [28]  ",
+         {"  -o,--output NAME.latent (required)\n", "  --kind xyz|spectral [xyz]  ", "  --wavelengths 1..1024 [28]  ",
           "  --first N [0]  ", "  --aspect W:H [1:1]  ", "  --random-positions  ", "  FILE ...  "})
         EXPECT_NE(help.find(option), std::string::npos) << option << "\n" << help;
+}
+
+TEST_F(InspectTest, EveryHelpTextFitsEightyColumns) {
+    const std::string folder = latent::testing::tools_folder() + "/latent-";
+    for (const std::string command : {"render", "merge", "develop", "convert", "inspect", "inspect info", "inspect verify",
+                                      "inspect recover", "inspect cat", "inspect gen"}) {
+        const Outcome help = run({"/bin/sh", "-c", folder + command + " --help"});
+        ASSERT_EQ(help.status, 0) << command;
+        std::istringstream lines(help.out);
+        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << command << ": " << line;
+    }
 }
 
 // The commands that a help text shows work as they stand, one after the other.

@@ -55,7 +55,7 @@ int run_gen(GenOptions options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-    CLI::App app{"Look into .latent files, check them, save what can be saved, make synthetic ones.", "latent-inspect"};
+    CLI::App app{"Show, verify, recover, print or generate .latent files.", "latent-inspect"};
     app.require_subcommand(1)->fallthrough()->footer(help::kTool);
     cli::add_common(app, common, false);
     Paths files;
@@ -64,24 +64,24 @@ int main(int argc, char** argv) try {
     GenOptions gen_options;
     bool quick = false, deep = false, strict = false;
 
-    CLI::App* info = app.add_subcommand("info", "what is in a file")->footer(help::kInfo);
-    info->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
-    cli::add_size(*info, "--memory", common.memory, "memory to stay within")->default_str("1G");
+    CLI::App* info = app.add_subcommand("info", "Show the contents of files.")->footer(help::kInfo);
+    info->add_option("FILE", files, ".latent files, finished or not, or folders of files")->required();
+    cli::add_size(*info, "--memory", common.memory, "memory limit of the list of runs")->default_str("1G");
 
-    CLI::App* verify = app.add_subcommand("verify", "is every byte as it was written?")->footer(help::kVerify);
-    verify->add_option("FILE", files, ".latent files, finished or not, or folders")->required();
-    CLI::Option* quick_flag = verify->add_flag("--quick", quick, "headers, indexes and one page of each run only");
-    verify->add_flag("--deep", deep, "decode and check every record as well")->excludes(quick_flag);
-    verify->add_flag("--strict", strict, "as --deep, and list what breaks the rules for writers")->excludes(quick_flag);
+    CLI::App* verify = app.add_subcommand("verify", "Check that every byte is as it was written.")->footer(help::kVerify);
+    verify->add_option("FILE", files, ".latent files, finished or not, or folders of files")->required();
+    CLI::Option* quick_flag = verify->add_flag("--quick", quick, "check only headers, indexes and one page of each run");
+    verify->add_flag("--deep", deep, "also decode and check every record")->excludes(quick_flag);
+    verify->add_flag("--strict", strict, "as --deep, and list violations of the rules for writers")->excludes(quick_flag);
 
-    CLI::App* recover = app.add_subcommand("recover", "save what can be read into a new file")->footer(help::kRecover);
-    recover->add_option("FILE", files, "the damaged file")->required()->expected(1);
-    recover->add_option("-o,--output", output, "the new file")->required()->check(cli::ends_in(".latent"));
+    CLI::App* recover = app.add_subcommand("recover", "Copy the intact runs of a damaged file.")->footer(help::kRecover);
+    recover->add_option("FILE", files, "damaged file; it is never changed")->required()->expected(1);
+    recover->add_option("-o,--output", output, "file to write")->required()->check(cli::ends_in(".latent"));
 
-    CLI::App* cat = app.add_subcommand("cat", "records as text")->footer(help::kCat);
+    CLI::App* cat = app.add_subcommand("cat", "Print records as text.")->footer(help::kCat);
     add_cat_options(*cat, cat_options);
 
-    CLI::App* gen = app.add_subcommand("gen", "a synthetic file")->footer(help::kGen);
+    CLI::App* gen = app.add_subcommand("gen", "Generate a synthetic file.")->footer(help::kGen);
     add_gen_options(*gen, gen_options);
 
     if (const auto done = cli::parse(app, argc, argv)) return *done;

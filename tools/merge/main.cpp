@@ -10,21 +10,31 @@ namespace {
 using namespace latent;
 
 constexpr const char* kExamples = R"(
-Runs are copied as they are, so merging is as fast as copying; where files can share blocks (XFS, btrfs), nothing is copied at all.
-Every byte of a run is checked before the run counts: a damaged one is left out and named. So parts may be deleted once
-latent-merge is done with status 0. --verify quick looks at headers, indexes and one page of each run; full decodes every record.
-Merging waits for the disk, not for the processor: --threads matter to --verify full alone.
-The parts may come in any order: the output is the same to the last byte. No sample can be counted twice: a part that is named
-twice, or parts that overlap, are refused. Parts found in a folder are simply kept once; what else it holds is listed and left out.
+Parts may come in any order: the output is the same to the last byte. No sample
+is counted twice: parts that overlap, or that are named twice, are refused.
+Files of other jobs in a folder are listed and left out.
+
+Runs are copied unchanged. On XFS and btrfs the output shares its blocks with
+the parts. The copies are verified; damaged runs are left out and listed. After
+exit status 0 the parts can be deleted, unless --verify quick was used.
+
+Levels of --verify:
+  stored   every byte, by its checksum
+  quick    headers, indexes and one page of each run
+  full     every byte, and every record is decoded; only this uses --threads
 
 Examples:
-  latent-merge night-0.latent night-1.latent -o night.latent       two parts
-  latent-merge parts/ -o all.latent                                all parts in a folder, unfinished ones too
-  latent-merge parts/ -o complete.latent --require 0:16777216      fail if any of these samples is missing
-  latent-merge night.latent -o night-large.latent --compact        many small runs become few large ones: develops faster
+  latent-merge night-0.latent night-1.latent -o night.latent
+      join two parts
+  latent-merge parts/ -o all.latent
+      join all parts in a folder, unfinished ones included
+  latent-merge parts/ -o complete.latent --require 0:16777216
+      fail if any of these samples is missing
+  latent-merge night.latent -o night-large.latent --compact
+      turn many small runs into few large ones, which develop faster
 
-Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but something damaged or foreign was left out and listed,
-or the report could not be written.)";
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged or
+foreign input was left out and listed, or the report could not be written.)";
 
 }  // namespace
 
@@ -33,19 +43,18 @@ int main(int argc, char** argv) try {
     cli::CommonOptions common;
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
     app.footer(kExamples);
-    app.add_option("PART", options.inputs, "parts of one job, or folders that hold them, in any order")->required();
-    app.add_option("-o,--output", options.output, "the joined file")->required()->check(cli::ends_in(".latent"));
-    cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A .. B-1 are all there")
+    app.add_option("PART", options.inputs, "parts of one job, or folders of parts")->required();
+    app.add_option("-o,--output", options.output, "joined file to write")->required()->check(cli::ends_in(".latent"));
+    cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A to B-1 are complete")
         ->type_name("A:B");
     using sampledb::VerifyLevel;
-    cli::add_choice<VerifyLevel>(
-        app, "--verify", options.verify,
-        {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
-        "stored: every byte of every run; quick: headers, indexes and one page; full: every record as well");
-    app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records stay exactly the same");
-    app.add_flag("--skip-duplicates", options.skip_duplicates, "count parts that were named twice once, instead of refusing them");
+    cli::add_choice<VerifyLevel>(app, "--verify", options.verify,
+                                 {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
+                                 "level of verification; see below");
+    app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records are unchanged");
+    app.add_flag("--skip-duplicates", options.skip_duplicates, "accept parts that hold the same samples; each sample is used once");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
-                    "where folders hold several jobs: the one to merge (32 hexadecimal digits)")
+                    "job to merge, if folders hold several (32 hexadecimal digits)")
         ->type_name("ID");
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
