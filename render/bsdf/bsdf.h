@@ -11,7 +11,7 @@ namespace latent::render {
 
 struct BsdfSample {
     Vec3f wi;
-    float pdf, pdf_reverse;  // 1/sr; of a delta function the probability that its coefficient stands for (see bdpt.h)
+    float pdf, pdf_reverse;  // 1/sr; of a delta function the probability that its coefficient stands for (see weights.h)
     bool delta;
     float eta2;  // by which radiance was scaled: squared index on wi's side over that on wo's; 1 for reflection
 };

@@ -14,7 +14,7 @@ float power_heuristic(float a, float b) {
     return 1 / (1 + r * r);
 }
 
-// One path from the eye, at its last vertex.
+// One path from the camera, at its last vertex.
 class Path {
  public:
     Path(const World& world, SampleState& sample, std::uint32_t max_depth, Radiance& camera)
@@ -167,11 +167,11 @@ class Path {
         d_ = next.wi;
         if (!scattering.in_medium()) medium_ = World::medium_beyond(surface_, d_, medium_);
 
-        const float odds = survival_odds(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
-        if (odds <= 0) return false;
-        if (depth_ >= 1 && odds < 1) {
-            if (number(Dimension::kSurvival) >= odds) return false;
-            beta_ *= 1 / odds;
+        const float survival = survival_probability(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
+        if (survival <= 0) return false;
+        if (depth_ >= 1 && survival < 1) {
+            if (number(Dimension::kSurvival) >= survival) return false;
+            beta_ *= 1 / survival;
         }
         return true;
     }
@@ -197,7 +197,7 @@ class Path {
     float eta2_ = 1;     // of all refractions so far
     float pdf_ = 0;      // [1/sr] of d_
     Receiver receiver_;  // the last vertex, as lights were sampled for it
-    float passing_ = 1;  // odds of passing the media since the last vertex
+    float passing_ = 1;  // probability of passing the media since the last vertex
 };
 
 class PathIntegrator final : public Transport {

@@ -1,4 +1,4 @@
-// render/transport/path.h: path tracing: from the eye, with a light sampled at every vertex, and what the path runs into by
+// render/transport/path.h: path tracing: from the camera, with a light sampled at every vertex, and what the path runs into by
 // itself; the two weighed by the power heuristic. In a medium the light of points is sampled along the ray too.
 // docs/rendering.md, "Path tracing" and "Media".
 #pragma once

@@ -23,12 +23,12 @@ struct SampleState {
     std::uint32_t k() const { return spectra.wavelengths.k; }
 };
 
-// Odds of a path to go on, of its throughput since it left the eye or the light. The eta^2 of radiance in denser media is no loss.
-// A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on they are at most 0.95: light that nothing
-// absorbs and nothing lets out, reflected totally in a block of glass, must end too.
-inline float survival_odds(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept, std::size_t scatterings) {
-    const float odds = (dispersed ? beta[kept] : beta.max()) * eta2;
-    return scatterings < 64 || odds < 0.95f ? odds : 0.95f;
+// Probability that a path goes on, from its throughput since it left the camera or the light. The eta^2 of radiance in denser media
+// is no loss. A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on it is at most 0.95: light
+// that nothing absorbs and nothing lets out, reflected totally in a block of glass, must end too.
+inline float survival_probability(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept, std::size_t scatterings) {
+    const float probability = (dispersed ? beta[kept] : beta.max()) * eta2;
+    return scatterings < 64 || probability < 0.95f ? probability : 0.95f;
 }
 
 class Transport : public Integrator {
@@ -40,7 +40,7 @@ class Transport : public Integrator {
     std::uint32_t light_paths_per_sample() const override { return 0; }
 
  protected:
-    // Adds to `camera` what the eye sees at film point (u, v); may append light records.
+    // Adds to `camera` what the camera sees at film point (u, v); may append light records.
     virtual void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records& out,
                              RadianceFaults& faults) const = 0;
 

@@ -1,16 +1,17 @@
-// Joining the two subpaths: a light's point for the eye (s = 1), the lens for the light (t = 1), vertex to vertex (s, t >= 2).
+// Joining the two subpaths: a light's point for the camera subpath (s = 1), the lens for the light subpath (t = 1), vertex to
+// vertex (s, t >= 2).
 #include "render/transport/bidirectional/subpaths.h"
 
 namespace latent::render {
 
 void Bidirectional::trace(double u, double v) {
     trace_light();
-    trace_eye(u, v);
-    for (std::size_t i = 1; i < light_.size(); ++i) join_lens(i);
-    for (std::size_t i = 1; i < eye_.size(); ++i) join_light(i);
-    if (all_) {
-        for (std::size_t i = 1; i < light_.size(); ++i) {
-            for (std::size_t j = 1; j < eye_.size() && i + j + 2 <= most_; ++j) join(i, j, 1);
+    trace_camera(u, v);
+    for (std::size_t i = 1; i < light_subpath_.size(); ++i) join_lens(i);
+    for (std::size_t i = 1; i < camera_subpath_.size(); ++i) join_light(i);
+    if (connect_all_) {
+        for (std::size_t i = 1; i < light_subpath_.size(); ++i) {
+            for (std::size_t j = 1; j < camera_subpath_.size() && i + j + 2 <= max_vertices_; ++j) join(i, j, 1);
         }
     } else {
         join_one_of_each_length();
@@ -18,13 +19,13 @@ void Bidirectional::trace(double u, double v) {
 }
 
 void Bidirectional::join_light(std::size_t i) {
-    const SubpathVertex& z = eye_[i];
+    const SubpathVertex& z = camera_subpath_[i];
     if (!z.connectible()) return;
-    const std::uint32_t chosen = lights_.choose(eye_number(i - 1, Dimension::kLight));
+    const std::uint32_t chosen = lights_.choose(camera_number(i - 1, Dimension::kLight));
     const Light& light = lights_[chosen];
     LightPoint point;
-    if (!lights_.sample_point(chosen, z.at.p, z.scattering.receiver(z.wo), eye_number(i - 1, Dimension::kLightU),
-                              eye_number(i - 1, Dimension::kLightV), point))
+    if (!lights_.sample_point(chosen, z.at.p, z.scattering.receiver(z.wo), camera_number(i - 1, Dimension::kLightU),
+                              camera_number(i - 1, Dimension::kLightV), point))
         return;
     const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);
     if (!(scattering_pdf > 0)) return;
@@ -42,49 +43,51 @@ void Bidirectional::join_light(std::size_t i) {
 
     // Its light could have started a ray to z, with a density of its point that need not be the one drawn from here.
     const float cosine = z.cosine(point.wi);
-    float reverse = passed_to(z, line);
+    float pdf_reverse = distance_pdf(z, line);
     if (light.is_infinite()) {
-        reverse *= lights_.pdf_of_position(chosen) * cosine;
-        if (!light.is_delta()) reverse *= lights_.pdf_of_emission(chosen, {}, -point.wi) / point.pdf_omega;
+        pdf_reverse *= lights_.pdf_of_position(chosen) * cosine;
+        if (!light.is_delta()) pdf_reverse *= lights_.pdf_of_emission(chosen, {}, -point.wi) / point.pdf_omega;
     } else {
-        reverse *= lights_.pdf_of_emission(chosen, point.anchor.ng, -point.wi) * cosine / (point.distance * point.distance);
+        pdf_reverse *= lights_.pdf_of_emission(chosen, point.anchor.ng, -point.wi) * cosine / (point.distance * point.distance);
     }
     if (light.has_area()) {
         const float to_area = abs_dot(point.anchor.ng, point.wi) / (point.distance * point.distance);
-        reverse *= lights_.pdf_of_position(chosen) / (point.pdf_omega * to_area);
+        pdf_reverse *= lights_.pdf_of_position(chosen) / (point.pdf_omega * to_area);
     }
-    const float hit = light.is_delta() ? 0 : chained(scattering_pdf * line.passing, sampled, 1);
-    const float previous = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous;
-    value *= weight(1, i + 1, hit + connected_chain(eye_, i, reverse, previous));
-    camera_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());
+    const float hit = light.is_delta() ? 0 : mis_term(scattering_pdf * line.passing, sampled, 1);
+    const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
+    value *= mis_weight(hit + mis_sum(camera_subpath_, i, pdf_reverse, previous_pdf_reverse));
+    radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());
 }
 
 void Bidirectional::join_lens(std::size_t i) {
-    const SubpathVertex& y = light_[i];
+    const SubpathVertex& y = light_subpath_[i];
     if (!y.connectible()) return;
     CameraPoint point;
     if (!world_.camera().connect(y.at.p, light_number(i, Dimension::kLightU), light_number(i, Dimension::kLightV), point)) return;
-    const Vec3f to_eye = -point.w;
+    const Vec3f to_camera = -point.w;
     Batch value = y.beta;
-    multiply_light_side(y, to_eye, value);
+    multiply_light_side(y, to_camera, value);
     if (value.is_black()) return;
     Line line;  // from y to the lens
-    if (!world_.connect(y.at, {point.p, 0, {}}, y.medium_towards(to_eye), sample_.spectra, value, line)) return;
+    if (!world_.connect(y.at, {point.p, 0, {}}, y.medium_towards(to_camera), sample_.spectra, value, line)) return;
     const float d2 = point.distance * point.distance;
     const float density = point.jacobian / (point.parallel ? 1 : d2);
     value *= density;
 
-    const float pdf = y.scattering.pdf_omega(y.wo, to_eye), previous = y.scattering.pdf_omega(to_eye, y.wo) * y.to_previous;
+    const float pdf = y.scattering.pdf_omega(y.wo, to_camera),
+                previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo) * y.to_previous_area;
     const bool lens = world_.camera().has_lens();
     const float hit =
-        lens ? chained(pdf * abs_dot(world_.camera().axis(), point.w) / d2 * line.passing, 1 / world_.camera().lens_area(), 1) : 0;
-    value *= weight(i + 1, 1, hit + connected_chain(light_, i, density * y.cosine(to_eye) * passed_to(y, line), previous));
-    splat(point, value, y.dispersed || y.scattering.disperses(to_eye, y.wo));
+        lens ? mis_term(pdf * abs_dot(world_.camera().axis(), point.w) / d2 * line.passing, 1 / world_.camera().lens_area(), 1) : 0;
+    value *=
+        mis_weight(hit + mis_sum(light_subpath_, i, density * y.cosine(to_camera) * distance_pdf(y, line), previous_pdf_reverse));
+    splat(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));
 }
 
 void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
-    const SubpathVertex& y = light_[i];
-    const SubpathVertex& z = eye_[j];
+    const SubpathVertex& y = light_subpath_[i];
+    const SubpathVertex& z = camera_subpath_[j];
     if (!y.connectible() || !z.connectible()) return;
     const Vec3f to = y.at.p - z.at.p;
     const float d2 = length_squared(to);
@@ -99,30 +102,31 @@ void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
     Line line;  // from z to y
     if (!world_.connect(z.at, y.at, z.medium_towards(w), sample_.spectra, value, line)) return;
     value *= factor / d2;
-    const float reverse_z = pdf_y * z.cosine(w) / d2 * passed_to(z, line);
-    const float reverse_y = pdf_z * y.cosine(w) / d2 * passed_to(y, line.last_medium, line.last_length, line.passing);
-    const float shorter_eye = connected_chain(eye_, j, reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous);
-    const float shorter_light = connected_chain(light_, i, reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous);
-    value *= weight(i + 1, j + 1, shorter_eye + shorter_light);
+    const float pdf_reverse_z = pdf_y * z.cosine(w) / d2 * distance_pdf(z, line);
+    const float pdf_reverse_y = pdf_z * y.cosine(w) / d2 * distance_pdf(y, line.last_medium, line.last_length, line.passing);
+    const float shorter_camera = mis_sum(camera_subpath_, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous_area);
+    const float shorter_light = mis_sum(light_subpath_, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);
+    value *= mis_weight(shorter_camera + shorter_light);
     const bool dispersed = y.dispersed || z.dispersed || y.scattering.disperses(-w, y.wo) || z.scattering.disperses(z.wo, w);
-    camera_.add(value, dispersed, sample_.kept, sample_.k());
+    radiance_.add(value, dispersed, sample_.kept, sample_.k());
 }
 
-void Bidirectional::multiply_light_side(const SubpathVertex& y, const Vec3f& w_eye, Batch& value) {
-    y.scattering.multiply_f_cos(w_eye, y.wo, value);
-    value *= y.cosine(w_eye) / y.cosine(y.wo);
+void Bidirectional::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, Batch& value) {
+    y.scattering.multiply_f_cos(w_camera, y.wo, value);
+    value *= y.cosine(w_camera) / y.cosine(y.wo);
 }
 
 void Bidirectional::join_one_of_each_length() {
-    const std::size_t longest = std::min<std::size_t>(light_.size() + eye_.size() - 2, most_ - 2);
+    const std::size_t longest = std::min<std::size_t>(light_subpath_.size() + camera_subpath_.size() - 2, max_vertices_ - 2);
     for (std::size_t sum = 2; sum <= longest; ++sum) {  // i + j
-        const std::size_t first = sum >= eye_.size() ? sum - eye_.size() + 1 : 1, last = std::min(sum - 1, light_.size() - 1);
+        const std::size_t first = sum >= camera_subpath_.size() ? sum - camera_subpath_.size() + 1 : 1,
+                          last = std::min(sum - 1, light_subpath_.size() - 1);
         std::uint32_t m = 0;
-        for (std::size_t i = first; i <= last; ++i) m += light_[i].connectible() && eye_[sum - i].connectible();
+        for (std::size_t i = first; i <= last; ++i) m += light_subpath_[i].connectible() && camera_subpath_[sum - i].connectible();
         if (m == 0) continue;
-        std::uint32_t skip = eye_number(sum, Dimension::kConnection).index(m);
+        std::uint32_t skip = camera_number(sum, Dimension::kConnection).index(m);
         for (std::size_t i = first; i <= last; ++i) {
-            if (light_[i].connectible() && eye_[sum - i].connectible() && skip-- == 0) {
+            if (light_subpath_[i].connectible() && camera_subpath_[sum - i].connectible() && skip-- == 0) {
                 join(i, sum - i, static_cast<float>(m));
                 break;
             }

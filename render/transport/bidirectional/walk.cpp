@@ -5,11 +5,11 @@
 
 namespace latent::render {
 
-void Bidirectional::trace_eye(double u, double v) {
+void Bidirectional::trace_camera(double u, double v) {
     const Camera& camera = world_.camera();
     const bool lens = camera.has_lens();
-    eye_.resize(1);
-    SubpathVertex& x = eye_[0];
+    camera_subpath_.resize(1);
+    SubpathVertex& x = camera_subpath_[0];
     Step step;
     Vec3f origin;
     camera.ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{}, lens ? sample_.numbers(Dimension::kLensV) : Uniform{},
@@ -17,66 +17,67 @@ void Bidirectional::trace_eye(double u, double v) {
     x = {};
     x.at = {origin, 0, {}};
     x.normal = camera.axis();
-    x.forward = lens ? 1 / camera.lens_area() : 1;
-    x.open = lens ? 1 : 0;
+    x.pdf_forward = lens ? 1 / camera.lens_area() : 1;
+    x.mis.end = lens ? 1 : 0;
     step.pdf = camera.jacobian(step.d);
     step.parallel = camera.parallel();
-    step.before = x.open;
+    step.mis_shorter = x.mis.end;
     step.medium = camera.medium();
     step.beta = Batch(1.0f);
-    walk(eye_, true, step);
+    walk(camera_subpath_, true, step);
 }
 
 void Bidirectional::trace_light() {
-    chosen_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
-    const Light& light = lights_[chosen_];
+    start_light_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
+    const Light& light = lights_[start_light_];
     LightRay ray;
-    lights_.sample_ray(chosen_, sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
+    lights_.sample_ray(start_light_, sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
                        sample_.numbers(Dimension::kStartDirectionU), sample_.numbers(Dimension::kStartDirectionV), ray);
-    const float odds = lights_.probability(chosen_);
-    light_.resize(1);
-    SubpathVertex& x = light_[0];
+    const float probability = lights_.probability(start_light_);
+    light_subpath_.resize(1);
+    SubpathVertex& x = light_subpath_[0];
     x = {};
     x.at = ray.anchor;
     x.normal = ray.anchor.ng;
-    x.forward = odds * (light.is_infinite() ? ray.pdf_direction : ray.pdf_position);
-    x.open = light.is_delta() ? 0 : 1;
+    x.pdf_forward = probability * (light.is_infinite() ? ray.pdf_direction : ray.pdf_position);
+    x.mis.end = light.is_delta() ? 0 : 1;
     Step step;
     step.d = ray.d;
     step.pdf = light.is_infinite() ? ray.pdf_position : ray.pdf_direction;
     step.parallel = light.is_infinite();
-    step.before = x.open;
+    step.mis_shorter = x.mis.end;
     step.medium = light.is_infinite() ? kNone : ray.medium;
     if (!(ray.pdf_direction > 0)) return;
     if (light.is_infinite() && world_.medium_at_infinity() != kNone) return;  // nothing comes through
-    step.beta = Batch(ray.cosine * ray.profile / (odds * ray.pdf_position * ray.pdf_direction));
-    lights_.multiply_emission(chosen_, ray.anchor.ng, ray.d, sample_.spectra, step.beta);
-    if (!step.beta.is_black()) walk(light_, false, step);
+    step.beta = Batch(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
+    lights_.multiply_emission(start_light_, ray.anchor.ng, ray.d, sample_.spectra, step.beta);
+    if (!step.beta.is_black()) walk(light_subpath_, false, step);
 }
 
-void Bidirectional::walk(Subpath& path, bool from_eye, Step& step) {
+void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
     float eta2 = 1;
-    while (find_vertex(path, from_eye, step)) {
+    while (find_vertex(path, from_camera, step)) {
         const std::size_t i = path.size() - 1;
         const SubpathVertex& x = path[i];
         BsdfSample next;
         Batch weight(1.0f);
-        if (!x.scattering.sample(x.wo, from_eye, number(from_eye, i, Dimension::kLobe), number(from_eye, i, Dimension::kDirectionU),
-                                 number(from_eye, i, Dimension::kDirectionV), next, weight)) {
+        if (!x.scattering.sample(x.wo, from_camera, number(from_camera, i, Dimension::kLobe),
+                                 number(from_camera, i, Dimension::kDirectionU), number(from_camera, i, Dimension::kDirectionV),
+                                 next, weight)) {
             return;
         }
-        step.through *= weight;
+        step.throughput *= weight;
         step.beta *= weight;
         step.dispersed = x.dispersed || x.scattering.disperses(x.wo, next.wi);
-        if (from_eye) eta2 *= next.eta2;
-        const float odds = survival_odds(step.through, eta2, step.dispersed, sample_.kept, i);
-        if (odds <= 0) return;
-        if (i >= 2 && odds < 1) {
-            if (number(from_eye, i, Dimension::kSurvival) >= odds) return;
-            step.through *= 1 / odds;
-            step.beta *= 1 / odds;
+        if (from_camera) eta2 *= next.eta2;
+        const float survival = survival_probability(step.throughput, eta2, step.dispersed, sample_.kept, i);
+        if (survival <= 0) return;
+        if (i >= 2 && survival < 1) {
+            if (number(from_camera, i, Dimension::kSurvival) >= survival) return;
+            step.throughput *= 1 / survival;
+            step.beta *= 1 / survival;
         }
-        step.before = x.open + chained(next.pdf_reverse * x.to_previous, path[i - 1].forward, x.before);
+        step.mis_shorter = x.mis.end + mis_term(next.pdf_reverse * x.to_previous_area, path[i - 1].pdf_forward, x.mis.shorter);
         step.d = next.wi;
         step.pdf = next.pdf;
         step.parallel = false;
@@ -84,9 +85,9 @@ void Bidirectional::walk(Subpath& path, bool from_eye, Step& step) {
     }
 }
 
-bool Bidirectional::find_vertex(Subpath& path, bool from_eye, Step& step) {
+bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
-    const bool from_sky = !from_eye && i == 1 && step.parallel;
+    const bool from_sky = !from_camera && i == 1 && step.parallel;
     Line line;
     line.first_medium = step.medium;
     Ray ray = from_sky ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
@@ -96,12 +97,12 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_eye, Step& step) {
         Batch weight(1.0f);
         if (step.medium != kNone) {
             const std::uint32_t again = stretch << 24;  // behind an interface a step needs numbers of its own
-            length = sample_step(world_.medium(step.medium), length.t, number(from_eye, i, Dimension::kDistanceChannel + again),
-                                 number(from_eye, i, Dimension::kDistance + again), sample_.spectra, weight);
+            length = sample_step(world_.medium(step.medium), length.t, number(from_camera, i, Dimension::kDistanceChannel + again),
+                                 number(from_camera, i, Dimension::kDistance + again), sample_.spectra, weight);
         }
-        if (!from_eye && world_.camera().has_lens()) reach_lens(step, line, ray, length.t);
+        if (!from_camera && world_.camera().has_lens()) reach_lens(step, line, ray, length.t);
         step.beta *= weight;
-        step.through *= weight;
+        step.throughput *= weight;
         line.last_medium = step.medium;
         line.last_length = length.t;
         if (stretch == 0) line.first_length = length.t;
@@ -112,63 +113,64 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_eye, Step& step) {
             x.at = {ray.o + ray.d * length.t, 0, {}};
             x.in_medium = true;
             x.scattering = world_.medium(step.medium).phase;
-            return append(path, from_eye, x, step, line, density);
+            return append(path, from_camera, x, step, line, density);
         }
         if (!hit) {
-            if (from_eye) see_sky(step, line);
+            if (from_camera) see_sky(step, line);
             return false;
         }
-        if (from_eye && hit->emitter != kNone) see_light(*hit, step, line);
+        if (from_camera && hit->emitter != kNone) see_light(*hit, step, line);
         if (!World::is_interface(hit->material)) {
-            if (i + 2 > most_) return false;
+            if (i + 2 > max_vertices_) return false;
             SubpathVertex x;
             x.at = hit->anchor();
             x.normal = hit->ng;
             x.scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
             x.inside_medium = hit->inside_medium;
             x.outside_medium = hit->outside_medium;
-            return append(path, from_eye, x, step, line, density);
+            return append(path, from_camera, x, step, line, density);
         }
         step.medium = World::medium_beyond(*hit, step.d, step.medium);
         ray = spawn_ray(hit->anchor(), step.d);
     }
 }
 
-bool Bidirectional::append(Subpath& path, bool from_eye, SubpathVertex& x, const Step& step, const Line& line, float density) {
+bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const Line& line, float density) {
     const std::size_t i = path.size();
-    if (i + 2 > most_) return false;
+    if (i + 2 > max_vertices_) return false;
     const SubpathVertex& previous = path[i - 1];
     const float d2 = length_squared(x.at.p - previous.at.p);
     x.wo = -step.d;
     x.beta = step.beta;
     x.medium = step.medium;
     x.dispersed = step.dispersed;
-    x.before = step.before;
-    x.forward = density * step.pdf * x.cosine(step.d) / (step.parallel ? 1 : d2);
-    x.to_previous = passed_to(previous, line) * (step.parallel ? 1 : previous.cosine(step.d) / d2);
-    x.open = (i == 1 || previous.connectible()) && x.connectible() ? 1 : 0;
-    if (!from_eye && i == 1) x.open *= resampled(x, previous, step.d, d2);
+    x.mis.shorter = step.mis_shorter;
+    x.pdf_forward = density * step.pdf * x.cosine(step.d) / (step.parallel ? 1 : d2);
+    x.to_previous_area = distance_pdf(previous, line) * (step.parallel ? 1 : previous.cosine(step.d) / d2);
+    x.mis.end = (i == 1 || previous.connectible()) && x.connectible() ? 1 : 0;
+    if (!from_camera && i == 1) x.mis.end *= light_point_ratio2(x, previous, step.d, d2);
     path.push_back(x);
     return true;
 }
 
-float Bidirectional::resampled(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
-    const Light& light = lights_[chosen_];
+float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
+    const Light& light = lights_[start_light_];
     if (light.is_delta()) return 1;
-    const float ratio = light.is_infinite() ? lights_.pdf_of_direction(chosen_, -d, x.scattering.receiver(x.wo)) /
-                                                  lights_.pdf_of_emission(chosen_, {}, d)
-                                            : lights_.pdf_of_point(chosen_, x.at.p, first.at.p, first.normal) * first.cosine(d) /
-                                                  d2 / lights_.pdf_of_position(chosen_);
+    const float ratio = light.is_infinite() ? lights_.pdf_of_direction(start_light_, -d, x.scattering.receiver(x.wo)) /
+                                                  lights_.pdf_of_emission(start_light_, {}, d)
+                                            : lights_.pdf_of_point(start_light_, x.at.p, first.at.p, first.normal) *
+                                                  first.cosine(d) / d2 / lights_.pdf_of_position(start_light_);
     return ratio * ratio;
 }
 
-void Bidirectional::add_emission(Batch value, const Step& step, float forward, float point, float ray, float reverse) {
-    const SubpathVertex& last = eye_.back();
-    const bool connected = eye_.size() >= 2 && last.connectible();
-    const float sampled = connected ? chained(point, forward, 1) : 0;
-    const float shorter = chained(ray, forward, chained(reverse, last.forward, step.before));
-    value *= weight(0, eye_.size() + 1, sampled + shorter);
-    camera_.add(value, step.dispersed, sample_.kept, sample_.k());
+void Bidirectional::add_emission(Batch value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
+                                 float pdf_reverse) {
+    const SubpathVertex& last = camera_subpath_.back();
+    const bool connected = camera_subpath_.size() >= 2 && last.connectible();
+    const float sampled = connected ? mis_term(pdf_point, pdf_forward, 1) : 0;
+    const float shorter = mis_term(pdf_ray, pdf_forward, mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter));
+    value *= mis_weight(sampled + shorter);
+    radiance_.add(value, step.dispersed, sample_.kept, sample_.k());
 }
 
 void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const Line& line) {
@@ -176,34 +178,34 @@ void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const Lin
     if (!light.two_sided && dot(hit.ng, step.d) >= 0) return;
     Batch value = step.beta;
     lights_.multiply_emission(hit.emitter, hit.ng, -step.d, sample_.spectra, value);
-    const SubpathVertex& last = eye_.back();
+    const SubpathVertex& last = camera_subpath_.back();
     const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
-                odds = lights_.probability(hit.emitter);
+                probability = lights_.probability(hit.emitter);
     add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.passing,
-                 odds * lights_.pdf_of_point(hit.emitter, last.at.p, hit.p, hit.ng) * to_area,
-                 odds * lights_.pdf_of_position(hit.emitter),
-                 lights_.pdf_of_emission(hit.emitter, hit.ng, -step.d) * last.cosine(step.d) / d2 * passed_to(last, line));
+                 probability * lights_.pdf_of_point(hit.emitter, last.at.p, hit.p, hit.ng) * to_area,
+                 probability * lights_.pdf_of_position(hit.emitter),
+                 lights_.pdf_of_emission(hit.emitter, hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
 }
 
 void Bidirectional::see_sky(const Step& step, const Line& line) {
-    const SubpathVertex& last = eye_.back();
+    const SubpathVertex& last = camera_subpath_.back();
     for (const std::uint32_t i : lights_.infinite()) {
         if (lights_[i].is_delta()) continue;
         Batch value = step.beta;
         lights_.multiply_emission(i, {}, -step.d, sample_.spectra, value);
-        const float odds = lights_.probability(i),
-                    point = odds * lights_.pdf_of_direction(i, step.d, last.scattering.receiver(last.wo));
-        const float ray = odds * lights_.pdf_of_emission(i, {}, -step.d);
-        add_emission(value, step, step.pdf * line.passing, point, ray,
-                     lights_.pdf_of_position(i) * last.cosine(step.d) * passed_to(last, line));
+        const float probability = lights_.probability(i),
+                    pdf_point = probability * lights_.pdf_of_direction(i, step.d, last.scattering.receiver(last.wo));
+        const float pdf_ray = probability * lights_.pdf_of_emission(i, {}, -step.d);
+        add_emission(value, step, step.pdf * line.passing, pdf_point, pdf_ray,
+                     lights_.pdf_of_position(i) * last.cosine(step.d) * distance_pdf(last, line));
     }
 }
 
 void Bidirectional::reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit) {
     CameraPoint point;
     if (!world_.camera().hit_lens(ray.o, ray.d, limit, point)) return;
-    if (lights_[chosen_].is_delta() &&
-        std::none_of(light_.begin() + 1, light_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
+    if (lights_[start_light_].is_delta() &&
+        std::none_of(light_subpath_.begin() + 1, light_subpath_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
         return;
     }
     Batch value = step.beta;
@@ -214,14 +216,14 @@ void Bidirectional::reach_lens(const Step& step, const Line& so_far, const Ray& 
         line.passing *= passing;
     }
     if (line.first_length == 0) line.first_length = point.distance;
-    const SubpathVertex& last = light_.back();
+    const SubpathVertex& last = light_subpath_.back();
     const float d2 = length_squared(point.p - last.at.p), area = world_.camera().lens_area();
     const float cosine = abs_dot(point.w, world_.camera().axis());
-    const float forward = step.pdf * line.passing * cosine / (step.parallel ? 1 : d2);
-    const float reverse = point.jacobian * passed_to(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
-    const float open = light_.size() >= 2 && last.connectible() ? 1 : 0;
+    const float pdf_forward = step.pdf * line.passing * cosine / (step.parallel ? 1 : d2);
+    const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
+    const float end = light_subpath_.size() >= 2 && last.connectible() ? 1 : 0;
     value *= point.jacobian / (area * cosine) *
-             weight(light_.size() + 1, 0, chained(1 / area, forward, open + chained(reverse, last.forward, step.before)));
+             mis_weight(mis_term(1 / area, pdf_forward, end + mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter)));
     splat(point, value, step.dispersed);
 }
 
