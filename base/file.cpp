@@ -107,6 +107,12 @@ Status File::read_exact(std::uint64_t offset, std::span<std::byte> into) const {
     return {};
 }
 
+void File::expect_scattered_reads() const { ::posix_fadvise(fd_, 0, 0, POSIX_FADV_RANDOM); }
+
+void File::will_read(std::uint64_t offset, std::uint64_t length) const {
+    ::posix_fadvise(fd_, static_cast<off_t>(offset), static_cast<off_t>(length), POSIX_FADV_WILLNEED);
+}
+
 Status File::write_all(std::uint64_t offset, ByteSpan bytes) {
     std::size_t done = 0;
     while (done < bytes.size()) {

@@ -37,6 +37,10 @@ class File {
     Status read_exact(std::uint64_t offset, std::span<std::byte> into) const;
     // Reads up to `into.size()` bytes; returns how many there were before the end of the file.
     Result<std::size_t> read_some(std::uint64_t offset, std::span<std::byte> into) const;
+    // Hints, which the system may ignore: reads come here and there, so that none should bring more than it asks for; and these
+    // bytes are read soon, so that they may be on their way.
+    void expect_scattered_reads() const;
+    void will_read(std::uint64_t offset, std::uint64_t length) const;
     Status write_all(std::uint64_t offset, ByteSpan bytes);
     // Copies `length` bytes from another file inside the kernel where it can (copy_file_range), else through memory.
     // File systems that can let both files share what is copied. An error that may be the source's is looked into byte by byte.

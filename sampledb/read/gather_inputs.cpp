@@ -121,6 +121,7 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     report_state(input, file);
     const std::uint32_t number = static_cast<std::uint32_t>(found_.files.size());
     found_.files.push_back(input.path);
+    if (options_.announced_reads) opened.source->file().expect_scattered_reads();
     sources_.insert(number, opened.source, 1);  // stays open: an attempt may lose its name any time
     must_not_repeat_.push_back(input.named && !is_attempt(input.path));
     return take_runs(name, *opened.source, file);

@@ -40,6 +40,7 @@ class OpenGathering final : public Gathering {
     const GatherReport& report() const override { return report_; }
     Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const override;
     Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const override;
+    void will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const override;
     std::uint64_t bytes_read() const override { return bytes_read_; }
     std::uint64_t list_memory() const override { return list_memory_; }
 
@@ -123,6 +124,7 @@ Result<std::shared_ptr<const FileSource>> OpenGathering::source(std::size_t file
     if (std::shared_ptr<const FileSource> open = sources_.find(file)) return open;
     Result<FileSource> opened = FileSource::open(files_[file]);
     if (!opened) return opened.error();
+    if (options_.announced_reads) opened->file().expect_scattered_reads();
     auto shared = std::make_shared<const FileSource>(std::move(*opened));
     sources_.insert(file, shared, 1);
     return std::shared_ptr<const FileSource>(shared);
@@ -160,6 +162,11 @@ Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const Col
     bytes_read_ += info.stored_size;
     if (selected.cut) keep_samples(selected.coverage, page);
     return {};
+}
+
+void OpenGathering::will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const {
+    const auto from = source(runs_[run].file);
+    if (from) (*from)->file().will_read(first.offset, last.offset + last.stored_size - first.offset);
 }
 
 }  // namespace

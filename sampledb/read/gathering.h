@@ -31,6 +31,7 @@ struct GatherOptions {
     std::optional<SampleRange> samples;          // only these sample numbers
     VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more
     std::vector<DamagedRun> damaged;             // left out as well
+    bool announced_reads = false;                // pages are announced by `will_read`: nothing else is read ahead
     // --memory of the tool, in bytes: the list of runs may take three quarters of it (or 256 KiB), indexes held at once an eighth;
     // the rest of these is read again when needed.
     std::uint64_t memory = std::uint64_t{1} << 30;
@@ -86,7 +87,10 @@ class Gathering {
     // `cut` runs are already filtered to the sample range.
     virtual Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const = 0;
 
-    // Bytes read from disk so far.
+    // Pages first .. last of a run (their infos, ascending by offset) are read soon: they may be on their way.
+    virtual void will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const = 0;
+
+    // Bytes read so far, from disk or from the system's cache.
     virtual std::uint64_t bytes_read() const = 0;
 };
 

@@ -1,21 +1,25 @@
 #include "tools/develop/batch.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cassert>
-#include <mutex>
 
+#include "base/first_error.h"
 #include "tools/develop/rows.h"
 
 namespace latent::develop {
 
 namespace {
 
-constexpr int kSortedLevels = 16;         // within smaller cells than these, the records of a page are in any order
-constexpr std::uint64_t kAlignment = 64;  // of arrays
-constexpr std::uint64_t kPageBytes = 96;  // of a page's reference and of what is kept of it while a batch is loaded
+constexpr int kSortedLevels = 16;               // within smaller cells than these, the records of a page are in any order
+constexpr std::uint64_t kAlignment = 64;        // of arrays
+constexpr std::size_t kPagesPerThread = 4;      // in work at once
+constexpr std::uint64_t kReadAhead = 8 << 20;   // bytes of pages that are on their way from disk
+constexpr std::uint64_t kReadAtOnce = 1 << 20;  // neighbours are announced together
+constexpr std::uint64_t kPageBytes = 96;        // of a page's reference and of what is kept of it while a batch is loaded
 
 // Takes an array off the front of memory.
 template <class T>
@@ -122,16 +126,7 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
                     take<std::uint32_t>(free, rows).data(),
                     last};
     std::vector<std::span<const SlotRows>> kept(taken);
-    std::mutex error_mutex;
-    Status status;
-    tbb::parallel_for(std::size_t{0}, taken, [&](std::size_t i) {
-        Status s = load_page(pages[i], filling, kept[i]);
-        if (!s) {
-            const std::lock_guard lock(error_mutex);
-            if (status) status = std::move(s);
-        }
-    });
-    if (!status) return status.error();
+    if (Status s = load_pages(pages.first(taken), filling, kept); !s) return s.error();
 
     // Pages may have had rows elsewhere: the columns close up.
     free = memory.first(static_cast<std::size_t>(reinterpret_cast<std::byte*>(last) - memory.data()));
@@ -159,6 +154,38 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
     memory = memory.subspan(static_cast<std::size_t>(free.data() - memory.data()));
     pages = pages.subspan(taken);
     return Batch{cells, {x.data(), y.data(), values.data()}, begin, segments};
+}
+
+// In parallel, begun in their order: so those that are read soon are announced to the system, and are on their way.
+Status Loader::load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept) {
+    FirstError error;
+    std::size_t next = 0, announced = 0;
+    std::uint64_t on_their_way = 0;
+    const auto next_page = [&](tbb::flow_control& flow) -> std::size_t {
+        if (next == pages.size() || error) {
+            flow.stop();
+            return 0;
+        }
+        while (announced < pages.size() && (on_their_way < kReadAhead || announced == next)) {
+            const PageRef& first = pages[announced];
+            std::uint64_t end = first.info.offset, bytes = 0;
+            for (; announced < pages.size() && pages[announced].run == first.run && pages[announced].info.offset == end &&
+                   bytes < kReadAtOnce;
+                 ++announced) {
+                bytes += pages[announced].info.stored_size;
+                end += pages[announced].info.stored_size;
+            }
+            gathering_.will_read(first.run, first.info, pages[announced - 1].info);
+            on_their_way += bytes;
+        }
+        on_their_way -= pages[next].info.stored_size;
+        return next++;
+    };
+    const auto load = [&](std::size_t i) { error.keep(load_page(pages[i], filling, kept[i])); };
+    tbb::parallel_pipeline(kPagesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
+                           tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, next_page) &
+                               tbb::make_filter<std::size_t, void>(tbb::filter_mode::parallel, load));
+    return error.status();
 }
 
 // Runs of rows that lie in one cell. Pages are sorted along the Z curve, so there are few; small pages lie in one.

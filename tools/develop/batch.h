@@ -77,6 +77,7 @@ class Loader {
     struct Filling;
 
     std::uint64_t pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
+    Status load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept);
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
     void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);

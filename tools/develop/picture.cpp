@@ -138,6 +138,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     gather.samples = options.samples;
     gather.verify = verify;
     gather.memory = options.memory;
+    gather.announced_reads = true;
     const auto gathered = sampledb::Gathering::open(gather);
     if (!gathered) return gathered.error();
     const sampledb::Gathering& gathering = **gathered;
