@@ -75,7 +75,7 @@ RunEncoder::RunEncoder(const Job& job, const Coverage& coverage) : job_(job) {
     index_.coverage = coverage;
 }
 
-void RunEncoder::add_page(const Page& page, Bytes& out) { index_.pages.push_back(encode_page(job_, page, out)); }
+void RunEncoder::add_page(const Page& page, Bytes& out) { add_page(encode_page(job_, page, out)); }
 
 RunEncoder::Tail RunEncoder::finish() {
     Bytes index = encode_run_index(index_, header_);

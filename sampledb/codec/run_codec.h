@@ -46,6 +46,8 @@ class RunEncoder {
     // Appends the bytes of the next page to `out`: camera pages first, then light pages, each class ascending by
     // (Z prefix, sample, order of emission) and cut by `page_end`. Values are stored as they are.
     void add_page(const Page& page, Bytes& out);
+    // The same of a page that `encode_page` has appended.
+    void add_page(const PageInfo& page) { index_.pages.push_back(page); }
 
     struct Tail {
         RunHeader header;

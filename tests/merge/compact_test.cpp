@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/file.h"
+#include "base/parallel.h"
 #include "tests/faults/process.h"
 #include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
@@ -116,6 +118,37 @@ TEST_F(CompactTest, LessMemoryMakesMoreAndSmallerRunsOfTheSameRecords) {
     compact({folder_ / "small.latent"}, "again.latent");
     compact({file}, "large.latent");
     EXPECT_EQ(gather({folder_ / "again.latent"})->runs()[0].header, gather({folder_ / "large.latent"})->runs()[0].header);
+}
+
+// The run that all runs of a file make, as it is stored.
+Bytes compacted(const fs::path& input, int threads, std::uint64_t memory) {
+    const auto gathering = gather({input}, VerifyLevel::kHeaders);
+    Result<File> out = File::create_unnamed(input.parent_path());
+    EXPECT_TRUE(out) << out.error().message;
+    Result<RunHeader> header = RunHeader{};
+    Threads(threads).run([&] {
+        header = compact_runs(*gathering, {0, gathering->runs().size()}, memory, *out, 0, [](std::uint64_t) {});
+    });
+    EXPECT_TRUE(header) << header.error().message;
+    Bytes run(header->size());
+    EXPECT_TRUE(out->read_exact(0, run));
+    return run;
+}
+
+TEST_F(CompactTest, NeitherThreadsNorMemoryChangeAByteOfANewRun) {
+    struct Runs {
+        RecordKind kind;
+        std::uint64_t samples;  // of a run, which is several pages
+    };
+    for (const Runs& runs : {Runs{RecordKind::kXyz, 24 * kS}, Runs{RecordKind::kSpectral, 10 * kS}}) {
+        std::vector<Coverage> ranges;
+        for (std::uint64_t i = 0; i < 3; ++i) ranges.emplace_back(SampleRange{i * runs.samples, (i + 1) * runs.samples});
+        const fs::path small = write("small.latent", make_short_job(runs.kind), ranges);
+        const Bytes run = compacted(small, 1, std::uint64_t{1} << 30);
+        EXPECT_EQ(compacted(small, 3, 0), run);  // a page of each run at a time
+        const fs::path whole = write("whole.latent", make_short_job(runs.kind), {Coverage(SampleRange{0, 3 * runs.samples})});
+        EXPECT_EQ(compacted(whole, 2, 0), run);
+    }
 }
 
 }  // namespace

@@ -1,11 +1,21 @@
 #include "tools/merge/compact.h"
 
-#include <algorithm>
-#include <memory>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "base/first_error.h"
 #include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/run_codec.h"
-#include "sampledb/data/z_order.h"
+#include "tools/merge/compact_front.h"
+#include "tools/merge/compact_rows.h"
+#include "tools/merge/compact_sort.h"
 
 namespace latent::merge {
 
@@ -14,217 +24,197 @@ using namespace sampledb;
 namespace {
 
 constexpr std::size_t kWriteBytes = std::size_t{4} << 20;
+constexpr std::size_t kPagesPerThread = 4;                        // that are encoded at once
+constexpr std::uint64_t kComfortable = std::uint64_t{192} << 20;  // bytes of decoded pages: more of them make nothing faster
+constexpr std::uint64_t kRowBytes = 16;                           // of a decoded record: its Z prefixes and its place in the order
 
-// One run of the group, as a stream of the records of one class: ascending by (Z prefix, sample, order of emission).
-class Cursor {
- public:
-    Cursor(const Gathering& gathering, std::size_t run, RecordClass record_class)
-        : gathering_(gathering), run_(run), record_class_(record_class) {}
-
-    // Moves to the first record. False if there is none.
-    Result<bool> begin() {
-        const Result<std::shared_ptr<const std::vector<PageInfo>>> pages = gathering_.pages(run_);
-        if (!pages) return pages.error();
-        for (const PageInfo& page : **pages) {
-            if (page.record_class == record_class_) pages_.push_back(page);
-        }
-        std::ranges::sort(pages_, {}, &PageInfo::offset);  // as they were encoded
-        return load();
-    }
-    // Moves to the next record. False at the end.
-    Result<bool> next() { return ++row_ < page_.count ? place() : load(); }
-
-    const Page& page() const { return page_; }
-    std::size_t row() const { return row_; }
-    std::uint32_t z() const { return z_; }
-    bool before(const Cursor& other) const { return std::pair(z_, sample_) < std::pair(other.z_, other.sample_); }
-
- private:
-    bool place() {
-        z_ = z_prefix(page_.u[row_], page_.v[row_]);
-        sample_ = page_.sample[row_];
-        return true;
-    }
-    Result<bool> load() {
-        if (next_page_ == pages_.size()) return false;
-        const PageInfo& info = pages_[next_page_++];
-        if (Status s = gathering_.read_page(run_, info, ColumnSet{}, page_); !s) return s.error();
-        row_ = 0;
-        return place();
-    }
-
-    const Gathering& gathering_;
-    std::size_t run_;
-    RecordClass record_class_;
-    std::vector<PageInfo> pages_;
-    std::size_t next_page_ = 0;
-    Page page_;
-    std::size_t row_ = 0;
-    std::uint32_t z_ = 0;
-    std::uint64_t sample_ = 0;
+// Pages that are in memory at once.
+struct Budget {
+    std::size_t ahead;    // decoded, of each run
+    std::size_t encoded;  // made and not yet written
 };
 
-// Calls visit(to's column, from's column, bytes or values per row) for the columns with one entry per record.
-template <class To, class From, class Visit>
-void for_row_columns(const Job& job, To& to, From& from, const Visit& visit) {
-    visit(to.sample, from.sample, 1);
-    visit(to.u, from.u, 1);
-    visit(to.v, from.v, 1);
-    visit(to.x, from.x, 1);
-    visit(to.y, from.y, 1);
-    visit(to.z, from.z, 1);
-    visit(to.pairs, from.pairs, 1);
-    visit(to.xi, from.xi, 1);
-    visit(to.index, from.index, 1);
-    for (std::size_t i = 0; i < job.extra.size(); ++i) visit(to.extra[i].values, from.extra[i].values, width(job.extra[i].type));
+// Half of the memory holds decoded pages, a quarter those that are made of them; the rest is for indexes, and to sort in.
+Budget budget_of(const Job& job, std::size_t runs, std::uint64_t memory) {
+    const std::uint64_t page = page_memory(job);
+    const std::uint64_t decoded = std::min(memory / 2, kComfortable) / (page + max_page_records(job) * kRowBytes);
+    const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+    return {std::max<std::size_t>(1, decoded / runs), std::clamp<std::uint64_t>(memory / 4 / page, 1, kPagesPerThread * threads)};
 }
 
-template <class Column>
-void append(Column& to, const Column& from, std::size_t first, std::size_t count) {
-    const auto at = from.begin() + static_cast<std::ptrdiff_t>(first);
-    to.insert(to.end(), at, at + static_cast<std::ptrdiff_t>(count));
-}
-
-// The merged records of one class, cut into pages as they arrive.
-class PageCutter {
+// Appends to the output file, in large pieces.
+class Writer {
  public:
-    PageCutter(const Job& job, RecordClass record_class, RunEncoder& encoder, Bytes& out)
-        : job_(job), most_(max_page_records(job)), encoder_(encoder), out_(out) {
-        rows_.record_class = page_.record_class = record_class;
-        rows_.extra.resize(job.extra.size());
-        page_.extra.resize(job.extra.size());
+    Writer(File& out, std::uint64_t offset, const std::function<void(std::uint64_t)>& report)
+        : out_(out), begin_(offset), end_(offset + kRunHeaderSize), report_(report) {}
+    Status append(ByteSpan bytes) {
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+        return bytes_.size() >= kWriteBytes ? flush() : Status{};
     }
-
-    void add(const Cursor& from) {
-        const Page& page = from.page();
-        const std::size_t row = from.row();
-        for_row_columns(job_, rows_, page, [row](auto& to, const auto& column, std::size_t width_in_values) {
-            if (!column.empty()) append(to, column, row * width_in_values, width_in_values);
-        });
-        if (page.record_class == RecordClass::kCamera) rows_.share.push_back(page.unit_share ? 1.0f : page.share[row]);
-        if (!page.pairs.empty()) {
-            append(rows_.power, page.power, page.first_pair[row], page.pairs[row]);
-            if (!page.lambda_nm.empty()) append(rows_.lambda_nm, page.lambda_nm, page.first_pair[row], page.pairs[row]);
-        }
-        z_.push_back(from.z());
-        // A page's end shows once the record that is one too many is there. Pages are cut in bulk, to move what is left seldom.
-        if (z_.size() - lead_ > kBulk * most_) cut(most_);
+    Status flush() {
+        const Status written = out_.write_all(end_, bytes_);
+        end_ += bytes_.size();
+        bytes_.clear();
+        report_(end_ - begin_);
+        return written;
     }
-    void finish() { cut(0); }
 
  private:
-    static constexpr std::size_t kBulk = 4;
+    File& out_;
+    std::uint64_t begin_, end_;
+    const std::function<void(std::uint64_t)>& report_;
+    Bytes bytes_;
+};
 
-    // Encodes pages while more than `keep` records are left.
-    void cut(std::size_t keep) {
-        while (z_.size() - lead_ - begin_ > keep) {
-            const std::size_t end = page_end(z_, lead_ + begin_, most_) - lead_;
-            take(begin_, end);
-            encoder_.add_page(page_, out_);
-            begin_ = end;
-        }
-        drop_front();
+// Makes the pages of one class out of those of many runs. In rounds: every run has some pages decoded; the records that come before
+// all that is not decoded are sorted, cut into pages, encoded. Each step is parallel; what it yields follows from the records
+// alone.
+class ClassMerger {
+ public:
+    ClassMerger(const Gathering& gathering, const CompactGroup& group, RecordClass record_class, const Budget& budget,
+                RunEncoder& encoder, Writer& writer)
+        : job_(gathering.job()),
+          most_(max_page_records(gathering.job())),
+          budget_(budget),
+          encoder_(encoder),
+          writer_(writer),
+          table_(job_) {
+        left_over_.record_class = record_class;
+        left_over_.extra.resize(job_.extra.size());
+        for (std::size_t run = group.first; run < group.end; ++run) fronts_.emplace_back(gathering, run, record_class);
     }
 
-    // Fills page_ with rows `first` .. `end`-1.
-    void take(std::size_t first, std::size_t end) {
-        page_.count = end - first;
-        for_row_columns(job_, page_, rows_, [&](auto& to, const auto& from, std::size_t width_in_values) {
-            to.clear();
-            if (!from.empty()) append(to, from, first * width_in_values, page_.count * width_in_values);
+    Status merge() {
+        for (RunFront& front : fronts_) {
+            if (Status s = front.open(); !s) return s;
+        }
+        for (bool more = true; more;) {
+            if (Status s = decode(); !s) return s;
+            const SortKey last = last_complete();
+            more = last != kEnd;
+            take(last);
+            if (Status s = encode(more); !s) return s;
+            for (RunFront& front : fronts_) front.drop_used();
+        }
+        return writer_.flush();
+    }
+
+ private:
+    static constexpr SortKey kEnd{std::numeric_limits<std::uint32_t>::max(), std::numeric_limits<std::uint64_t>::max()};
+
+    Status decode() {
+        FirstError error;
+        for (const RunFront& front : fronts_) front.announce(budget_.ahead);
+        tbb::parallel_for(std::size_t{0}, fronts_.size(), [&](std::size_t i) {
+            if (!error) error.keep(fronts_[i].decode(budget_.ahead));
         });
-        page_.share.clear();
-        if (!rows_.share.empty()) append(page_.share, rows_.share, first, page_.count);
-        page_.unit_share = std::ranges::all_of(page_.share, [](float share) { return share == 1; });
-        page_.power.clear();
-        page_.lambda_nm.clear();
-        std::size_t pairs = 0;
-        for (const std::uint16_t n : page_.pairs) pairs += n;
-        if (!rows_.power.empty()) append(page_.power, rows_.power, first_pair_, pairs);
-        if (!rows_.lambda_nm.empty()) append(page_.lambda_nm, rows_.lambda_nm, first_pair_, pairs);
-        first_pair_ += pairs;
+        return error.status();
     }
 
-    void drop_front() {
-        const auto drop = [](auto& column, std::size_t count) {
-            if (!column.empty()) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(count));
-        };
-        for_row_columns(job_, rows_, rows_,
-                        [&](auto& column, const auto&, std::size_t width_in_values) { drop(column, begin_ * width_in_values); });
-        drop(rows_.share, begin_);
-        drop(rows_.power, first_pair_);
-        drop(rows_.lambda_nm, first_pair_);
-        if (begin_ > 0) {
-            drop(z_, lead_ + begin_ - 1);
-            lead_ = 1;
+    // No record that is not decoded yet comes before one with this key, or in front of it in its own run.
+    SortKey last_complete() const {
+        SortKey last = kEnd;
+        for (const RunFront& front : fronts_) {
+            if (!front.complete()) last = std::min(last, front.last());
         }
-        begin_ = first_pair_ = 0;
+        return last;
+    }
+
+    // The records up to `last`, behind those that were left over.
+    void take(const SortKey& last) {
+        table_.clear();
+        z_.resize(lead_ + left_over_.count);
+        order_.clear();
+        const std::uint32_t leftover_page = table_.add(left_over_);
+        for (std::uint32_t row = 0; row < left_over_.count; ++row) order_.push_back({leftover_page, row});
+        std::vector<Slice> slices;
+        for (const RunFront& front : fronts_) {
+            for (const auto& page : front.pages()) {
+                const std::size_t begin = page->used;
+                page->used = page->end_of(last);
+                if (begin < page->used) slices.push_back({page.get(), table_.add(page->page), begin, page->used});
+            }
+        }
+        merge_slices(slices, z_, order_);
+    }
+
+    // Encodes the pages that are complete; `more` records are to come.
+    Status encode(bool more) {
+        FirstError error;
+        struct Encoded {
+            std::size_t begin, end;
+            PageInfo info;
+            Bytes bytes;
+        };
+        using Passed = std::shared_ptr<Encoded>;
+        std::size_t begin = 0;
+        const auto cut = [&](tbb::flow_control& flow) -> Passed {
+            const std::size_t left = order_.size() - begin;
+            if (error || left == 0 ||
+                (more && left <= most_)) {  // a page's end shows once the record that is one too many is there
+                flow.stop();
+                return nullptr;
+            }
+            const std::size_t end = page_end(z_, lead_ + begin, most_) - lead_;
+            return std::make_shared<Encoded>(Encoded{std::exchange(begin, end), end, {}, {}});
+        };
+        const auto make = [&](const Passed& encoded) {
+            thread_local Page page;
+            table_.gather(std::span(order_).subspan(encoded->begin, encoded->end - encoded->begin), page);
+            encoded->info = encode_page(job_, page, encoded->bytes);
+            return encoded;
+        };
+        const auto write = [&](const Passed& encoded) {
+            encoder_.add_page(encoded->info);
+            if (!error) error.keep(writer_.append(encoded->bytes));
+        };
+        using tbb::filter_mode;
+        tbb::parallel_pipeline(budget_.encoded, tbb::make_filter<void, Passed>(filter_mode::serial_in_order, cut) &
+                                                    tbb::make_filter<Passed, Passed>(filter_mode::parallel, make) &
+                                                    tbb::make_filter<Passed, void>(filter_mode::serial_in_order, write));
+        keep_rest(begin);
+        return error.status();
+    }
+
+    // What no page has taken is copied, so that the pages which it comes from can go.
+    void keep_rest(std::size_t begin) {
+        Page rest;
+        table_.gather(std::span(order_).subspan(begin), rest);
+        left_over_ = std::move(rest);
+        const std::size_t lead = lead_ + begin > 0 ? 1 : 0;  // the record before
+        z_.erase(z_.begin(), z_.begin() + static_cast<std::ptrdiff_t>(lead_ + begin - lead));
+        lead_ = lead;
     }
 
     const Job& job_;
     const std::size_t most_;
+    const Budget budget_;
     RunEncoder& encoder_;
-    Bytes& out_;
-    Page rows_, page_;
-    std::vector<std::uint32_t> z_;  // of rows_, behind `lead_` record (0 or 1) that was the last to be encoded
+    Writer& writer_;
+    std::vector<RunFront> fronts_;
+    PageTable table_;
+    Page left_over_;
+    std::vector<std::uint32_t> z_;  // of order_, behind `lead_` record (0 or 1) that was the last to be encoded
     std::size_t lead_ = 0;
-    std::size_t begin_ = 0;       // rows before it are encoded
-    std::size_t first_pair_ = 0;  // of row begin_
+    std::vector<RowRef> order_;
 };
-
-// Merges the records of one class into pages; `flush` takes the bytes in `out` away when there are many.
-template <class Flush>
-Status merge_class(const Gathering& gathering, const CompactGroup& group, RecordClass record_class, RunEncoder& encoder, Bytes& out,
-                   const Flush& flush) {
-    std::vector<std::unique_ptr<Cursor>> cursors;  // a heap: the first is the one with the next record
-    const auto later = [](const auto& a, const auto& b) { return b->before(*a); };
-    for (std::size_t run = group.first; run < group.end; ++run) {
-        auto cursor = std::make_unique<Cursor>(gathering, run, record_class);
-        const Result<bool> any = cursor->begin();
-        if (!any) return any.error();
-        if (*any) cursors.push_back(std::move(cursor));
-    }
-    std::ranges::make_heap(cursors, later);
-    PageCutter cutter(gathering.job(), record_class, encoder, out);
-    while (!cursors.empty()) {
-        std::ranges::pop_heap(cursors, later);
-        cutter.add(*cursors.back());
-        const Result<bool> more = cursors.back()->next();
-        if (!more) return more.error();
-        if (*more) {
-            std::ranges::push_heap(cursors, later);
-        } else {
-            cursors.pop_back();
-        }
-        if (out.size() >= kWriteBytes) {
-            if (Status s = flush(); !s) return s;
-        }
-    }
-    cutter.finish();
-    return flush();
-}
 
 }  // namespace
 
-Result<RunHeader> compact_runs(const Gathering& gathering, const CompactGroup& group, File& out, std::uint64_t offset,
-                               const std::function<void(std::uint64_t)>& report) {
+Result<RunHeader> compact_runs(const Gathering& gathering, const CompactGroup& group, std::uint64_t memory, File& out,
+                               std::uint64_t offset, const std::function<void(std::uint64_t)>& report) {
     Coverage coverage;
     for (std::size_t i = group.first; i < group.end; ++i) coverage.add(gathering.runs()[i].coverage);
+    const Budget budget = budget_of(gathering.job(), group.end - group.first, memory);
     RunEncoder encoder(gathering.job(), coverage);
-    Bytes bytes;
-    std::uint64_t end = offset + kRunHeaderSize;
-    const auto flush = [&] {
-        const Status written = out.write_all(end, bytes);
-        end += bytes.size();
-        bytes.clear();
-        report(end - offset);
-        return written;
-    };
+    Writer writer(out, offset, report);
     for (const RecordClass record_class : {RecordClass::kCamera, RecordClass::kLight}) {
-        if (Status s = merge_class(gathering, group, record_class, encoder, bytes, flush); !s) return s.error();
+        ClassMerger merger(gathering, group, record_class, budget, encoder, writer);
+        if (Status s = merger.merge(); !s) return s.error();
     }
     const RunEncoder::Tail tail = encoder.finish();
-    if (Status s = out.write_all(end, tail.index); !s) return s.error();
+    if (Status s = writer.append(tail.index); !s) return s.error();
+    if (Status s = writer.flush(); !s) return s.error();
     if (Status s = out.write_all(offset, encode_run_header(tail.header)); !s) return s.error();
     return tail.header;
 }

@@ -19,14 +19,17 @@ bool covers_whole_intervals(const Coverage& coverage, std::uint64_t run_samples)
     });
 }
 
-// Bytes that a run costs while it is compacted: a decoded page and the list of its pages.
+// Bytes that a run costs while it is compacted: decoded pages and the list of its pages.
 std::uint64_t memory_of(const Job& job, const SelectedRun& run) {
-    const std::uint64_t pairs = job.kind == RecordKind::kSpectral ? max_page_records(job) * job.batch : 0;
-    const std::uint64_t page = decoded_page_size(job, RecordClass::kCamera, max_page_records(job), pairs);
-    return 2 * page + 2 * run.header.page_count * sizeof(PageInfo);
+    return 2 * page_memory(job) + 2 * run.header.page_count * sizeof(PageInfo);
 }
 
 }  // namespace
+
+std::uint64_t page_memory(const Job& job) {
+    const std::uint64_t pairs = job.kind == RecordKind::kSpectral ? max_page_records(job) * job.batch : 0;
+    return decoded_page_size(job, RecordClass::kCamera, max_page_records(job), pairs);
+}
 
 std::vector<CompactGroup> compact_groups(const Gathering& gathering, std::uint64_t memory) {
     const std::vector<SelectedRun>& runs = gathering.runs();

@@ -21,7 +21,9 @@ exit status 0 the parts can be deleted, unless --verify quick was used.
 Levels of --verify:
   stored   every byte, by its checksum
   quick    headers, indexes and one page of each run
-  full     every byte, and every record is decoded; only this uses --threads
+  full     every byte, and every record is decoded
+
+Only --verify full and --compact use --threads.
 
 Examples:
   latent-merge night-0.latent night-1.latent -o night.latent

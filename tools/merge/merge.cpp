@@ -47,10 +47,11 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
     gather.job = options.job;
     gather.verify = VerifyLevel::kQuick;  // before runs are chosen; the rest while they are copied
     gather.memory = options.memory;
+    gather.announced_reads = options.compact;
     std::unique_ptr<Gathering> chosen;
     std::vector<Step> plan;
     const Threads threads(options.threads);
-    Output output(*out, options.verify, options.piece, threads, progress);
+    Output output(*out, options.verify, options.piece, options.memory, threads, progress);
     // What copying finds damaged is left out, and runs are chosen anew: others may hold the same samples.
     for (;;) {
         Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);

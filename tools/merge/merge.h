@@ -26,7 +26,7 @@ struct MergeOptions {
     sampledb::VerifyLevel verify = sampledb::VerifyLevel::kStored;
     bool compact = false;  // rewrite complete intervals as few large runs
     std::uint64_t memory = std::uint64_t{1} << 30;
-    int threads = 0;                               // that decode for VerifyLevel::kFull; 0: as many as the machine has
+    int threads = 0;                               // that compact, and decode for kFull; 0: as many as the machine has
     std::uint64_t piece = std::uint64_t{2} << 20;  // bytes that are copied and checked at once: what the cache of a processor holds
 };
 

@@ -161,8 +161,12 @@ class Output::Appending {
             const Result<bool> sound = check_group(group);
             if (!sound || !*sound) return sound;
         }
-        const Result<RunHeader> header =
-            compact_runs(gathering_, group, file(), output_.end_, [this](std::uint64_t bytes) { tell_progress(bytes); });
+        const std::uint64_t memory = output_.memory_ - std::min(output_.memory_, gathering_.list_memory());
+        Result<RunHeader> header = RunHeader{};
+        output_.threads_.run([&] {
+            header = compact_runs(gathering_, group, memory, file(), output_.end_,
+                                  [this](std::uint64_t bytes) { tell_progress(bytes); });
+        });
         if (!header && !is_unreadable(header.error())) return header.error();
         if (!header) {
             const Result<bool> sound = check_group(group);

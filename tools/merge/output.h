@@ -18,9 +18,10 @@ namespace latent::merge {
 
 class Output {
  public:
-    // Copies and checks `piece` bytes at once; `threads` decode at level kFull.
-    Output(OutputFile& out, sampledb::VerifyLevel level, std::uint64_t piece, const Threads& threads, const Progress& progress)
-        : out_(out), level_(level), piece_(piece), threads_(threads), progress_(progress) {}
+    // Copies and checks `piece` bytes at once; `threads` decode at level kFull, and compact within `memory`.
+    Output(OutputFile& out, sampledb::VerifyLevel level, std::uint64_t piece, std::uint64_t memory, const Threads& threads,
+           const Progress& progress)
+        : out_(out), level_(level), piece_(piece), memory_(memory), threads_(threads), progress_(progress) {}
 
     Status begin(const sampledb::Job& job);
 
@@ -40,7 +41,7 @@ class Output {
 
     OutputFile& out_;
     const sampledb::VerifyLevel level_;
-    const std::uint64_t piece_;
+    const std::uint64_t piece_, memory_;
     const Threads& threads_;
     const Progress& progress_;
     std::vector<sampledb::RunInfo> runs_;

@@ -1,0 +1,24 @@
+// tools/merge/compact_sort.h: sorted stretches of rows become one, in parallel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tools/merge/compact_front.h"
+#include "tools/merge/compact_rows.h"
+
+namespace latent::merge {
+
+// Rows begin .. end-1 of a page, ascending by key.
+struct Slice {
+    const DecodedPage* rows;
+    std::uint32_t page;  // in the PageTable
+    std::size_t begin, end;
+};
+
+// Appends the rows of all slices, ascending by (Z prefix, sample), to `z` and `order`. Of equal ones those of an earlier slice come
+// first. Runs on the threads of the arena that it is called in.
+void merge_slices(std::span<const Slice> slices, std::vector<std::uint32_t>& z, std::vector<RowRef>& order);
+
+}  // namespace latent::merge
