@@ -1,5 +1,5 @@
 // bench/writer_bench.cpp: records per second and core through PartWriter, from submit to a published file.
-//   writer_bench [MILLION]
+//   writer_bench [MILLION [PRECISION]]
 // Grains are made beforehand. Prints CPU seconds of the process (all threads) and wall seconds for each of five repeats, and checks
 // that the published file holds every record.
 #include <fmt/format.h>
@@ -31,8 +31,9 @@ double cpu_seconds() {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-bool bench(RecordKind kind, std::uint64_t samples, const std::filesystem::path& name) {
+bool bench(RecordKind kind, std::uint64_t samples, std::uint8_t precision, const std::filesystem::path& name) {
     Job job = synthetic::make_job(kind);
+    job.precision = precision;
     job.run_samples = kind == RecordKind::kXyz ? 1u << 20 : 1u << 18;
     std::vector<Grain> grains;
     std::uint64_t records = 0;
@@ -76,8 +77,10 @@ bool bench(RecordKind kind, std::uint64_t samples, const std::filesystem::path& 
 
 int main(int argc, char** argv) {
     const std::uint64_t samples = (argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 4) * 1000000;
+    const auto precision = static_cast<std::uint8_t>(argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 9);
     const std::filesystem::path name = std::filesystem::temp_directory_path() / ("writer-bench-" + make_nonce() + ".latent");
-    const bool done = bench(RecordKind::kXyz, samples, name) && bench(RecordKind::kSpectral, samples / 8, name);
+    const bool done =
+        bench(RecordKind::kXyz, samples, precision, name) && bench(RecordKind::kSpectral, samples / 8, precision, name);
     std::filesystem::remove(name);
     return done ? 0 : 1;
 }

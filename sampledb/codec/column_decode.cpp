@@ -148,16 +148,20 @@ Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::spa
     if (!step) return step.error();
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
+    // Differences first, all alike, so that the loop becomes vectors; then what depends on the value before.
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::bit_cast<float>(unzigzag(words[i], *step));
     std::size_t at = 0;
     for (const std::uint16_t n : pairs) {
         if (n == 0) continue;
         std::uint32_t before = words[at], slope = 0;
-        values[at++] = std::bit_cast<float>(before);
-        for (std::uint16_t i = 1; i < n; ++i, ++at) {
-            slope += unzigzag(words[at], *step);
+        float* const record = &values[at];
+        record[0] = std::bit_cast<float>(before);
+        for (std::size_t i = 1; i < n; ++i) {
+            slope += std::bit_cast<std::uint32_t>(record[i]);
             before += slope;
-            values[at] = std::bit_cast<float>(before);
+            record[i] = std::bit_cast<float>(before);
         }
+        at += n;
     }
     return {};
 }

@@ -115,6 +115,10 @@ void unpack_bits(ByteSpan packed, unsigned bits, std::span<std::uint64_t> values
         return value & mask;
     };
     std::size_t i = 0;
+    if (bits <= 56 && packed.size() >= 8) {  // a value is within the eight bytes from its first on
+        const std::size_t safe = std::min(values.size(), bits == 0 ? values.size() : (packed.size() - 8) * 8 / bits + 1);
+        for (std::size_t at = 0; i < safe; ++i, at += bits) values[i] = load_le<std::uint64_t>(&packed[at / 8]) >> (at & 7) & mask;
+    }
     for (; i < values.size() && i * bits / 8 + 9 <= packed.size(); ++i) values[i] = value_at(packed.data(), i * bits);
     const std::size_t rest = i * bits / 8;  // the last few: from a copy that can be read past its end
     std::array<std::byte, 32> tail{};
