@@ -14,11 +14,11 @@ namespace latent::render {
 // Densities are per area (per volume in a medium), for a point of the sky per solid angle; they hold for the whole step, with the
 // probability of passing media on the way.
 struct SubpathVertex {
+    Batch beta;  // what arrives here: of importance, or of light
     Anchor at;
     Vec3f normal;                // of the surface, the light or the lens; 0: none
     Vec3f wo;                    // to the previous vertex
     Scattering scattering;       // not of the first vertex
-    Batch beta;                  // what arrives here: of importance, or of light
     float pdf_forward = 0;       // density from this side
     float to_previous_area = 0;  // times a direction's density [1/sr] here: density of the previous vertex from here
     MisPartial mis;
