@@ -34,7 +34,7 @@ std::string& program_name() {
 
 bool failure_was_said = false;
 
-constexpr const char* kNoMemoryAdvice = " (fewer --threads need less, and a smaller --memory where there is one)";
+constexpr const char* kNoMemoryAdvice = " (try fewer --threads, or a smaller --memory)";
 
 // When memory runs out, several threads may meet that at once: the first of them speaks, the others wait for the end.
 std::atomic<pthread_t> ending{};
@@ -62,13 +62,13 @@ void say_exception(const std::exception_ptr& exception) {
     };
     try {
         if (exception) std::rethrow_exception(exception);
-        say("ended by a fault inside a library", "");
+        say("failed inside a library", "");
     } catch (const std::bad_alloc&) {
         say("out of memory", kNoMemoryAdvice);
     } catch (const std::exception& what) {
         say(what.what(), "");
     } catch (...) {
-        say("ended by an exception of an unknown kind", "");
+        say("failed with an unknown exception", "");
     }
     [[maybe_unused]] const ssize_t said = ::write(STDERR_FILENO, line, std::strlen(line));
 }
@@ -117,7 +117,7 @@ void flush_stdout_at_exit() {
 std::string in_plain_words(const CLI::ParseError& error) {
     const std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
-    return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": is given more than once");
+    return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": given more than once");
 }
 CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most,
                       const std::string& range) {
@@ -167,8 +167,8 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
         std::vector<std::string> unknown = app.remaining(true);
         std::erase(unknown, "--");
         const bool misspelt = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty();
-        const std::string what = misspelt ? unknown.front() + " was not understood" : in_plain_words(error);
-        fmt::print(stderr, "{}: {} (--help explains)\n", program(), printable(what));
+        const std::string what = misspelt ? "unknown argument " + unknown.front() : in_plain_words(error);
+        fmt::print(stderr, "{}: {}; see --help\n", program(), printable(what));
         return kUsage;
     }
 }
@@ -176,7 +176,7 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 CLI::Validator ends_in(const std::string& extension) {
     const auto check = [extension](const std::string& name) {
         return std::filesystem::path(name).extension() == extension ? std::string()
-                                                                    : fmt::format("{}: should be NAME{}", name, extension);
+                                                                    : fmt::format("{}: the name must end in {}", name, extension);
     };
     return CLI::Validator(check, "NAME" + extension);
 }
@@ -184,7 +184,7 @@ CLI::Validator ends_in(const std::string& extension) {
 Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t least, std::uint64_t most) {
     const Result<std::uint64_t> count = parse_count(text);
     if (count && (*count < least || *count > most))
-        return Error{ErrorCode::kUsage, fmt::format("'{}' is not from {} to {}", text, least, most)};
+        return Error{ErrorCode::kUsage, fmt::format("'{}' is not between {} and {}", text, least, most)};
     return count;
 }
 

@@ -34,7 +34,7 @@ Error error_from_errno(int errno_value, std::string_view path, std::string_view 
     if (errno_value == ENOSPC || errno_value == EDQUOT || errno_value == EFBIG) code = ErrorCode::kNoSpace;
     if (errno_value == ENOENT || errno_value == ENOTDIR) code = ErrorCode::kNotFound;
     if (errno_value == EEXIST) code = ErrorCode::kExists;
-    const char* advice = errno_value == EMFILE ? " (ulimit -n raises the limit)" : "";
+    const char* advice = errno_value == EMFILE ? " (raise the limit with ulimit -n)" : "";
     return {code, std::string(path) + ": " + std::string(verb) + ": " + std::strerror(errno_value) + advice};
 }
 

@@ -47,14 +47,14 @@ File::~File() {
 
 // Inputs are regular files. O_NONBLOCK means nothing to these; a pipe to which nobody writes would be waited for without it.
 Result<File> File::open_read(const std::filesystem::path& path) {
-    if (path.empty()) return Error{ErrorCode::kNotFound, "a file name is empty"};
+    if (path.empty()) return Error{ErrorCode::kNotFound, "empty file name"};
     const Error irregular{ErrorCode::kForeign, path.string() + ": not a regular file"};
     const int fd = open_retrying(path.c_str(), O_RDONLY | O_NONBLOCK);
     if (fd < 0 && errno == ENXIO) return irregular;  // a socket
     if (fd < 0) return error_from_errno(errno, path.string(), "cannot open");
     File file(fd, path);
     struct stat info;
-    if (::fstat(fd, &info) != 0) return error_from_errno(errno, path.string(), "cannot look at it");
+    if (::fstat(fd, &info) != 0) return error_from_errno(errno, path.string(), "cannot read its attributes");
     if (S_ISDIR(info.st_mode)) return Error{ErrorCode::kForeign, path.string() + ": is a folder, not a file"};
     if (!S_ISREG(info.st_mode)) return irregular;
     return file;
@@ -101,7 +101,7 @@ Status File::read_exact(std::uint64_t offset, std::span<std::byte> into) const {
     const Result<std::size_t> got = read_some(offset, into);
     if (!got) return got.error();
     if (*got < into.size()) {
-        return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}, {} bytes before the end of what begins at byte {}",
+        return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}, {} bytes before the end of the block at byte {}",
                                                         path_.string(), offset + *got, into.size() - *got, offset)};
     }
     return {};
@@ -120,7 +120,7 @@ Status File::write_all(std::uint64_t offset, ByteSpan bytes) {
         const ssize_t put = ::pwrite(fd_, bytes.data() + done, ask, static_cast<off_t>(offset + done));
         if (put < 0 && errno == EINTR) continue;
         if (put < 0) return error_from_errno(errno, path_.string(), "cannot write");
-        if (put == 0) return Error{ErrorCode::kIo, path_.string() + ": cannot write: the system wrote nothing and gave no reason"};
+        if (put == 0) return Error{ErrorCode::kIo, path_.string() + ": cannot write: nothing was written, for no known reason"};
         done += static_cast<std::size_t>(put);
     }
     return {};
@@ -156,7 +156,7 @@ Status File::truncate(std::uint64_t size) {
     int failed;
     do failed = ::ftruncate(fd_, static_cast<off_t>(size));
     while (failed != 0 && errno == EINTR);
-    return failed == 0 ? Status{} : error_from_errno(errno, path_.string(), "cannot shorten it");
+    return failed == 0 ? Status{} : error_from_errno(errno, path_.string(), "cannot truncate");
 }
 
 Status File::sync_data() {
@@ -174,10 +174,10 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool re
     remove_abandoned(path);
     std::error_code ignored;
     if (!replace && std::filesystem::exists(std::filesystem::symlink_status(path, ignored))) {
-        return Error{ErrorCode::kExists, path.string() + ": exists already (--force replaces it)"};
+        return Error{ErrorCode::kExists, path.string() + ": already exists; use --force to replace it"};
     }
     if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
-        return Error{ErrorCode::kExists, path.string() + ": is a folder or a device, not a file that could be replaced"};
+        return Error{ErrorCode::kExists, path.string() + ": is a folder or a device; only files are replaced"};
     }
     OutputFile out;
     out.path_ = path;

@@ -121,11 +121,11 @@ std::string with_member(std::string object, std::string_view name, const std::fu
 
 Status check_json_object(std::string_view text, std::size_t most_depth) {
     const auto first = std::ranges::find_if_not(text, is_space);
-    if (first == text.end() || *first != '{') return Error{ErrorCode::kCorrupt, "is no JSON object"};
+    if (first == text.end() || *first != '{') return Error{ErrorCode::kCorrupt, "is not a JSON object"};
     DepthCheck check(most_depth);
     if (nlohmann::json::sax_parse(text.begin(), text.end(), &check)) return {};
     if (check.too_deep()) return Error{ErrorCode::kCorrupt, fmt::format("is nested more than {} deep", most_depth)};
-    return Error{ErrorCode::kCorrupt, "is no JSON"};
+    return Error{ErrorCode::kCorrupt, "is not valid JSON"};
 }
 
 std::string_view member_of(std::string_view object, std::string_view name) {

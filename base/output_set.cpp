@@ -107,10 +107,10 @@ class NamingLock {
 Status check_free(const OutputSet::Item& item, bool replace) {
     std::error_code ignored;
     if (!is_taken(item.name)) return {};
-    if (!replace) return Error{ErrorCode::kExists, item.name.string() + ": exists already (--force replaces it)"};
+    if (!replace) return Error{ErrorCode::kExists, item.name.string() + ": already exists; use --force to replace it"};
     if (item.is_folder ? fs::is_directory(item.name, ignored) : fs::is_regular_file(item.name, ignored)) return {};
     return Error{ErrorCode::kExists,
-                 fmt::format("{}: is not a {} that could be replaced", item.name.string(), item.is_folder ? "folder" : "file")};
+                 fmt::format("{}: exists and is not a {}; not replaced", item.name.string(), item.is_folder ? "folder" : "file")};
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ Status OutputSet::publish() {
     NamingJournal journal;
     for (std::size_t i = 0; i < items_.size(); ++i) {
         const std::optional<Identity> identity = identity_of(place(i));
-        if (!identity) return error_from_errno(errno, items_[i].name.string(), "cannot look at it");
+        if (!identity) return error_from_errno(errno, items_[i].name.string(), "cannot read its attributes");
         journal.push_back({*identity, items_[i].name.filename().string()});
     }
     if (Status s = write_naming_journal(hidden_.path(), journal); !s) return s.error().at(items_[0].name.string());

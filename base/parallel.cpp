@@ -18,9 +18,8 @@ Result<std::thread> start_thread(std::function<void()> work) {
     } catch (const std::bad_alloc&) {
         return current_error();
     } catch (const std::system_error& refusal) {
-        return Error{ErrorCode::kIo,
-                     fmt::format("cannot start a thread: {} (fewer --threads, or a higher ulimit -u or -v, may help)",
-                                 refusal.code().message())};
+        return Error{ErrorCode::kIo, fmt::format("cannot start a thread: {} (try fewer --threads, or a higher ulimit -u or -v)",
+                                                 refusal.code().message())};
     }
 }
 

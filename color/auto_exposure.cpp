@@ -62,8 +62,7 @@ double LuminanceHistogram::log_average(double p_low, double p_high) const {
 Result<double> auto_sigma(const LuminanceHistogram& histogram) {
     constexpr double kTrim = 0.01, kGrey = 0.18;
     const double average = histogram.log_average(kTrim, 1 - kTrim);
-    if (!(average > 0))
-        return Error{ErrorCode::kOutOfRange, "no pixel has a positive luminance, so there is nothing to expose for"};
+    if (!(average > 0)) return Error{ErrorCode::kOutOfRange, "no pixel has a positive luminance, so the exposure cannot be chosen"};
     const double sigma = -std::log2(1 - kGrey) / average;
     const std::string digits = fmt::format("{:.4g}", sigma);
     double rounded = sigma;

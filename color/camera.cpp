@@ -52,7 +52,7 @@ Result<Matrix3> xyz_from_camera(const std::array<Spectrum, 3>& responses) {
     }
     if (!auto_covariance.invertible()) {
         return Error{ErrorCode::kOutOfRange,
-                     "the responses r, g and b of a camera must differ, or no colour can be told from them"};
+                     "the responses r, g and b of a camera must differ, or they cannot distinguish colours"};
     }
     // Row a: least squares, moved along the direction that costs least until M camera_white = eye_white.
     const Matrix3 inverse = auto_covariance.inverse();

@@ -96,7 +96,7 @@ Result<Spectrum> named_spectrum(std::string_view name) {
         if (s.name.starts_with(family) && s.name.find('-') == family.size()) choices += (choices.empty() ? "" : ", ") + s.name;
     }
     if (choices.empty()) choices = "glass-*, metal-*-eta, metal-*-k, stdillum-* and illum-acesD60";
-    return Error{ErrorCode::kNotFound, fmt::format("no spectrum is called \"{}\"; there are {}", name, choices)};
+    return Error{ErrorCode::kNotFound, fmt::format("unknown spectrum \"{}\"; choose from {}", name, choices)};
 }
 
 std::vector<std::string> named_spectrum_names() {

@@ -51,7 +51,7 @@ Result<Observer> Observer::by_name(std::string_view name) {
         if (known.name == name) return from_table(known.name, known.table);
         choices += fmt::format("{}{}", choices.empty() ? "" : ", ", known.name);
     }
-    return Error{ErrorCode::kNotFound, fmt::format("no observer is called \"{}\"; there are {}, and CSV files", name, choices)};
+    return Error{ErrorCode::kNotFound, fmt::format("unknown observer \"{}\"; choose {}, or a CSV file", name, choices)};
 }
 
 const Observer& Observer::cie1931() {

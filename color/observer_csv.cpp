@@ -57,7 +57,7 @@ struct CsvTable {
 
 Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable& table) {
     if (fields.size() != table.columns) {
-        return at_line(line, fmt::format("{} columns where the lines above have {}", fields.size(), table.columns));
+        return at_line(line, fmt::format("{} columns, but the lines above have {}", fields.size(), table.columns));
     }
     std::array<double, 4> value{};
     for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -71,7 +71,7 @@ Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable&
         return at_line(line, fmt::format("wavelengths must increase: {} nm follows {} nm", value[0], table.lambda_nm.back()));
     }
     if (value[0] < 10 || value[0] > 100'000) {
-        return at_line(line, fmt::format("wavelengths are in nm, and {} is not one of light", value[0]));
+        return at_line(line, fmt::format("{} is not a wavelength of light in nm", value[0]));
     }
     table.lambda_nm.push_back(value[0]);
     table.response.push_back(table.columns == 4 ? std::array{value[1], value[2], value[3]}
@@ -94,7 +94,7 @@ Result<CsvTable> read_table(std::string_view text) {
             if (fields.size() != 2 && fields.size() != 4) {
                 return at_line(
                     line,
-                    fmt::format("{} columns; an observer has a wavelength [nm] and 3 responses, or 1 for a black-and-white film",
+                    fmt::format("{} columns; an observer has the wavelength [nm] and 3 responses, or 1 for black-and-white film",
                                 fields.size()));
             }
             table.columns = fields.size();
@@ -126,7 +126,7 @@ Result<Observer> Observer::from_csv(std::string_view text, std::string name) {
     const double scale = integral_of_product(cie1931().curve(1), illuminant_d65()) / answer;
     if (!(answer > 0) || !std::isfinite(scale)) {
         return Error{ErrorCode::kCorrupt,
-                     "the second column of responses (or the only one) does not see daylight between 360 and 830 nm"};
+                     "the second column of responses (or the only one) has no response to daylight from 360 to 830 nm"};
     }
     for (auto& response : observer.response_) {
         for (double& value : response) value *= scale;

@@ -14,14 +14,14 @@ namespace latent::color {
 Result<Tone> tone_by_name(std::string_view name) {
     if (name == "film") return Tone::kFilm;
     if (name == "none") return Tone::kNone;
-    return Error{ErrorCode::kUsage, fmt::format("no tone is called \"{}\"; there are film and none", name)};
+    return Error{ErrorCode::kUsage, fmt::format("unknown tone \"{}\"; choose film or none", name)};
 }
 
 Result<Gamut> gamut_by_name(std::string_view name) {
     if (name == "luminance") return Gamut::kLuminance;
     if (name == "grey") return Gamut::kGrey;
     if (name == "clip") return Gamut::kClip;
-    return Error{ErrorCode::kUsage, fmt::format("no gamut mapping is called \"{}\"; there are luminance, grey and clip", name)};
+    return Error{ErrorCode::kUsage, fmt::format("unknown gamut mapping \"{}\"; choose luminance, grey or clip", name)};
 }
 
 PrintReport& PrintReport::operator+=(const PrintReport& other) {

@@ -63,7 +63,7 @@ Result<RgbSpace> RgbSpace::parse(std::string_view text) {
         return from_primaries(std::string(text), {{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}}, Transfer::srgb());
     }
     return Error{ErrorCode::kUsage,
-                 fmt::format("\"{}\" is not an RGB space; there are {}and 8 numbers rx,ry,gx,gy,bx,by,wx,wy", text, choices)};
+                 fmt::format("\"{}\" is not an RGB space; choose {}or 8 numbers rx,ry,gx,gy,bx,by,wx,wy", text, choices)};
 }
 
 std::vector<std::string> RgbSpace::names() {
@@ -91,7 +91,7 @@ Result<RgbSpace> RgbSpace::from_primaries(std::string name, const Primaries& p, 
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) xyz_from_rgb.m[i][j] = columns.m[i][j] * amounts[j];
     }
-    if (!xyz_from_rgb.invertible()) return out_of_range(name, "its white needs nothing of one primary");
+    if (!xyz_from_rgb.invertible()) return out_of_range(name, "its white does not use one of the primaries");
     return RgbSpace{std::move(name), p, transfer, xyz_from_rgb.inverse(), xyz_from_rgb, xyz_from_rgb.m[1]};
 }
 
@@ -124,10 +124,10 @@ Status RgbSpace::check_luminance_row() const {
     constexpr std::string_view kPrimary[] = {"red", "green", "blue"};
     for (int i = 0; i < 3; ++i) {
         if (!(luminance_row[i] >= -1e-6)) {
-            return out_of_range(
-                name, fmt::format("the {} primary has luminance {:.6f}, and no print keeps luminance with a negative one; "
-                                  "use --gamut clip or other primaries",
-                                  kPrimary[i], luminance_row[i]));
+            return out_of_range(name,
+                                fmt::format("the {} primary has luminance {:.6f}, and a negative one cannot preserve luminance; "
+                                            "use --gamut clip or other primaries",
+                                            kPrimary[i], luminance_row[i]));
         }
     }
     return {};

@@ -151,7 +151,8 @@ Status ExrReader::File::read_header(int wanted_level) {
     }
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return unsupported("holds deep pixels; flatten it first");
     if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB) {  // OpenEXRCore 3.1 cannot decode them
-        return unsupported("DWA compression is not read; this helps: oiiotool IN.exr --compression zip -o OUT.exr");
+        return unsupported(
+            "DWA compression is not supported; convert the file first: oiiotool IN.exr --compression zip -o OUT.exr");
     }
     tiled = storage == EXR_STORAGE_TILED;
     image.data_window = rect_of(data);
@@ -180,7 +181,7 @@ Status ExrReader::File::find_blocks(int wanted_level) {
     }
     if (good && (wanted_level < 0 || wanted_level >= image.levels)) {
         return Error{ErrorCode::kUsage,
-                     fmt::format("{}: has no mip level {}; it has {}", path.string(), wanted_level,
+                     fmt::format("{}: no mip level {}; the file has {}", path.string(), wanted_level,
                                  image.levels == 1 ? "level 0 only" : fmt::format("levels 0 to {}", image.levels - 1))};
     }
     level = wanted_level;
@@ -214,13 +215,13 @@ Status ExrReader::File::find_channels() {
         for (const exr_attr_chlist_entry_t& entry : entries)
             found += fmt::format("{}{}", found.empty() ? "" : ", ", entry.name.str);
         return Error{ErrorCode::kUnsupported,
-                     fmt::format("{}: has no channels R, G, B or X, Y, Z; it has {}", path.string(), found)};
+                     fmt::format("{}: no channels R, G, B or X, Y, Z; the file has {}", path.string(), found)};
     }
     for (std::size_t plane = 0; plane < 3; ++plane) {
         const auto entry = find(names[plane]);
         if (entry->pixel_type == EXR_PIXEL_UINT) {
-            return Error{ErrorCode::kUnsupported,
-                         fmt::format("{}: channel {} holds integers, not light", path.string(), names[plane])};
+            return Error{ErrorCode::kUnsupported, fmt::format("{}: channel {} holds integers; only half and float are supported",
+                                                              path.string(), names[plane])};
         }
         channels[plane].half = entry->pixel_type == EXR_PIXEL_HALF;
         for (auto before = entries.begin(); before != entry; ++before)

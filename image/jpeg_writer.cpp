@@ -55,7 +55,7 @@ class Compressor {
         if (format_.sample != SampleType::kU8) return Error{ErrorCode::kUsage, "JPEG holds 8 bits (--bits 8)"};
         if (format_.width > JPEG_MAX_DIMENSION || format_.height > JPEG_MAX_DIMENSION) {
             return Error{ErrorCode::kOutOfRange,
-                         fmt::format("JPEG ends at {} pixels a side and the image has {} x {}: use .tif, .png or .dzi",
+                         fmt::format("a JPEG has at most {} pixels a side, and this picture has {} x {}; use .tif, .png or .dzi",
                                      JPEG_MAX_DIMENSION, format_.width, format_.height)};
         }
         return guarded([this] {

@@ -102,7 +102,7 @@ int main(int argc, char** argv) try {
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);
     if (report->complete) return status;
     return cli::fail(
-        {ErrorCode::kStopped, fmt::format("stopped: {} of {} samples are committed; run the same command again to go on",
+        {ErrorCode::kStopped, fmt::format("interrupted: {} of {} samples are committed; run the same command again to resume",
                                           report->committed, (*job)->range.size())});
 } catch (...) {
     return latent::cli::fail_with_exception();

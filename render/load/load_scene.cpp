@@ -54,9 +54,9 @@ class Loader {
                 continue;
             }
             if (depth == kMaxIncludes)
-                return syntax_error({d.where, fmt::format("{}: more than {} files deep", d.name, kMaxIncludes)});
+                return syntax_error({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
             const bool import = d.name == "Import";
-            if (import && !builder_.in_world()) return syntax_error({d.where, "Import: not before WorldBegin"});
+            if (import && !builder_.in_world()) return syntax_error({d.where, "Import: must come after WorldBegin"});
             if (import) builder_.begin_import(d.where);
             const Status included = file(files_.resolve(d.strings[0]), depth + 1);
             if (!included && included.error().code == ErrorCode::kCorrupt) return included;
@@ -70,8 +70,8 @@ class Loader {
     }
 
     static Error not_pbrt(const std::filesystem::path& path, std::string_view format) {
-        return {ErrorCode::kForeign, fmt::format("{}: not a pbrt-v4 scene, the only kind that is read: {}", path.string(),
-                                                 format.empty() ? "there is nothing in it" : format)};
+        return {ErrorCode::kForeign, fmt::format("{}: not a pbrt-v4 scene, the only supported format: {}", path.string(),
+                                                 format.empty() ? "the file is empty" : format)};
     }
 
     // Ends the loading at once; what was found before is told too.

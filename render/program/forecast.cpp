@@ -41,16 +41,16 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
 
     std::error_code error;
     const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
-    if (error) return Error{ErrorCode::kIo, "no folder for temporary files, set TMPDIR: " + error.message()};
+    if (error) return Error{ErrorCode::kIo, "no folder for temporary files; set TMPDIR: " + error.message()};
     const TemporaryPath folder(temporary / ("latent-dry-run-" + make_nonce()));
     if (!std::filesystem::create_directory(folder.path(), error))
-        return Error{ErrorCode::kIo, fmt::format("{}: cannot be created: {}", folder.path().string(), error.message())};
+        return Error{ErrorCode::kIo, fmt::format("{}: cannot create the folder: {}", folder.path().string(), error.message())};
     RenderOptions trial = options;
     trial.output = folder.path() / "trial.latent";
     trial.max_seconds = seconds;
     const Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return report.error();
-    if (report->samples == 0) return Error{ErrorCode::kStopped, "no sample was finished in the time of a dry run"};
+    if (report->samples == 0) return Error{ErrorCode::kStopped, "the dry run ended before any sample was finished"};
     const auto measured = static_cast<double>(report->samples);
     out.measured_samples = report->samples;
     out.seconds = report->seconds * static_cast<double>(missing->size()) / measured;
@@ -59,9 +59,9 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
 }
 
 std::string too_large(const Forecast& forecast, const std::filesystem::path& output) {
-    return fmt::format("{}: needs about {}, but {} are free in {}; make room, or render less (--spp, --samples, --shard)",
-                       output.string(), format_size(forecast.bytes), format_size(forecast.free_bytes.value_or(0)),
-                       folder_of(output).string());
+    return fmt::format(
+        "{}: needs about {}, but only {} are free in {}; free some space, or render less (--spp, --samples, --shard)",
+        output.string(), format_size(forecast.bytes), format_size(forecast.free_bytes.value_or(0)), folder_of(output).string());
 }
 
 Status check_space(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
@@ -71,7 +71,8 @@ Status check_space(const RenderJob& job, const RenderOptions& options, const std
     if (!expected || expected->fits()) return {};  // what else is wrong, rendering says
     const double part_of_time = options.max_seconds > 0 ? options.max_seconds / expected->seconds : 1;
     if (part_of_time < 1 && scaled(expected->missing_bytes(), part_of_time) <= *free) return {};
-    return Error{ErrorCode::kNoSpace, too_large(*expected, options.output) + "; --ignore-space renders until the disk is full"};
+    return Error{ErrorCode::kNoSpace,
+                 too_large(*expected, options.output) + "; with --ignore-space, rendering continues until the disk is full"};
 }
 
 }  // namespace latent::render

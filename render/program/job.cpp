@@ -76,10 +76,9 @@ Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const Res
     const sampledb::SampleRange all = settings.samples.value_or(sampledb::SampleRange{0, static_cast<std::uint64_t>(count)});
     if (all.empty()) return Error{ErrorCode::kUsage, fmt::format("--samples {}:{}: is empty", all.first, all.end)};
     if (const std::uint64_t beyond = all.first % run_samples; beyond != 0) {
-        return Error{
-            ErrorCode::kUsage,
-            fmt::format("--samples {}:{}: the first must be a multiple of {}, the samples of a run; the nearest are {} and {}",
-                        all.first, all.end, run_samples, all.first - beyond, all.first - beyond + run_samples)};
+        return Error{ErrorCode::kUsage,
+                     fmt::format("--samples {}:{}: A must be a multiple of the run length {}; the nearest are {} and {}", all.first,
+                                 all.end, run_samples, all.first - beyond, all.first - beyond + run_samples)};
     }
     return all;
 }
@@ -94,13 +93,13 @@ std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, s
     std::uint32_t shorter = run_samples;
     while (shorter > sampledb::kMinRunSamples && runs_of(all, shorter) < shard.count) shorter /= 2;
     const std::string advice = runs_of(all, shorter) >= shard.count
-                                   ? fmt::format("; with --run-samples {}, the same for every shard, none would be", shorter)
+                                   ? fmt::format("; use --run-samples {} for every shard to give each some work", shorter)
                                    : "";
     return fmt::format(
-        "--shard {}/{}: {} of {} shards are empty{}: {} samples make {} run{} of up to {}, and shards consist of whole runs{}",
+        "--shard {}/{}: {} of {} shards are empty{}: {} samples make only {} run{} of up to {}, and runs are not divided{}",
         shard.index, shard.count, shard.count - runs, shard.count,
-        shard_of(all, shard, run_samples).empty() ? ", this one too" : "", all.size(), runs, runs == 1 ? "" : "s", run_samples,
-        advice);
+        shard_of(all, shard, run_samples).empty() ? ", including this one" : "", all.size(), runs, runs == 1 ? "" : "s",
+        run_samples, advice);
 }
 
 }  // namespace

@@ -43,11 +43,11 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
     }
     std::string rendered =
         fmt::format("{} rendered in {} ({:.3f} M samples/s)", report.samples, format_duration(report.seconds), rate / 1e6);
-    if (report.complete && report.samples == 0 && !report.elsewhere) rendered = "nothing was left to render";
+    if (report.complete && report.samples == 0 && !report.elsewhere) rendered = "nothing left to render";
     if (job.range.empty()) rendered = "an empty shard";
     return fmt::format("job {}\nsamples {}:{}, {}, {} written\n{}", to_hex(job.job.id), job.range.first, job.range.end, rendered,
                        format_size(report.written.bytes_written),
-                       report.elsewhere ? "another process has finished this part meanwhile: nothing was left to do\n" : "");
+                       report.elsewhere ? "another process finished this part in the meantime\n" : "");
 }
 
 std::string to_text(const Forecast& forecast, bool json) {
@@ -61,8 +61,8 @@ std::string to_text(const Forecast& forecast, bool json) {
         if (forecast.free_bytes) out["free_bytes"] = *forecast.free_bytes;
         return json_text(out) + "\n";
     }
-    const std::string free = forecast.free_bytes ? fmt::format("; {} are free", format_size(*forecast.free_bytes)) : "";
-    if (forecast.committed == forecast.samples) return fmt::format("all {} samples are committed already\n", forecast.samples);
+    const std::string free = forecast.free_bytes ? fmt::format("; {} free", format_size(*forecast.free_bytes)) : "";
+    if (forecast.committed == forecast.samples) return fmt::format("all {} samples are already committed\n", forecast.samples);
     const std::uint64_t missing = forecast.samples - forecast.committed;
     const std::string which = forecast.committed == 0 ? fmt::format("{} samples", missing)
                                                       : fmt::format("{} of {} samples are committed; the other {}",

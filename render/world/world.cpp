@@ -37,7 +37,8 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
     world->lights_ =
         std::make_unique<Lights>(Lights::build(scene, geometry, geometry.center(), std::max(radius, 1e-6f), world->library_));
-    if (world->lights_->size() == 0) return Error{ErrorCode::kOutOfRange, "the scene has no light: every picture of it is black"};
+    if (world->lights_->size() == 0)
+        return Error{ErrorCode::kOutOfRange, "the scene has no light, so every picture would be black"};
     return world;
 }
 

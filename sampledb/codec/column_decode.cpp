@@ -67,8 +67,8 @@ Result<unsigned> step_of(const ColumnEntry& entry, bool stepped) {
 }
 
 Status unknown_transform(const ColumnEntry& entry) {
-    return Error{ErrorCode::kUnsupported, fmt::format("column {}: transform {} is not known here", static_cast<int>(entry.column),
-                                                      static_cast<int>(entry.transform))};
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("column {}: unknown transform {}", static_cast<int>(entry.column), static_cast<int>(entry.transform))};
 }
 
 }  // namespace

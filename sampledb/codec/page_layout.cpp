@@ -42,7 +42,7 @@ Status read_table(const Job& job, const PageInfo& info, ByteSpan stored, std::ve
         entry.base = in.get<std::uint64_t>();
         entry.hash = in.get<std::uint64_t>();
         if (entry.column != column || plane_count > kMaxPlanes || lattice_bits > 32 || entry.bits > 64) {
-            return corrupt("a page's table of columns makes no sense");
+            return corrupt("a page's table of columns is invalid");
         }
         entry.lattice_bits = static_cast<std::uint8_t>(lattice_bits);
         for (std::uint8_t p = 0; p < plane_count; ++p) entry.planes.push_back(PlaneEntry::from_word(in.get<std::uint32_t>()));

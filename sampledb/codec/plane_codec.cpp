@@ -181,7 +181,7 @@ bool encode_dictionary(ByteSpan plane, const Sample& sample, Bytes& out) {
 Status decode_dictionary(ByteSpan stored, std::size_t size, std::byte* plane) {
     const unsigned bits = stored.empty() ? 0 : std::to_integer<unsigned>(stored[0]);
     if (bits < 1 || bits > kMostDictionaryBits || stored.size() != dictionary_size(bits, size))
-        return corrupt("a dictionary of another size");
+        return corrupt("a dictionary of the wrong size");
     const ByteSpan values = stored.subspan(1, std::size_t{1} << bits);
     const ByteSpan packed = stored.subspan(1 + values.size());
     const Eight eight(bits);
@@ -236,7 +236,7 @@ PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
 
 Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch) {
     if (entry.codec == PlaneCodec::kRaw) {
-        if (stored.size() != size) return corrupt("a raw plane of another size");
+        if (stored.size() != size) return corrupt("a raw plane of the wrong size");
         return stored;
     }
     if (scratch.size() < size + 8) scratch.resize(size + 8);
@@ -254,7 +254,7 @@ Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t siz
                 ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
                 unless_out_of_memory(ZSTD_decompressDCtx(context.get(), plane.data(), size, stored.data(), stored.size())) !=
                     size) {
-                return corrupt("a plane that zstd does not read");
+                return corrupt("a plane that zstd cannot decompress");
             }
             break;
         }

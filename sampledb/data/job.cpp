@@ -27,7 +27,7 @@ Status Job::validate() const {
         return refuse(fmt::format("film aspect {}:{} is not in lowest terms", aspect_width, aspect_height));
     }
     if (kind == RecordKind::kSpectral) {
-        if (batch < 1 || batch > kMaxPairs) return refuse(fmt::format("batch of {} wavelengths, not 1 to {}", batch, kMaxPairs));
+        if (batch < 1 || batch > kMaxPairs) return refuse(fmt::format("{} wavelengths per sample, not 1 to {}", batch, kMaxPairs));
     } else if (kind == RecordKind::kXyz) {
         if (batch != 0 || !density.empty()) return refuse("XYZ records have no wavelengths");
     } else {

@@ -83,7 +83,7 @@ Result<Bytes> encode_footer(std::span<const RunInfo> runs, std::string_view prov
 Result<std::uint64_t> put_footer(std::span<const RunInfo> runs, std::string_view provenance_json, std::uint64_t offset,
                                  const std::function<Status(ByteSpan)>& put) {
     if (runs.size() > kMaxRunsPerFile)
-        return Error{ErrorCode::kOutOfRange, fmt::format("{} runs; a file takes {} at most", runs.size(), kMaxRunsPerFile)};
+        return Error{ErrorCode::kOutOfRange, fmt::format("{} runs; a file holds at most {}", runs.size(), kMaxRunsPerFile)};
     if (provenance_json.size() > kMaxFooterProvenance) return Error{ErrorCode::kOutOfRange, "provenance longer than 16 MiB"};
     constexpr std::size_t kRunsAtOnce = 8192;
     const auto entries_from = [&](std::size_t first) {

@@ -16,10 +16,10 @@ bool all_zero(ByteSpan bytes) {
 
 Status check_version(std::uint16_t major, std::uint64_t features, std::uint64_t known) {
     if (major != kMajor)
-        return Error{ErrorCode::kUnsupported, fmt::format("format version {}, this program reads version {}", major, kMajor)};
+        return Error{ErrorCode::kUnsupported, fmt::format("format version {}; this program reads version {}", major, kMajor)};
     if ((features & ~known) != 0) {
         return Error{ErrorCode::kUnsupported,
-                     fmt::format("needs features {:#x} that this program does not know", features & ~known)};
+                     fmt::format("uses features {:#x}, which this program does not support", features & ~known)};
     }
     return {};
 }

@@ -32,7 +32,7 @@ Result<HeaderCopy> read_header_copy(const ByteSource& source, std::uint64_t offs
 
 // The header from its first copy, else from the second, which begins at its own size. `fault`: what is wrong with them.
 Result<HeaderCopy> read_header(const ByteSource& source, std::string& fault) {
-    if (source.size() == 0) return Error{ErrorCode::kForeign, "is empty, not a Latent file"};
+    if (source.size() == 0) return Error{ErrorCode::kForeign, "empty, not a Latent file"};
     Result<HeaderCopy> first = read_header_copy(source, 0);
     if (first) {
         const Result<HeaderCopy> second = read_header_copy(source, first->bytes.size());

@@ -59,8 +59,7 @@ Result<std::uint64_t> FooterReader::hash_of(std::uint64_t begin, std::uint64_t s
 
 Status FooterReader::for_each_run(std::uint64_t begin, const JobId& job, const std::function<void(const RunInfo&)>& visit) const {
     if (run_count() > kMaxRunsPerFile) {
-        return Error{ErrorCode::kOutOfRange,
-                     fmt::format("it lists {} runs; {} are the most that are read", run_count(), kMaxRunsPerFile)};
+        return Error{ErrorCode::kOutOfRange, fmt::format("it lists {} runs; the maximum is {}", run_count(), kMaxRunsPerFile)};
     }
     if (begin > offset()) return corrupt("the footer begins inside the header");
     const std::size_t entry_size = frame_.entry_size();

@@ -65,13 +65,13 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
         std::string found;
         for (const auto& [id, file] : jobs_not_taken_)
             found += fmt::format("{}{} ({})", found.empty() ? "" : ", ", to_hex(id), file);
-        return Error{ErrorCode::kMismatch, fmt::format("no file is of job {}; found: {}", to_hex(*options_.job), found)};
+        return Error{ErrorCode::kMismatch, fmt::format("no file belongs to job {}; found {}", to_hex(*options_.job), found)};
     }
     if (!found_.report.left_out.empty()) {
         return Error{ErrorCode::kForeign, fmt::format("{}: {}; nothing is left to read", found_.report.left_out[0].place,
                                                       found_.report.left_out[0].reason)};
     }
-    return Error{ErrorCode::kNotFound, "no Latent file to read"};
+    return Error{ErrorCode::kNotFound, "no Latent files found"};
 }
 
 // A file that cannot be read at all. Damage costs a file; a file that should not be there at all costs the command, if the user
@@ -104,7 +104,7 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     const JobId id = file.header.job.id;
     if (options_.job && id != *options_.job) {
         jobs_not_taken_.emplace(id, name);
-        found_.report.notes.push_back(fmt::format("{}: is of job {}, not taken", name, to_hex(id)));
+        found_.report.notes.push_back(fmt::format("{}: belongs to job {}, skipped", name, to_hex(id)));
         return {};
     }
     jobs_.emplace(id, name);
@@ -112,8 +112,8 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     if (found_.files.empty()) {
         found_.job = std::move(file.header.job);
     } else if (const Status same = same_job(found_.job, file.header.job); !same) {
-        const Error error{ErrorCode::kMismatch,
-                          fmt::format("{}: not of the job of {}: {}", name, found_.files[0].string(), same.error().message)};
+        const Error error{ErrorCode::kMismatch, fmt::format("{}: does not belong to the job of {}: {}", name,
+                                                            found_.files[0].string(), same.error().message)};
         if (input.named) return error;
         leave_out(found_.report.left_out, {name, error.message.substr(name.size() + 2)});
         return {};
@@ -170,7 +170,7 @@ void InputReader::report_state(const InputFile& input, const FileContents& file)
     if (is_attempt(input.path)) {
         if (file.unfinished_tail > 0) {
             found_.report.notes.push_back(
-                fmt::format("{}: unfinished; {} bytes behind its last run are not read", name, file.unfinished_tail));
+                fmt::format("{}: unfinished; {} bytes after its last run were ignored", name, file.unfinished_tail));
         }
     } else if (const auto end = damage_at_end(input.path, file)) {
         leave_out(found_.report.left_out, {name, end->reason});
@@ -181,7 +181,7 @@ Status InputReader::check_jobs() const {
     if (jobs_.size() < 2) return {};
     const auto [a, a_file] = *jobs_.begin();
     const auto [b, b_file] = *std::next(jobs_.begin());
-    return Error{ErrorCode::kMismatch, fmt::format("{} and {} are of different jobs ({} and {}): choose one with --job", a_file,
+    return Error{ErrorCode::kMismatch, fmt::format("{} and {} belong to different jobs ({} and {}); choose one with --job", a_file,
                                                    b_file, to_hex(a), to_hex(b))};
 }
 
@@ -208,10 +208,9 @@ Status InputReader::check_repeats() const {
         const SelectedRun& run = found_.runs[next.run];
         if (next.range.first < reached && run.file != holder) {
             const auto [a, b] = std::minmax(holder, run.file);
-            return Error{
-                ErrorCode::kMismatch,
-                fmt::format("{} and {} both hold samples {}..{} (--skip-duplicates keeps one of them)", found_.files[a].string(),
-                            found_.files[b].string(), next.range.first, std::min(reached, next.range.end))};
+            return Error{ErrorCode::kMismatch, fmt::format("{} and {} both hold samples {}..{}; --skip-duplicates uses one of them",
+                                                           found_.files[a].string(), found_.files[b].string(), next.range.first,
+                                                           std::min(reached, next.range.end))};
         }
         if (next.range.end > reached) reached = next.range.end, holder = run.file;
         if (++next.interval < run.coverage.ranges().size()) {
@@ -235,9 +234,8 @@ std::uint64_t list_memory_of(std::uint64_t runs, std::uint64_t intervals) {
 Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint64_t memory) {
     const std::uint64_t needed = list_memory_of(runs, intervals);
     if (needed <= std::max(memory / 4 * 3, kLeastForLists)) return {};
-    return Error{ErrorCode::kOutOfRange,
-                 fmt::format("--memory: too small; the list of {} runs, {} intervals of samples, needs {}M at least", runs,
-                             runs + intervals, memory_with_list(needed) >> 20)};
+    return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {} runs with {} intervals of samples need at least {}M",
+                                                     runs, runs + intervals, memory_with_list(needed) >> 20)};
 }
 
 std::uint64_t memory_with_list(std::uint64_t list_memory) {

@@ -44,9 +44,9 @@ std::optional<Damage> damage_at_end(const fs::path& path, const FileContents& fi
                       fmt::format("truncated or damaged at its end: no whole footer at byte {}; {} before it", file.end, found)};
     }
     const std::string not_read =
-        file.unfinished_tail > 0 ? fmt::format(", {} bytes from byte {} on are not read", file.unfinished_tail, file.end) : "";
+        file.unfinished_tail > 0 ? fmt::format(", {} bytes from byte {} on were ignored", file.unfinished_tail, file.end) : "";
     return Damage{file.end, file.unfinished_tail,
-                  fmt::format("truncated or damaged at its end: no footer{}; {}, others may be lost", not_read, found)};
+                  fmt::format("truncated or damaged at its end: no footer{}; {}, and others may be lost", not_read, found)};
 }
 
 Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inputs) {
@@ -59,7 +59,7 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
         if (fs::is_directory(input, error)) {
             const auto found = files_in(input);
             if (!found) return found.error();
-            if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": holds no file"};
+            if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": contains no files"};
             add_found(*found);
         } else if (input.empty() || fs::exists(input, error) || error) {  // what cannot be read says why when it is opened
             files.push_back({input, true});

@@ -52,13 +52,13 @@ class Walker {
             walk.footer = place.found == Found::kFooter;
             if (walk.footer || place.found == Found::kCutOff) break;
             if (walk.runs.size() == kMaxRunsPerFile)
-                return Error{ErrorCode::kUnsupported, fmt::format("more than {} runs, the most that are read", kMaxRunsPerFile)};
+                return Error{ErrorCode::kUnsupported, fmt::format("more than {} runs, the maximum", kMaxRunsPerFile)};
             if (place.found == Found::kRun) {
                 walk.runs.push_back({place.offset, place.header});
                 walk.end += place.header.size();
             } else {
                 add_damage(walk.damage, {place.offset, place.frame.size,
-                                         fmt::format("run at byte {}: {}; samples {}..{} are not read", place.offset,
+                                         fmt::format("run at byte {}: {}; samples {}..{} were ignored", place.offset,
                                                      place.why.message, place.frame.samples.first, place.frame.samples.end)});
                 walk.end += place.frame.size;
             }

@@ -37,7 +37,7 @@ Result<PartAttempt> PartAttempt::create(const fs::path& name, const FileHeader& 
 // A file whose footer could not list all its runs would never be finished.
 Status PartAttempt::check_room() const {
     if (runs_.size() < kMaxRunsPerFile) return {};
-    return Error{ErrorCode::kOutOfRange, fmt::format("{}: {} runs, the most that a file takes", name_.string(), runs_.size())};
+    return Error{ErrorCode::kOutOfRange, fmt::format("{}: {} runs, the maximum of a file", name_.string(), runs_.size())};
 }
 
 Status PartAttempt::append(ByteSpan run) {

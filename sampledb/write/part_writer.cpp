@@ -138,7 +138,7 @@ Status Writer::submit(Grain grain) {
     if (!has_room()) return Error{ErrorCode::kStopped, options_.path.string() + ": stopped before an older grain was finished"};
     if (grain.range.empty() || !unsubmitted_.contains(grain.range) ||
         grain.range != grain_range(grain.range.first, options_.range)) {
-        return Error{ErrorCode::kOutOfRange, fmt::format("{}: samples {} are no grain that is missing", options_.path.string(),
+        return Error{ErrorCode::kOutOfRange, fmt::format("{}: samples {} are not a missing grain", options_.path.string(),
                                                          to_string(Coverage(grain.range)))};
     }
     unsubmitted_.remove(grain.range);
@@ -270,7 +270,7 @@ Status Writer::commit(std::vector<GrainPtr> grains, const Coverage& coverage) {
     if (!run) return run.error();
     encoded_ = std::move(*run);
     if (Status s = attempt_->append(encoded_); !s) {
-        return Error{s.error().code, s.error().message + "; what was committed stays: the same command goes on from there"};
+        return Error{s.error().code, s.error().message + "; committed work is kept: run the same command again to resume"};
     }
     {
         const Lock lock(mutex_);
@@ -375,14 +375,13 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
     if (Status s = job.validate(); !s) return s.error();
     const std::uint64_t below = options.range.first - options.range.first % job.run_samples;
     if (!options.range.empty() && below != options.range.first) {
-        return Error{
-            ErrorCode::kUsage,
-            fmt::format("samples {}:{}: a part begins at a multiple of {}, the samples of a run; the nearest are {} and {}",
-                        options.range.first, options.range.end, job.run_samples, below, below + job.run_samples)};
+        return Error{ErrorCode::kUsage,
+                     fmt::format("samples {}:{}: a part must begin at a multiple of the run length {}; the nearest are {} and {}",
+                                 options.range.first, options.range.end, job.run_samples, below, below + job.run_samples)};
     }
     if (options.range.size() > kMaxRunsPerFile * job.run_samples) {
         return Error{ErrorCode::kUsage,
-                     fmt::format("samples {}:{}: more than {} runs of {} samples, the most that a part takes; make several parts",
+                     fmt::format("samples {}:{}: more than {} runs of {} samples, the maximum of a part; write several parts",
                                  options.range.first, options.range.end, kMaxRunsPerFile, job.run_samples)};
     }
     if (options.force) {

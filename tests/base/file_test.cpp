@@ -120,7 +120,7 @@ TEST_F(FileTest, WhatIsNotARegularFileIsRefusedAtOnce) {
 
 TEST_F(FileTest, FoldersAndMissingFilesAreNamed) {
     EXPECT_EQ(File::open_read(folder_.path()).error().code, ErrorCode::kForeign);
-    EXPECT_EQ(File::open_read("").error().message, "a file name is empty");
+    EXPECT_EQ(File::open_read("").error().message, "empty file name");
     const Result<File> missing = File::open_read(folder_ / "none");
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);

@@ -112,17 +112,17 @@ TEST(Observer, BadTablesAreRefusedWithTheirLine) {
     EXPECT_THAT(message("# nothing\nlambda,v\n"), HasSubstr("at least two lines"));
     EXPECT_THAT(message("400,1\n"), HasSubstr("at least two lines"));
     EXPECT_THAT(message("400,1,2\n500,1,2\n"), StartsWith("line 1: 3 columns"));
-    EXPECT_THAT(message("#\n400,1\n\n500,1,2,3\n"), StartsWith("line 4: 4 columns where the lines above have 2"));
+    EXPECT_THAT(message("#\n400,1\n\n500,1,2,3\n"), StartsWith("line 4: 4 columns, but the lines above have 2"));
     EXPECT_THAT(message("400,1\n500,x\n"), StartsWith("line 2: \"x\" is not a finite number"));
     EXPECT_THAT(message("400,1\n500,nan\n"), StartsWith("line 2: \"nan\""));
     EXPECT_THAT(message("400,1\n500,inf\n"), StartsWith("line 2: \"inf\""));
     EXPECT_THAT(message("400,1\n500,-0.5\n"), StartsWith("line 2: a response cannot be -0.5"));
     EXPECT_THAT(message("nm,log10_s\n400,1\n500,999\n"), StartsWith("line 3: a response cannot be 999"));
     EXPECT_THAT(message("400,1\n400,1\n"), StartsWith("line 2: wavelengths must increase"));
-    EXPECT_THAT(message("0.4,1\n0.5,1\n"), StartsWith("line 1: wavelengths are in nm"));
+    EXPECT_THAT(message("0.4,1\n0.5,1\n"), StartsWith("line 1: 0.4 is not a wavelength"));
     EXPECT_THAT(message("nm,v\nnm,v\n400,1\n"), StartsWith("line 2: \"nm\""));
-    EXPECT_THAT(message("400,1,0,1\n500,1,0,1\n"), HasSubstr("does not see daylight"));
-    EXPECT_THAT(message("900,1\n1000,1\n"), HasSubstr("does not see daylight"));
+    EXPECT_THAT(message("400,1,0,1\n500,1,0,1\n"), HasSubstr("no response to daylight"));
+    EXPECT_THAT(message("900,1\n1000,1\n"), HasSubstr("no response to daylight"));
 }
 
 }  // namespace

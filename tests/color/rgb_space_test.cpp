@@ -69,7 +69,8 @@ TEST(RgbSpace, DegenerateSpacesAreRefused) {
     EXPECT_THAT(RgbSpace::parse("0.1,0.1,0.2,0.2,0.3,0.3,0.2,0.2").error().message, HasSubstr("on a line"));
     EXPECT_THAT(RgbSpace::parse("0.64,0,0.30,0.60,0.15,0.06,0.3127,0.3290").error().message, HasSubstr("y = 0"));
     EXPECT_THAT(RgbSpace::parse("nan,0.3,0.30,0.60,0.15,0.06,0.3127,0.3290").error().message, HasSubstr("not an RGB space"));
-    EXPECT_THAT(RgbSpace::parse("0.64,0.33,0.30,0.60,0.15,0.06,0.30,0.60").error().message, HasSubstr("nothing of one primary"));
+    EXPECT_THAT(RgbSpace::parse("0.64,0.33,0.30,0.60,0.15,0.06,0.30,0.60").error().message,
+                HasSubstr("does not use one of the primaries"));
     // ACES AP0: blue lies below the line of purples.
     const RgbSpace ap0 = *RgbSpace::parse("0.7347,0.2653,0,1,0.0001,-0.077,0.32168,0.33767");
     EXPECT_NEAR(ap0.luminance_row[2], -0.072133, 5e-7);

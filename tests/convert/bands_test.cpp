@@ -70,7 +70,7 @@ TEST(Bands, APictureTooWideForTheMemorySaysHowMuchItNeeds) {
     ASSERT_FALSE(plan);
     EXPECT_EQ(plan.error().code, ErrorCode::kUsage);
     const std::string& message = plan.error().message;
-    const std::size_t number = message.find("--memory ");
+    const std::size_t number = message.find("at least ");
     ASSERT_NE(number, std::string::npos) << message;
     const std::uint64_t enough = std::stoull(message.substr(number + 9)) << 20;
     EXPECT_TRUE(plan_bands(image, image.data_window, {std::size_t{12} << 20, std::size_t{100} << 20}, enough, 2));

@@ -378,7 +378,7 @@ TEST_F(Strict, AZstdFrameKeepsToTheWindowAllowed) {
         };
     };
     EXPECT_EQ(violations_of(write_pages({{.rows = diagonal(10), .spoil = frame(23)}})).count(), 0u);
-    expect_one_in_page(frame(24), "column x, plane 3: its zstd frame wants a window", "2^23 at most");
+    expect_one_in_page(frame(24), "column x, plane 3: its zstd frame needs a window", "2^23 at most");
 }
 
 TEST_F(Strict, PositionsAreLeftOutOfCameraPagesOnly) {
@@ -468,7 +468,8 @@ TEST_F(Strict, RunsThatOthersWouldNotCutSoAreNotedAndNoMistake) {
     EXPECT_TRUE(notes({4096, 6000}).empty());
     EXPECT_TRUE(notes({4096, 16384}).empty());
     ASSERT_EQ(notes({4000, 8192}).size(), 1u);
-    EXPECT_NE(notes({4000, 8192})[0].find("run 0, samples 4000..8192, begins at no multiple of 1024 samples"), std::string::npos);
+    EXPECT_NE(notes({4000, 8192})[0].find("run 0, samples 4000..8192, does not begin at a multiple of 1024 samples"),
+              std::string::npos);
     ASSERT_EQ(notes({5120, 9216}).size(), 1u);
     EXPECT_NE(notes({5120, 9216})[0].find("crosses a multiple of S = 4096"), std::string::npos);
     job_.run_bytes = 1 << 16;
@@ -498,10 +499,10 @@ TEST_F(Strict, TheHeaderIsAsThePageSays) {
         }
     };
     expect_one(write_file({run}, "", reserved), {.what = "reserved bytes of the header are not zero", .wanted = "bytes 40..55"});
-    expect_one(write_file({run}, "[]"), {.what = "the provenance in the header is no JSON object", .wanted = "32 deep"});
+    expect_one(write_file({run}, "[]"), {.what = "the provenance in the header is not a JSON object", .wanted = "32 deep"});
     EXPECT_EQ(violations_of(write_file({run}, R"({"by":"a test"})")).count(), 0u);
     job_.extra = {{"\xff", ColumnType::kU8}};
-    expect_one(write_file({}), {.what = R"(the column '\xff' has a name that is no UTF-8)", .wanted = "UTF-8"});
+    expect_one(write_file({}), {.what = R"(the column '\xff' has a name that is not UTF-8)", .wanted = "UTF-8"});
 }
 
 TEST_F(Strict, TheToolListsViolationsAndEndsWithFour) {
@@ -514,7 +515,7 @@ TEST_F(Strict, TheToolListsViolationsAndEndsWithFour) {
     EXPECT_NE(text.out.find("a.latent: run 0, page 0: its entry names the square 0 (0, 0); wanted: "), std::string::npos)
         << text.out;
     EXPECT_NE(text.out.find("a.latent: run 0, page 0, record 42: Z prefix "), std::string::npos) << text.out;
-    EXPECT_NE(text.out.find("a.latent: readable, but BREAKS RULES of the format: 1 run"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("a.latent: readable, but VIOLATES THE FORMAT: 1 run"), std::string::npos) << text.out;
     const nlohmann::json report = nlohmann::json::parse(inspect({"verify", "--strict", "--json", file}).out);
     EXPECT_EQ(report["sound"], true);
     EXPECT_EQ(report["violation_count"], 2);
@@ -529,7 +530,7 @@ TEST_F(Strict, AMistakeInEveryRecordIsListedAThousandTimesAndCounted) {
     const Violations found = violations_of(write_pages({{.rows = rows}}));
     EXPECT_EQ(found.count(), 5999u);
     EXPECT_EQ(found.listed().size(), Violations::kMostListed);
-    EXPECT_NE(inspect({"verify", "--strict", folder_ / "a.latent"}).out.find("4999 more places"), std::string::npos);
+    EXPECT_NE(inspect({"verify", "--strict", folder_ / "a.latent"}).out.find("4999 more violations"), std::string::npos);
 }
 
 }  // namespace

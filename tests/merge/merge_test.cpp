@@ -126,10 +126,10 @@ TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
     ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // nobody writes to it: reading it would wait for ever
     expect_refusal({a, folder_ / "pipe"}, {"pipe: not a regular file"});
     expect_refusal({a, "/dev/null"}, {"/dev/null: not a regular file"});
-    expect_refusal({a, ""}, {"a file name is empty"});
+    expect_refusal({a, ""}, {"empty file name"});
     expect_refusal({a, folder_ / "nowhere.latent"}, {"nowhere.latent"});
     expect_refusal({folder_ / "text.latent"}, {"text.latent"});
-    expect_refusal({a}, {"no file is of job", to_hex(job.id)}, {"--job", std::string(32, '7')});
+    expect_refusal({a}, {"no file belongs to job", to_hex(job.id)}, {"--job", std::string(32, '7')});
 }
 
 TEST_F(MergeTest, ATruncatedPartYieldsItsGoodRunsAndExitStatusThree) {
@@ -148,8 +148,8 @@ TEST_F(MergeTest, PartsOfWhichNothingIsLeftGiveNoOutputButEmptyPartsGiveAnEmptyP
     const synthetic::FileBytes file = synthetic::make_file(job, runs_between({0, kS}));
     synthetic::write_file(folder_ / "cut.latent", ByteSpan(file.bytes).first(file.run_ends[0] - 5000));
     const fs::path empty = part("empty.latent", job, {});
-    expect_refusal({folder_ / "cut.latent"}, {"cut.latent: truncated or damaged at its end", "no run is left to merge"});
-    expect_refusal({folder_ / "cut.latent", empty}, {"cut.latent: truncated or damaged at its end", "no run is left to merge"});
+    expect_refusal({folder_ / "cut.latent"}, {"cut.latent: truncated or damaged at its end", "no runs left to merge"});
+    expect_refusal({folder_ / "cut.latent", empty}, {"cut.latent: truncated or damaged at its end", "no runs left to merge"});
     EXPECT_EQ(merge_files({empty}).status, 0);
     EXPECT_TRUE(gather({out_})->runs().empty());
 }
@@ -306,7 +306,7 @@ TEST_F(MergeFaults, ACopyThatIsNotTheOriginalIsNoticed) {
             const FaultOutcome outcome = merge_with(rule, options);
             EXPECT_EQ(outcome.status, 1) << rule;
             EXPECT_NE(outcome.err.find("out.latent: run at byte "), std::string::npos) << outcome.err;
-            EXPECT_NE(outcome.err.find("though what was copied is sound"), std::string::npos) << outcome.err;
+            EXPECT_NE(outcome.err.find("although the copied bytes are sound"), std::string::npos) << outcome.err;
             EXPECT_EQ(folder_.names(), before_);
         }
     }

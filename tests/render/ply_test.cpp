@@ -100,7 +100,7 @@ TEST(Ply, BrokenFilesAreRefusedInWords) {
         HasSubstr("5 sides"));
     EXPECT_THAT(
         message(vertices + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 3\n"),
-        HasSubstr("beyond the 3 vertices"));
+        HasSubstr("there are 3 vertices"));
     EXPECT_THAT(
         message(vertices + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 -1\n"),
         HasSubstr("out of range"));

@@ -151,7 +151,7 @@ TEST_F(Resume, MaxTimeStopsWithStatus75AndALineThatSaysHow) {
     const std::filesystem::path part = folder_ / "t.latent";
     const Outcome stopped = latent::testing::run(command(part, {"--max-time", "1e-9"}));  // over when it begins
     EXPECT_EQ(stopped.status, 75);
-    EXPECT_THAT(stopped.err, HasSubstr("0 of 150000 samples are committed; run the same command again to go on"));
+    EXPECT_THAT(stopped.err, HasSubstr("0 of 150000 samples are committed; run the same command again to resume"));
     int status = 75;  // however long it takes, a tenth at a time
     for (const std::string tenth = std::to_string(whole_seconds_ / 10); status == 75;)
         status = latent::testing::run(command(part, {"--max-time", tenth})).status;
@@ -168,7 +168,7 @@ TEST_F(Resume, ThreadsAndShardsMakeTheSameRuns) {
         const Outcome outcome = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         const Outcome again = latent::testing::run(command(shards.back(), {"--shard", std::to_string(i) + "/4"}));
-        EXPECT_THAT(again.out, HasSubstr(i == 0 ? ", an empty shard, " : ", nothing was left to render, "));
+        EXPECT_THAT(again.out, HasSubstr(i == 0 ? ", an empty shard, " : ", nothing left to render, "));
     }
     EXPECT_EQ(runs_of(shards), whole_);
 }
@@ -176,8 +176,9 @@ TEST_F(Resume, ThreadsAndShardsMakeTheSameRuns) {
 TEST_F(Resume, MoreShardsThanRunsIsSaidWithAWayToGiveEveryShardWork) {
     const Outcome empty = latent::testing::run(command(folder_ / "0.latent", {"--shard", "0/4"}));
     EXPECT_EQ(empty.status, 0);
-    EXPECT_THAT(empty.err, HasSubstr("warning: --shard 0/4: 1 of 4 shards are empty, this one too: 150000 samples make 3 runs"));
-    EXPECT_THAT(empty.err, HasSubstr("with --run-samples 32768, the same for every shard, none would be"));
+    EXPECT_THAT(empty.err,
+                HasSubstr("warning: --shard 0/4: 1 of 4 shards are empty, including this one: 150000 samples make only 3 runs"));
+    EXPECT_THAT(empty.err, HasSubstr("use --run-samples 32768 for every shard"));
     const Outcome other = latent::testing::run(command(folder_ / "1.latent", {"--shard", "1/4"}));
     EXPECT_THAT(other.err, HasSubstr("1 of 4 shards are empty: 150000 samples"));
     EXPECT_EQ(latent::testing::run(command(folder_ / "2.latent", {"--shard", "2/3"})).err, "");

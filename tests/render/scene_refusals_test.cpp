@@ -21,8 +21,8 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Material \"subsurface\"", "Material \"subsurface\" is not supported"},
              Case{"Material \"diffuse\" \"texture reflectance\" \"t\"",
                   "\"texture reflectance\" of Material \"diffuse\" is not supported"},
-             Case{"Material \"diffuse\" \"rgb reflectance\" [ 2 0 0 ]", "no component above 1"},
-             Case{"Material \"diffuse\" \"rgb reflectance\" [ -1 0 0 ]", "not negative"},
+             Case{"Material \"diffuse\" \"rgb reflectance\" [ 2 0 0 ]", "must not exceed 1"},
+             Case{"Material \"diffuse\" \"rgb reflectance\" [ -1 0 0 ]", "non-negative"},
              Case{"Material \"diffuse\" \"spectrum reflectance\" [ 400 1 300 2 ]", "reflectance: "},
              Case{"Material \"diffuse\" \"spectrum reflectance\" \"nothing\"", "neither a known spectrum nor a file"},
              Case{"Material \"dielectric\" \"spectrum eta\" [ 400 1.5 700 1.4 ]", "must be positive from 360 to 830"},
@@ -31,8 +31,8 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Shape \"sphere\" \"float phimax\" 90", "whole quadrics"},
              Case{"Shape \"sphere\" \"float zmin\" 0", "whole spheres"},
              Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]",
-                  "beyond the 3 vertices"},
-             Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 ]", "not items of 3"},
+                  "there are 3 vertices"},
+             Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 ]", "into groups of 3"},
              Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1e39 0 0 0 1 0 ]", "single precision"},
              Case{"Translate 0 1e39 0\nShape \"sphere\"", "single precision"},
              Case{"Scale 1e20 1e20 1e20\nShape \"disk\" \"float radius\" 1e20", "single precision"},
@@ -40,19 +40,19 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Milk\"", "presets are not supported"},
              Case{"MediumInterface \"m\" \"m\"", "medium \"m\" is not defined"},
              Case{"ObjectInstance \"o\"", "object \"o\" is not defined"},
-             Case{"ObjectBegin \"o\"\nObjectInstance \"p\"", "not inside ObjectBegin"},
+             Case{"ObjectBegin \"o\"\nObjectInstance \"p\"", "must not be inside ObjectBegin"},
              Case{"ObjectBegin \"o\"\nAttributeEnd", "ObjectBegin from line 2 is still open"},
-             Case{"AttributeBegin", "AttributeBegin is never ended"},
+             Case{"AttributeBegin", "AttributeBegin has no end"},
              Case{"AttributeEnd", "this AttributeEnd ends nothing"},
-             Case{"Camera \"perspective\"", "not after WorldBegin"},
+             Case{"Camera \"perspective\"", "must come before WorldBegin"},
              Case{"Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "projective"},
              Case{"Transform [ 1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1 ]", "singular"},
              Case{"Scale 1 0 1", "a factor is 0"},
              Case{"ObjectBegin \"o\"\nObjectEnd\nScale 1 1e-20 1\nObjectInstance \"o\"", "ObjectInstance: too small"},
-             Case{"Rotate 3 0 0 0", "no direction"},
+             Case{"Rotate 3 0 0 0", "the axis is 0"},
              Case{"LookAt 0 0 0  0 1 0  0 1 0", "parallel to up"},
-             Case{"CoordSysTransform \"x\"", "was not defined"},
-             Case{"ActiveTransform StartTime", "moving things"},
+             Case{"CoordSysTransform \"x\"", "is not defined"},
+             Case{"ActiveTransform StartTime", "motion"},
              Case{"ColorSpace \"acescg\"", "ColorSpace"},
              Case{"ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\nObjectEnd", "lights inside ObjectBegin"},
          }) {
@@ -63,13 +63,13 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("Camera \"realistic\" is not supported"));
     EXPECT_THAT(refusal("Integrator \"path\" \"bool regularize\" true\nWorldBegin"), HasSubstr("regularize"));
     EXPECT_THAT(refusal("Film \"rgb\""), HasSubstr("ends before WorldBegin"));
-    EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("not before WorldBegin"));
+    EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("must come after WorldBegin"));
 }
 
 TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
     using namespace std::string_literals;
     const auto is = [](const char* format) {
-        return HasSubstr(std::string("room.pbrt: not a pbrt-v4 scene, the only kind that is read: ") + format);
+        return HasSubstr(std::string("room.pbrt: not a pbrt-v4 scene, the only supported format: ") + format);
     };
     EXPECT_THAT(refusal("{ \"asset\": { \"version\": \"2.0\" } }"), is("this is a glTF scene"));
     EXPECT_THAT(refusal("\xef\xbb\xbf\n{\"scenes\": [], \"asset\": {}}"), is("this is a glTF scene"));
@@ -80,8 +80,8 @@ TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
     EXPECT_THAT(refusal("<?xml version=\"1.0\"?><scene/>"), is("this is XML"));
     EXPECT_THAT(refusal("\x1f\x8b\b\0\0"s), is("this is compressed by gzip"));
     EXPECT_THAT(refusal("\x89\0\1\2"s), is("this is a binary file"));
-    EXPECT_THAT(refusal(""), is("there is nothing in it"));
-    EXPECT_THAT(refusal("# only a comment\n"), is("there is nothing in it"));
+    EXPECT_THAT(refusal(""), is("the file is empty"));
+    EXPECT_THAT(refusal("# only a comment\n"), is("the file is empty"));
     EXPECT_THAT(refusal("Lookat 0 0 0\nWorldBegin"), HasSubstr("room.pbrt:1:1: \"Lookat\" is not a directive of pbrt-v4"));
     EXPECT_THAT(refusal("WorldBegin\n{ \"asset\": 1 }"), HasSubstr("room.pbrt:2:1: "));  // what began as a scene is one
 }
@@ -156,7 +156,7 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Film \"rgb\" \"float diagonal\" 24", "", "1:12: Film: ignored: \"diagonal\""},
              Case{"Camera \"perspective\" \"float shutterclose\" .5", "", "1:1: Camera: \"shutteropen\", \"shutterclose\" are"},
              Case{"Camera \"spherical\" \"float lensradius\" .5", "", "1:20: Camera: ignored: \"lensradius\""},
-             Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is ignored: \"path\" makes"},
+             Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is replaced by \"path\""},
              Case{"Integrator \"mlt\"", "", "1:1: Integrator \"mlt\""},
              Case{"Integrator \"simplepath\"", "", "1:1: Integrator \"simplepath\""},
              Case{"Integrator \"simplevolpath\"", "", "1:1: Integrator \"simplevolpath\""},
@@ -243,7 +243,7 @@ TEST(SceneRefusals, InheritedParametersThatWouldBeMissedAreRefused) {
     EXPECT_THAT(refused_world("Attribute \"light\" \"string filename\" \"x.exr\"\nAreaLightSource \"diffuse\""),
                 HasSubstr("room.pbrt:2:19: filename: images on area lights are not supported"));
     EXPECT_THAT(refused_world("Attribute \"light\" \"float scale\" 2\nAttributeBegin\nAttribute \"light\" \"float scale\" 3"),
-                HasSubstr("room.pbrt:4:19: Attribute: \"scale\" is inherited already"));
+                HasSubstr("room.pbrt:4:19: Attribute: \"scale\" is already inherited"));
 }
 
 TEST(SceneRefusals, TangentsMatterWhereRoughnessHasADirection) {

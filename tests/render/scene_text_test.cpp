@@ -54,16 +54,16 @@ TEST(SceneText, SyntaxErrorsNameFileLineAndColumn) {
              Case{"Film \"rgb\" \"string filename\"", ":1:12: ", "a value is missing before the end of the file"},
              Case{"Film \"rgb\" \"float iso\" [ 3\nWorldBegin", ":1:12: ", "iso: ] is missing before \"WorldBegin\""},
              Case{"Film rgb", ":1:6: ", "is not a quoted name"},
-             Case{"Film \"rgb\n\"", ":1:6: ", "no closing quote"},
+             Case{"Film \"rgb\n\"", ":1:6: ", "without closing quote"},
              Case{"Film \"rgb\" \"float\" 3", ":1:12: ", "is not a parameter"},
-             Case{"Film \"rgb\" \"colour c\" 3", ":1:12: ", "is not a type"},
+             Case{"Film \"rgb\" \"colour c\" 3", ":1:12: ", "is not a parameter type"},
              Case{"Film \"rgb\" \"integer n\" 3.5", ":1:24: ", "32-bit integer"},
              Case{"Film \"rgb\" \"integer n\" [ 3", ":1:12: ", "n: ] is missing before the end of the file"},
              Case{"Film \"rgb\" \"bool b\" 1", ":1:21: ", "true or false"},
              Case{"Film \"rgb\" \"string s\" [ [ ]", ":1:25: ", "[ inside ["},
              Case{"Film \"\\q\"", ":1:6: ", "unknown escape"},
              Case{"Transform 1 2", ":1:11: ", "is not ["},
-             Case{"ActiveTransform", ":1:1: ", "wants a word"},
+             Case{"ActiveTransform", ":1:1: ", "a word must follow"},
          }) {
         const std::string message = refusal(c.text);
         EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + c.place));
@@ -80,10 +80,10 @@ TEST(SceneText, MessagesOfIncludedFilesNameThem) {
 }
 
 TEST(SceneText, FilesThatIncludeThemselvesAndMissingFilesAreRefused) {
-    EXPECT_THAT(refusal("WorldBegin\nInclude \"room.pbrt\""), HasSubstr("files deep"));
+    EXPECT_THAT(refusal("WorldBegin\nInclude \"room.pbrt\""), HasSubstr("nested more than"));
     EXPECT_THAT(refusal("WorldBegin\nInclude \"nowhere.pbrt\""), HasSubstr(":2:1: "));
     EXPECT_THAT(refusal("WorldBegin\nInclude \".\""), HasSubstr("is a folder, not a file"));
-    EXPECT_THAT(refusal("Import \"x\""), HasSubstr("not before WorldBegin"));
+    EXPECT_THAT(refusal("Import \"x\""), HasSubstr("must come after WorldBegin"));
     EXPECT_FALSE(load_scene("/nonexistent/room.pbrt"));
 }
 

@@ -262,7 +262,7 @@ TEST(Footer, ListsMoreRunsThanAreReadAtOnce) {
 TEST(Walk, GoesOnBehindARunOfAnotherVersionAndSaysSo) {
     const Case c(5);
     for (const auto& [at, value, said] :
-         {std::tuple<std::size_t, std::uint16_t, const char*>{8, 2, "format version 2"}, {16, 4, "needs features 0x4"}}) {
+         {std::tuple<std::size_t, std::uint16_t, const char*>{8, 2, "format version 2"}, {16, 4, "uses features 0x4"}}) {
         for (const std::size_t run : {0u, 2u, 4u}) {
             Bytes bytes = c.file.bytes;
             std::byte* const header = &bytes[c.runs[run].offset];

@@ -121,7 +121,7 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     for (const LeftOut& left : (*g)->report().left_out) left_out[fs::path(left.place).filename().string()] = left.reason;
     EXPECT_EQ(left_out.size(), (*g)->report().left_out.size());
     EXPECT_TRUE(left_out["c.latent"].starts_with("truncated or damaged at its end: ")) << left_out["c.latent"];
-    EXPECT_EQ(left_out["empty.latent"], "is empty, not a Latent file");
+    EXPECT_EQ(left_out["empty.latent"], "empty, not a Latent file");
     EXPECT_EQ(left_out["more"], "a folder inside a folder is not searched");
     EXPECT_EQ(left_out["pipe"], "not a regular file");
     for (const char* name : {"link.latent", "notes.txt", "words.latent"}) EXPECT_TRUE(left_out.contains(name)) << name;
@@ -323,10 +323,10 @@ TEST_F(GatheringTest, AListOfRunsThatMemoryIsTooSmallForIsRefusedWithWhatItNeeds
         ASSERT_FALSE(small);
         EXPECT_EQ(small.error().code, ErrorCode::kOutOfRange);
         unsigned enough = 0;
-        const std::string words = "intervals of samples, needs ";
+        const std::string words = "intervals of samples need at least ";
         const std::size_t at = small.error().message.find(words);
         ASSERT_NE(at, std::string::npos) << small.error().message;
-        ASSERT_EQ(std::sscanf(small.error().message.c_str() + at + words.size(), "%uM at least", &enough), 1);
+        ASSERT_EQ(std::sscanf(small.error().message.c_str() + at + words.size(), "%uM", &enough), 1);
         options.memory = std::uint64_t{enough} << 20;
         const auto large = Gathering::open(options);
         ASSERT_TRUE(large) << message(large);

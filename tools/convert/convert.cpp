@@ -133,7 +133,7 @@ Status check_outputs(const std::vector<std::filesystem::path>& outputs) {
     for (const std::filesystem::path& path : outputs) {
         std::error_code ignored;
         if (!places.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)).second)
-            return Error{ErrorCode::kUsage, fmt::format("--output {}: is given twice", path.string())};
+            return Error{ErrorCode::kUsage, fmt::format("--output {}: given twice", path.string())};
     }
     return {};
 }

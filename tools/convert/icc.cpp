@@ -53,7 +53,7 @@ Result<color::Transfer> transfer_of(const cmsToneCurve* curve) {
         candidates.begin(), candidates.end(),
         [&](const color::Transfer& a, const color::Transfer& b) { return distance(curve, a) < distance(curve, b); });
     if (distance(curve, *nearest) > kTolerance) {
-        return Error{ErrorCode::kUnsupported, "its tone curve is neither sRGB's nor Rec.2020's nor a power"};
+        return Error{ErrorCode::kUnsupported, "its tone curve is not that of sRGB or Rec.2020, and not a power"};
     }
     return *nearest;
 }

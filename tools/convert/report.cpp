@@ -16,7 +16,7 @@ std::string to_text(const ConvertReport& r) {
     const auto line = [&](const char* name, std::uint64_t count, const char* became) {
         if (count > 0) text += fmt::format("{:<15}{} pixels ({:.3f} %), {}\n", name, count, share(count), became);
     };
-    line("clipped", r.print.clipped, "luminance and hue not kept");
+    line("clipped", r.print.clipped, "luminance and hue not preserved");
     line("negative", r.print.negative, "printed black");
     line("not a number", r.print.nan, "printed black");
     line("infinite", r.print.infinite, "printed white");

@@ -27,10 +27,9 @@ Result<Source> open_source(const ConvertOptions& options) {
     image::Rect area = image.data_window;
     if (options.crop) {
         if (options.crop->empty() || !area.contains(*options.crop)) {
-            return Error{ErrorCode::kUsage,
-                         fmt::format("{}: holds the pixels {},{} to {},{}; --crop {},{},{},{} is not inside them",
-                                     options.input.string(), area.x0, area.y0, area.x1, area.y1, options.crop->x0, options.crop->y0,
-                                     options.crop->x1, options.crop->y1)};
+            return Error{ErrorCode::kUsage, fmt::format("{}: has pixels {},{} to {},{}; --crop {},{},{},{} is not inside",
+                                                        options.input.string(), area.x0, area.y0, area.x1, area.y1,
+                                                        options.crop->x0, options.crop->y0, options.crop->x1, options.crop->y1)};
         }
         area = *options.crop;
     }

@@ -157,7 +157,7 @@ Result<Channels> Channels::xyz(const sampledb::Job& job, const color::Observer* 
 
 Result<Channels> Channels::spectral_bins(const sampledb::Job& job, int count) {
     if (job.kind != sampledb::RecordKind::kSpectral) {
-        return Error{ErrorCode::kUsage, "--spectral-bins: the records hold XYZ; only spectral records can be developed into bins"};
+        return Error{ErrorCode::kUsage, "--spectral-bins: needs spectral records; these hold XYZ"};
     }
     Channels channels;
     channels.kind_ = job.kind;

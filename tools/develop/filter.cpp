@@ -77,7 +77,8 @@ Result<Filter> Filter::parse(std::string_view text) {
     const std::string_view kind = text.substr(0, text.find(':'));
     const std::string_view numbers = text.substr(std::min(kind.size() + 1, text.size()));
     const std::optional<std::vector<double>> parsed = parse_numbers(numbers);
-    if (kind.size() < text.size() && !parsed) return usage(fmt::format("--filter {}: '{}' are not numbers", text, numbers));
+    if (kind.size() < text.size() && !parsed)
+        return usage(fmt::format("--filter {}: '{}' is not a list of numbers", text, numbers));
     const std::vector<double> given = kind.size() < text.size() ? *parsed : std::vector<double>{};
     std::array<double, 2> p;
     std::size_t parameters = 2;
@@ -91,7 +92,7 @@ Result<Filter> Filter::parse(std::string_view text) {
         p = {0, 0}, parameters = 0;
     else
         return usage(
-            fmt::format("--filter {}: no such filter; there are quartic:s,R  mitchell:B,C  mitchell-separable:B,C  "
+            fmt::format("--filter {}: unknown filter; choose quartic:s,R  mitchell:B,C  mitchell-separable:B,C  "
                         "gaussian:sigma,R  lanczos  box",
                         text));
     if (given.size() > parameters) return usage(fmt::format("--filter {}: takes {} parameters", text, parameters));
@@ -103,7 +104,7 @@ Result<Filter> Filter::parse(std::string_view text) {
     double radius = 2;
     if (kind == "quartic") {
         if (p[0] <= -9) return usage(fmt::format("--filter {}: s must be above -9, where the filter's integral vanishes", text));
-        if (p[0] < -7) filter.warning_ = fmt::format("--filter {}: rings strongly; -5 and -6 are the usual choices of s", text);
+        if (p[0] < -7) filter.warning_ = fmt::format("--filter {}: rings strongly; usual values of s are -6 to -3", text);
         radius = p[1];
         kernel.form = FilterKernel::Form::kQuartic;
         kernel.has_negative_lobes = p[0] < -3;
@@ -154,7 +155,7 @@ Result<Filter> Filter::parse(std::string_view text) {
             }
             if (!(sum > 1e-3))
                 return usage(
-                    fmt::format("--filter {}: too small or too sharp: its weights do not sum to more than 0 "
+                    fmt::format("--filter {}: too small or too sharp; its weights must have a positive sum "
                                 "around every position",
                                 text));
         }

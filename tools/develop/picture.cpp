@@ -26,7 +26,7 @@ Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(mes
 Result<PixelRect> crop_of(const std::optional<PixelRect>& asked, const Size& size) {
     const PixelRect all{0, 0, size.width, size.height};
     if (!asked || intersection(*asked, all) == *asked) return asked.value_or(all);
-    return usage(fmt::format("--crop {},{},{},{}: is not within the picture's {} x {} pixels", asked->x0, asked->y0, asked->x1,
+    return usage(fmt::format("--crop {},{},{},{}: is not inside the picture of {} x {} pixels", asked->x0, asked->y0, asked->x1,
                              asked->y1, size.width, size.height));
 }
 
@@ -101,19 +101,18 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
     const DevelopCounts& counts = report.counts;
     if (counts.camera_records + counts.light_records == 0) {
         const std::string which = options.image == "both" ? "" : options.image + " ";
-        warnings.push_back(fmt::format("no {}records reach the picture: it is black", which));
+        warnings.push_back(fmt::format("no {}records reach the picture, so it is black", which));
     }
     if (counts.decode_factor() > 1.1) {
         warnings.push_back(
-            fmt::format("pages were decoded {:.2f} times, for they are larger than what --memory holds at once; more memory, "
-                        "or latent-merge --compact, makes it once",
+            fmt::format("pages were decoded {:.2f} times, because --memory is small for their size; to decode them once, "
+                        "use more memory, or latent-merge --compact",
                         counts.decode_factor()));
     }
     constexpr double kSmallRead = 64 << 10;
     const double reads = static_cast<double>(report.runs) * static_cast<double>(counts.regions);
     if (report.runs > 256 && static_cast<double>(counts.page_bytes) / reads < kSmallRead) {
-        warnings.push_back(
-            fmt::format("{} small runs make many small reads; latent-merge --compact would make them few and large", report.runs));
+        warnings.push_back(fmt::format("{} small runs need many small reads; join them with latent-merge --compact", report.runs));
     }
 }
 
@@ -172,8 +171,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     report.observer = observer->name();
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
     if (!spectral && !observer->is_cie1931()) {
-        return usage(fmt::format("--observer {}: the records hold XYZ; only spectral records can be seen by another observer",
-                                 options.observer));
+        return usage(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", options.observer));
     }
     const Result<Channels> channels = options.spectral_bins > 0 ? Channels::spectral_bins(job, options.spectral_bins)
                                                                 : Channels::xyz(job, spectral ? &*observer : nullptr);
@@ -241,7 +239,7 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
     const double exact = width / aspect;
     const double height = width_alone ? std::max(1.0, std::round(exact)) : static_cast<double>(pixels->second);
     if (height > kMaxSide)
-        return usage(fmt::format("--size {}: the height would be {:.0f} pixels; {} is the most", text, height, kMaxSide));
+        return usage(fmt::format("--size {}: the height would be {:.0f} pixels; the maximum is {}", text, height, kMaxSide));
     if (std::abs(height - exact) > 0.5 && std::abs(width - height * aspect) > 0.5) {
         return usage(fmt::format("--size {}: the film's shape is {}:{}; {}x{:.0f} would fit", text, job.aspect_width,
                                  job.aspect_height, width, std::max(1.0, std::round(exact))));

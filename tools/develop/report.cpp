@@ -50,8 +50,8 @@ std::string to_text(const PictureReport& r) {
                         format_size(r.bytes_stored), format_duration(r.seconds), c.regions, c.regions == 1 ? "" : "s",
                         c.decode_factor());
     if (c.fallback_pixels > 0)
-        text += fmt::format("{} pixels have few samples: weighed without the filter's negative lobes\n", c.fallback_pixels);
-    if (c.empty_pixels > 0) text += fmt::format("{} pixels have no camera record: black\n", c.empty_pixels);
+        text += fmt::format("{} pixels have few samples; filtered without negative weights\n", c.fallback_pixels);
+    if (c.empty_pixels > 0) text += fmt::format("{} pixels have no camera record; they are black\n", c.empty_pixels);
     return text;
 }
 
@@ -61,9 +61,9 @@ std::vector<std::string> losses(const PictureReport& r) {
     if (!r.missing.empty()) lines.push_back(fmt::format("samples {} are in no file", to_string(r.missing)));
     const DevelopCounts& c = r.counts;
     if (c.camera_not_finite > 0)
-        lines.push_back(fmt::format("{} camera records are not finite: counted as black", c.camera_not_finite));
+        lines.push_back(fmt::format("{} camera records are not finite; counted as black", c.camera_not_finite));
     if (c.light_not_finite > 0)
-        lines.push_back(fmt::format("{} light records are not finite: counted as zero", c.light_not_finite));
+        lines.push_back(fmt::format("{} light records are not finite; counted as zero", c.light_not_finite));
     return lines;
 }
 

@@ -23,7 +23,7 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
     const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
     const std::uint64_t every = options.scene.every;
     if (options.records > (~std::uint64_t{0} - options.first) / every)
-        return Error{ErrorCode::kUsage, "--records: beyond the last sample number"};
+        return Error{ErrorCode::kUsage, "--records: exceeds the last sample number"};
     const SampleRange samples{options.first, options.first + options.records * every};
     GenReport report;
     report.output = options.output;

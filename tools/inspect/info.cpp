@@ -184,17 +184,16 @@ std::vector<std::string> FileInfo::remarks() const {
         if (!damage.loss) remarks.push_back(damage.reason);
     }
     const bool end = damage_at_end(path, contents).has_value();
-    if (!end && !contents.finished) remarks.push_back("not finished: rendering goes on, or was interrupted");
+    if (!end && !contents.finished) remarks.push_back("not finished: still being rendered, or interrupted");
     if (!end && contents.unfinished_tail > 0) {
-        remarks.push_back(fmt::format("{} at the end are a write that was cut short", format_size(contents.unfinished_tail)));
+        remarks.push_back(fmt::format("the last {} are an interrupted write", format_size(contents.unfinished_tail)));
     }
     if (runs > kManyRuns) {
-        remarks.push_back(fmt::format("{} runs: latent-merge --compact makes few large ones of them, which develop faster", runs));
+        remarks.push_back(fmt::format("{} runs: join them with latent-merge --compact to develop faster", runs));
     }
     const auto object = [&](const char* place, const std::string& provenance, std::size_t depth) {
         const std::string objection = quote_provenance(provenance, depth).objection;
-        if (!objection.empty())
-            remarks.push_back(fmt::format("the provenance in its {} {}: it is shown as text", place, objection));
+        if (!objection.empty()) remarks.push_back(fmt::format("the provenance in its {} {}; shown as text", place, objection));
     };
     object("header", contents.header.provenance_json, kHeaderProvenanceDepth);
     object("footer", contents.footer_provenance, kFooterProvenanceDepth);
@@ -214,30 +213,31 @@ std::string to_text(const FileInfo& info) {
         line("records", fmt::format("spectral, {} wavelengths, {}", job.batch,
                                     job.density.empty() ? "stored with each record" : "from the job's density"));
     }
-    line("precision", job.precision == kFullPrecision ? "values as they were made"
-                                                      : fmt::format("values rounded to {} mantissa bits", job.precision));
+    line("precision",
+         job.precision == kFullPrecision ? "values not rounded" : fmt::format("values rounded to {} mantissa bits", job.precision));
     line("positions",
          job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
     for (const ExtraColumnSpec& column : job.extra) line("column", printable_line(column.name));
     line("samples",
-         info.coverage.empty() ? "none" : fmt::format("{} ({} in all)", to_string(info.coverage), grouped(info.coverage.size())));
+         info.coverage.empty() ? "none" : fmt::format("{} ({} in total)", to_string(info.coverage), grouped(info.coverage.size())));
     if (job.light_paths_per_sample > 0) {
-        line("N", fmt::format("{} light paths ({} a sample)", grouped(info.light_paths()), job.light_paths_per_sample));
+        line("N", fmt::format("{} light paths ({} per sample)", grouped(info.light_paths()), job.light_paths_per_sample));
     }
     line("camera", grouped(info.camera_records) + " records");
     line("light", grouped(info.light_records) + " records");
-    line("runs", fmt::format("{} of up to {} samples; {} superseded, {} that end before a boundary; {} pages", info.runs,
+    line("runs", fmt::format("{} of up to {} samples; {} superseded, {} ending before a boundary; {} pages", info.runs,
                              job.run_samples, info.superseded_runs, info.open_runs, grouped(info.pages)));
     line("size", records == 0 ? format_size(info.size)
-                              : fmt::format("{}, {:.2f} bytes a record", format_size(info.size),
+                              : fmt::format("{}, {:.2f} bytes per record", format_size(info.size),
                                             static_cast<double>(info.stored_bytes) / static_cast<double>(records)));
     const auto per_record = [&](std::uint64_t bytes) { return static_cast<double>(bytes) / static_cast<double>(records); };
     for (const ColumnCost& column : info.columns) {
-        line("", fmt::format("{:<10}{:7.3f} bytes a record, of {:.0f}{}", printable_line(column.name), per_record(column.stored),
-                             per_record(column.decoded), info.columns_estimated ? " (estimated)" : ""));
+        line("", fmt::format("{:<10}{:7.3f} bytes per record, {:.0f} decoded{}", printable_line(column.name),
+                             per_record(column.stored), per_record(column.decoded), info.columns_estimated ? " (estimated)" : ""));
     }
     if (!info.columns.empty()) {
-        line("", fmt::format("{:<10}{:7.3f} bytes a record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
+        line("",
+             fmt::format("{:<10}{:7.3f} bytes per record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
     if (!info.contents.header.provenance_json.empty()) line("origin", start_of(info.contents.header.provenance_json));
     if (!info.contents.footer_provenance.empty()) {

@@ -25,7 +25,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     FileContents& file = found->contents;
     std::error_code ignored;  // an output that is not there yet is no other name of the input
     if (std::filesystem::equivalent(input, output, ignored)) {
-        return Error{ErrorCode::kExists, output.string() + ": is the damaged file itself, which stays as it is; name another"};
+        return Error{ErrorCode::kExists, output.string() + ": is the input file; choose another output"};
     }
     Result<OutputFile> out = OutputFile::create(output, replace);
     if (!out) return out.error();
@@ -67,7 +67,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     runs.resize(kept);
     if (runs.empty() && (report.lost_anything() || report.unfinished_tail > 0)) {
         const auto loss = std::ranges::find(report.damage, true, &Damage::loss);
-        const std::string why = loss != report.damage.end() ? loss->reason : "its only write was cut short";
+        const std::string why = loss != report.damage.end() ? loss->reason : "its only write was interrupted";
         return Error{ErrorCode::kCorrupt, fmt::format("{}: {}; nothing could be recovered", input.string(), why)};
     }
     const Result<std::uint64_t> footer = put_footer(runs, file.footer_provenance, end, [&](ByteSpan piece) {
@@ -92,14 +92,13 @@ std::string to_text(const RecoverReport& report) {
     std::string text;
     for (const Damage& damage : report.damage) text += fmt::format("{}: {}\n", report.input.string(), damage.reason);
     if (report.unfinished_tail > 0) {
-        text += fmt::format("{}: {} at its end are a write that was cut short\n", report.input.string(),
-                            format_size(report.unfinished_tail));
+        text +=
+            fmt::format("{}: the last {} are an interrupted write\n", report.input.string(), format_size(report.unfinished_tail));
     }
     text += fmt::format("{}: {} run{}, samples {}, {}\n", report.output.string(), report.runs, report.runs == 1 ? "" : "s",
                         report.kept.empty() ? "none" : to_string(report.kept), format_size(report.bytes));
     if (!report.lost.empty()) text += fmt::format("lost: samples {}\n", to_string(report.lost));
-    if (report.lost_anything() && report.lost.empty())
-        text += "lost: samples that nothing in the file tells the numbers of, or none\n";
+    if (report.lost_anything() && report.lost.empty()) text += "lost: unknown samples, or none\n";
     return text;
 }
 

@@ -71,7 +71,7 @@ Result<Violations> check_header_strictly(const ByteSource& source, const FileCon
     }
     for (const ExtraColumnSpec& column : file.header.job.extra) {
         if (is_utf8(column.name)) continue;
-        violations.add({.what = fmt::format("the column '{}' has a name that is no UTF-8", printable_line(column.name)),
+        violations.add({.what = fmt::format("the column '{}' has a name that is not UTF-8", printable_line(column.name)),
                         .wanted = "a name in UTF-8"});
     }
     const auto check_provenance = [&](const char* place, std::string_view text, std::size_t depth) {
@@ -115,7 +115,7 @@ Result<Violations> check_run_strictly(const ByteSource& source, std::size_t numb
 
 std::string boundary_note(const RunHeader& run, const Job& job) {
     const SampleRange& samples = run.samples;
-    if (samples.first % kGrainSamples != 0) return fmt::format("begins at no multiple of {} samples", kGrainSamples);
+    if (samples.first % kGrainSamples != 0) return fmt::format("does not begin at a multiple of {} samples", kGrainSamples);
     if (run.interval_count > 1) return "";  // a checkpoint, or compacted
     const std::uint64_t size = job.run_samples;
     const bool of_whole_intervals = samples.first % size == 0 && samples.end % size == 0;

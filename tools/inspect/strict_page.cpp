@@ -83,7 +83,7 @@ class PageCheck {
             const std::string place = fmt::format(", plane {}", p);
             if (plane.codec == PlaneCodec::kDictionary) check_dictionary(entry, place, stored, size);
             if (plane.codec == PlaneCodec::kZstd && window_log(stored) > kMostWindowLog) {
-                wrong(entry, place, fmt::format("its zstd frame wants a window of up to 2^{} bytes", window_log(stored)),
+                wrong(entry, place, fmt::format("its zstd frame needs a window of up to 2^{} bytes", window_log(stored)),
                       fmt::format("2^{} at most", kMostWindowLog));
             }
             const bool is_packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
@@ -106,7 +106,7 @@ class PageCheck {
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             if (used[i] || bytes[i] == std::byte{0}) continue;
             wrong(entry, place,
-                  fmt::format("byte {} of its dictionary is {:#x}, and nothing names it", i, std::to_integer<unsigned>(bytes[i])),
+                  fmt::format("byte {} of its dictionary is {:#x}, and no value uses it", i, std::to_integer<unsigned>(bytes[i])),
                   "0");
         }
         if (!padding_is_zero(packed, size, bits)) wrong(entry, place, "padding bits behind the last number are set", "zero");

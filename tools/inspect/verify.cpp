@@ -136,7 +136,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
             const std::string note = strict ? boundary_note(run.header, job) : "";
             if (!note.empty() && report.notes.size() < Violations::kMostListed) {
                 report.notes.push_back(
-                    fmt::format("run {}, samples {}..{}, {}: runs of the same samples by others will not be recognised", i,
+                    fmt::format("run {}, samples {}..{}, {}: other runs of these samples cannot be recognised as the same", i,
                                 run.header.samples.first, run.header.samples.end, note));
             }
         }
@@ -166,7 +166,7 @@ std::string to_text(const VerifyReport& report) {
     for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", report.path.string(), damage);
     text += fmt::format("{}: {}: {} run{}, {} pages, {} records, {} ({} checked)\n", report.path.string(),
                         !report.damage.empty()          ? "DAMAGED"
-                        : report.violations.count() > 0 ? "readable, but BREAKS RULES of the format"
+                        : report.violations.count() > 0 ? "readable, but VIOLATES THE FORMAT"
                         : report.strict                 ? "sound, and follows the format"
                                                         : "sound",
                         report.runs, report.runs == 1 ? "" : "s", report.pages, report.records, format_size(report.size),
@@ -174,17 +174,17 @@ std::string to_text(const VerifyReport& report) {
     if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", report.path.string());
         text += report.unfinished_tail > 0
-                    ? fmt::format("; {} at its end are a write that was cut short\n", format_size(report.unfinished_tail))
+                    ? fmt::format("; the last {} are an interrupted write\n", format_size(report.unfinished_tail))
                     : "\n";
     }
     for (const std::string& note : report.notes) text += fmt::format("{}: note: {}\n", report.path.string(), note);
     const std::vector<Violation>& violations = report.violations.listed();
     for (const Violation& violation : violations) {
-        text += fmt::format("{}: {}{}; wanted: {}\n", report.path.string(), place_of(violation), violation.what, violation.wanted);
+        text +=
+            fmt::format("{}: {}{}; expected: {}\n", report.path.string(), place_of(violation), violation.what, violation.wanted);
     }
     if (report.violations.count() > violations.size()) {
-        text +=
-            fmt::format("{}: {} more places of this kind\n", report.path.string(), report.violations.count() - violations.size());
+        text += fmt::format("{}: {} more violations\n", report.path.string(), report.violations.count() - violations.size());
     }
     if (report.not_finite > 0) text += fmt::format("{}: {} values are not finite\n", report.path.string(), report.not_finite);
     return text;

@@ -19,13 +19,13 @@ Status check_required(const MergeOptions& options, const Coverage& coverage) {
     if (!options.require || coverage.contains(*options.require)) return {};
     Coverage missing(*options.require);
     missing.remove(coverage);
-    return Error{ErrorCode::kMismatch, fmt::format("samples {} are required but in no part", to_string(missing))};
+    return Error{ErrorCode::kMismatch, fmt::format("samples {} are required, but in no part", to_string(missing))};
 }
 
 Status check_number(std::size_t runs) {
     if (runs <= kMaxRunsPerFile) return {};
     return Error{ErrorCode::kOutOfRange,
-                 fmt::format("{} runs, and a file takes {}; --compact makes few large ones of many", runs, kMaxRunsPerFile)};
+                 fmt::format("{} runs; a file holds at most {}; join them with --compact", runs, kMaxRunsPerFile)};
 }
 
 // A part of an empty shard holds no run, and may be all there is; but not what is left of parts that were damaged.
@@ -33,7 +33,7 @@ Status check_anything_left(const Gathering& gathering) {
     const std::vector<LeftOut>& left_out = gathering.report().left_out;
     if (!gathering.runs().empty() || left_out.empty()) return {};
     return Error{ErrorCode::kCorrupt,
-                 fmt::format("{}: {}; no run is left to merge", left_out.front().place, left_out.front().reason)};
+                 fmt::format("{}: {}; no runs left to merge", left_out.front().place, left_out.front().reason)};
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ class Output::Appending {
             return {};
         }
         return Error{ErrorCode::kCorrupt,
-                     fmt::format("{}: run at byte {}: {}, though what was copied is sound", output_.out_.path().string(),
+                     fmt::format("{}: run at byte {}: {}, although the copied bytes are sound", output_.out_.path().string(),
                                  output_.end_, copied ? "not the same when read again" : copied.error().message)};
     }
 

@@ -124,10 +124,10 @@ Result<Header> parse_header(std::string_view bytes) {
         const std::size_t end = bytes.find('\n', header.size);
         if (end == std::string_view::npos)
             return Error{number == 1 ? ErrorCode::kForeign : ErrorCode::kTruncated,
-                         number == 1 ? "not a PLY file" : "the header does not end"};
+                         number == 1 ? "not a PLY file" : "the header has no end"};
         const std::vector<std::string_view> line = words(bytes.substr(header.size, end - header.size));
         header.size = end + 1;
-        const auto wrong = [&] { return Error{ErrorCode::kCorrupt, fmt::format("line {} of the header makes no sense", number)}; };
+        const auto wrong = [&] { return Error{ErrorCode::kCorrupt, fmt::format("line {} of the header is invalid", number)}; };
         if (number == 1) {
             if (line.size() != 1 || line[0] != "ply") return Error{ErrorCode::kForeign, "not a PLY file"};
         } else if (line.empty() || line[0] == "comment" || line[0] == "obj_info") {
@@ -175,7 +175,7 @@ std::vector<std::size_t> columns(const Element& element, std::initializer_list<s
 }
 
 Error cut(const Element& element, std::uint64_t row) {
-    return {ErrorCode::kTruncated, fmt::format("ends, or makes no sense, in {} {} of {}", element.name, row, element.count)};
+    return {ErrorCode::kTruncated, fmt::format("truncated or invalid in {} {} of {}", element.name, row, element.count)};
 }
 
 Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
@@ -184,9 +184,10 @@ Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
     if (uv.empty()) uv = columns(element, {"s", "t"});
     if (uv.empty()) uv = columns(element, {"texture_u", "texture_v"});
     if (uv.empty()) uv = columns(element, {"texture_s", "texture_t"});
-    if (xyz.empty()) return Error{ErrorCode::kCorrupt, "vertices have no x, y and z"};
+    if (xyz.empty()) return Error{ErrorCode::kCorrupt, "vertices lack x, y or z"};
     for (const Property& p : element.properties) {
-        if (p.list) return Error{ErrorCode::kUnsupported, fmt::format("vertices with a list ({})", p.name)};
+        if (p.list)
+            return Error{ErrorCode::kUnsupported, fmt::format("vertices with a list property ({}) are not supported", p.name)};
     }
     std::vector<double> row(element.properties.size());
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -214,7 +215,8 @@ Status read_rows(const Element& element, bool faces, Body& body, PlyMesh& mesh) 
             const bool wanted = faces && (p.name == "vertex_indices" || p.name == "vertex_index");
             if (!body.ok() || count < 0 || count > static_cast<double>(body.remaining())) return cut(element, i);
             if (wanted && count != 3 && count != 4)
-                return Error{ErrorCode::kUnsupported, fmt::format("face {} has {} sides; triangles and quads are read", i, count)};
+                return Error{ErrorCode::kUnsupported,
+                             fmt::format("face {} has {} sides; only triangles and quads are supported", i, count)};
             std::vector<std::uint32_t>& out = count == 3 ? mesh.triangles : mesh.quads;
             for (double k = 0; k < count && body.ok(); ++k) {
                 const double index = body.value(p.type);
@@ -246,7 +248,7 @@ Result<PlyMesh> parse_ply(std::string_view bytes) {
         for (std::size_t i = 0; i < indices->size(); ++i) {
             if ((*indices)[i] >= mesh.positions.size())
                 return Error{ErrorCode::kCorrupt,
-                             fmt::format("index {} is beyond the {} vertices", (*indices)[i], mesh.positions.size())};
+                             fmt::format("index {} is out of range; there are {} vertices", (*indices)[i], mesh.positions.size())};
         }
     }
     return mesh;

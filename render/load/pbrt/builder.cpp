@@ -34,7 +34,7 @@ void SceneBuilder::push(const std::string& by, const SourceLocation& where) { st
 void SceneBuilder::pop(const std::string& by, const SourceLocation& where) {
     if (stack_.empty())
         return messages_.error(where,
-                               fmt::format("this {} ends nothing", by == "Import" ? by : by.substr(0, by.size() - 5) + "End"));
+                               fmt::format("{} has nothing to end", by == "Import" ? by : by.substr(0, by.size() - 5) + "End"));
     if (stack_.back().by != by)
         messages_.error(where, fmt::format("{} from line {} is still open here", stack_.back().by, stack_.back().where.line));
     state_ = std::move(stack_.back().state);
@@ -57,7 +57,7 @@ void SceneBuilder::apply(const Directive& d) {
                          d.name == "TransformTimes";
     if (!ignored && d.name != "Film" && d.name != "Integrator") count(d, files_);  // those two count in the job, as they are used
     if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
-    if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": not before WorldBegin");
+    if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": must come after WorldBegin");
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
     if (d.name == "MakeNamedMedium") return add_medium(d);
     if (d.name == "AreaLightSource") return add_area_light(d);
@@ -113,7 +113,7 @@ bool SceneBuilder::apply_state(const Directive& d) {
             std::vector<Parameter>& inherited = state_.attributes[target];
             if (std::ranges::find(inherited, p.name, &Parameter::name) != inherited.end())
                 messages_.error(p.where,
-                                fmt::format("Attribute: \"{}\" is inherited already, and cannot be changed again", p.name));
+                                fmt::format("Attribute: \"{}\" is already inherited, and cannot be changed again", p.name));
             p.inherited = true;
             inherited.push_back(std::move(p));
         }
@@ -127,7 +127,7 @@ void SceneBuilder::add_material(const Directive& d) {
     const ParameterList parameters = list(d, "material");
     const bool has_name = d.name == "MakeNamedMaterial";
     const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
-    if (!type) parameters.error("MakeNamedMaterial: \"string type\" is needed");
+    if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
     std::optional<MaterialDescription> material;
     if (type) material = read_material(*type, parameters, spectra_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
@@ -152,7 +152,7 @@ void SceneBuilder::add_material(const Directive& d) {
 void SceneBuilder::add_medium(const Directive& d) {
     const ParameterList parameters = list(d, "medium");
     const std::optional<std::string> type = parameters.string("type");
-    if (!type) parameters.error("MakeNamedMedium: \"string type\" is needed");
+    if (!type) parameters.error("MakeNamedMedium: \"string type\" is missing");
     MediumDescription read;
     if (type) read = read_medium(*type, parameters, spectra_);
     const std::uint32_t index = medium(d.strings[0], d.where);
@@ -197,7 +197,7 @@ SceneBuilder::Named& SceneBuilder::object(const std::string& text, const SourceL
 
 void SceneBuilder::begin_object(const Directive& d) {
     push("ObjectBegin", d.where);
-    if (object_ != kNone) return messages_.error(d.where, "ObjectBegin: inside another object");
+    if (object_ != kNone) return messages_.error(d.where, "ObjectBegin: must not be inside another object");
     Named& named = object(d.strings[0], d.where);
     if (named.defined)
         messages_.error(d.where, fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
@@ -206,7 +206,7 @@ void SceneBuilder::begin_object(const Directive& d) {
 }
 
 void SceneBuilder::add_instance(const Directive& d) {
-    if (object_ != kNone) messages_.error(d.where, "ObjectInstance: not inside ObjectBegin");
+    if (object_ != kNone) messages_.error(d.where, "ObjectInstance: must not be inside ObjectBegin");
     const std::optional<Affined> inverse = state_.ctm.inverse();
     if (!inverse) {
         messages_.error(d.where, "ObjectInstance: the transformation is singular");
@@ -218,7 +218,7 @@ void SceneBuilder::add_instance(const Directive& d) {
 
 void SceneBuilder::finish(const SourceLocation& end) {
     if (!in_world_ && complete_) messages_.error(end, "the scene ends before WorldBegin");
-    for (const Pushed& open : stack_) messages_.error(open.where, open.by + " is never ended");
+    for (const Pushed& open : stack_) messages_.error(open.where, open.by + " has no end");
     const auto check = [&](const Names& names, std::string_view what) {
         for (const auto& [text, named] : names) {
             if (!named.defined) messages_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
@@ -232,16 +232,16 @@ void SceneBuilder::finish(const SourceLocation& end) {
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
         if (material.alpha_x != material.alpha_y) {
-            messages_.error(where, "S: tangents of a material whose roughness has a direction are not supported");
+            messages_.error(where, "S: tangents are not supported for anisotropic materials");
         } else {
-            messages_.warn(where, "S: tangents are ignored: the material has no direction");
+            messages_.warn(where, "S: tangents are ignored: the material is isotropic");
         }
     }
     const auto resolve = [&](ShapeDescription& shape) {
         if (interface_[shape.material]) {
             shape.material = kNone;
             if (shape.area_light != kNone)
-                messages_.warn(shape.location, "Shape: \"interface\" emits nothing: the area light is ignored");
+                messages_.warn(shape.location, "Shape: the area light is ignored, since \"interface\" does not emit");
             shape.area_light = kNone;
         }
         if (shape.area_light == kNone) return;

@@ -133,7 +133,7 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
         if (fits) {
             directive.strings.emplace_back((*token)->text);
         } else if (grammar->word) {
-            return tl::unexpected(ParseError{directive.where, fmt::format("{} wants a word after it", directive.name)});
+            return tl::unexpected(ParseError{directive.where, fmt::format("{}: a word must follow", directive.name)});
         } else if (*token) {
             tokens_.unget(**token);
         }
@@ -171,7 +171,7 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     const std::size_t type_begin = text.find_first_not_of(" \t"), type_end = text.find_first_of(" \t", type_begin);
     const std::size_t name_begin = text.find_first_not_of(" \t", type_end), name_end = text.find_first_of(" \t", name_begin);
     if (name_begin >= text.size() || text.find_first_not_of(" \t", name_end) < text.size()) {
-        return tl::unexpected(ParseError{parameter.where, quote(text) + " is not a parameter, which reads \"type name\""});
+        return tl::unexpected(ParseError{parameter.where, quote(text) + " is not a parameter of the form \"type name\""});
     }
     parameter.type = text.substr(type_begin, type_end - type_begin);
     parameter.name = text.substr(name_begin, name_end - name_begin);
@@ -179,7 +179,7 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     for (const TypeGrammar& t : kTypes) {
         if (t.name == parameter.type) type = &t;
     }
-    if (type == nullptr) return tl::unexpected(ParseError{parameter.where, quote(parameter.type) + " is not a type of parameters"});
+    if (type == nullptr) return tl::unexpected(ParseError{parameter.where, quote(parameter.type) + " is not a parameter type"});
 
     const auto add = [&](const Token& token) -> std::optional<ParseError> {
         const auto wrong = [&](std::string_view what) {

@@ -32,13 +32,14 @@ std::shared_ptr<const ImageDescription> read_environment(const ParameterList& li
     }
     const Result<image::ExrReader> reader = image::ExrReader::open(files.resolve(name));
     if (!reader) {
-        list.error(reader.error().message + " (environment images are EXR files)");
+        list.error(reader.error().message + "; environment images must be EXR files");
         return nullptr;
     }
     const image::Rect window = reader->image().data_window;
     if (window.empty() || window.width() != window.height()) {
-        list.error(fmt::format("{}: {} x {} is not square: the mapping is equal-area octahedral (imgtool makeequiarea)", name,
-                               window.width(), window.height()));
+        list.error(
+            fmt::format("{}: {} x {} is not square, as the equal-area mapping requires; convert it with imgtool makeequiarea", name,
+                        window.width(), window.height()));
         return nullptr;
     }
     const std::size_t pixels = window.pixels();
@@ -67,7 +68,7 @@ std::shared_ptr<const ImageDescription> read_environment(const ParameterList& li
             out->rgb.push_back(good ? static_cast<float>(x) : 0);
         }
     }
-    if (refused > 0) list.warn(fmt::format("{}: {} values that are negative or not finite count as 0", name, refused));
+    if (refused > 0) list.warn(fmt::format("{}: {} negative or non-finite values count as 0", name, refused));
     return out;
 }
 

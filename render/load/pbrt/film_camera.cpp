@@ -12,15 +12,15 @@ FilmDescription read_film(const std::string& type, const ParameterList& list) {
     film.width = static_cast<std::uint32_t>(list.integer("xresolution", 1280, 1, 1 << 24));
     film.height = static_cast<std::uint32_t>(list.integer("yresolution", 720, 1, 1 << 24));
     if (type == "spectral") {
-        list.warn("Film \"spectral\" is ignored: latent-develop --spectral-bins makes spectra of any samples");
+        list.warn("Film \"spectral\" is ignored; for spectra, use latent-develop --spectral-bins");
     } else if (type == "gbuffer") {
-        list.warn("Film \"gbuffer\" is ignored: the picture is made, what else it holds (positions, normals, albedo) is not");
+        list.warn("Film \"gbuffer\" is ignored: only the picture is rendered, without positions, normals or albedo");
     } else if (type != "rgb") {
         list.error(fmt::format("Film \"{}\" is not supported (rgb)", type));
     }
     if (const std::string sensor = list.string("sensor").value_or("cie1931"); sensor != "cie1931")
-        list.warn(fmt::format("Film: sensor \"{}\" is ignored: latent-develop --observer chooses who looks", sensor));
-    if (list.number("iso", 100) != 100) list.warn("Film: \"iso\" is ignored: latent-convert --sensitivity decides the exposure");
+        list.warn(fmt::format("Film: sensor \"{}\" is ignored; choose one with latent-develop --observer", sensor));
+    if (list.number("iso", 100) != 100) list.warn("Film: \"iso\" is ignored; set the exposure with latent-convert --sensitivity");
     list.ignore({"filename", "savefp16"}, "-o names the samples, latent-develop writes the picture");
     list.ignore({"pixelbounds", "cropwindow"}, "samples cover the whole film; latent-develop --crop takes a part");
     list.ignore({"maxcomponentvalue", "whitebalance", "nbuckets", "lambdamin", "lambdamax"},
@@ -34,7 +34,7 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
     CameraDescription camera{.location = list.directive().where};
     // Nothing moves; what is left of the shutter is the exposure.
     if (list.number("shutterclose", 1) - list.number("shutteropen", 0) != 1)
-        list.warn("Camera: \"shutteropen\", \"shutterclose\" are ignored: latent-convert --sensitivity decides the exposure");
+        list.warn("Camera: \"shutteropen\", \"shutterclose\" are ignored; set the exposure with latent-convert --sensitivity");
     const double aspect = list.number("frameaspectratio", static_cast<double>(film.width) / film.height, 1e-6, 1e6);
     camera.x1 = std::max(aspect, 1.0);
     camera.y1 = std::max(1 / aspect, 1.0);
@@ -52,7 +52,7 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
     }
     const std::span<const double> window = list.array("screenwindow", "float", 4);
     if (window.size() > 4 || (window.size() == 4 && !(window[0] < window[1] && window[2] < window[3]))) {
-        list.error("screenwindow: wants x0 < x1 and y0 < y1");
+        list.error("screenwindow: must have x0 < x1 and y0 < y1");
     } else if (window.size() == 4) {
         camera.x0 = window[0], camera.x1 = window[1], camera.y0 = window[2], camera.y1 = window[3];
     }
@@ -86,9 +86,9 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
         "it belongs to another integrator");
     if (replaced) return list.report_unused();
     if (std::ranges::find(kOthers, type) != std::end(kOthers)) {
-        list.warn(fmt::format("Integrator \"{}\" is ignored: \"path\" makes the same picture", type));
+        list.warn(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
     } else if (std::ranges::find(kOurs, type) == std::end(kOurs)) {
-        list.error(fmt::format("Integrator \"{}\" is not supported (path, volpath, bdpt); --integrator takes another", type));
+        list.error(fmt::format("Integrator \"{}\" is not supported (path, volpath, bdpt); choose one with --integrator", type));
     }
     list.report_unused();
 }

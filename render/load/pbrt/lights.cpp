@@ -53,7 +53,7 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
         light.kind = LightKind::kInfinite;
         light.illuminance = positive(list, "illuminance");
         if (const std::optional<std::string> name = list.string("filename")) {
-            if (list.find("L", {"rgb", "spectrum", "blackbody"}) != nullptr) list.error("L excludes filename");
+            if (list.find("L", {"rgb", "spectrum", "blackbody"}) != nullptr) list.error("L and filename cannot be combined");
             light.spectrum = spectra.white();
             light.image = read_environment(list, *name, files);
         } else {

@@ -47,7 +47,7 @@ void read_conductor_index(const ParameterList& list, SceneSpectra& spectra, Mate
         check_index(list, material.eta);
         return;
     }
-    if (eta || k) list.error("reflectance excludes eta and k");
+    if (eta || k) list.error("reflectance cannot be combined with eta and k");
     // At normal incidence R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2); eta = 1 leaves k = 2 sqrt(R / (1 - R)).
     material.eta = color::Spectrum::constant(1);
     const auto k_of = [&](double lambda) {
@@ -66,7 +66,7 @@ void read_phong(const ParameterList& list, SceneSpectra& spectra, MaterialDescri
     bool makes_light = false;
     for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm)
         makes_light |= material.reflectance(nm) + material.specular(nm) > 1 + 1e-9;
-    if (makes_light) list.warn("Kd + Ks: above 1: such a surface makes light");
+    if (makes_light) list.warn("Kd + Ks: exceeds 1, so the surface creates energy");
 }
 
 }  // namespace
@@ -81,7 +81,7 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         material.kind = MaterialKind::kDiffuse;
         const auto reflectance = spectra.find(list, "reflectance", SpectrumRole::kReflectance);
         material.reflectance = reflectance ? *reflectance : color::Spectrum::constant(0.5);
-        if (material.reflectance.max_value() > 1) list.warn("reflectance: above 1: such a surface makes light");
+        if (material.reflectance.max_value() > 1) list.warn("reflectance: exceeds 1, so the surface creates energy");
     } else if (type == "phong") {
         material.kind = MaterialKind::kPhong;
         read_phong(list, spectra, material);
@@ -113,7 +113,7 @@ MediumDescription read_medium(const std::string& type, const ParameterList& list
     }
     const auto sigma_a = spectra.find(list, "sigma_a", SpectrumRole::kUnbounded),
                sigma_s = spectra.find(list, "sigma_s", SpectrumRole::kUnbounded);
-    if (!sigma_a || !sigma_s) list.error("sigma_a and sigma_s: both are needed (presets are not supported)");
+    if (!sigma_a || !sigma_s) list.error("sigma_a and sigma_s: both are required (presets are not supported)");
     if (sigma_a) medium.sigma_a = *sigma_a;
     if (sigma_s) medium.sigma_s = *sigma_s;
     medium.scale = list.number("scale", 1, 0, 1e12);

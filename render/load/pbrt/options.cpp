@@ -28,7 +28,7 @@ bool SceneBuilder::apply_option(const Directive& d) {
                        d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "WorldBegin" || d.name == "Option";
     if (!known) return false;
     if (in_world_ && d.name != "Option") {
-        messages_.error(d.where, d.name + ": not after WorldBegin");
+        messages_.error(d.where, d.name + ": must come before WorldBegin");
     } else if (d.name == "Camera") {
         camera_ = d;
         camera_state_ = state_;
@@ -38,9 +38,9 @@ bool SceneBuilder::apply_option(const Directive& d) {
     } else if (d.name == "Integrator") {
         read_integrator(d.strings[0], list(d, "integrator"), another_integrator_, scene_);
     } else if (d.name == "Sampler") {
-        messages_.warn(d.where, "Sampler is ignored: --spp or --samples says how many samples to take");
+        messages_.warn(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
     } else if (d.name == "PixelFilter") {
-        messages_.warn(d.where, "PixelFilter is ignored: latent-develop --filter chooses it");
+        messages_.warn(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
     } else if (d.name == "Accelerator") {
         messages_.warn(d.where, "Accelerator is ignored");
     } else if (d.name == "Option") {

@@ -30,7 +30,7 @@ std::optional<double> ParameterList::number(std::string_view name) const {
     const Parameter* p = find(name, {"float", "integer"});
     if (p == nullptr) return std::nullopt;
     if (p->numbers.size() == 1) return p->numbers[0];
-    error(*p, "wants one number");
+    error(*p, "must be one number");
     return std::nullopt;
 }
 
@@ -48,7 +48,7 @@ std::int64_t ParameterList::integer(std::string_view name, std::int64_t otherwis
     if (p == nullptr) return otherwise;
     const double value = p->numbers.size() == 1 ? p->numbers[0] : static_cast<double>(low) - 1;
     if (value >= static_cast<double>(low) && value <= static_cast<double>(high)) return static_cast<std::int64_t>(value);
-    error(*p, fmt::format("wants one integer from {} to {}", low, high));
+    error(*p, fmt::format("must be one integer from {} to {}", low, high));
     return otherwise;
 }
 
@@ -56,7 +56,7 @@ bool ParameterList::flag(std::string_view name, bool otherwise) const {
     const Parameter* p = find(name, {"bool"});
     if (p == nullptr) return otherwise;
     if (p->flags.size() == 1) return p->flags[0];
-    error(*p, "wants one of true and false");
+    error(*p, "must be true or false");
     return otherwise;
 }
 
@@ -64,14 +64,14 @@ std::optional<std::string> ParameterList::string(std::string_view name) const {
     const Parameter* p = find(name, {"string"});
     if (p == nullptr) return std::nullopt;
     if (p->strings.size() == 1) return p->strings[0];
-    error(*p, "wants one string");
+    error(*p, "must be one string");
     return std::nullopt;
 }
 
 Vec3d ParameterList::point(std::string_view name, const Vec3d& otherwise) const {
     const std::span<const double> values = array(name, "point3", 3);
     if (values.empty()) return otherwise;
-    if (values.size() > 3) error(fmt::format("{}: wants one point", name));
+    if (values.size() > 3) error(fmt::format("{}: must be one point", name));
     return {values[0], values[1], values[2]};
 }
 
@@ -79,7 +79,7 @@ std::span<const double> ParameterList::array(std::string_view name, std::string_
     const Parameter* p = find(name, {type});
     if (p == nullptr) return {};
     if (!p->numbers.empty() && p->numbers.size() % size == 0) return p->numbers;
-    error(*p, fmt::format("{} numbers are not items of {}", p->numbers.size(), size));
+    error(*p, fmt::format("{} numbers cannot be divided into groups of {}", p->numbers.size(), size));
     return {};
 }
 

@@ -17,7 +17,7 @@ std::vector<std::uint32_t> read_indices(const ParameterList& list, std::size_t p
     std::vector<std::uint32_t> indices;
     for (const double i : list.array("indices", "integer", per_face)) {
         if (!(i >= 0 && i < static_cast<double>(vertices))) {
-            list.error(fmt::format("indices: {} is beyond the {} vertices", i, vertices));
+            list.error(fmt::format("indices: {} is out of range; there are {} vertices", i, vertices));
             return {};
         }
         indices.push_back(static_cast<std::uint32_t>(i));
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> read_indices(const ParameterList& list, std::size_t p
     if (indices.empty() && vertices == per_face) {
         for (std::uint32_t i = 0; i < per_face; ++i) indices.push_back(i);
     }
-    if (indices.empty()) list.error("indices: needed");
+    if (indices.empty()) list.error("indices: missing");
     return indices;
 }
 
@@ -37,8 +37,8 @@ LoadedMesh read_mesh(const ParameterList& list, std::size_t per_face) {
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(Vec3d(n[i], n[i + 1], n[i + 2]));
     for (std::size_t i = 0; i < uv.size(); i += 2) mesh.uvs.push_back({static_cast<float>(uv[i]), static_cast<float>(uv[i + 1])});
     mesh.indices = read_indices(list, per_face, mesh.positions.size());
-    if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) list.error("N: not as many as P");
-    if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) list.error("uv: not as many as P");
+    if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) list.error("N: must have as many items as P");
+    if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) list.error("uv: must have as many items as P");
     list.ignore({"faceIndices"}, "only Ptex textures use it");
     return mesh;
 }
@@ -88,7 +88,7 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
               SceneFiles& files, std::vector<LoadedShape>& shapes) {
     const std::optional<std::string> name = list.string("filename");
     list.ignore({"edgelength"}, "there is no displacement");
-    if (!name) return list.error("filename: needed");
+    if (!name) return list.error("filename: missing");
     const Result<std::string> bytes = files.read(*name);
     if (!bytes) return list.error(bytes.error().message);
     Result<PlyMesh> ply = parse_ply(*bytes);
@@ -153,7 +153,7 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         list.error(fmt::format("Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, sphere, disk)", type));
         return {};
     }
-    if (!std::ranges::all_of(shapes, is_finite)) list.error("Shape: lies beyond what single precision holds");
+    if (!std::ranges::all_of(shapes, is_finite)) list.error("Shape: exceeds the range of single precision");
     list.report_unused();
     return shapes;
 }

@@ -68,7 +68,7 @@ color::Spectrum SceneSpectra::emission(const ParameterList& list, std::string_vi
 std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, const Parameter& p, SpectrumRole role) {
     if (p.type == "blackbody") {
         if (p.numbers.size() != 1) {
-            list.error(p, "wants one temperature in kelvin");
+            list.error(p, "must be one temperature in kelvin");
             return std::nullopt;
         }
         Result<color::Spectrum> spectrum = color::Spectrum::blackbody(p.numbers[0]);
@@ -78,7 +78,7 @@ std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, 
     }
     if (p.type == "rgb") {
         if (p.numbers.size() != 3 || *std::min_element(p.numbers.begin(), p.numbers.end()) < 0) {
-            list.error(p, "wants three numbers that are not negative");
+            list.error(p, "must be three non-negative numbers");
             return std::nullopt;
         }
         if (is_grey(p.numbers)) {
@@ -88,14 +88,14 @@ std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, 
         if (role == SpectrumRole::kUnbounded)
             return clamped([s = rgb().unbounded(value)](double l) { return s(static_cast<float>(l)); });
         if (*std::max_element(p.numbers.begin(), p.numbers.end()) > 1) {
-            list.error(p, "a reflectance has no component above 1");
+            list.error(p, "a reflectance must not exceed 1");
             return std::nullopt;
         }
         return clamped([s = rgb().reflectance(value)](double l) { return s(static_cast<float>(l)); });
     }
     if (p.strings.empty()) return from_pairs(list, p, p.numbers);
     if (p.strings.size() > 1) {
-        list.error(p, "wants one name");
+        list.error(p, "must be one name");
         return std::nullopt;
     }
     if (Result<color::Spectrum> named = color::named_spectrum(p.strings[0])) return *named;
@@ -105,7 +105,7 @@ std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, 
 std::optional<color::Spectrum> SceneSpectra::from_pairs(const ParameterList& list, const Parameter& p,
                                                         std::span<const double> pairs) {
     if (pairs.empty() || pairs.size() % 2 != 0) {
-        list.error(p, "wants pairs of wavelength and value");
+        list.error(p, "must be pairs of wavelength and value");
         return std::nullopt;
     }
     std::vector<double> lambda, value;

@@ -49,7 +49,7 @@ tl::expected<std::optional<Token>, ParseError> Tokenizer::string(SourceLocation 
     const std::size_t begin = at_;
     bool escapes = false;
     while (true) {
-        if (at_ == text_.size() || text_[at_] == '\n') return tl::unexpected(ParseError{where, "this string has no closing quote"});
+        if (at_ == text_.size() || text_[at_] == '\n') return tl::unexpected(ParseError{where, "string without closing quote"});
         const char c = take();
         if (c == '"') break;
         if (c == '\\') {
@@ -69,7 +69,7 @@ tl::expected<std::optional<Token>, ParseError> Tokenizer::string(SourceLocation 
             continue;
         }
         const std::size_t code = ++i < raw.size() ? kCodes.find(raw[i]) : std::string_view::npos;
-        if (code == std::string_view::npos) return tl::unexpected(ParseError{where, "unknown escape in this string"});
+        if (code == std::string_view::npos) return tl::unexpected(ParseError{where, "unknown escape in string"});
         decoded_ += kMeanings[code];
     }
     return Token{Token::Kind::kString, decoded_, where};

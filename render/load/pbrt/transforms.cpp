@@ -42,7 +42,7 @@ bool SceneBuilder::apply_transform(const Directive& d) {
     } else if (d.name == "Rotate") {
         const Vec3d axis{n[1], n[2], n[3]};
         if (!(length(axis) > 0)) {
-            messages_.error(d.where, "Rotate: the axis has no direction");
+            messages_.error(d.where, "Rotate: the axis is 0");
         } else {
             state_.ctm = state_.ctm * rotation(n[0], axis);
         }
@@ -65,14 +65,14 @@ bool SceneBuilder::apply_transform(const Directive& d) {
     } else if (d.name == "CoordSysTransform") {
         const auto found = coordinate_systems_.find(d.strings[0]);
         if (found == coordinate_systems_.end()) {
-            messages_.error(d.where, fmt::format("CoordSysTransform: \"{}\" was not defined", d.strings[0]));
+            messages_.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
         } else {
             state_.ctm = found->second;
         }
     } else if (d.name == "ActiveTransform") {
-        if (d.strings[0] != "All") messages_.error(d.where, "ActiveTransform: moving things are not supported");
+        if (d.strings[0] != "All") messages_.error(d.where, "ActiveTransform: motion is not supported");
     } else if (d.name == "TransformTimes") {
-        messages_.warn(d.where, "TransformTimes is ignored: nothing moves");
+        messages_.warn(d.where, "TransformTimes is ignored: motion is not supported");
     } else {
         return false;
     }
