@@ -7,12 +7,15 @@
 #include <bit>
 #include <cstring>
 
+#include "hwy/highway.h"
 #include "sampledb/codec/planes.h"
 #include "sampledb/data/film_position.h"
 
 namespace latent::sampledb {
 
 namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
 
 // Buffers that every column of a thread uses again.
 struct Scratch {
@@ -23,8 +26,8 @@ thread_local Scratch scratch;
 
 std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded & 1)); }
 
-// The same of numbers that are multiples of 2^step, counted in these.
-std::uint32_t unzigzag(std::uint32_t coded, unsigned step) { return unzigzag(coded >> step) << step; }
+// Of differences that are counted in steps of 2^step.
+std::uint32_t unzigzag(std::uint32_t coded, unsigned step) { return unzigzag(coded) << step; }
 
 constexpr unsigned kMostStep = 22;
 
@@ -140,6 +143,41 @@ Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::sp
     return {};
 }
 
+namespace {
+
+// The `n` values of a record from its second differences. `words` and `values` go on with those of the records behind it: what is
+// written there is overwritten when their turn comes.
+void add_up(std::span<const std::uint32_t> words, std::size_t n, unsigned step, std::span<float> values) {
+    if (n == 0) return;
+    const hn::FixedTag<std::uint32_t, 4> d;
+    const hn::FixedTag<float, 4> floats;
+    const auto sums = [&](auto v) {  // of lanes 0..i
+        v = hn::Add(v, hn::ShiftLeftLanes<1>(d, v));
+        return hn::Add(v, hn::ShiftLeftLanes<2>(d, v));
+    };
+    auto before = hn::Set(d, words[0] << step), slope = hn::Zero(d);
+    values[0] = std::bit_cast<float>(words[0] << step);
+    std::size_t i = 1;
+    for (; i < n && i + 4 <= values.size(); i += 4) {
+        const auto coded = hn::LoadU(d, &words[i]);
+        const auto sign = hn::Sub(hn::Zero(d), hn::And(coded, hn::Set(d, 1)));
+        const auto differences = hn::ShiftLeftSame(hn::Xor(hn::ShiftRight<1>(coded), sign), static_cast<int>(step));
+        const auto slopes = hn::Add(sums(differences), slope);
+        const auto bits = hn::Add(sums(slopes), before);
+        hn::StoreU(hn::BitCast(floats, bits), floats, &values[i]);
+        slope = hn::Broadcast<3>(slopes);
+        before = hn::Broadcast<3>(bits);
+    }
+    std::uint32_t bits = hn::GetLane(before), difference = hn::GetLane(slope);
+    for (; i < n; ++i) {
+        difference += unzigzag(words[i], step);
+        bits += difference;
+        values[i] = std::bit_cast<float>(bits);
+    }
+}
+
+}  // namespace
+
 Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
     const bool stepped = entry.transform == Transform::kSteppedDelta2;
@@ -148,19 +186,9 @@ Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::spa
     if (!step) return step.error();
     const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
-    // Differences first, all alike, so that the loop becomes vectors; then what depends on the value before.
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::bit_cast<float>(unzigzag(words[i], *step));
     std::size_t at = 0;
     for (const std::uint16_t n : pairs) {
-        if (n == 0) continue;
-        std::uint32_t before = words[at], slope = 0;
-        float* const record = &values[at];
-        record[0] = std::bit_cast<float>(before);
-        for (std::size_t i = 1; i < n; ++i) {
-            slope += std::bit_cast<std::uint32_t>(record[i]);
-            before += slope;
-            record[i] = std::bit_cast<float>(before);
-        }
+        add_up(std::span<const std::uint32_t>(words).subspan(at), n, *step, values.subspan(at));
         at += n;
     }
     return {};

@@ -22,9 +22,9 @@ struct Scratch {
 thread_local Scratch scratch;
 
 std::uint32_t zigzag(std::uint32_t difference) { return difference << 1 ^ (0u - (difference >> 31)); }
-// Of multiples of 2^step, counted in these: what rounding has made zero stays zero.
+// Of a multiple of 2^step, counted in these: what rounding has made zero takes no room.
 std::uint32_t zigzag(std::uint32_t difference, unsigned step) {
-    return zigzag(static_cast<std::uint32_t>(static_cast<std::int32_t>(difference) >> step)) << step;
+    return zigzag(static_cast<std::uint32_t>(static_cast<std::int32_t>(difference) >> step));
 }
 
 // The differences of rounded values are multiples of 2^step. `bits`: all of them, or-ed.
@@ -189,7 +189,7 @@ void encode_delta2(const Job& job, Column column, std::span<const float> values,
         std::uint32_t before = 0, slope = 0;
         for (std::uint16_t i = 0; i < n; ++i, ++at) {
             const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[at]);
-            words[at] = i == 0 ? bits : zigzag(bits - before - slope, step);
+            words[at] = i == 0 ? bits >> step : zigzag(bits - before - slope, step);
             slope = i == 0 ? 0 : bits - before;
             before = bits;
         }

@@ -193,7 +193,7 @@ def from_lattice(plane, bits, s, base, count):
 
 
 def unzigzag_steps(value, step):
-    return unzigzag(value >> step) << step & M32
+    return unzigzag(value) << step & M32
 
 
 def from_cross(planes, ys, step=0):
@@ -203,6 +203,8 @@ def from_cross(planes, ys, step=0):
 def from_delta2(planes, counts, step=0):
     values, first = from_planes(planes), 0
     for n in counts:
+        if n > 0:
+            values[first] = values[first] << step & M32
         for i in range(first + 1, first + n):
             before = 2 * values[i - 1] - values[i - 2] if i > first + 1 else values[i - 1]
             values[i] = before + unzigzag_steps(values[i], step) & M32

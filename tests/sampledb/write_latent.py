@@ -219,7 +219,7 @@ AS_SAMPLER = (3, 0, 0, 0, [])
 def by_steps(differences, bits):
     """Numbers that are stored for differences; bits = 0: by a plain transform."""
     assert all(d % 2**bits == 0 for d in differences)
-    return [zigzag(signed(d) >> bits) << bits for d in differences]
+    return [zigzag(signed(d) >> bits) for d in differences]
 
 
 def as_cross(values, ys, bits=0):
@@ -232,7 +232,7 @@ def as_delta2(values, counts, bits=0):
     for n in counts:
         b = values[at : at + n]
         differences = [y - x for x, y in zip(b[:1], b[1:2])] + [z - 2 * y + x for x, y, z in zip(b, b[1:], b[2:])]
-        words += b[:1] + by_steps(differences, bits)
+        words += [value >> bits for value in b[:1]] + by_steps(differences, bits)
         at += n
     return (9 if bits else 5, bits, 0, 0, byte_planes(words, 4))
 
