@@ -43,7 +43,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"ObjectBegin \"o\"\nObjectInstance \"p\"", "must not be inside ObjectBegin"},
              Case{"ObjectBegin \"o\"\nAttributeEnd", "ObjectBegin from line 2 is still open"},
              Case{"AttributeBegin", "AttributeBegin has no end"},
-             Case{"AttributeEnd", "this AttributeEnd ends nothing"},
+             Case{"AttributeEnd", "AttributeEnd has nothing to end"},
              Case{"Camera \"perspective\"", "must come before WorldBegin"},
              Case{"Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "projective"},
              Case{"Transform [ 1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1 ]", "singular"},
