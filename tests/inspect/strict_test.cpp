@@ -512,7 +512,7 @@ TEST_F(Strict, TheToolListsViolationsAndEndsWithFour) {
     EXPECT_EQ(inspect({"verify", "--deep", file}).status, 0);
     const Outcome text = inspect({"verify", "--strict", file});
     EXPECT_EQ(text.status, 4);
-    EXPECT_NE(text.out.find("a.latent: run 0, page 0: its entry names the square 0 (0, 0); wanted: "), std::string::npos)
+    EXPECT_NE(text.out.find("a.latent: run 0, page 0: its entry names the square 0 (0, 0); expected: "), std::string::npos)
         << text.out;
     EXPECT_NE(text.out.find("a.latent: run 0, page 0, record 42: Z prefix "), std::string::npos) << text.out;
     EXPECT_NE(text.out.find("a.latent: readable, but VIOLATES THE FORMAT: 1 run"), std::string::npos) << text.out;
