@@ -62,7 +62,7 @@ TEST(RgbSpace, EightNumbersAreASpace) {
                              "0.64,0.33,0.30,0.60,0.15,0.06,0.3127,0.3290,1", "0.64 0.33 0.30 0.60 0.15 0.06 0.3127 0.3290"}) {
         EXPECT_EQ(RgbSpace::parse(text).error().code, ErrorCode::kUsage) << text;
     }
-    EXPECT_THAT(RgbSpace::parse("x").error().message, HasSubstr("srgb, display-p3, rec2020, adobe-rgb, and 8 numbers"));
+    EXPECT_THAT(RgbSpace::parse("x").error().message, HasSubstr("srgb, display-p3, rec2020, adobe-rgb, or 8 numbers"));
 }
 
 TEST(RgbSpace, DegenerateSpacesAreRefused) {
