@@ -171,7 +171,7 @@ TEST(RenderLoop, ADryRunOfWhatWasStoppedCountsTheRestButTheWholePart) {
 }
 
 TEST(RenderLoop, TimeLimitIsAStop) {
-    Fake fake({0, std::uint64_t{1} << 40});
+    Fake fake({0, std::uint64_t{1} << 31});
     fake.options.max_seconds = 0.2;
     const Result<RenderReport> report = render(fake.job, fake.options, fake.stop, {});
     ASSERT_TRUE(report) << report.error().message;

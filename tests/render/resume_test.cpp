@@ -127,7 +127,7 @@ TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
 TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const std::filesystem::path part = folder_ / ("s" + std::to_string(signal) + ".latent");
-        Child child(command(part, {"--ignore-space"}, "0:1000000000000"));
+        Child child(command(part, {"--ignore-space"}, "0:60000000000"));
         wait_for_samples(part);  // its attempts are read under its name
         child.send(signal);
         child.send(signal);
