@@ -6,12 +6,12 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <vector>
 
 #include "base/file.h"
+#include "base/stopwatch.h"
 #include "sampledb/read/gathering.h"
 #include "sampledb/write/part_writer.h"
 #include "sampledb/write/run_assembler.h"
@@ -47,7 +47,7 @@ bool bench(RecordKind kind, std::uint64_t samples, std::uint8_t precision, const
         std::filesystem::remove(name);
         std::vector<Grain> given = grains;
         const double cpu = cpu_seconds();
-        const auto wall = std::chrono::steady_clock::now();
+        const Stopwatch wall;
         const auto writer = PartWriter::open({name, {0, samples}, 60, "", false}, job);
         if (!writer) return false;
         for (Grain& grain : given) {
@@ -57,9 +57,8 @@ bool bench(RecordKind kind, std::uint64_t samples, std::uint8_t precision, const
         const double seconds = cpu_seconds() - cpu;
         rates.push_back(static_cast<double>(records) / seconds * 1e-6);
         fmt::print("{:<9} {:>5.1f} M records: CPU {:.3f} s, wall {:.3f} s, {:.1f} M records/s and core, {:.2f} bytes a record\n",
-                   kind == RecordKind::kXyz ? "XYZ" : "28 pairs", static_cast<double>(records) * 1e-6, seconds,
-                   std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(), rates.back(),
-                   static_cast<double>(std::filesystem::file_size(name)) / static_cast<double>(records));
+                   kind == RecordKind::kXyz ? "XYZ" : "28 pairs", static_cast<double>(records) * 1e-6, seconds, wall.seconds(),
+                   rates.back(), static_cast<double>(std::filesystem::file_size(name)) / static_cast<double>(records));
     }
     GatherOptions options;
     options.inputs = {name};

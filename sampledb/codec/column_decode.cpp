@@ -9,6 +9,7 @@
 
 #include "hwy/highway.h"
 #include "sampledb/codec/planes.h"
+#include "sampledb/data/unreadable.h"
 #include "sampledb/data/film_position.h"
 
 namespace latent::sampledb {
@@ -30,8 +31,6 @@ std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded &
 std::uint32_t unzigzag(std::uint32_t coded, unsigned step) { return unzigzag(coded) << step; }
 
 constexpr unsigned kMostStep = 22;
-
-Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
 // Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
 Status load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,

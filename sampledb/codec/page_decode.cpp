@@ -8,14 +8,13 @@
 #include "sampledb/codec/column_decode.h"
 #include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/page_layout.h"
+#include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
 
 namespace {
 
 thread_local std::vector<ColumnEntry> table;  // of the page at hand; kept for its memory
-
-Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
 // Decodes the columns of a page one after another, in the order of the table. It begins with a page without any column, and each
 // takes back the memory that it had before: none is left of another page.

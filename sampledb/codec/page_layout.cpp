@@ -1,6 +1,7 @@
 #include "sampledb/codec/page_layout.h"
 
 #include "base/hash.h"
+#include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
 
@@ -28,7 +29,6 @@ std::uint64_t content_hash(const std::vector<ColumnEntry>& table) {
 }
 
 Status read_table(const Job& job, const PageInfo& info, ByteSpan stored, std::vector<ColumnEntry>& table) {
-    const auto corrupt = [](const char* what) { return Error{ErrorCode::kCorrupt, what}; };
     const std::vector<Column> expected = columns_of(job, info.record_class);
     ByteReader in(stored);
     if (in.get<std::uint32_t>() != expected.size()) return corrupt("a page of other columns");

@@ -15,14 +15,13 @@
 #include <span>
 
 #include "hwy/highway.h"
+#include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
 
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-Error corrupt(const char* why) { return {ErrorCode::kCorrupt, why}; }
 
 constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
 

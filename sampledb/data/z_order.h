@@ -7,14 +7,22 @@ namespace latent::sampledb {
 
 inline constexpr int kZPrefixLevels = 16;  // levels of the quadtree that a 32-bit Z prefix tells apart
 
-// The 16 high bits of u and v, interleaved; v's bit above u's, so that children are numbered row by row.
-constexpr std::uint32_t z_prefix(std::uint32_t u, std::uint32_t v) {
-    std::uint64_t x = std::uint64_t{v & 0xFFFF0000} << 16 | u >> 16;  // both are spread at once, in one half each
-    x = (x | x << 8) & 0x00FF00FF00FF00FF;
-    x = (x | x << 4) & 0x0F0F0F0F0F0F0F0F;
-    x = (x | x << 2) & 0x3333333333333333;
-    x = (x | x << 1) & 0x5555555555555555;
-    return static_cast<std::uint32_t>(x >> 31 | x);
+// The 16 low bits of x and y, interleaved; y's bit above x's, so that children are numbered row by row.
+constexpr std::uint32_t interleave(std::uint32_t x, std::uint32_t y) {
+    std::uint64_t both = std::uint64_t{y & 0xFFFF} << 32 | (x & 0xFFFF);  // spread at once, in one half each
+    both = (both | both << 8) & 0x00FF00FF00FF00FF;
+    both = (both | both << 4) & 0x0F0F0F0F0F0F0F0F;
+    both = (both | both << 2) & 0x3333333333333333;
+    both = (both | both << 1) & 0x5555555555555555;
+    return static_cast<std::uint32_t>(both >> 31 | both);
+}
+
+// Of a position on the film, its 16 high bits of either coordinate.
+constexpr std::uint32_t z_prefix(std::uint32_t u, std::uint32_t v) { return interleave(u >> 16, v >> 16); }
+
+// Of a cell: its place along the curve.
+constexpr std::uint64_t z_code(std::uint32_t x, std::uint32_t y) {
+    return std::uint64_t{interleave(x >> 16, y >> 16)} << 32 | interleave(x, y);
 }
 
 }  // namespace latent::sampledb

@@ -8,6 +8,7 @@
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "base/result.h"
+#include "sampledb/data/unreadable.h"
 #include "sampledb/format/file_format.h"
 
 namespace latent::sampledb {
@@ -30,8 +31,6 @@ constexpr std::uint64_t round_up_to_block(std::uint64_t size) { return (size + k
 
 // Errors: kUnsupported if the format is one that this program cannot read. `known`: the features that it knows.
 Status check_version(std::uint16_t major, std::uint64_t features, std::uint64_t known);
-
-inline Error corrupt(std::string what) { return {ErrorCode::kCorrupt, std::move(what)}; }
 
 void put_hash(ByteWriter& out, const Hash128& hash);
 Hash128 get_hash(ByteReader& in);

@@ -6,10 +6,6 @@
 
 namespace latent::sampledb {
 
-bool is_unreadable(const Error& error) {
-    return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kTruncated || error.code == ErrorCode::kUnsupported;
-}
-
 void add_damage(std::vector<Damage>& list, Damage damage) {
     if (list.size() < kMostDamage) return list.push_back(std::move(damage));
     if (list.size() == kMostDamage) {

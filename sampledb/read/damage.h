@@ -6,13 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
-
-// Whether an error is about the bytes that were read, not about reading them: they are damaged, or of a later version. It costs the
-// page, the run or the file that they are of, and no more.
-bool is_unreadable(const Error& error);
 
 struct Damage {
     std::uint64_t offset, size;  // bytes that hold no readable run

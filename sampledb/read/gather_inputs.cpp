@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 
+#include "sampledb/data/unreadable.h"
 #include "sampledb/read/input_files.h"
 #include "sampledb/read/part_name.h"
 
@@ -80,7 +81,7 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
 Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& error) {
     const bool forbidden = ::access(input.path.c_str(), R_OK) != 0 && errno == EACCES;
     if (error.code == ErrorCode::kIo && !forbidden) return error;
-    const bool damaged = error.code == ErrorCode::kTruncated || error.code == ErrorCode::kCorrupt;
+    const bool damaged = is_damage(error);
     std::error_code ignored;
     const bool just_begun =
         is_attempt(input.path) && (error.code == ErrorCode::kTruncated || fs::file_size(input.path, ignored) == 0);

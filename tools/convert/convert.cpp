@@ -5,12 +5,12 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 
-#include <chrono>
 #include <memory>
 #include <set>
 
 #include "base/first_error.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "base/temporary_path.h"
 #include "color/adaptation.h"
 #include "color/auto_exposure.h"
@@ -201,13 +201,13 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
 }  // namespace
 
 Result<ConvertReport> convert(const ConvertOptions& options, const Progress& progress) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     const Threads threads(options.threads);
     ConvertOptions resolved = options;
     resolved.threads = threads.count();
     Result<ConvertReport> report = Error{ErrorCode::kIo, "nothing was done"};
     threads.run([&] { report = convert_in_arena(resolved, progress); });
-    if (report) report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (report) report->seconds = stopwatch.seconds();
     return report;
 }
 

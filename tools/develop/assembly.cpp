@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/first_error.h"
+#include "sampledb/data/z_order.h"
 #include "tools/develop/normalise.h"
 
 namespace latent::develop {
@@ -23,7 +24,7 @@ constexpr std::int64_t kBlock = 16;  // finished pixels wait in blocks of 16 x 1
 constexpr std::int64_t kTileBlocks = TileSink::kTile / kBlock;
 
 std::uint64_t z_of(std::int64_t cell_x, std::int64_t cell_y) {
-    return z_code(static_cast<std::uint32_t>(cell_x), static_cast<std::uint32_t>(cell_y));
+    return sampledb::z_code(static_cast<std::uint32_t>(cell_x), static_cast<std::uint32_t>(cell_y));
 }
 
 std::uint64_t key_of(std::int64_t x, std::int64_t y) { return static_cast<std::uint64_t>(y) << 32 | static_cast<std::uint64_t>(x); }

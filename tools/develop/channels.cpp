@@ -15,7 +15,6 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr double kFirstNm = 360, kLastNm = 830;
 constexpr double kLumensPerWatt = 683;  // K_m [CIE15]
 constexpr std::uint64_t kMaxTableBytes = std::uint64_t{8} << 20;
 constexpr int kGuide = 1024;
@@ -165,7 +164,7 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, int count) {
     channels.density_ = job.density;
     channels.count_ = channels.bins_ = count;
     // A luminance of Y light units is 683 times the integral of ybar times the radiance in watts.
-    channels.bin_scale_ = static_cast<float>(count / (kLastNm - kFirstNm) * (job.light_unit_cd_m2 / kLumensPerWatt));
+    channels.bin_scale_ = static_cast<float>(count / (color::kLambdaMax - color::kLambdaMin) * (job.light_unit_cd_m2 / kLumensPerWatt));
     return channels;
 }
 
@@ -177,10 +176,11 @@ void Channels::add_pair(float lambda_nm, float power, float* out) const {
         return;
     }
     if (bins_ > 0) {
-        const float place =
-            (lambda_nm - static_cast<float>(kFirstNm)) * (static_cast<float>(bins_) / static_cast<float>(kLastNm - kFirstNm));
-        if (place < 0 || lambda_nm > static_cast<float>(kLastNm)) return;
-        out[std::min(static_cast<int>(place), bins_ - 1)] += power * bin_scale_;
+        const float place = (lambda_nm - static_cast<float>(color::kLambdaMin)) *
+                            (static_cast<float>(bins_) / static_cast<float>(color::kLambdaMax - color::kLambdaMin));
+        if (place < 0 || lambda_nm > static_cast<float>(color::kLambdaMax)) return;
+        out[std::min(static_cast<int>(place), bins_ - 1)] +=
+            power * bin_scale_;
         return;
     }
     const std::array<float, 3> f = (*observer_)(lambda_nm);

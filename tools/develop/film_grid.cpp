@@ -12,23 +12,11 @@ int level_of_cells(std::uint32_t width, std::uint32_t height) {
     return level;
 }
 
-std::uint64_t spread_bits(std::uint32_t value) {
-    std::uint64_t x = value;
-    x = (x | x << 16) & 0x0000FFFF0000FFFF;
-    x = (x | x << 8) & 0x00FF00FF00FF00FF;
-    x = (x | x << 4) & 0x0F0F0F0F0F0F0F0F;
-    x = (x | x << 2) & 0x3333333333333333;
-    x = (x | x << 1) & 0x5555555555555555;
-    return x;
-}
-
 }  // namespace
 
 PixelRect intersection(const PixelRect& a, const PixelRect& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
-
-std::uint64_t z_code(std::uint32_t x, std::uint32_t y) { return spread_bits(x) | spread_bits(y) << 1; }
 
 FilmGrid::Axis::Axis(std::uint32_t pixel_count, int level, int reach) : pixels(pixel_count), extent(0) {
     const std::uint64_t cells = std::uint64_t{1} << level, side = std::uint64_t{1} << (32 - level);

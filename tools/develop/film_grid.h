@@ -18,9 +18,6 @@ struct PixelRect {
 };
 PixelRect intersection(const PixelRect& a, const PixelRect& b);
 
-// Interleaves the bits of x (even places) and y (odd places): the order of cells along the Z curve.
-std::uint64_t z_code(std::uint32_t x, std::uint32_t y);
-
 // Cells are the dyadic squares of the film at the coarsest level where both sides are at most kCellPixels pixels. The cell of a
 // record is a prefix of its position, whatever the image size. Each cell is accumulated by itself, in a window that exceeds it by
 // the reach of the filter, and in the order of its records; windows are added up in the order of the Z curve. Neither depends on

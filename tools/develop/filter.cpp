@@ -7,14 +7,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "base/parse.h"
 
 namespace latent::develop {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // exp(-x), x >= 0, by + - * / alone: the series at x / 2^m, then m squarings. Relative error below 1e-13 for x <= 64.
 double exp_minus(double x) {
@@ -28,7 +27,7 @@ double exp_minus(double x) {
 
 // 2 J1(pi x) / (pi x) as a function of x^2: sum over k of (-z)^k / (k! (k + 1)!), z = (pi x / 2)^2. Error below 1e-11 for x < 4.
 double jinc(double x2) {
-    const double z = kPi * kPi * x2 / 4;
+    const double z = std::numbers::pi * std::numbers::pi * x2 / 4;
     double sum = 1, term = 1;
     for (int k = 1; k < 64; ++k) sum += term *= -z / (static_cast<double>(k) * (k + 1));
     return sum;

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/parse.h"
+#include "base/stopwatch.h"
 #include "color/observer.h"
 #include "color/rgb_space.h"
 #include "image/exr_tile_writer.h"
@@ -52,7 +52,7 @@ Result<color::Observer> find_observer(const std::string& name) {
 std::vector<std::string> spectral_channel_names(int bins) {
     std::vector<std::string> names;
     for (int i = 0; i < bins; ++i) {
-        std::string nm = fmt::format("{:.3f}", 360 + 470 * (i + 0.5) / bins);
+        std::string nm = fmt::format("{:.3f}", color::kLambdaMin + (color::kLambdaMax - color::kLambdaMin) * (i + 0.5) / bins);
         std::ranges::replace(nm, '.', ',');
         names.push_back("S0." + nm + "nm");
     }
@@ -203,7 +203,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     const auto writer = image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *observer), waiting_for_mipmap);
     if (!writer) return writer.error();
     ExrSink sink(**writer);
-    const auto begin = std::chrono::steady_clock::now();
+    const Stopwatch stopwatch;
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(options.threads).run([&] { counts = develop(gathering, *channels, settings, sink, progress); });
     if (!counts) return counts.error();
@@ -211,7 +211,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (Status s = out->publish(); !s) return s.error();
     report.counts = *counts;
     report.bytes_read = gathering.bytes_read();
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    report.seconds = stopwatch.seconds();
     advise(options, report, report.warnings);
     return report;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sampledb/data/z_order.h"
+
 namespace latent::develop {
 
 namespace {
@@ -24,8 +26,8 @@ FilmNode child(const FilmNode& node, int i) {
 
 ZRange z_range(const FilmGrid& grid, const FilmNode& node) {
     const PixelRect cells = grid.cells_of(node);
-    return {z_code(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0)),
-            z_code(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1)) + 1};
+    return {sampledb::z_code(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0)),
+            sampledb::z_code(static_cast<std::uint32_t>(cells.x1 - 1), static_cast<std::uint32_t>(cells.y1 - 1)) + 1};
 }
 
 Plan::Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs)
@@ -47,7 +49,7 @@ Result<Plan> Plan::make(const sampledb::Gathering& gathering, const FilmGrid& gr
             ++plan.pages_;
             plan.stored_bytes_ += page.stored_size;
             const int level = std::min<int>(page.node.level, static_cast<int>(plan.inside_.size()) - 1);
-            std::uint64_t z = z_code(page.node.x, page.node.y) >> (2 * (page.node.level - level));
+            std::uint64_t z = sampledb::z_code(page.node.x, page.node.y) >> (2 * (page.node.level - level));
             for (int above = level; above >= 0; --above, z >>= 2) plan.inside_[above][z] += bytes;
         }
     }
@@ -56,7 +58,7 @@ Result<Plan> Plan::make(const sampledb::Gathering& gathering, const FilmGrid& gr
 
 std::uint64_t Plan::inside(const FilmNode& node) const {
     const int level = std::min<int>(node.level, static_cast<int>(inside_.size()) - 1);
-    return inside_[level][z_code(node.x, node.y) >> (2 * (node.level - level))];
+    return inside_[level][sampledb::z_code(node.x, node.y) >> (2 * (node.level - level))];
 }
 
 std::uint64_t Plan::own(const FilmNode& node) const {

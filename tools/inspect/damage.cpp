@@ -6,8 +6,6 @@ namespace latent::inspect {
 
 using namespace sampledb;
 
-bool is_damage(const Error& error) { return error.code == ErrorCode::kCorrupt || error.code == ErrorCode::kTruncated; }
-
 Damage lost_run(std::size_t number, const RunInfo& run, const Error& why) {
     return {run.offset, run.header.size(),
             fmt::format("run {} at byte {}: {}; samples {}..{} lost", number, run.offset, why.message, run.header.samples.first,

@@ -4,12 +4,10 @@
 #include <cstddef>
 
 #include "base/result.h"
+#include "sampledb/data/unreadable.h"
 #include "sampledb/read/file_reader.h"
 
 namespace latent::inspect {
-
-// Whether an error is about the bytes of a file, not about reading them.
-bool is_damage(const Error& error);
 
 // The `number`th run of a file is lost, and why.
 sampledb::Damage lost_run(std::size_t number, const sampledb::RunInfo& run, const Error& why);
