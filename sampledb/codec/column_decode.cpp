@@ -9,8 +9,8 @@
 
 #include "hwy/highway.h"
 #include "sampledb/codec/planes.h"
-#include "sampledb/data/unreadable.h"
 #include "sampledb/data/film_position.h"
+#include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
 

@@ -164,7 +164,8 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, int count) {
     channels.density_ = job.density;
     channels.count_ = channels.bins_ = count;
     // A luminance of Y light units is 683 times the integral of ybar times the radiance in watts.
-    channels.bin_scale_ = static_cast<float>(count / (color::kLambdaMax - color::kLambdaMin) * (job.light_unit_cd_m2 / kLumensPerWatt));
+    channels.bin_scale_ =
+        static_cast<float>(count / (color::kLambdaMax - color::kLambdaMin) * (job.light_unit_cd_m2 / kLumensPerWatt));
     return channels;
 }
 
@@ -179,8 +180,7 @@ void Channels::add_pair(float lambda_nm, float power, float* out) const {
         const float place = (lambda_nm - static_cast<float>(color::kLambdaMin)) *
                             (static_cast<float>(bins_) / static_cast<float>(color::kLambdaMax - color::kLambdaMin));
         if (place < 0 || lambda_nm > static_cast<float>(color::kLambdaMax)) return;
-        out[std::min(static_cast<int>(place), bins_ - 1)] +=
-            power * bin_scale_;
+        out[std::min(static_cast<int>(place), bins_ - 1)] += power * bin_scale_;
         return;
     }
     const std::array<float, 3> f = (*observer_)(lambda_nm);

@@ -5,7 +5,9 @@
 #include <algorithm>
 
 #include "render/load/pbrt/directive_hash.h"
-#include "render/load/pbrt/entities.h"
+#include "render/load/pbrt/lights.h"
+#include "render/load/pbrt/materials.h"
+#include "render/load/pbrt/shapes.h"
 #include "render/scene/check.h"
 
 namespace latent::render {

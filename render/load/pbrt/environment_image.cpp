@@ -1,11 +1,11 @@
-// Environment images: EXR files in pbrt's equal-area octahedral mapping.
+#include "render/load/pbrt/environment_image.h"
+
 #include <fmt/format.h>
 
 #include <array>
 
 #include "color/rgb_space.h"
 #include "image/exr_reader.h"
-#include "render/load/pbrt/entities.h"
 
 namespace latent::render {
 

@@ -1,9 +1,8 @@
-// Film, camera and integrator. Defaults are pbrt-v4's.
+#include "render/load/pbrt/film_camera.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "render/load/pbrt/entities.h"
 
 namespace latent::render {
 

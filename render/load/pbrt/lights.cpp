@@ -1,7 +1,8 @@
-// Lights. Defaults are pbrt-v4's.
+#include "render/load/pbrt/lights.h"
+
 #include <fmt/format.h>
 
-#include "render/load/pbrt/entities.h"
+#include "render/load/pbrt/environment_image.h"
 
 namespace latent::render {
 

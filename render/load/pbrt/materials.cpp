@@ -1,10 +1,10 @@
-// Materials and media. Defaults are pbrt-v4's.
+#include "render/load/pbrt/materials.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "color/named_spectra.h"
-#include "render/load/pbrt/entities.h"
 
 namespace latent::render {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "render/load/pbrt/builder.h"
-#include "render/load/pbrt/entities.h"
+#include "render/load/pbrt/film_camera.h"
 #include "render/scene/check.h"
 
 namespace latent::render {

@@ -1,10 +1,10 @@
-// Shapes: meshes are brought into the space of `ctm` here, quadrics keep their transformation.
+#include "render/load/pbrt/shapes.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "render/load/mesh/ply.h"
-#include "render/load/pbrt/entities.h"
 
 namespace latent::render {
 
