@@ -95,8 +95,8 @@ int main(int argc, char** argv) try {
     if (!ignore_space) {
         if (const Status fits = check_space(**job, options, stop_requested); !fits) return cli::fail(fits.error());
     }
-    const Progress progress = cli::progress(common, "rendering");
-    const Result<RenderReport> report = render::render(**job, options, stop_requested, progress);
+    // The bar is gone before the report: it lives as long as this expression.
+    const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress(common, "rendering"));
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);
