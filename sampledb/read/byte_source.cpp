@@ -1,7 +1,10 @@
 #include "sampledb/read/byte_source.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstring>
 
 namespace latent::sampledb {
@@ -15,6 +18,12 @@ Result<FileSource> FileSource::open(const std::filesystem::path& path) {
 }
 
 Status FileSource::read(std::uint64_t offset, std::span<std::byte> into) const { return file_.read_exact(offset, into); }
+
+std::uint64_t FileSource::end_of_hole(std::uint64_t offset) const {
+    const off_t data = ::lseek(file_.descriptor(), static_cast<off_t>(offset), SEEK_DATA);
+    if (data < 0) return errno == ENXIO ? std::max(offset, size_) : offset;  // none behind it; or not known here
+    return std::min(static_cast<std::uint64_t>(data), std::max(offset, size_));
+}
 
 Status MemorySource::read(std::uint64_t offset, std::span<std::byte> into) const {
     if (offset > bytes_.size() || into.size() > bytes_.size() - offset) {

@@ -20,6 +20,8 @@ class ByteSource {
     // Exactly `into.size()` bytes. Errors: kTruncated past the end, kIo.
     virtual Status read(std::uint64_t offset, std::span<std::byte> into) const = 0;
     virtual std::string name() const = 0;  // for messages
+    // All bytes from `offset` up to here are zero, without being stored: a hole of a file.
+    virtual std::uint64_t end_of_hole(std::uint64_t offset) const { return offset; }
 };
 
 class FileSource final : public ByteSource {
@@ -29,6 +31,7 @@ class FileSource final : public ByteSource {
     std::uint64_t size() const override { return size_; }
     Status read(std::uint64_t offset, std::span<std::byte> into) const override;
     std::string name() const override { return file_.path().string(); }
+    std::uint64_t end_of_hole(std::uint64_t offset) const override;
     const File& file() const { return file_; }
 
  private:

@@ -100,6 +100,8 @@ class Walker {
     Result<Place> search(std::uint64_t offset) const {
         constexpr std::uint64_t kChunk = 64 * kBlock;
         for (; offset < end_; offset += kChunk) {
+            offset += (source_.end_of_hole(offset) - offset) / kBlock * kBlock;
+            if (offset >= end_) break;
             const Result<Bytes> chunk = read(offset, kChunk);
             if (!chunk) return chunk.error();
             for (std::uint64_t at = 0; at < chunk->size(); at += kBlock) {
