@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "sampledb/read/file_reader.h"
+#include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -69,7 +71,7 @@ void expect_runs(const Case& c, ByteSpan bytes, const std::vector<std::size_t>& 
 TEST(Damage, AFileCutAtAnyByteYieldsEveryRunBeforeTheCut) {
     for (const Case& c : cases()) {
         for (std::size_t cut = 0; cut < c.file.bytes.size(); ++cut) {
-            SCOPED_TRACE(testing::Message() << c.name << " cut at " << cut);
+            SCOPED_TRACE(::testing::Message() << c.name << " cut at " << cut);
             expect_runs(c, ByteSpan(c.file.bytes).first(cut), runs_outside(c.file, cut, c.file.bytes.size()),
                         VerifyLevel::kHeaders);
             if (HasFatalFailure()) return;
@@ -80,7 +82,7 @@ TEST(Damage, AFileCutAtAnyByteYieldsEveryRunBeforeTheCut) {
 TEST(Damage, AZeroedSectorCostsTheRunThatItMeets) {
     for (const Case& c : cases()) {
         for (std::size_t at = 0; at < c.file.bytes.size(); at += 512) {
-            SCOPED_TRACE(testing::Message() << c.name << " zeroed at " << at);
+            SCOPED_TRACE(::testing::Message() << c.name << " zeroed at " << at);
             Bytes bytes = c.file.bytes;
             const std::size_t end = std::min(at + 512, bytes.size());
             std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(end),
@@ -96,12 +98,35 @@ TEST(Damage, AFlippedBitCostsTheRunThatItMeets) {
     for (const Case& c : cases()) {
         Bytes bytes = c.file.bytes;
         for (std::size_t at = 0; at < bytes.size(); ++at) {
-            SCOPED_TRACE(testing::Message() << c.name << " flipped at " << at);
+            SCOPED_TRACE(::testing::Message() << c.name << " flipped at " << at);
             const std::byte bit{static_cast<unsigned char>(1u << at % 8)};
             bytes[at] ^= bit;
             expect_runs(c, bytes, runs_outside(c.file, at, at + 1));
             bytes[at] ^= bit;
             if (HasFatalFailure()) return;
+        }
+    }
+}
+
+// A disk that lost blocks, or a sparse file: what was never stored is not read, and the runs behind it are found.
+TEST(Damage, AHoleInAFileCostsNoRunBehindIt) {
+    constexpr std::uint64_t kHole = std::uint64_t{1} << 22;
+    const latent::testing::TemporaryFolder folder;
+    for (const Case& c : cases()) {
+        for (const std::uint64_t shift : {kHole, kHole + 4096, kHole + (std::uint64_t{63} << 12)}) {
+            const auto path = folder / "sparse.latent";
+            const std::size_t first = c.file.run_ends[0], end = c.file.run_ends.back();
+            std::ofstream out(path, std::ios::binary);
+            out.write(reinterpret_cast<const char*>(c.file.bytes.data()), static_cast<std::streamsize>(first));
+            out.seekp(static_cast<std::streamoff>(shift), std::ios::cur);
+            out.write(reinterpret_cast<const char*>(c.file.bytes.data()) + first, static_cast<std::streamsize>(end - first));
+            out.close();
+            const Result<FileSource> source = FileSource::open(path);
+            ASSERT_TRUE(source);
+            const Result<FileContents> file = read_file(*source, VerifyLevel::kStored);
+            ASSERT_TRUE(file) << file.error().message;
+            ASSERT_EQ(file->runs.size(), c.file.run_ends.size()) << c.name;
+            EXPECT_EQ(file->runs[1].offset, first + shift);
         }
     }
 }
