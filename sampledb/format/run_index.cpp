@@ -44,7 +44,8 @@ Result<PageInfo> get_page_entry(ByteReader& in, const Job& job) {
     page.stored_size = in.get<std::uint32_t>();
     reserved |= in.get<std::uint32_t>();
     page.stored_hash = in.get<std::uint64_t>();
-    if (record_class > 1 || reserved != 0) return corrupt("a page of unknown class");
+    if (record_class > 1) return corrupt("a page of unknown class");
+    if (reserved != 0) return corrupt("a page's entry with reserved bytes that are not zero");
     page.record_class = RecordClass{record_class};
     if (page.node.level > kZPrefixLevels || page.node.x >> page.node.level != 0 || page.node.y >> page.node.level != 0) {
         return corrupt("a page outside the film");
