@@ -25,7 +25,6 @@ class Loader {
         builder_.finish(end_);
         if (!messages_.errors().empty())
             return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(messages_.errors(), "\n"))};
-        scene_.content = files_.hash();
         scene_.warnings = messages_.warnings();
         return std::move(scene_);
     }

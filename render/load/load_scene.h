@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/hash.h"
 #include "base/result.h"
 #include "render/scene/description.h"
 
@@ -13,7 +12,6 @@ namespace latent::render {
 
 struct LoadedScene {
     SceneDescription description;
-    Hash128 content;                    // of everything that shapes the picture: directives and the content of files, not names
     std::vector<std::string> warnings;  // "room.pbrt:3:1: ...": what was ignored, though the picture is right without it
 };
 

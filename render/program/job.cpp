@@ -7,6 +7,7 @@
 
 #include "render/program/make_integrator.h"
 #include "render/program/simd.h"
+#include "render/scene/canonical.h"
 
 namespace latent::render {
 
@@ -122,6 +123,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value());
     if (!scene) return scene.error();
     out->scene = std::move(*scene);
+    const Hash128 content = make_canonical(out->scene.description);
     const SceneDescription& description = out->scene.description;
     Result<std::unique_ptr<Geometry>> geometry = Geometry::build(description, out->simd);
     if (!geometry) return geometry.error();
@@ -145,7 +147,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     job.light_paths_per_sample = out->integrator->light_paths_per_sample();
     job.run_samples = settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(out->raw_sample_bytes);
     job.positions = integrator_options.positions;
-    job.id = job_id(out->scene.content, integrator_options, out->integrator->density(), job);
+    job.id = job_id(content, integrator_options, out->integrator->density(), job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 
     out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});

@@ -1,4 +1,4 @@
-// render/scene/description.h: what a .pbrt file says, resolved: plain data that geometry, lights and materials are built from.
+// render/scene/description.h: what a scene file says, resolved: plain data that geometry, lights and materials are built from.
 // Conventions are pbrt-v4's (docs/scenes.md): left-handed coordinates; directions of the world's, places counted from `origin`,
 // unless said otherwise.
 #pragma once

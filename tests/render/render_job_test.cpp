@@ -129,6 +129,33 @@ TEST_F(JobOf, HowMuchAndWhereAreNoPartOfIt) {
     EXPECT_EQ(same->range, (SampleRange{0, 30000}));  // one run: shard 0 is empty
 }
 
+// A medium or a dispersive material that nothing uses would add dimensions to a sample.
+TEST_F(JobOf, ScenesOfOneContentHaveOneIdAndTheSameRecords) {
+    const std::string light = "LightSource \"infinite\"\n", shape = "Shape \"disk\" \"float radius\" 3\n",
+                      area = "AreaLightSource \"diffuse\" \"spectrum L\" [500 0 501 5 502 0]\n",
+                      lamp = "Shape \"sphere\" \"float radius\" 0.1\n";
+    const auto of = [this](const std::string& world) {
+        RenderSettings settings;
+        settings.scene = folder_.write("room.pbrt", "Camera \"perspective\"\nWorldBegin\nTranslate 0 0 2\n" + world);
+        return job(settings);
+    };
+    const auto plain = of(light + "Material \"phong\"\n" + shape + area + lamp + "Translate 1 0 0\n" + lamp);
+    const auto other =
+        of("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]\n"
+           "Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nMaterial \"phong\"\n" +
+           light + shape + area + lamp + "Translate 1 0 0\n" + area + lamp);
+    EXPECT_EQ(other->job.id, plain->job.id);
+    sampledb::Records records[2];
+    RadianceFaults faults;
+    for (std::uint64_t n = 0; n < 256; ++n) {
+        plain->integrator->trace(n, records[0], faults);
+        other->integrator->trace(n, records[1], faults);
+    }
+    EXPECT_EQ(records[0].power, records[1].power);
+    EXPECT_GT(records[0].power.size(), 256u);
+    EXPECT_NE(of(light + "Material \"phong\"\n" + shape + area + lamp)->job.id, plain->job.id);
+}
+
 TEST_F(JobOf, ProvenanceNamesEverySettingAsItWasUsed) {
     const auto of = [this](auto&& change) {
         RenderSettings changed = settings();

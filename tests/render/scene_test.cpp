@@ -262,28 +262,5 @@ TEST(Scene, CameraLiesInTheMediumOutsideAtItsDirective) {
     EXPECT_EQ(scene->description.media[0].g, .3);
 }
 
-TEST(SceneContent, IsThePictureNotTheText) {
-    const Folder folder;
-    const auto content = [&](const std::string& text) { return load_scene(folder.write("room.pbrt", text))->content; };
-    const std::string ply =
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty "
-        "list uchar int vertex_indices\n"
-        "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-    folder.write("a.ply", ply);
-    folder.write("b.ply", ply);
-    folder.write("c.ply", ply + " ");
-    folder.write("inc.pbrt", "Translate 1 0 0\n");
-    const Hash128 original = content("WorldBegin\nTranslate 1 0 0\nShape \"plymesh\" \"string filename\" \"a.ply\"");
-    EXPECT_EQ(
-        content(
-            "# a comment\nSampler \"sobol\"\nWorldBegin Translate 1.0 -0 0e3\nShape \"plymesh\" \"string filename\" [ \"a.ply\" ]"),
-        original);
-    EXPECT_EQ(content("WorldBegin\nInclude \"inc.pbrt\"\nShape \"plymesh\" \"string filename\" \"b.ply\""), original);
-    EXPECT_NE(content("WorldBegin\nTranslate 1 0 0\nShape \"plymesh\" \"string filename\" \"c.ply\""), original);
-    EXPECT_NE(content("WorldBegin\nTranslate 1 0 1e-9\nShape \"plymesh\" \"string filename\" \"a.ply\""), original);
-    EXPECT_NE(content("WorldBegin\nTranslate 1 0 0\nReverseOrientation\nShape \"plymesh\" \"string filename\" \"a.ply\""),
-              original);
-}
-
 }  // namespace
 }  // namespace latent::render

@@ -26,8 +26,9 @@ void add(const Affined& map, const Box& from, Box& box) {
 
 // Seen from `origin`, rounded once.
 ShapeDescription placed(LoadedShape loaded, const Vec3d& origin) {
-    loaded.shape.to_world.t += -origin;
-    if (loaded.mesh) {
+    if (!loaded.mesh) {
+        loaded.shape.to_world.t += -origin;
+    } else {
         MeshDescription mesh{.normals = std::move(loaded.mesh->normals),
                              .uvs = std::move(loaded.mesh->uvs),
                              .indices = std::move(loaded.mesh->indices)};

@@ -43,7 +43,7 @@ class Body {
     Body(std::string_view bytes, Format format) : bytes_(bytes), format_(format) {}
 
     double value(Type type) {
-        if (format_ == Format::kAscii) return ascii();
+        if (format_ == Format::kAscii) return type == Type::kFloat32 ? static_cast<float>(ascii()) : ascii();
         const std::size_t size = kSize[static_cast<std::size_t>(type)];
         if (bytes_.size() < size) return fail();
         char raw[8];

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "render/load/pbrt/directive_hash.h"
 #include "render/load/pbrt/lights.h"
 #include "render/load/pbrt/materials.h"
 #include "render/load/pbrt/shapes.h"
@@ -55,9 +54,6 @@ std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation
 }
 
 void SceneBuilder::apply(const Directive& d) {
-    const bool ignored = d.name == "Sampler" || d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option" ||
-                         d.name == "TransformTimes";
-    if (!ignored && d.name != "Film" && d.name != "Integrator") count(d, files_);  // those two count in the job, as they are used
     if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
     if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": must come after WorldBegin");
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);

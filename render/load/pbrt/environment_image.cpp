@@ -26,10 +26,6 @@ Result<color::Matrix3> srgb_from(const image::ExrImage& image) {
 }  // namespace
 
 std::shared_ptr<const ImageDescription> read_environment(const ParameterList& list, const std::string& name, SceneFiles& files) {
-    if (const Result<std::string> counted = files.read(name); !counted) {
-        list.error(counted.error().message);
-        return nullptr;
-    }
     const Result<image::ExrReader> reader = image::ExrReader::open(files.resolve(name));
     if (!reader) {
         list.error(reader.error().message + "; environment images must be EXR files");

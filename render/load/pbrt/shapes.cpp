@@ -124,7 +124,7 @@ bool is_finite(const LoadedShape& loaded) {
 std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
                                     bool reverse_orientation, SceneFiles& files) {
     std::vector<LoadedShape> shapes;
-    ShapeDescription common{.to_world = ctm, .location = list.directive().where};
+    ShapeDescription common{.location = list.directive().where};
     common.flip_normal = reverse_orientation != ctm.swaps_handedness();
     if (type == "trianglemesh") {
         LoadedMesh mesh = read_mesh(list, 3);
@@ -138,6 +138,7 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         read_ply(list, ctm, reverse_orientation, common, files, shapes);
     } else if (type == "sphere" || type == "disk") {
         common.kind = type == "sphere" ? ShapeKind::kSphere : ShapeKind::kDisk;
+        common.to_world = ctm;
         common.flip_normal = reverse_orientation;
         common.radius = list.number("radius", 1, 1e-30, 1e30);
         if (list.number("phimax", 360, 0, 360) != 360) list.error("phimax: only whole quadrics are supported");

@@ -1,0 +1,102 @@
+#include "render/scene/canonical.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "render/scene/content_hash.h"
+#include "render/scene/fields.h"
+
+namespace latent::render {
+
+namespace {
+
+// A table as it becomes.
+template <class T>
+struct Reordered {
+    std::map<Hash128, std::uint32_t> index;  // of the entry with this content
+    std::vector<T> entries;
+};
+template <class... Table>
+std::tuple<Reordered<typename std::remove_reference_t<Table>::value_type>...> reordered(const std::tuple<Table...>&);
+
+// Visits fields and renumbers the indices among them.
+class Renumbering {
+ public:
+    Renumbering(SceneDescription& scene, const ContentHashes& hashes) : scene_(scene), hashes_(hashes) {}
+
+    template <class... T>
+    void operator()(T&... x) {
+        (go_into(x), ...);
+    }
+    template <class... T>
+    void label(const T&...) {}
+    template <class T, class... I>
+    void index(I&... i) {
+        (renumber<T>(i), ...);
+    }
+    // At the end: the tables become what was collected.
+    void finish() {
+        std::apply([this]<class... T>(Reordered<T>&... tables) { ((table<T>(scene_) = std::move(tables.entries)), ...); }, tables_);
+    }
+
+ private:
+    // An entry moves when it is first met; its address still names its hash.
+    template <class T>
+    void renumber(std::uint32_t& i) {
+        if (i == kNone) return;
+        Reordered<T>& to = std::get<Reordered<T>>(tables_);
+        T& entry = table<T>(scene_)[i];
+        const auto [known, is_new] =
+            to.index.try_emplace(hashes_.entries.at(&entry), static_cast<std::uint32_t>(to.entries.size()));
+        i = known->second;
+        if (!is_new) return;
+        to.entries.push_back(std::move(entry));
+        T moved = std::move(to.entries[i]);  // outside: entries that it refers to may be of the same table
+        go_into(moved);
+        to.entries[i] = std::move(moved);
+    }
+    template <class T>
+    void go_into(T& x) {
+        if constexpr (Listed<T, Renumbering>) each_field(x, *this);
+    }
+    template <class T>
+    void go_into(std::vector<T>& items) {
+        if constexpr (Listed<T, Renumbering>) {
+            for (T& x : items) go_into(x);
+        }
+    }
+    template <class T, std::size_t N>
+    void go_into(std::array<T, N>& items) {
+        for (T& x : items) go_into(x);
+    }
+    template <class T>
+    void go_into(std::optional<T>& x) {
+        if (x) go_into(*x);
+    }
+    template <class... T>
+    void go_into(std::variant<T...>& x) {
+        std::visit([this](auto& value) { go_into(value); }, x);
+    }
+    // What is shared is shared between scenes too: it stays as it is, and holds no indices.
+    template <class T>
+    void go_into(std::shared_ptr<const T>&) {}
+
+    SceneDescription& scene_;
+    const ContentHashes& hashes_;
+    decltype(reordered(tables(std::declval<SceneDescription&>()))) tables_;
+};
+
+}  // namespace
+
+Hash128 make_canonical(SceneDescription& scene) {
+    const ContentHashes hashes = content_hashes(scene);
+    Renumbering renumbering(scene, hashes);
+    each_field(scene, renumbering);
+    renumbering.finish();
+    return hashes.scene;
+}
+
+}  // namespace latent::render

@@ -1,0 +1,137 @@
+// render/scene/fields.h: every field of every struct of a description, listed once. What goes through a whole scene, such as its
+// content hash, goes through these lists.
+#pragma once
+
+#include <concepts>
+#include <tuple>
+#include <type_traits>
+
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+// each_field(x, visit) calls for every field of x exactly one of
+//   visit(a, b ...)                     a field that shapes the picture
+//   visit.label(a, b ...)               one that does not: names, places in files
+//   visit.template index<T>(i, j ...)   an index into the scene's table of T, or kNone
+// Each list begins by naming all fields of the struct, so a new field does not compile until it is named here as well. Then put it
+// into one of the three calls. A new struct needs a list of its own. Numbers, enums, strings, spectra, hashes, arrays, vectors,
+// optional, variant and shared_ptr need nothing more. Data that stay in a file while the scene is rendered count by the Hash128 of
+// the file's bytes, in a field beside the name, and the name is a label.
+template <class T, class U>
+concept Of = std::same_as<std::remove_const_t<T>, U>;
+
+template <class Visit>
+void each_field(Of<CameraDescription> auto& camera, Visit&& visit) {
+    auto& [kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, mapping, medium, location] = camera;
+    visit(kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, mapping);
+    visit.template index<MediumDescription>(medium);
+    visit.label(location);
+}
+
+template <class Visit>
+void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
+    auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, location] = material;
+    visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y);
+    visit.label(name, location);
+}
+
+template <class Visit>
+void each_field(Of<MediumDescription> auto& medium, Visit&& visit) {
+    auto& [name, sigma_a, sigma_s, scale, g, location] = medium;
+    visit(sigma_a, sigma_s, scale, g);
+    visit.label(name, location);
+}
+
+template <class Visit>
+void each_field(Of<AreaLightDescription> auto& light, Visit&& visit) {
+    auto& [spectrum, scale, power, two_sided, location] = light;
+    visit(spectrum, scale, power, two_sided);
+    visit.label(location);
+}
+
+template <class Visit>
+void each_field(Of<ImageDescription> auto& image, Visit&& visit) {
+    auto& [width, height, rgb] = image;
+    visit(width, height, rgb);
+}
+
+template <class Visit>
+void each_field(Of<LightDescription> auto& light, Visit&& visit) {
+    auto& [kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, image, medium,
+           location] = light;
+    visit(kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, image);
+    visit.template index<MediumDescription>(medium);
+    visit.label(location);
+}
+
+template <class Visit>
+void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
+    auto& [positions, normals, uvs, indices] = mesh;
+    visit(positions, normals, uvs, indices);
+}
+
+template <class Visit>
+void each_field(Of<ShapeDescription> auto& shape, Visit&& visit) {
+    auto& [kind, mesh, to_world, radius, inner_radius, height, flip_normal, pairs, material, area_light, inside_medium,
+           outside_medium, location] = shape;
+    visit(kind, mesh, to_world, radius, inner_radius, height, flip_normal, pairs);
+    visit.template index<MaterialDescription>(material);
+    visit.template index<AreaLightDescription>(area_light);
+    visit.template index<MediumDescription>(inside_medium, outside_medium);
+    visit.label(location);
+}
+
+template <class Visit>
+void each_field(Of<ObjectDescription> auto& object, Visit&& visit) {
+    auto& [name, origin, shapes] = object;
+    visit(origin, shapes);
+    visit.label(name);
+}
+
+template <class Visit>
+void each_field(Of<InstanceDescription> auto& instance, Visit&& visit) {
+    auto& [object, world_from_object, location] = instance;
+    visit.template index<ObjectDescription>(object);
+    visit(world_from_object);
+    visit.label(location);
+}
+
+// The tables are reached through the indices that refer to them. The film's aspect, the integrator and its depth count in the job
+// id as they are used, whether the scene or the command line gave them.
+template <class Visit>
+void each_field(Of<SceneDescription> auto& scene, Visit&& visit) {
+    auto& [files, film, origin, camera, integrator, max_depth, materials, media, lights, area_lights, shapes, objects, instances] =
+        scene;
+    visit(origin, camera, lights, shapes, instances);
+    visit.label(files, film, integrator, max_depth);
+}
+
+// What fields refer to by index.
+auto tables(Of<SceneDescription> auto& scene) { return std::tie(scene.materials, scene.media, scene.area_lights, scene.objects); }
+
+// The table of T.
+template <class T>
+auto& table(Of<SceneDescription> auto& scene) {
+    constexpr bool is_const = std::is_const_v<std::remove_reference_t<decltype(scene)>>;
+    return std::get<std::conditional_t<is_const, const std::vector<T>, std::vector<T>>&>(tables(scene));
+}
+
+template <class T, class Visit>
+void each_field(Vec2<T>& v, Visit&& visit) {
+    visit(v.x, v.y);
+}
+template <class V, class Visit>
+requires Of<V, Vec3f> || Of<V, Vec3d>
+void each_field(V& v, Visit&& visit) { visit(v.x, v.y, v.z); }
+template <class A, class Visit>
+requires Of<A, Affinef> || Of<A, Affined>
+void each_field(A& map, Visit&& visit) { visit(map.x, map.y, map.z, map.t); }
+
+// A struct with a list of its own.
+template <class T, class Visit>
+concept Listed = requires(T& x, Visit& visit) {
+    each_field(x, visit);
+};
+
+}  // namespace latent::render
