@@ -1,4 +1,4 @@
-// render/medium/equiangular.h: distances along a stretch of a ray by the angle that it fills as seen from a light's point
+// render/medium/equiangular.h: distances along a segment of a ray by the angle that it fills as seen from a light's point
 // [KullaFajardo12]. docs/rendering.md, "Media".
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace latent::render {
 
-// With D the distance of the light from the ray, delta [m] where the ray is nearest to it and Theta the angle of the stretch, or of
+// With D the distance of the light from the ray, delta [m] where the ray is nearest to it and Theta the angle of the segment, or of
 // what of it lies in the cone of a spot:
 //   p_E(t) = D / (Theta (D^2 + (t - delta)^2))    [1/m]
 // Light falls off as the same D^2 + (t - delta)^2: what scatters there weighs the same wherever it is.
@@ -29,7 +29,7 @@ class Equiangular {
         r2_ = D_ * D_ + delta_ * delta_;
         float last = turns_of(r2_ / length - delta_, D_);
         if (outer <= 1) {
-            // In the plane of ray and light the cone is a sector: `middle` +- `half`, from the start of the stretch as all angles.
+            // In the plane of ray and light the cone is a sector: `middle` +- `half`, from the start of the segment as all angles.
             const float along = dot(axis, d), across = dot(axis, d * delta_ - to) / D_;
             const float out = dot(axis, normal) / D_, square = outer * (2 - outer) - out * out;  // squared sines: narrow cones too
             if (!(square > 0)) return;
@@ -46,7 +46,7 @@ class Equiangular {
         end_ = at(last);
     }
 
-    bool is_empty() const { return turns_ == 0; }  // no light on the stretch
+    bool is_empty() const { return turns_ == 0; }  // no light on the segment
     // Not of an empty one.
     float sample(float u) const { return at(first_ + u * turns_); }
     float pdf(float t) const {

@@ -1,33 +1,23 @@
-// render/medium/medium.h: homogeneous media that absorb and scatter each wavelength differently. docs/rendering.md, "Media".
+// render/medium/medium.h: what absorbs and scatters between surfaces, each wavelength differently. docs/rendering.md, "Media".
 #pragma once
 
 #include <cstdint>
 
-#include "render/math/elementary.h"
+#include "render/medium/march.h"
 #include "render/medium/phase.h"
-#include "render/sampling/uniform.h"
-#include "render/scene/description.h"
-#include "render/spectral/spectra.h"
+#include "render/sampling/sample_state.h"
+#include "render/spectral/batch.h"
 
 namespace latent::render {
 
-struct Medium {
-    std::uint32_t sigma_t = 0, sigma_s = 0;  // spectra [1/m]
-    PhaseFunction phase;
-};
-
-// Farther than any scene; products with it stay finite.
-inline constexpr float kFar = 1e30f;
-
-// Distances are drawn in one wavelength, chosen uniformly, and weighed by the mean density over all k: the balance heuristic
-// between the k ways to draw one. That mean is the density of the step, whichever subpath took it:
-//   a vertex in the medium   p(t) = 1/k sum sigma_t e^(-sigma_t t)    [1/m]
-//   passing a length d       P(d) = 1/k sum e^(-sigma_t d)
+// A step along a segment. Densities are means over the k wavelengths, the same for whatever subpath takes the step, and depend on
+// its ends alone: multiple importance sampling compares them.
 struct MediumStep {
     bool scattered;
-    float t;        // where, if scattered
-    float density;  // p(t) or P(d)
-    float passing;  // P(t) or P(d)
+    float t;              // [m]: where, or the length of the segment
+    float density;        // of a vertex at t [1/m], or the probability of passing the segment
+    float transmittance;  // of the way to t
+    float column;         // [m]: integral of the medium's relative density along that way; its length if the medium is homogeneous
 };
 
 inline float mean_over(const Batch& value, std::uint32_t k) {
@@ -36,57 +26,44 @@ inline float mean_over(const Batch& value, std::uint32_t k) {
     return sum / static_cast<float>(k);
 }
 
-// value *= e^(-sigma_t d); returns P(d).
-inline float multiply_transmittance(const Medium& medium, float d, SampledSpectra& spectra, Batch& value) {
-    const Batch& sigma_t = spectra[medium.sigma_t];
-    const float length = d < kFar ? d : kFar;
-    const Batch t = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * length); });
-    value *= t;
-    return mean_over(t, spectra.wavelengths.k);
-}
+class Medium {
+ public:
+    explicit Medium(const PhaseFunction& phase) : phase_(phase) {}
+    virtual ~Medium() = default;
 
-// p(t) / P(t): turns the odds of passing a stretch into the density of a vertex at its end.
-inline float scattering_over_passing(const Medium& medium, float t, SampledSpectra& spectra) {
-    const Batch& sigma_t = spectra[medium.sigma_t];
-    float scattering = 0, passing = 0;
-    for (std::uint32_t i = 0; i < spectra.wavelengths.k; ++i) {
-        const float transmittance = exp_of_negative(-sigma_t.v[i] * t);
-        scattering += sigma_t.v[i] * transmittance;
-        passing += transmittance;
-    }
-    return scattering / passing;
-}
+    const PhaseFunction& phase() const { return phase_; }
 
-// The line between two vertices, maybe through several media: the odds P of passing all of it, and its stretches at both ends.
-struct Line {
-    float passing = 1;
-    std::uint32_t first_medium = kNone, last_medium = kNone;
-    float first_length = 0, last_length = 0;
+    // Analogue tracking: draws where light scatters next, if it does on this segment. With T the transmittance in each wavelength,
+    // value *= the step's weight, sigma_s T / density, or T / density where nothing scatters.
+    virtual MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
+                                   Batch& value) const = 0;
+    // A vertex after t: value *= sigma_s T.
+    virtual MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, Batch& value) const = 0;
+    // The whole segment: value *= T, or an estimate of it whose mean is T.
+    virtual MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, Batch& value) const = 0;
+    // density / transmittance of a vertex at p after a way of this column: makes the probability of passing a segment the density
+    // of a vertex at its end.
+    virtual float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const = 0;
+
+ private:
+    PhaseFunction phase_;
 };
 
-// A vertex after a length t: value *= sigma_s e^(-sigma_t t).
-inline MediumStep scatter_at(const Medium& medium, float t, SampledSpectra& spectra, Batch& value) {
-    const Batch &sigma_t = spectra[medium.sigma_t], &sigma_s = spectra[medium.sigma_s];
-    const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
-    value *= transmittance;
-    value *= sigma_s;
-    const std::uint32_t k = spectra.wavelengths.k;
-    return {true, t, mean_over(transmittance * sigma_t, k), mean_over(transmittance, k)};
-}
+// What lies between two vertices: the probability of passing all of it, and the segments at both ends.
+struct LineOfSight {
+    float transmittance = 1;
+    std::uint32_t first_medium = kNone, last_medium = kNone;
+    float first_column = 0, last_column = 0;
 
-// Draws a step of at most d; value *= its weight: sigma_s e^(-sigma_t t) / p(t), or e^(-sigma_t d) / P(d).
-inline MediumStep sample_step(const Medium& medium, float d, Uniform u_wavelength, Uniform u, SampledSpectra& spectra,
-                              Batch& value) {
-    const float sigma = spectra[medium.sigma_t][u_wavelength.index(spectra.wavelengths.k)];
-    const float t = sigma > 0 ? -log_of_complement(u) / sigma : kInfinity;
-    if (!(t < d)) {
-        const float density = multiply_transmittance(medium, d, spectra, value);
-        value *= density > 0 ? 1 / density : 0;
-        return {false, d, density, density};
+    void add(const Segment& segment, float segment_transmittance, float column) {
+        transmittance *= segment_transmittance;
+        if (segment.index == 0) {
+            first_medium = segment.medium;
+            first_column = column;
+        }
+        last_medium = segment.medium;
+        last_column = column;
     }
-    const MediumStep step = scatter_at(medium, t, spectra, value);
-    value *= 1 / step.density;
-    return step;
-}
+};
 
 }  // namespace latent::render

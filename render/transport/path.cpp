@@ -39,44 +39,42 @@ class Path {
 
     // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
     bool find_vertex(Scattering& scattering) {
-        Ray ray = spawn_ray(at_, d_);
-        passing_ = 1;
-        for (std::uint32_t stretch = 0;; ++stretch) {
-            const std::optional<SurfaceHit> hit = world_.geometry().intersect(ray);
+        transmittance_ = 1;
+        for (March march(world_.geometry(), spawn_ray(at_, d_), medium_);; march.cross()) {
+            const Segment& segment = march.segment();
+            const std::optional<SurfaceHit>& hit = march.hit();
+            medium_ = segment.medium;
             if (medium_ != kNone) {
                 const Medium& medium = world_.medium(medium_);
-                const std::uint32_t again = stretch << 24;  // behind an interface a step needs numbers of its own
-                stretch_ = {ray.o, hit ? hit->t : kFar, {}};
+                const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
+                segment_ = segment;
                 if (depth_ < max_depth_) sample_point_light(medium, again);
-                const MediumStep step = sample_step(medium, stretch_.length, number(Dimension::kDistanceChannel + again),
-                                                    number(Dimension::kDistance + again), sample_.spectra, beta_);
-                if (step.scattered) {
-                    stretch_.step = step;
-                    at_ = {ray.o + ray.d * step.t, 0, {}};
-                    scattering = medium.phase;
+                step_ = medium.sample_step(segment, number(Dimension::kDistanceChannel + again),
+                                           number(Dimension::kDistance + again), sample_, beta_);
+                if (step_.scattered) {
+                    at_ = {segment.o + d_ * step_.t, 0, {}};
+                    scattering = medium.phase();
                     return true;
                 }
-                passing_ *= step.density;
+                transmittance_ *= step_.density;
             }
             if (!hit) {
                 see_sky();
                 return false;
             }
             if (hit->emitter != kNone) see_light(*hit);
-            if (!world_.is_interface(hit->material)) {
+            if (!is_interface(hit->material)) {
                 at_ = hit->anchor();
                 surface_ = *hit;
                 if (depth_ < max_depth_) scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
                 return true;
             }
-            medium_ = World::medium_beyond(*hit, d_, medium_);
-            ray = spawn_ray(hit->anchor(), d_);
         }
     }
 
     // `light_pdf`: density [1/sr] with which sample_light would have come here.
     void add_emission(Batch value, float light_pdf) {
-        if (!delta_) value *= power_heuristic(pdf_ * passing_, light_pdf);
+        if (!delta_) value *= power_heuristic(pdf_ * transmittance_, light_pdf);
         camera_.add(value, dispersed_, sample_.kept, sample_.k());
     }
     void see_light(const SurfaceHit& hit) {
@@ -96,10 +94,10 @@ class Path {
     }
 
     Equiangular equiangular_to(const Light& light) const {
-        return {stretch_.o, d_, stretch_.length, light.p, light.n, light.outer};
+        return {segment_.o, d_, segment_.length, light.p, light.n, light.outer};
     }
 
-    // One vertex more on the stretch, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
+    // One vertex more on the segment, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
     // the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and f / p in sample_light.
     void sample_point_light(const Medium& medium, std::uint32_t again) {
         const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
@@ -107,13 +105,13 @@ class Path {
         const Equiangular equiangular = equiangular_to(lights_[i]);
         if (equiangular.is_empty()) return;
         const float t = equiangular.sample(number(Dimension::kEquiangular + again));
-        const Anchor at{stretch_.o + d_ * t, 0, {}};
+        const Anchor at{segment_.o + d_ * t, 0, {}};
         LightPoint point;
         if (!lights_.sample_point(i, at.p, {}, {}, {}, point)) return;
         Batch value = beta_;
-        const float walk_pdf = scatter_at(medium, t, sample_.spectra, value).density;
-        Line line;
-        if (!receive(at, medium.phase, i, point, medium_, value, line)) return;
+        const float walk_pdf = medium.scatter_at(segment_, t, sample_, value).density;
+        LineOfSight line;
+        if (!receive(at, medium.phase(), i, point, medium_, value, line)) return;
         value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
         camera_.add(value, dispersed_, sample_.kept, sample_.k());
     }
@@ -128,27 +126,27 @@ class Path {
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
         if (!(scattering_pdf > 0)) return;
         Batch value = beta_;
-        const std::uint32_t medium = scattering.in_medium() ? medium_ : World::medium_beyond(surface_, point.wi, medium_);
-        Line line;
+        const std::uint32_t medium = scattering.in_medium() ? medium_ : medium_beyond(surface_, point.wi, medium_);
+        LineOfSight line;
         if (!receive(at_, scattering, i, point, medium, value, line)) return;
         const float light_pdf = lights_.probability(i) * point.pdf_omega;
         value *= point.falloff / light_pdf;
         if (lights_[i].is_point() && scattering.in_medium()) {
-            const float pdf = equiangular_to(lights_[i]).pdf(stretch_.step.t);
-            value *= stretch_.step.density / (stretch_.step.density + pdf);
+            const float pdf = equiangular_to(lights_[i]).pdf(step_.t);
+            value *= step_.density / (step_.density + pdf);
         }
-        if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.passing);
+        if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
         camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
     }
 
     // value *= what comes from a point of light i and goes on along -d_. False: nothing does.
     bool receive(const Anchor& at, const Scattering& scattering, std::uint32_t i, const LightPoint& point, std::uint32_t medium,
-                 Batch& value, Line& line) {
+                 Batch& value, LineOfSight& line) {
         scattering.multiply_f_cos(-d_, point.wi, value);
         lights_.multiply_emission(i, point.anchor.ng, -point.wi, sample_.spectra, value);
         if (value.is_black()) return false;
-        return lights_[i].is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_.spectra, value, line)
-                                        : world_.connect(at, point.anchor, medium, sample_.spectra, value, line);
+        return lights_[i].is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_, value, line)
+                                        : world_.connect(at, point.anchor, medium, sample_, value, line);
     }
 
     // Goes on in a direction of the scattering's own choice. False: absorbed.
@@ -165,7 +163,7 @@ class Path {
         delta_ = next.delta;
         eta2_ *= next.eta2;
         d_ = next.wi;
-        if (!scattering.in_medium()) medium_ = World::medium_beyond(surface_, d_, medium_);
+        if (!scattering.in_medium()) medium_ = medium_beyond(surface_, d_, medium_);
 
         const float survival = survival_probability(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
         if (survival <= 0) return false;
@@ -185,19 +183,16 @@ class Path {
     Anchor at_;           // the last vertex
     SurfaceHit surface_;  // the same, if it is on a surface
     Vec3f d_;             // from it, or towards the next one
-    struct {              // of the ray, in one medium
-        Vec3f o;
-        float length;
-        MediumStep step;  // to the last vertex, if that is in the medium
-    } stretch_;
+    Segment segment_;     // the last one in a medium
+    MediumStep step_;     // along it: to the last vertex, if that is in the medium
     Batch beta_{1.0f};
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one
     bool dispersed_ = false, delta_ = true;
-    float eta2_ = 1;     // of all refractions so far
-    float pdf_ = 0;      // [1/sr] of d_
-    Receiver receiver_;  // the last vertex, as lights were sampled for it
-    float passing_ = 1;  // probability of passing the media since the last vertex
+    float eta2_ = 1;           // of all refractions so far
+    float pdf_ = 0;            // [1/sr] of d_
+    Receiver receiver_;        // the last vertex, as lights were sampled for it
+    float transmittance_ = 1;  // probability of passing the media since the last vertex
 };
 
 class PathIntegrator final : public Transport {

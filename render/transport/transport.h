@@ -7,21 +7,13 @@
 #include <memory>
 #include <vector>
 
+#include "render/sampling/sample_state.h"
 #include "render/sampling/sequence.h"
 #include "render/transport/integrator.h"
 #include "render/transport/records.h"
 #include "render/world/world.h"
 
 namespace latent::render {
-
-// A sample on its way: its numbers, its wavelengths, and the one it keeps where it is dispersed.
-struct SampleState {
-    SampleNumbers numbers;
-    SampledSpectra& spectra;
-    std::uint32_t kept;
-
-    std::uint32_t k() const { return spectra.wavelengths.k; }
-};
 
 // Probability that a path goes on, from its throughput since it left the camera or the light. The eta^2 of radiance in denser media
 // is no loss. A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on it is at most 0.95: light

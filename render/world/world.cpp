@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/medium/homogeneous.h"
+
 namespace latent::render {
 
 Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry) {
@@ -14,14 +16,12 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         world->has_dispersion_ |= d.dispersive;
     }
     for (const MediumDescription& d : scene.media) {
-        Medium m;
         const auto add = [&](const std::function<double(double)>& sigma) {
             return world->library_.add(color::Spectrum::from_function(sigma, color::Outside::kZero), Lookup::kNearestNm);
         };
-        m.sigma_t = add([&](double nm) { return d.scale * (d.sigma_a(nm) + d.sigma_s(nm)); });
-        m.sigma_s = add([&](double nm) { return d.scale * d.sigma_s(nm); });
-        m.phase.g = static_cast<float>(d.g);
-        world->media_.push_back(m);
+        const std::uint32_t sigma_t = add([&](double nm) { return d.scale * (d.sigma_a(nm) + d.sigma_s(nm)); });
+        const std::uint32_t sigma_s = add([&](double nm) { return d.scale * d.sigma_s(nm); });
+        world->media_.push_back(std::make_unique<HomogeneousMedium>(sigma_t, sigma_s, PhaseFunction{.g = static_cast<float>(d.g)}));
     }
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
         return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
@@ -44,57 +44,38 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
 
 // Where a straight line from the camera, through everything, ends.
 std::uint32_t World::find_medium_at_infinity() const {
-    std::uint32_t medium = camera_.medium();
-    Ray ray{camera_.center(), camera_.axis()};
-    while (const std::optional<SurfaceHit> hit = geometry_->intersect(ray)) {
-        medium = medium_beyond(*hit, ray.d, medium);
-        ray = spawn_ray(hit->anchor(), ray.d);
-    }
-    return medium;
+    March march(*geometry_, {camera_.center(), camera_.axis()}, camera_.medium());
+    while (march.hit()) march.cross();
+    return march.segment().medium;
 }
 
-bool World::connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                    Line& line) const {
-    const Ray ray = spawn_ray(from, to);
-    if (medium == kNone && !has_interfaces_) return !geometry_->occluded(ray);
-    return walk(ray, length(to.p - from.p), medium, spectra, value, line);
+bool World::connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampleState& sample, Batch& value,
+                    LineOfSight& line) const {
+    return connect(spawn_ray(from, to), length(to.p - from.p), medium, sample, value, line);
 }
 
-bool World::connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                        Line& line) const {
-    const Ray ray = spawn_ray(from, w);
-    if (medium == kNone && !has_interfaces_) return !geometry_->occluded(ray);
-    return walk(ray, kFar, medium, spectra, value, line);
+bool World::connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampleState& sample, Batch& value,
+                        LineOfSight& line) const {
+    return connect(spawn_ray(from, w), kFar, medium, sample, value, line);
 }
 
-bool World::walk(Ray ray, float length_left, std::uint32_t medium, SampledSpectra& spectra, Batch& value, Line& line) const {
-    const auto pass = [&](float stretch) {
-        if (medium != kNone) line.passing *= multiply_transmittance(media_[medium], stretch, spectra, value);
-        if (line.first_length == 0) line.first_length = stretch;
-        line.last_medium = medium;
-        line.last_length = stretch;
+bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, Batch& value,
+                    LineOfSight& line) const {
+    const auto pass = [&](const Segment& segment) {
+        if (segment.medium == kNone) return line.add(segment, 1, segment.length);
+        const MediumStep step = media_[segment.medium]->multiply_transmittance(segment, sample, value);
+        line.add(segment, step.transmittance, step.column);
     };
-    line.first_medium = medium;
-    if (has_interfaces_) {
-        const bool ends = ray.t_max < kInfinity;
-        const Vec3f end = ray.o + ray.d;
-        while (const std::optional<SurfaceHit> hit = geometry_->intersect(ray)) {
-            if (!is_interface(hit->material)) return false;
-            const float stretch = hit->t * length(ray.d);
-            pass(stretch);
-            length_left -= stretch;
-            medium = medium_beyond(*hit, ray.d, medium);
-            ray.o = spawn_ray(hit->anchor(), ray.d).o;
-            if (!ends) continue;
-            // Aimed anew, so that steps off the interfaces on the way do not carry the end into the far surface.
-            if (!(dot(end - ray.o, ray.d) > 0)) break;
-            ray.d = end - ray.o;
-        }
-    } else if (geometry_->occluded(ray)) {
-        return false;
+    if (!has_interfaces_) {
+        if (geometry_->occluded(ray)) return false;
+        pass({ray.o, ray.d, length, medium});
+        return true;
     }
-    pass(std::max(length_left, 0.0f));
-    return true;
+    for (March march(*geometry_, ray, length, medium);; march.cross()) {
+        if (march.hit() && !march.meets_interface()) return false;
+        pass(march.segment());
+        if (!march.hit()) return true;
+    }
 }
 
 }  // namespace latent::render

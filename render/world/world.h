@@ -11,6 +11,7 @@
 #include "render/light/lights.h"
 #include "render/material/material.h"
 #include "render/medium/medium.h"
+#include "render/sampling/sample_state.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
 
@@ -25,40 +26,34 @@ class World {
     const Camera& camera() const { return camera_; }
     const Lights& lights() const { return *lights_; }
     const SpectrumLibrary& library() const { return library_; }
-    const Medium& medium(std::uint32_t i) const { return media_[i]; }
+    const Medium& medium(std::uint32_t i) const { return *media_[i]; }
     bool has_media() const { return !media_.empty(); }
     bool has_dispersion() const { return has_dispersion_; }
     // What is beyond everything: light from infinity comes through no medium.
     std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
 
-    static bool is_interface(std::uint32_t material) { return material == kNone; }
     // What the surface at `hit` does to light; valid as long as `spectra` stays at this sample.
     Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
         return materials_[hit.material].bsdf(hit, spectra, kept);
     }
-    // The medium on the side of `hit` that w points to, for a ray that came through `current`.
-    static std::uint32_t medium_beyond(const SurfaceHit& hit, const Vec3f& w, std::uint32_t current) {
-        if (hit.inside_medium == hit.outside_medium) return current;
-        return dot(w, hit.ng) > 0 ? hit.outside_medium : hit.inside_medium;
-    }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.
     // False: something stands in the way. To a point, or along unit w as far as it goes.
-    bool connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                 Line& line) const;
-    bool connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampledSpectra& spectra, Batch& value,
-                     Line& line) const;
+    bool connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampleState& sample, Batch& value,
+                 LineOfSight& line) const;
+    bool connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampleState& sample, Batch& value,
+                     LineOfSight& line) const;
 
  private:
     World(const Geometry& geometry, Camera camera) : geometry_(&geometry), camera_(camera) {}
     std::uint32_t find_medium_at_infinity() const;
-    bool walk(Ray ray, float length, std::uint32_t medium, SampledSpectra& spectra, Batch& value, Line& line) const;
+    bool connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, Batch& value, LineOfSight& line) const;
 
     const Geometry* geometry_;
     Camera camera_;
     SpectrumLibrary library_;
     std::vector<Material> materials_;
-    std::vector<Medium> media_;
+    std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<Lights> lights_;
     std::uint32_t medium_at_infinity_ = kNone;
     bool has_dispersion_ = false, has_interfaces_ = false;

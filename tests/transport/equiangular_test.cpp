@@ -14,7 +14,7 @@ namespace {
 
 TEST(Equiangular, DistancesFollowTheirDensity) {
     struct Case {
-        double distance, delta, length;  // of the light from the ray, along the ray, of the stretch
+        double distance, delta, length;  // of the light from the ray, along the ray, of the segment
     };
     constexpr int kBins = 40, kCount = 200'000, kFine = 2000;
     for (const Case& c :
@@ -72,7 +72,7 @@ double chi_square_of(const Equiangular& e, float from, float to, Numbers& u) {
     return chi_square_tail(chi2, kBins - 1);
 }
 
-// The stretch of a ray in a spot's cone, for rays from anywhere: all of it and nothing else, to a sliver at its edge; u of the
+// The segment of a ray in a spot's cone, for rays from anywhere: all of it and nothing else, to a sliver at its edge; u of the
 // distances are nearer than sample(u), and they follow their density.
 TEST(Equiangular, ASpotHasItsConeAlone) {
     constexpr int kSteps = 20'000;
@@ -131,7 +131,7 @@ TEST(Equiangular, NoRayIsTooNear) {
 // angle from the light's foot and d = D / cos theta:
 //   L = sigma_s I / (4 pi) int e^(-sigma_t (t + d)) / d^2 dt = sigma_s I / (4 pi D) int e^(-sigma_t (t + d)) dtheta
 // t + d is at least delta, so no sample whose density is p_E or more exceeds sigma_s I e^(-sigma_t delta) Theta / (4 pi D); there
-// may be two, drawn either way. An interface parts the ray into two stretches: only walks that pass the first one, a length c, with
+// may be two, drawn either way. An interface parts the ray into two segments: only walks that pass the first one, a length c, with
 // odds e^(-sigma_t c), come to the light.
 TEST(Equiangular, LightBesideARayIsTheIntegralAndHasABound) {
     constexpr double kSigmaS = 0.4, kSigmaT = 0.5, kD = 0.02, kDelta = 2, kEnd = 4, kInterface = 1.8;

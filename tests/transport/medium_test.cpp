@@ -1,9 +1,8 @@
 // Laws of media: distances are drawn as their density says, and the weights of a step add up to transmittance and single scattering
 // in every wavelength, however differently these are absorbed.
-#include "render/medium/medium.h"
-
 #include <cmath>
 
+#include "render/medium/homogeneous.h"
 #include "render/spectral/wavelength_density.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
@@ -18,21 +17,22 @@ class Steps : public ::testing::Test {
                                               color::Outside::kZero);
     }
     Steps() {
-        fog_.sigma_t = library_.add(line(4, 0.05), Lookup::kNearestNm);  // red light hardly is
-        fog_.sigma_s = library_.add(line(3, 0.02), Lookup::kNearestNm);
-        spectra_.emplace(library_);
-        WavelengthSampler(wavelength_density({}), 28).draw(123456789, spectra_->wavelengths);
-        spectra_->start_sample();
+        WavelengthSampler(wavelength_density({}), 28).draw(123456789, spectra_.wavelengths);
+        spectra_.start_sample();
     }
     SpectrumLibrary library_;
-    Medium fog_;
-    std::optional<SampledSpectra> spectra_;
+    std::uint32_t sigma_t_ = library_.add(line(4, 0.05), Lookup::kNearestNm);  // red light hardly is absorbed
+    std::uint32_t sigma_s_ = library_.add(line(3, 0.02), Lookup::kNearestNm);
+    HomogeneousMedium fog_{sigma_t_, sigma_s_, PhaseFunction{}};
+    SampledSpectra spectra_{library_};
+    SampleState sample_{{}, spectra_, 0};
 };
 
 TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     constexpr int kBins = 40, kCount = 200'000;
     constexpr double kLength = 1.5;
-    const Batch& sigma = (*spectra_)[fog_.sigma_t];
+    const Segment segment{{}, {0, 0, 1}, 1.5f};
+    const Batch& sigma = spectra_[sigma_t_];
     const auto passing = [&](double t) {
         double sum = 0;
         for (std::uint32_t i = 0; i < 28; ++i) sum += std::exp(-static_cast<double>(sigma[i]) * t) / 28;
@@ -43,16 +43,16 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     for (int n = 0; n < kCount; ++n) {
         Batch value(1.0f);
         const Uniform channel = u(), x = u();
-        const MediumStep step = sample_step(fog_, kLength, channel, x, *spectra_, value);
+        const MediumStep step = fog_.sample_step(segment, channel, x, sample_, value);
         const double t = static_cast<double>(step.t);
         ++counted[step.scattered ? static_cast<std::size_t>(t / kLength * kBins) : kBins];
-        ASSERT_NEAR(step.passing, passing(t), 1e-5);
+        ASSERT_NEAR(step.transmittance, passing(t), 1e-5);
         if (!step.scattered) {
-            ASSERT_EQ(step.density, step.passing);
+            ASSERT_EQ(step.density, step.transmittance);
             continue;
         }
         ASSERT_NEAR(step.density, (passing(t - 1e-4) - passing(t + 1e-4)) / 2e-4, 1e-4);
-        ASSERT_NEAR(scattering_over_passing(fog_, step.t, *spectra_), step.density / step.passing, 1e-4);
+        ASSERT_NEAR(fog_.scattering_over_transmittance({}, step.column, sample_), step.density / step.transmittance, 1e-4);
     }
     double chi2 = 0;
     for (int b = 0; b <= kBins; ++b) {
@@ -65,15 +65,16 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
 
 // Means of the weights: e^(-sigma_t d) of what passes, sigma_s / sigma_t (1 - e^(-sigma_t d)) of what is scattered.
 TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
-    const Batch &sigma_t = (*spectra_)[fog_.sigma_t], &sigma_s = (*spectra_)[fog_.sigma_s];
+    const Batch &sigma_t = spectra_[sigma_t_], &sigma_s = spectra_[sigma_s_];
     constexpr int kCount = 400'000;
     constexpr float kLength = 0.7f;
+    const Segment segment{{}, {0, 0, 1}, kLength};
     std::array<std::array<double, 2>, 28> passed{}, scattered{};  // sum and sum of squares
     Numbers u(13);
     for (int n = 0; n < kCount; ++n) {
         Batch value(1.0f);
         const Uniform channel = u(), x = u();
-        auto& sums = sample_step(fog_, kLength, channel, x, *spectra_, value).scattered ? scattered : passed;
+        auto& sums = fog_.sample_step(segment, channel, x, sample_, value).scattered ? scattered : passed;
         for (std::uint32_t i = 0; i < 28; ++i) {
             sums[i][0] += static_cast<double>(value[i]);
             sums[i][1] += static_cast<double>(value[i]) * static_cast<double>(value[i]);

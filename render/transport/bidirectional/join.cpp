@@ -33,10 +33,10 @@ void Bidirectional::join_light(std::size_t i) {
     z.scattering.multiply_f_cos(z.wo, point.wi, value);
     lights_.multiply_emission(chosen, point.anchor.ng, -point.wi, sample_.spectra, value);
     if (value.is_black()) return;
-    Line line;
+    LineOfSight line;
     const std::uint32_t medium = z.medium_towards(point.wi);
-    const bool seen = light.is_infinite() ? world_.connect_sky(z.at, point.wi, medium, sample_.spectra, value, line)
-                                          : world_.connect(z.at, point.anchor, medium, sample_.spectra, value, line);
+    const bool seen = light.is_infinite() ? world_.connect_sky(z.at, point.wi, medium, sample_, value, line)
+                                          : world_.connect(z.at, point.anchor, medium, sample_, value, line);
     if (!seen) return;
     const float sampled = lights_.probability(chosen) * point.pdf_omega;
     value *= point.falloff / sampled;
@@ -54,7 +54,7 @@ void Bidirectional::join_light(std::size_t i) {
         const float to_area = abs_dot(point.anchor.ng, point.wi) / (point.distance * point.distance);
         pdf_reverse *= lights_.pdf_of_position(chosen) / (point.pdf_omega * to_area);
     }
-    const float hit = light.is_delta() ? 0 : mis_term(scattering_pdf * line.passing, sampled, 1);
+    const float hit = light.is_delta() ? 0 : mis_term(scattering_pdf * line.transmittance, sampled, 1);
     const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
     value *= mis_weight(hit + mis_sum(camera_subpath_, i, pdf_reverse, previous_pdf_reverse));
     radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());
@@ -69,8 +69,8 @@ void Bidirectional::join_lens(std::size_t i) {
     Batch value = y.beta;
     multiply_light_side(y, to_camera, value);
     if (value.is_black()) return;
-    Line line;  // from y to the lens
-    if (!world_.connect(y.at, {point.p, 0, {}}, y.medium_towards(to_camera), sample_.spectra, value, line)) return;
+    LineOfSight line;  // from y to the lens
+    if (!world_.connect(y.at, {point.p, 0, {}}, y.medium_towards(to_camera), sample_, value, line)) return;
     const float d2 = point.distance * point.distance;
     const float density = point.jacobian / (point.parallel ? 1 : d2);
     value *= density;
@@ -78,8 +78,9 @@ void Bidirectional::join_lens(std::size_t i) {
     const float pdf = y.scattering.pdf_omega(y.wo, to_camera),
                 previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo) * y.to_previous_area;
     const bool lens = world_.camera().has_lens();
-    const float hit =
-        lens ? mis_term(pdf * abs_dot(world_.camera().axis(), point.w) / d2 * line.passing, 1 / world_.camera().lens_area(), 1) : 0;
+    const float hit = lens ? mis_term(pdf * abs_dot(world_.camera().axis(), point.w) / d2 * line.transmittance,
+                                      1 / world_.camera().lens_area(), 1)
+                           : 0;
     value *=
         mis_weight(hit + mis_sum(light_subpath_, i, density * y.cosine(to_camera) * distance_pdf(y, line), previous_pdf_reverse));
     splat(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));
@@ -99,11 +100,11 @@ void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
     multiply_light_side(y, -w, value);
     z.scattering.multiply_f_cos(z.wo, w, value);
     if (value.is_black()) return;
-    Line line;  // from z to y
-    if (!world_.connect(z.at, y.at, z.medium_towards(w), sample_.spectra, value, line)) return;
+    LineOfSight line;  // from z to y
+    if (!world_.connect(z.at, y.at, z.medium_towards(w), sample_, value, line)) return;
     value *= factor / d2;
     const float pdf_reverse_z = pdf_y * z.cosine(w) / d2 * distance_pdf(z, line);
-    const float pdf_reverse_y = pdf_z * y.cosine(w) / d2 * distance_pdf(y, line.last_medium, line.last_length, line.passing);
+    const float pdf_reverse_y = pdf_z * y.cosine(w) / d2 * distance_pdf(y, line.last_medium, line.last_column, line.transmittance);
     const float shorter_camera = mis_sum(camera_subpath_, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous_area);
     const float shorter_light = mis_sum(light_subpath_, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);
     value *= mis_weight(shorter_camera + shorter_light);

@@ -99,7 +99,7 @@ class Bidirectional {
     // False: there is none, or none that could be connected within the depth.
     bool find_vertex(Subpath& path, bool from_camera, Step& step);
 
-    bool append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const Line& line, float density);
+    bool append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const LineOfSight& line, float density);
 
     // Square of the density of the light subpath's first point as sampled from its second vertex x, over that as the start of a
     // ray.
@@ -107,24 +107,24 @@ class Bidirectional {
 
     // The line's share in the density of its end x: the probability of passing the line, or, in a medium, the density of being
     // stopped at x.
-    float distance_pdf(const SubpathVertex& x, std::uint32_t medium, float length, float passing) const {
-        return medium == kNone || !x.in_medium ? passing
-                                               : passing * scattering_over_passing(world_.medium(medium), length, sample_.spectra);
+    float distance_pdf(const SubpathVertex& x, std::uint32_t medium, float column, float transmittance) const {
+        if (medium == kNone || !x.in_medium) return transmittance;
+        return transmittance * world_.medium(medium).scattering_over_transmittance(x.at.p, column, sample_);
     }
-    float distance_pdf(const SubpathVertex& first, const Line& line) const {
-        return distance_pdf(first, line.first_medium, line.first_length, line.passing);
+    float distance_pdf(const SubpathVertex& first, const LineOfSight& line) const {
+        return distance_pdf(first, line.first_medium, line.first_column, line.transmittance);
     }
 
     // s = 0: the camera's step ends on a light. Densities of that point: `pdf_forward` as the end of the step, `pdf_point` as a
     // sampled point of the light, `pdf_ray` as the start of a ray; `pdf_reverse`: of the last camera vertex from there.
     void add_emission(Batch value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray, float pdf_reverse);
-    void see_light(const SurfaceHit& hit, const Step& step, const Line& line);
-    void see_sky(const Step& step, const Line& line);
+    void see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line);
+    void see_sky(const Step& step, const LineOfSight& line);
 
     // t = 0: the light's step meets the lens before it has gone `limit`. Lights that are a point or a direction are themselves
     // invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes such a path, so
     // no weight counts on this one.
-    void reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit);
+    void reach_lens(const Step& step, LineOfSight line, Segment segment, float limit);
     void splat(const CameraPoint& point, const Batch& value, bool dispersed);
 
     // s = 1: a point of a light for camera vertex i.

@@ -88,31 +88,30 @@ void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
 bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
     const bool from_sky = !from_camera && i == 1 && step.parallel;
-    Line line;
-    line.first_medium = step.medium;
-    Ray ray = from_sky ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
-    for (std::uint32_t stretch = 0;; ++stretch) {
-        const std::optional<SurfaceHit> hit = world_.geometry().intersect(ray);
-        MediumStep length{false, hit ? hit->t : kFar, 1, 1};
+    const Ray ray = from_sky ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
+    LineOfSight line;
+    for (March march(world_.geometry(), ray, step.medium);; march.cross()) {
+        const Segment& segment = march.segment();
+        const std::optional<SurfaceHit>& hit = march.hit();
+        step.medium = segment.medium;
+        MediumStep medium_step{false, segment.length, 1, 1, segment.length};
         Batch weight(1.0f);
         if (step.medium != kNone) {
-            const std::uint32_t again = stretch << 24;  // behind an interface a step needs numbers of its own
-            length = sample_step(world_.medium(step.medium), length.t, number(from_camera, i, Dimension::kDistanceChannel + again),
-                                 number(from_camera, i, Dimension::kDistance + again), sample_.spectra, weight);
+            const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
+            medium_step = world_.medium(step.medium)
+                              .sample_step(segment, number(from_camera, i, Dimension::kDistanceChannel + again),
+                                           number(from_camera, i, Dimension::kDistance + again), sample_, weight);
         }
-        if (!from_camera && world_.camera().has_lens()) reach_lens(step, line, ray, length.t);
+        if (!from_camera && world_.camera().has_lens()) reach_lens(step, line, segment, medium_step.t);
         step.beta *= weight;
         step.throughput *= weight;
-        line.last_medium = step.medium;
-        line.last_length = length.t;
-        if (stretch == 0) line.first_length = length.t;
-        const float density = line.passing * length.density;
-        line.passing *= length.passing;
-        if (length.scattered) {
+        const float density = line.transmittance * medium_step.density;
+        line.add(segment, medium_step.transmittance, medium_step.column);
+        if (medium_step.scattered) {
             SubpathVertex x;
-            x.at = {ray.o + ray.d * length.t, 0, {}};
+            x.at = {segment.o + segment.d * medium_step.t, 0, {}};
             x.in_medium = true;
-            x.scattering = world_.medium(step.medium).phase;
+            x.scattering = world_.medium(step.medium).phase();
             return append(path, from_camera, x, step, line, density);
         }
         if (!hit) {
@@ -120,7 +119,7 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
             return false;
         }
         if (from_camera && hit->emitter != kNone) see_light(*hit, step, line);
-        if (!World::is_interface(hit->material)) {
+        if (!is_interface(hit->material)) {
             if (i + 2 > max_vertices_) return false;
             SubpathVertex x;
             x.at = hit->anchor();
@@ -130,12 +129,11 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
             x.outside_medium = hit->outside_medium;
             return append(path, from_camera, x, step, line, density);
         }
-        step.medium = World::medium_beyond(*hit, step.d, step.medium);
-        ray = spawn_ray(hit->anchor(), step.d);
     }
 }
 
-bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const Line& line, float density) {
+bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const LineOfSight& line,
+                           float density) {
     const std::size_t i = path.size();
     if (i + 2 > max_vertices_) return false;
     const SubpathVertex& previous = path[i - 1];
@@ -173,7 +171,7 @@ void Bidirectional::add_emission(Batch value, const Step& step, float pdf_forwar
     radiance_.add(value, step.dispersed, sample_.kept, sample_.k());
 }
 
-void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const Line& line) {
+void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
     const Light& light = lights_[hit.emitter];
     if (!light.two_sided && dot(hit.ng, step.d) >= 0) return;
     Batch value = step.beta;
@@ -181,13 +179,13 @@ void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const Lin
     const SubpathVertex& last = camera_subpath_.back();
     const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
                 probability = lights_.probability(hit.emitter);
-    add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.passing,
+    add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance,
                  probability * lights_.pdf_of_point(hit.emitter, last.at.p, hit.p, hit.ng) * to_area,
                  probability * lights_.pdf_of_position(hit.emitter),
                  lights_.pdf_of_emission(hit.emitter, hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
 }
 
-void Bidirectional::see_sky(const Step& step, const Line& line) {
+void Bidirectional::see_sky(const Step& step, const LineOfSight& line) {
     const SubpathVertex& last = camera_subpath_.back();
     for (const std::uint32_t i : lights_.infinite()) {
         if (lights_[i].is_delta()) continue;
@@ -196,30 +194,31 @@ void Bidirectional::see_sky(const Step& step, const Line& line) {
         const float probability = lights_.probability(i),
                     pdf_point = probability * lights_.pdf_of_direction(i, step.d, last.scattering.receiver(last.wo));
         const float pdf_ray = probability * lights_.pdf_of_emission(i, {}, -step.d);
-        add_emission(value, step, step.pdf * line.passing, pdf_point, pdf_ray,
+        add_emission(value, step, step.pdf * line.transmittance, pdf_point, pdf_ray,
                      lights_.pdf_of_position(i) * last.cosine(step.d) * distance_pdf(last, line));
     }
 }
 
-void Bidirectional::reach_lens(const Step& step, const Line& so_far, const Ray& ray, float limit) {
+void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segment, float limit) {
     CameraPoint point;
-    if (!world_.camera().hit_lens(ray.o, ray.d, limit, point)) return;
+    if (!world_.camera().hit_lens(segment.o, segment.d, limit, point)) return;
     if (lights_[start_light_].is_delta() &&
         std::none_of(light_subpath_.begin() + 1, light_subpath_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
         return;
     }
     Batch value = step.beta;
-    Line line = so_far;
-    if (step.medium != kNone) {
-        const float passing = multiply_transmittance(world_.medium(step.medium), point.distance, sample_.spectra, value);
-        value *= 1 / passing;
-        line.passing *= passing;
+    segment.length = point.distance;
+    if (step.medium == kNone) {
+        line.add(segment, 1, segment.length);
+    } else {
+        const MediumStep to_lens = world_.medium(step.medium).multiply_transmittance(segment, sample_, value);
+        value *= 1 / to_lens.transmittance;
+        line.add(segment, to_lens.transmittance, to_lens.column);
     }
-    if (line.first_length == 0) line.first_length = point.distance;
     const SubpathVertex& last = light_subpath_.back();
     const float d2 = length_squared(point.p - last.at.p), area = world_.camera().lens_area();
     const float cosine = abs_dot(point.w, world_.camera().axis());
-    const float pdf_forward = step.pdf * line.passing * cosine / (step.parallel ? 1 : d2);
+    const float pdf_forward = step.pdf * line.transmittance * cosine / (step.parallel ? 1 : d2);
     const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
     const float end = light_subpath_.size() >= 2 && last.connectible() ? 1 : 0;
     value *= point.jacobian / (area * cosine) *

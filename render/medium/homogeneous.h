@@ -1,0 +1,28 @@
+// render/medium/homogeneous.h: the same everywhere, so that all has a closed form. docs/rendering.md, "Media".
+#pragma once
+
+#include "render/medium/medium.h"
+
+namespace latent::render {
+
+// Distances are drawn in one wavelength, chosen uniformly, and weighed by the mean density over all k: the balance heuristic
+// between the k ways to draw one.
+//   a vertex in the medium   p(t) = 1/k sum sigma_t e^(-sigma_t t)    [1/m]
+//   passing a length d       P(d) = 1/k sum e^(-sigma_t d)
+class HomogeneousMedium final : public Medium {
+ public:
+    // Spectra of the scene's library [1/m].
+    HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, const PhaseFunction& phase)
+        : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s) {}
+
+    MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
+                           Batch& value) const override;
+    MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, Batch& value) const override;
+    MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, Batch& value) const override;
+    float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const override;
+
+ private:
+    std::uint32_t sigma_t_, sigma_s_;
+};
+
+}  // namespace latent::render

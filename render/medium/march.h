@@ -1,0 +1,66 @@
+// render/medium/march.h: the one walk along a straight line through interfaces and media: segment by segment, each in one medium.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "render/geometry/geometry.h"
+
+namespace latent::render {
+
+// Farther than any scene; products with it stay finite.
+inline constexpr float kFar = 1e30f;
+
+// The material of surfaces that scatter nothing: where media meet.
+inline bool is_interface(std::uint32_t material) { return material == kNone; }
+
+// The medium on the side of `hit` that w points to, for a ray that came through `current`.
+inline std::uint32_t medium_beyond(const SurfaceHit& hit, const Vec3f& w, std::uint32_t current) {
+    if (hit.inside_medium == hit.outside_medium) return current;
+    return dot(w, hit.ng) > 0 ? hit.outside_medium : hit.inside_medium;
+}
+
+// The part of a line that lies in one medium.
+struct Segment {
+    Vec3f o, d;        // from o in direction d, which need not have unit length
+    float length = 0;  // [m]; kFar: without end
+    std::uint32_t medium = kNone;
+    std::uint32_t index = 0;  // along the line
+};
+
+// Begins on the first segment of the line.
+class March {
+ public:
+    // Along unit ray.d, without end.
+    March(const Geometry& geometry, const Ray& ray, std::uint32_t medium) : March(geometry, ray, kFar, 1, medium) {}
+    // `length` metres, which is as far as the ray goes.
+    March(const Geometry& geometry, const Ray& ray, float length, std::uint32_t medium)
+        : March(geometry, ray, length, render::length(ray.d), medium) {}
+
+    const Segment& segment() const { return segment_; }
+    // The surface that the segment ends on; none: the line ends.
+    const std::optional<SurfaceHit>& hit() const { return hit_; }
+    bool meets_interface() const { return hit_ && is_interface(hit_->material); }
+    // Goes on behind that surface, whatever it is made of.
+    void cross();
+
+ private:
+    March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium)
+        : geometry_(geometry),
+          ray_(ray),
+          end_(ray.o + ray.d),
+          left_(length),
+          metres_per_t_(metres_per_t),
+          hit_(geometry.intersect(ray)),
+          segment_{ray.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
+
+    const Geometry& geometry_;
+    Ray ray_;
+    Vec3f end_;   // of a ray that ends
+    float left_;  // [m] of the line, from the start of the segment on
+    float metres_per_t_;
+    std::optional<SurfaceHit> hit_;
+    Segment segment_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,20 @@
+// render/sampling/sample_state.h: a sample on its way through the scene.
+#pragma once
+
+#include <cstdint>
+
+#include "render/sampling/sequence.h"
+#include "render/spectral/spectra.h"
+
+namespace latent::render {
+
+// Its numbers, its wavelengths, and the one it keeps where it is dispersed.
+struct SampleState {
+    SampleNumbers numbers;
+    SampledSpectra& spectra;
+    std::uint32_t kept;
+
+    std::uint32_t k() const { return spectra.wavelengths.k; }
+};
+
+}  // namespace latent::render
