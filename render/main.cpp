@@ -19,57 +19,60 @@ int main(int argc, char** argv) try {
     cli::CommonOptions common;
     bool dry_run = false, ignore_space = false;
 
-    CLI::App app{"Render samples of a pbrt-v4 scene into one .latent part.", "latent-render"};
+    CLI::App app{"Render a pbrt-v4 scene into a .latent file of raw samples.", "latent-render"};
     app.add_option("SCENE", settings.scene, "scene file (.pbrt)")->required();
-    app.add_option("-o,--output", options.output, "part to write")->required()->check(cli::ends_in(".latent"));
-    auto* spp = cli::add_positive_number(app, "--spp", settings.spp, "samples per pixel of --resolution");
+    app.add_option("-o,--output", options.output, "file to write: one part of the job")->required()->check(cli::ends_in(".latent"));
+    auto* spp = cli::add_positive_number(app, "--spp", settings.spp, "samples per pixel, at --resolution");
     cli::add_parsed(app, "--samples", settings.samples, parse_samples,
-                    "render samples A to B-1 instead of --spp; A must be a multiple of the run length")
+                    "samples A to B-1, instead of --spp; A must be a multiple of --run-samples")
         ->excludes(spp)
         ->type_name("A:B");
-    cli::add_parsed(app, "--shard", settings.shard, parse_shard, "render only shard I of N; I is 0 to N-1")->type_name("I/N");
+    cli::add_parsed(app, "--shard", settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
     cli::add_parsed(app, "--resolution", settings.resolution, parse_resolution,
-                    "resolution for --spp (default: the scene's); samples themselves have no pixels")
+                    "image size, used only to count samples for --spp (default: the scene's); samples have no pixels")
         ->type_name("WxH");
     cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", settings.integrator,
                                                    {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},
-                                                   "path tracing, or bidirectional path tracing (default: the scene's)");
+                                                   "path tracing or bidirectional path tracing (default: the scene's)");
     cli::add_choice<Connections>(app, "--connections", settings.connections,
                                  {{"one", Connections::kOne}, {"all", Connections::kAll}},
-                                 "connections per path length in bdpt: one at random, or all");
+                                 "connections that bdpt makes for each path length: one at random, or all");
     cli::add_parsed(app, "--max-depth", settings.max_depth, parse_depth,
                     "maximum number of scattering vertices per path (default: the scene's)")
         ->type_name("N|unlimited");
     using sampledb::RecordKind;
     cli::add_choice<RecordKind>(app, "--record", settings.record, {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
-                                "content of a record: a value per wavelength, or XYZ only");
+                                "contents of a record: a value for each wavelength, or XYZ only");
     cli::add_count(app, "--wavelengths", settings.wavelengths, "wavelengths per sample", 4u, 32u);
-    cli::add_count(app, "--precision", settings.precision, "mantissa bits per stored value, rounded without bias; 23 keeps all", 1u,
-                   23u);
+    cli::add_count(app, "--precision", settings.precision,
+                   "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
     cli::add_count(app, "--seed", settings.seed, "random seed; each seed is a separate job with independent samples");
-    cli::add_count(app, "--run-samples", settings.run_samples, "samples per run, a power of two (default: runs of about 64 MiB)",
-                   1024u, 4194304u);
-    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "time between commits of finished work")->default_str("60s");
-    cli::add_duration(app, "--max-time", options.max_seconds, "stop after this time, with exit status 75");
+    cli::add_count(app, "--run-samples", settings.run_samples,
+                   "samples per run, the unit of storage; a power of two (default: runs of about 64 MiB)", 1024u, 4194304u);
+    cli::add_duration(app, "--checkpoint", options.checkpoint_seconds, "interval at which finished work is committed to disk")
+        ->default_str("60s");
+    cli::add_duration(app, "--max-time", options.max_seconds,
+                      "time limit; the render stops with exit status 75 and can be resumed");
     app.add_option("--simd", settings.simd,
-                   "instruction set (best: the fastest available up to avx2); samples are bit-identical only with the same set")
+                   "instruction set for ray tracing; best is the fastest available up to avx2. Samples are bit-identical only with "
+                   "the same set")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
-    app.add_flag("--dry-run", dry_run, "render for two seconds, then print the expected time, size of the part, and free space");
-    app.add_flag("--ignore-space", ignore_space, "start even if the part is not expected to fit on the disk");
+    app.add_flag("--dry-run", dry_run, "render for two seconds, then print the expected time and file size, and the free space");
+    app.add_flag("--ignore-space", ignore_space, "start even if the file is not expected to fit on the disk");
     cli::add_common(app, common, false);
     app.footer(
-        "Run the same command again to resume an interrupted render. Shards of one scene\n"
-        "with the same settings can be rendered on different machines, and joined with\n"
+        "Run the same command again to resume an interrupted render. To use several\n"
+        "machines, render one shard on each, with the same settings, and join them with\n"
         "latent-merge.\n\n"
         "Examples:\n"
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"
         "      render a scene\n"
         "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2\n"
         "  latent-render scenes/cornell.pbrt -o half1.latent --spp 64 --shard 1/2\n"
-        "      the same samples, in two processes\n"
+        "      render the same samples in two processes\n"
         "  latent-render scenes/cornell.pbrt -o big.latent --resolution 16Kx16K --dry-run\n"
-        "      estimate time and size first\n\n"
+        "      estimate time and file size first\n\n"
         "Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not\n"
         "be written; 75 interrupted, all finished work saved: run again to resume.");
     if (const auto done = cli::parse(app, argc, argv)) return *done;

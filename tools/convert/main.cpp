@@ -13,15 +13,16 @@ namespace {
 
 constexpr const char* kExamples = R"(
 Formats, by the extension of the output:
-  .png .tif .jpg   display pixels with a colour profile
-  .exr             the print in linear light
-  .dzi             a Deep Zoom pyramid of tiles, and NAME.html to view it
+  .png .tif .jpg   the print as code values, with a colour profile
+  .exr             the print as linear light
+  .dzi             a Deep Zoom pyramid of tiles, with NAME.html to view it
 
 Profiles:
   srgb, display-p3, rec2020, adobe-rgb
   rx,ry,gx,gy,bx,by,wx,wy   chromaticities of the primaries and the white
-  9 numbers                 the matrix from XYZ to RGB, separated by commas
-  FILE.icc                  three primaries and one curve; embedded unchanged
+  9 numbers                 matrix from XYZ to RGB, separated by commas
+  FILE.icc                  profile with three primaries and one curve; it is
+                            embedded unchanged
 
 Examples:
   latent-convert picture.exr -o picture.png
@@ -29,13 +30,13 @@ Examples:
   latent-convert picture.exr -o auto.png --auto
       choose the sensitivity automatically, and report it
   latent-convert picture.exr -o p3.tif --bits 16 --profile display-p3 --stops -1
-      16 bits for a wide-gamut display, one stop darker
+      print 16 bits for a wide-gamut display, one stop darker
   latent-convert picture.exr -o wall.tif --tiles --pyramid
-      a tiled pyramid; BigTIFF where needed
+      write a tiled pyramid, as BigTIFF if needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M
-      two outputs in one pass
+      write two outputs in one pass
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
-      a part of the picture
+      print a part of the picture
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but some pixels
 were not finite, or the report could not be written.)";
@@ -49,45 +50,44 @@ latent::Result<std::array<double, 3>> luminances_of(const std::string& text) {
 void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     namespace cli = latent::cli;
     using latent::convert::Depth;
-    app.add_option("IMAGE", options.input, "EXR picture, from latent-develop or of linear RGB")->required();
+    app.add_option("IMAGE", options.input, "EXR picture, from latent-develop or in linear RGB")->required();
     app.add_option("-o,--output", options.outputs, "file to write; may be repeated")
         ->required()
         ->allow_extra_args(false)
         ->type_name("FILE");
     auto* sensitivity = cli::add_positive_number(app, "-s,--sensitivity", options.sensitivity,
                                                  "film sensitivity; luminance 1/X prints at half of display white");
-    cli::add_number(app, "--stops", options.stops, "change of the sensitivity in stops; negative is darker", -100, 100)
-        ->type_name("EV");
+    cli::add_number(app, "--stops", options.stops, "exposure correction in stops; negative is darker", -100, 100)->type_name("EV");
     app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey")
         ->excludes(sensitivity);
-    app.add_option("--tone", options.tone, "tone curve: film (1 - 2^(-S Y), S: sensitivity), or none (conversion only)")
+    app.add_option("--tone", options.tone, "tone curve: film (1 - 2^(-S Y), where S is the sensitivity) or none")
         ->check(CLI::IsMember({"film", "none"}))
         ->capture_default_str();
     app.add_option("--gamut", options.gamut,
-                   "gamut mapping: luminance (preserve luminance), grey (also preserve hue better), clip (neither)")
+                   "gamut mapping: luminance (preserves luminance), grey (also preserves hue better), or clip (neither)")
         ->check(CLI::IsMember({"luminance", "grey", "clip"}))
         ->capture_default_str();
     app.add_option("--profile", options.profile, "profile of the display; see below")->capture_default_str()->type_name("PROFILE");
     cli::add_parsed(app, "--luminance-row", options.luminance_row, luminances_of,
-                    "luminances of the primaries (default: the profile's)")
+                    "luminances of red, green and blue; needed only if the matrix is singular")
         ->type_name("R,G,B");
     cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
-                           "bits per channel (default: 8; in EXR float, where 16 is half float)");
+                           "bits per channel (default: 8, or float in EXR, where 16 means half float)");
     app.add_flag("--dither,!--no-dither", options.dither, "dither 8-bit output (default: on)");
     const auto crop = [](const std::string& text) {
         return latent::parse_crop(text).map([](const auto& c) { return latent::image::Rect{c[0], c[1], c[2], c[3]}; });
     };
     cli::add_parsed(app, "--crop", options.crop, crop, "pixels to print, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
     cli::add_count(app, "--level", options.level, "mip level to read; each is half the size of the one before", 0, 31);
-    cli::add_count(app, "--dpi", options.dpi, "pixels per inch on paper, stored in TIFF, PNG, JPEG and EXR; changes no pixel", 1,
-                   65535);
-    cli::add_count(app, "--quality", options.quality, "quality of JPEG and of Deep Zoom tiles in JPEG", 1, 100);
-    cli::add_count(app, "--compression", options.png_level, "compression level of PNG and TIFF; 1: fastest, 9: smallest", 1, 9);
+    cli::add_count(app, "--dpi", options.dpi, "pixels per inch on paper, stored in TIFF, PNG, JPEG and EXR; does not change pixels",
+                   1, 65535);
+    cli::add_count(app, "--quality", options.quality, "quality of JPEG files and JPEG tiles", 1, 100);
+    cli::add_count(app, "--compression", options.png_level, "compression level of PNG and TIFF; 1 is fastest, 9 smallest", 1, 9);
     app.add_flag("--tiles", options.tiles, "write TIFF in tiles of 256 x 256 pixels");
     app.add_flag("--pyramid", options.pyramid, "write TIFF as tiled pages, each half the size of the one before");
     app.add_flag("--png-tiles", options.png_tiles, "write Deep Zoom tiles as PNG instead of JPEG");
     cli::add_count(app, "--overlap", options.overlap,
-                   "pixels that Deep Zoom tiles share with their neighbours; 0 is for viewers other than NAME.html", 0, 1);
+                   "pixels that Deep Zoom tiles share with their neighbours; use 0 only for viewers other than NAME.html", 0, 1);
     app.footer(kExamples);
 }
 
@@ -97,7 +97,7 @@ int main(int argc, char** argv) try {
     namespace cli = latent::cli;
     latent::convert::ConvertOptions options;
     cli::CommonOptions common;
-    CLI::App app{"Turn a developed picture of any size into a print: pixels for a display.", "latent-convert"};
+    CLI::App app{"Turn a developed picture of any size into a print for a display.", "latent-convert"};
     add_options(app, options);
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;

@@ -39,15 +39,17 @@ Result<std::array<double, 4>> parse_region(const std::string& text) {
 
 void add_cat_options(CLI::App& cat, CatOptions& options) {
     cat.add_option("FILE", options.inputs, "files of one job, or folders of files")->required();
-    cli::add_parsed(cat, "--samples", options.samples, parse_sample_range, "only samples A to B-1")->type_name("A:B");
-    cli::add_parsed(cat, "--region", options.region, parse_region, "only this part of the film; coordinates are 0 to 1")
+    cli::add_parsed(cat, "--samples", options.samples, parse_sample_range, "samples to print, A to B-1 (default: all)")
+        ->type_name("A:B");
+    cli::add_parsed(cat, "--region", options.region, parse_region,
+                    "part of the film to print, in coordinates from 0 to 1 (default: all)")
         ->type_name("U0,V0,U1,V1");
     cli::add_parsed(cat, "--job", options.job, parse_job_id, "job to print, if folders hold several (32 hexadecimal digits)")
         ->type_name("ID");
     cli::add_size(cat, "--memory", options.memory, "memory limit")->default_str("1G");
-    cli::add_count(cat, "--limit", options.limit, "maximum number of records");
+    cli::add_count(cat, "--limit", options.limit, "maximum number of records to print");
     cli::add_choice<TextFormat>(cat, "--format", options.format, {{"csv", TextFormat::kCsv}, {"json", TextFormat::kJsonLines}},
-                                "CSV, or one JSON object per line");
+                                "CSV or one JSON object per line");
 }
 
 void add_gen_options(CLI::App& gen, GenOptions& options) {
@@ -55,25 +57,26 @@ void add_gen_options(CLI::App& gen, GenOptions& options) {
     gen.add_option("-o,--output", options.output, "file to write")->required()->check(cli::ends_in(".latent"));
     cli::add_count(gen, "--records", options.records, "number of camera records");
     cli::add_choice<RecordKind>(gen, "--kind", scene.kind, {{"xyz", RecordKind::kXyz}, {"spectral", RecordKind::kSpectral}},
-                                "content of a record: XYZ, or a value per wavelength");
+                                "contents of a record: XYZ, or a value for each wavelength");
     cli::add_count<std::uint16_t>(gen, "--wavelengths", scene.batch, "wavelengths per sample, if spectral", 1, 1024);
     cli::add_number(gen, "--light", scene.light_records, "light records per camera record", 0, 1000);
     cli::add_number(gen, "--single", scene.single_wavelengths, "fraction of records with one wavelength, if spectral", 0, 1);
     cli::add_choice<Texture>(gen, "--texture", scene.texture,
                              {{"textured", Texture::kTextured}, {"uniform", Texture::kUniform}, {"black", Texture::kBlack}},
-                             "values: a texture, 1 everywhere, or 0 everywhere");
-    cli::add_parsed(gen, "--aspect", scene.aspect, parse_aspect, "aspect of the film")->type_name("W:H")->default_str("1:1");
+                             "values of the records: a texture, 1 everywhere, or 0 everywhere");
+    cli::add_parsed(gen, "--aspect", scene.aspect, parse_aspect, "aspect ratio of the film")->type_name("W:H")->default_str("1:1");
     cli::add_count(gen, "--first", options.first, "first sample number; a multiple of the run length");
-    cli::add_count<std::uint64_t>(gen, "--every", scene.every, "write records only for sample numbers divisible by this", 1,
+    cli::add_count<std::uint64_t>(gen, "--every", scene.every, "spacing of sample numbers: only multiples of this have records", 1,
                                   std::uint64_t{1} << 40);
-    cli::add_count<std::uint8_t>(gen, "--precision", scene.precision, "mantissa bits per stored value; 23 keeps all", 1,
+    cli::add_count<std::uint8_t>(gen, "--precision", scene.precision, "mantissa bits of each stored value; 23 keeps all", 1,
                                  kFullPrecision);
     cli::add_count(gen, "--seed", scene.seed, "random seed; each seed is a separate job");
     cli::add_count(gen, "--run-samples", scene.run_samples, "samples per run, a power of two; 0: runs of about 64 MiB");
-    cli::add_size(gen, "--run-bytes", scene.run_bytes, "maximum size of a run")->default_str("256M");
-    cli::add_duration(gen, "--checkpoint", options.checkpoint_seconds, "time between commits of finished work")->default_str("60s");
-    gen.add_flag("--random-positions", scene.random_positions, "store positions instead of deriving them");
-    gen.add_flag("--explicit-wavelengths", scene.explicit_wavelengths, "store wavelengths instead of deriving them");
+    cli::add_size(gen, "--run-bytes", scene.run_bytes, "maximum size of a run in memory")->default_str("256M");
+    cli::add_duration(gen, "--checkpoint", options.checkpoint_seconds, "interval at which finished work is committed to disk")
+        ->default_str("60s");
+    gen.add_flag("--random-positions", scene.random_positions, "random positions, stored instead of derived");
+    gen.add_flag("--explicit-wavelengths", scene.explicit_wavelengths, "wavelengths stored instead of derived");
 }
 
 }  // namespace latent::inspect

@@ -10,12 +10,12 @@ Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but damaged input was left
 out, or the report of an output could not be written; 4 verify found damage.)";
 
 inline constexpr const char* kInfo = R"(
-Shows job, film, samples, runs, and the size of each column (estimated if there
-are many pages, so it is fast at any size). --json also lists the runs in use,
-with samples and content hash.
+Shows the job, film, samples and runs, and the size of each column. To be fast
+on files of any size, column sizes are estimated if there are many pages. --json
+also lists the runs in use, with their samples and content hashes.
 
-Damaged runs are left out and listed, with exit status 3. Not every byte is
-read; to check them all, use verify.
+Damaged runs are left out and listed, with exit status 3. info does not read
+every byte; use verify for that.
 
 Examples:
   latent-inspect info night.latent
@@ -24,9 +24,9 @@ Examples:
 
 inline constexpr const char* kVerify = R"(
 Compares every stored byte with its checksum. An unfinished NAME.latent.part.*
-file is sound if all of its complete runs are. A published file without a footer
-is damaged. --strict also lists violations of rules that readers rely on but
-need not check.
+file is sound if all its complete runs are. Any other file without a footer is
+damaged. --strict also lists violations of rules that readers rely on but need
+not check.
 
 Exit status: 4 if anything is damaged or breaks a rule.
 
@@ -35,26 +35,26 @@ Examples:
   latent-inspect verify --quick night-*.latent
       headers, indexes and one page of each run
   latent-inspect verify --deep night.latent
-      also decode every record, and check that it is where it belongs
+      also decode every record, and check its position and sample number
   latent-inspect verify --strict other.latent
       for authors of other writers: also check every rule of the format)";
 
 inline constexpr const char* kRecover = R"(
-Copies every intact run to a new file, and verifies that file. Losses are
-listed, with --json as byte and sample ranges, so that these samples can be
-rendered again.
+Copies every intact run to a new file, then verifies that file. Losses are
+listed. --json lists them as ranges of bytes and samples, so that you can render
+these samples again.
 
-Exit status: 3 if anything was lost; 1, without output, if everything was.
+Exit status: 3 if anything was lost; 1, without output, if everything was lost.
 
 Examples:
   latent-inspect recover broken.latent -o saved.latent
   latent-inspect recover broken.latent -o saved-too.latent --json)";
 
 inline constexpr const char* kCat = R"(
-Prints one record per line, in the order of the file. CSV columns: sample,
-class, u, v, share; then x, y, z, or the wavelengths [nm] and their values,
-separated by spaces; then extra columns of the job (extra.NAME if the name is
-taken).
+Prints one record per line, in the order of the file. The CSV columns are
+sample, class, u, v and share; then x, y, z, or the wavelengths in nm and their
+values, each separated by spaces; then the extra columns of the job, named
+extra.NAME if the name is taken.
 
 Examples:
   latent-inspect cat night.latent --limit 20
@@ -62,8 +62,8 @@ Examples:
   latent-inspect cat night.latent --region 0.45,0.45,0.55,0.55 > middle.csv)";
 
 inline constexpr const char* kGen = R"(
-Records are functions of their sample numbers, for tests and benchmarks. Run the
-same command again to resume.
+The records are a function of their sample numbers. Run the same command again
+to resume.
 
 Examples:
   latent-inspect gen -o small.latent --records 1M

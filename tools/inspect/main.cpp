@@ -66,22 +66,22 @@ int main(int argc, char** argv) try {
 
     CLI::App* info = app.add_subcommand("info", "Show the contents of files.")->footer(help::kInfo);
     info->add_option("FILE", files, ".latent files, finished or not, or folders of files")->required();
-    cli::add_size(*info, "--memory", common.memory, "memory limit of the list of runs")->default_str("1G");
+    cli::add_size(*info, "--memory", common.memory, "memory limit for the list of runs")->default_str("1G");
 
-    CLI::App* verify = app.add_subcommand("verify", "Check that every byte is as it was written.")->footer(help::kVerify);
+    CLI::App* verify = app.add_subcommand("verify", "Check files for damage.")->footer(help::kVerify);
     verify->add_option("FILE", files, ".latent files, finished or not, or folders of files")->required();
     CLI::Option* quick_flag = verify->add_flag("--quick", quick, "check only headers, indexes and one page of each run");
-    verify->add_flag("--deep", deep, "also decode and check every record")->excludes(quick_flag);
-    verify->add_flag("--strict", strict, "as --deep, and list violations of the rules for writers")->excludes(quick_flag);
+    verify->add_flag("--deep", deep, "decode and check every record, in addition to every byte")->excludes(quick_flag);
+    verify->add_flag("--strict", strict, "like --deep, and list violations of the rules for writers")->excludes(quick_flag);
 
     CLI::App* recover = app.add_subcommand("recover", "Copy the intact runs of a damaged file.")->footer(help::kRecover);
-    recover->add_option("FILE", files, "damaged file; it is never changed")->required()->expected(1);
+    recover->add_option("FILE", files, "damaged file; it is not changed")->required()->expected(1);
     recover->add_option("-o,--output", output, "file to write")->required()->check(cli::ends_in(".latent"));
 
     CLI::App* cat = app.add_subcommand("cat", "Print records as text.")->footer(help::kCat);
     add_cat_options(*cat, cat_options);
 
-    CLI::App* gen = app.add_subcommand("gen", "Generate a synthetic file.")->footer(help::kGen);
+    CLI::App* gen = app.add_subcommand("gen", "Generate a synthetic file for tests.")->footer(help::kGen);
     add_gen_options(*gen, gen_options);
 
     if (const auto done = cli::parse(app, argc, argv)) return *done;

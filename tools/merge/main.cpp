@@ -10,17 +10,18 @@ namespace {
 using namespace latent;
 
 constexpr const char* kExamples = R"(
-Parts may come in any order: the output is the same to the last byte. No sample
-is counted twice: parts that overlap, or that are named twice, are refused.
-Files of other jobs in a folder are listed and left out.
+The order of parts makes no difference: the output is the same to the last byte.
+No sample is counted twice: if two named parts hold the same samples, they are
+refused, unless --skip-duplicates is given. If a folder holds several jobs,
+choose one with --job.
 
 Runs are copied unchanged. On XFS and btrfs the output shares its blocks with
 the parts. The copies are verified; damaged runs are left out and listed. After
 exit status 0 the parts can be deleted, unless --verify quick was used.
 
 Levels of --verify:
-  stored   every byte, by its checksum
   quick    headers, indexes and one page of each run
+  stored   every byte, by its checksum
   full     every byte, and every record is decoded
 
 Only --verify full and --compact use --threads.
@@ -33,7 +34,7 @@ Examples:
   latent-merge parts/ -o complete.latent --require 0:16777216
       fail if any of these samples is missing
   latent-merge night.latent -o night-large.latent --compact
-      turn many small runs into few large ones, which develop faster
+      turn many small runs into a few large ones, which develop faster
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged or
 foreign input was left out and listed, or the report could not be written.)";
@@ -46,14 +47,15 @@ int main(int argc, char** argv) try {
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
     app.footer(kExamples);
     app.add_option("PART", options.inputs, "parts of one job, or folders of parts")->required();
-    app.add_option("-o,--output", options.output, "joined file to write")->required()->check(cli::ends_in(".latent"));
-    cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range, "fail unless samples A to B-1 are complete")
+    app.add_option("-o,--output", options.output, "file to write")->required()->check(cli::ends_in(".latent"));
+    cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range,
+                    "samples A to B-1 must all be present; fail otherwise")
         ->type_name("A:B");
     using sampledb::VerifyLevel;
     cli::add_choice<VerifyLevel>(app, "--verify", options.verify,
                                  {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
-                                 "level of verification; see below");
-    app.add_flag("--compact", options.compact, "rewrite complete intervals as few large runs; records are unchanged");
+                                 "how thoroughly to check the runs; see below");
+    app.add_flag("--compact", options.compact, "rewrite many small runs as a few large ones; records do not change");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "accept parts that hold the same samples; each sample is used once");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
                     "job to merge, if folders hold several (32 hexadecimal digits)")
