@@ -132,7 +132,7 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
     if (!self->device_) return Error{ErrorCode::kUnsupported, fmt::format("Embree does not run with isa={}", simd)};
     rtcSetDeviceErrorFunction(self->device_.get(), keep_fault, self.get());
     for (const ShapeDescription& shape : description.shapes) self->shapes_.push_back(place(shape));
-    if (const Status emitters = self->add_emitters(description); !emitters) return emitters.error();
+    if (const Status emitters = self->add_emitters(); !emitters) return emitters.error();
 
     for (const ObjectDescription& object : description.objects) {
         std::vector<PlacedShape>& shapes = self->objects_.emplace_back();

@@ -42,7 +42,7 @@ class EmbreeGeometry final : public Geometry {
     bool occluded(const Ray& ray) const override;
 
  private:
-    Status add_emitters(const SceneDescription& scene);
+    Status add_emitters();
     static void keep_fault(void* self, RTCError code, const char* message);
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
     void find_bounds();

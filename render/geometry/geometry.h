@@ -47,16 +47,16 @@ struct SurfaceHit {
     Anchor anchor() const { return {p, error, ng, error_per_length}; }
 };
 
-// A piece of a light that has area: one triangle, or one whole sphere (of a uniform scale).
+// A primitive that emits: one triangle, or one whole sphere (of a uniform scale). What it emits is render/light's concern.
 struct Emitter {
-    std::uint32_t area_light = kNone;
+    std::uint32_t area_light = kNone;  // index into SceneDescription::area_lights
     bool is_sphere = false;
     Vec3f p{}, e1{}, e2{};  // triangle: a vertex and the edges from it; sphere: its centre in p
     Vec3f n{};              // triangle: unit normal as SurfaceHit::ng
     float radius = 0;       // sphere
     bool inward = false;    // sphere: ng points to the centre
-    float area = 0;
-    float scale = 0;  // radiance = scale x AreaLightDescription::spectrum; AreaLightDescription::scale and power are in it
+    double area = 0;
+    bool is_half = false;  // triangle: of a flat patch, whose other half is as large
     std::uint32_t inside_medium = kNone, outside_medium = kNone;
 };
 

@@ -1,16 +1,11 @@
-// render/sampling/sampling.h: uniform numbers to points and directions, and choices by weight. Densities beside each.
-// docs/rendering.md.
+// render/sampling/sampling.h: uniform numbers to points and directions, with the density of each. docs/rendering.md.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <span>
-#include <vector>
 
 #include "render/math/elementary.h"
 #include "render/math/vec.h"
-#include "render/sampling/uniform.h"
 
 namespace latent::render {
 
@@ -50,48 +45,5 @@ inline Vec3f sample_cone(float one_minus_cos, float u, float v) { return directi
 inline float pdf_of_cone(float one_minus_cos) { return 1 / (2 * kPi * one_minus_cos); }
 // Triangle, uniform: barycentric weights of its second and third vertex [Heitz19]; density 1 / area.
 inline Vec2f sample_triangle(float u, float v) { return u < v ? Vec2f{0.5f * u, v - 0.5f * u} : Vec2f{u - 0.5f * v, 0.5f * v}; }
-
-// Chooses i with probability weight[i] / sum in one step [Walker77]. The table is one of integers, and `probability` is what it
-// really does: exact, but for its own rounding and 2^-32 of a number's bits, however many there are to choose from.
-class Choice {
- public:
-    Choice() = default;
-    // Fewer than 2^32 weights, not negative, their sum positive.
-    explicit Choice(const std::vector<double>& weight);
-    std::uint32_t sample(Uniform u) const {
-        const auto n = static_cast<std::uint32_t>(slots_.size());
-        const std::uint32_t i = u.index(n);
-        return u.within(n).fraction32() < slots_[i].keep ? i : slots_[i].other;
-    }
-    float probability(std::uint32_t i) const { return slots_[i].probability; }
-    std::size_t size() const { return slots_.size(); }
-
- private:
-    struct Slot {
-        std::uint32_t keep =
-            0;  // in units of 2^-32 of the slot; the rest goes to `other`, which is the slot itself if nothing does
-        std::uint32_t other = 0;
-        float probability = 0;
-    };
-    std::vector<Slot> slots_;
-};
-
-// A distribution over [0, n) that is even within each of n steps: the step of a uniform number, and where in it the number lies,
-// which is a number of its own. Neighbours stay neighbours. Weights are rounded to 2^-32 of their sum, and no step is empty.
-class PiecewiseConstant {
- public:
-    PiecewiseConstant() = default;
-    // Fewer than 2^31 weights, not negative, their sum positive.
-    explicit PiecewiseConstant(std::span<const double> weight);
-    std::uint32_t sample(Uniform u, Uniform& within) const;
-    double probability(std::uint32_t i) const { return static_cast<double>(width(i)) * 0x1p-32; }
-    std::size_t size() const { return begin_.size(); }
-
- private:
-    std::uint64_t width(std::uint32_t i) const {
-        return (i + 1 < begin_.size() ? begin_[i + 1] : std::uint64_t{1} << 32) - begin_[i];
-    }
-    std::vector<std::uint32_t> begin_;  // of each step, in units of 2^-32
-};
 
 }  // namespace latent::render

@@ -68,7 +68,7 @@ struct MediumDescription {  // homogeneous, Henyey-Greenstein
 struct AreaLightDescription {
     color::Spectrum spectrum{};
     double scale = 1;
-    std::optional<double> power{};  // of each triangle, patch or sphere by itself; Emitter::scale holds the outcome
+    std::optional<double> power{};  // of each triangle, patch or sphere by itself
     bool two_sided = false;         // else emits on the side of the geometric normal
     SourceLocation location{};
 };

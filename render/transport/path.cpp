@@ -59,10 +59,10 @@ class Path {
                 transmittance_ *= step_.density;
             }
             if (!hit) {
-                see_sky();
+                for (const std::uint32_t i : lights_.infinite()) see_light(i, {d_});
                 return false;
             }
-            if (hit->emitter != kNone) see_light(*hit);
+            if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng});
             if (!is_interface(hit->material)) {
                 at_ = hit->anchor();
                 surface_ = *hit;
@@ -72,55 +72,47 @@ class Path {
         }
     }
 
-    // `light_pdf`: density [1/sr] with which sample_light would have come here.
-    void add_emission(Batch value, float light_pdf) {
-        if (!delta_) value *= power_heuristic(pdf_ * transmittance_, light_pdf);
+    // The ray ends on light i: what that emits, weighed against sample_light, which might have come here too.
+    void see_light(std::uint32_t i, const LightHit& hit) {
+        const Light& light = lights_[i];
+        Batch value = beta_;
+        if (!light.multiply_emission(hit.ng, -d_, sample_.spectra, value)) return;
+        if (!delta_) {
+            const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, receiver_, hit);
+            value *= power_heuristic(pdf_ * transmittance_, light_pdf);
+        }
         camera_.add(value, dispersed_, sample_.kept, sample_.k());
     }
-    void see_light(const SurfaceHit& hit) {
-        const Light& light = lights_[hit.emitter];
-        if (!light.two_sided && dot(hit.ng, d_) >= 0) return;
-        Batch value = beta_;
-        lights_.multiply_emission(hit.emitter, hit.ng, -d_, sample_.spectra, value);
-        add_emission(value, lights_.probability(hit.emitter) * lights_.pdf_of_point(hit.emitter, at_.p, hit.p, hit.ng));
-    }
-    void see_sky() {
-        for (const std::uint32_t i : lights_.infinite()) {
-            if (lights_[i].is_delta()) continue;
-            Batch value = beta_;
-            lights_.multiply_emission(i, {}, -d_, sample_.spectra, value);
-            add_emission(value, lights_.probability(i) * lights_.pdf_of_direction(i, d_, receiver_));
-        }
-    }
 
-    Equiangular equiangular_to(const Light& light) const {
-        return {segment_.o, d_, segment_.length, light.p, light.n, light.outer};
+    Equiangular equiangular_to(const PointSource& light) const {
+        return {segment_.o, d_, segment_.length, light.p, light.axis, light.outer};
     }
 
     // One vertex more on the segment, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
     // the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and f / p in sample_light.
     void sample_point_light(const Medium& medium, std::uint32_t again) {
         const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
-        if (!lights_[i].is_point()) return;
-        const Equiangular equiangular = equiangular_to(lights_[i]);
+        const PointSource* source = lights_[i].point_source();
+        if (source == nullptr) return;
+        const Equiangular equiangular = equiangular_to(*source);
         if (equiangular.is_empty()) return;
         const float t = equiangular.sample(number(Dimension::kEquiangular + again));
         const Anchor at{segment_.o + d_ * t, 0, {}};
         LightPoint point;
-        if (!lights_.sample_point(i, at.p, {}, {}, {}, point)) return;
+        if (!lights_[i].sample_point(at.p, {}, {}, {}, point)) return;
         Batch value = beta_;
         const float walk_pdf = medium.scatter_at(segment_, t, sample_, value).density;
         LineOfSight line;
-        if (!receive(at, medium.phase(), i, point, medium_, value, line)) return;
+        if (!receive(at, medium.phase(), lights_[i], point, medium_, value, line)) return;
         value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
         camera_.add(value, dispersed_, sample_.kept, sample_.k());
     }
 
     void sample_light(const Scattering& scattering) {
         const std::uint32_t i = lights_.choose(number(Dimension::kLight));
+        const Light& light = lights_[i];
         LightPoint point;
-        if (!lights_.sample_point(i, at_.p, scattering.receiver(-d_), number(Dimension::kLightU), number(Dimension::kLightV),
-                                  point))
+        if (!light.sample_point(at_.p, scattering.receiver(-d_), number(Dimension::kLightU), number(Dimension::kLightV), point))
             return;
         const Vec3f wo = -d_;
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
@@ -128,25 +120,24 @@ class Path {
         Batch value = beta_;
         const std::uint32_t medium = scattering.in_medium() ? medium_ : medium_beyond(surface_, point.wi, medium_);
         LineOfSight line;
-        if (!receive(at_, scattering, i, point, medium, value, line)) return;
+        if (!receive(at_, scattering, light, point, medium, value, line)) return;
         const float light_pdf = lights_.probability(i) * point.pdf_omega;
         value *= point.falloff / light_pdf;
-        if (lights_[i].is_point() && scattering.in_medium()) {
-            const float pdf = equiangular_to(lights_[i]).pdf(step_.t);
+        if (const PointSource* source = light.point_source(); source != nullptr && scattering.in_medium()) {
+            const float pdf = equiangular_to(*source).pdf(step_.t);
             value *= step_.density / (step_.density + pdf);
         }
-        if (!lights_[i].is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
+        if (!light.is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
         camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
     }
 
-    // value *= what comes from a point of light i and goes on along -d_. False: nothing does.
-    bool receive(const Anchor& at, const Scattering& scattering, std::uint32_t i, const LightPoint& point, std::uint32_t medium,
+    // value *= what comes from a point of the light and goes on along -d_. False: nothing does.
+    bool receive(const Anchor& at, const Scattering& scattering, const Light& light, const LightPoint& point, std::uint32_t medium,
                  Batch& value, LineOfSight& line) {
         scattering.multiply_f_cos(-d_, point.wi, value);
-        lights_.multiply_emission(i, point.anchor.ng, -point.wi, sample_.spectra, value);
-        if (value.is_black()) return false;
-        return lights_[i].is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_, value, line)
-                                        : world_.connect(at, point.anchor, medium, sample_, value, line);
+        if (!light.multiply_emission(point.at.ng, -point.wi, sample_.spectra, value) || value.is_black()) return false;
+        return light.is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_, value, line)
+                                   : world_.connect(at, point.at, medium, sample_, value, line);
     }
 
     // Goes on in a direction of the scattering's own choice. False: absorbed.
@@ -175,7 +166,7 @@ class Path {
     }
 
     const World& world_;
-    const Lights& lights_;
+    const LightSet& lights_;
     SampleState& sample_;
     std::uint32_t max_depth_;
     Radiance& camera_;

@@ -32,11 +32,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
 
     if (world->has_media()) world->medium_at_infinity_ = world->find_medium_at_infinity();
 
-    // The sky's disk covers the camera too, so that its light can fall on a lens.
+    // The disks of infinite lights cover the camera too, so that their light can fall on a lens.
     const float radius =
         std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
-    world->lights_ =
-        std::make_unique<Lights>(Lights::build(scene, geometry, geometry.center(), std::max(radius, 1e-6f), world->library_));
+    const SceneBall ball{geometry.center(), std::max(radius, 1e-6f)};
+    world->lights_ = std::make_unique<LightSet>(scene, geometry, ball, world->library_);
     if (world->lights_->size() == 0)
         return Error{ErrorCode::kOutOfRange, "the scene has no light, so every picture would be black"};
     return world;

@@ -8,7 +8,7 @@
 #include "base/result.h"
 #include "render/camera/camera.h"
 #include "render/geometry/geometry.h"
-#include "render/light/lights.h"
+#include "render/light/light_set.h"
 #include "render/material/material.h"
 #include "render/medium/medium.h"
 #include "render/sampling/sample_state.h"
@@ -24,7 +24,7 @@ class World {
 
     const Geometry& geometry() const { return *geometry_; }
     const Camera& camera() const { return camera_; }
-    const Lights& lights() const { return *lights_; }
+    const LightSet& lights() const { return *lights_; }
     const SpectrumLibrary& library() const { return library_; }
     const Medium& medium(std::uint32_t i) const { return *media_[i]; }
     bool has_media() const { return !media_.empty(); }
@@ -54,7 +54,7 @@ class World {
     SpectrumLibrary library_;
     std::vector<Material> materials_;
     std::vector<std::unique_ptr<const Medium>> media_;
-    std::unique_ptr<Lights> lights_;
+    std::unique_ptr<LightSet> lights_;
     std::uint32_t medium_at_infinity_ = kNone;
     bool has_dispersion_ = false, has_interfaces_ = false;
 };

@@ -320,7 +320,7 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
     }
 }
 
-TEST(Emitters, HoldAreaNormalAndRadiance) {
+TEST(Emitters, HoldAreaAndNormal) {
     const Built scene = build(
         "AreaLightSource \"diffuse\" \"float power\" 6 \"float scale\" 2\n"
         "AttributeBegin\nTranslate 0 3 0\nScale 2 2 2\nShape \"sphere\" \"float radius\" 0.5\nAttributeEnd\n"
@@ -333,12 +333,13 @@ TEST(Emitters, HoldAreaNormalAndRadiance) {
     EXPECT_TRUE(e[0].is_sphere);
     EXPECT_EQ(e[0].p, Vec3f(0, 3, 0));
     EXPECT_NEAR(e[0].radius, 1, 1e-6f);
-    EXPECT_NEAR(e[0].scale, 2 * 6 / (kPi * 4 * kPi), 1e-5f);
-    EXPECT_NEAR(e[1].area, 6, 1e-5f);
-    EXPECT_NEAR(e[1].scale, 2 * 6 / (kPi * 6), 1e-5f);  // the power of each triangle
-    EXPECT_NEAR(e[2].area, 13.5f, 1e-5f);
-    EXPECT_NEAR(e[3].scale + e[4].scale, 2 * (2 * 6 / (kPi * 2)), 1e-5f);  // the power of the patch, which is two triangles here
-    EXPECT_EQ(e[5].scale, 5);
+    EXPECT_NEAR(e[0].area, 4 * kPi, 1e-5);
+    EXPECT_NEAR(e[1].area, 6, 1e-5);
+    EXPECT_NEAR(e[2].area, 13.5, 1e-5);
+    for (std::uint32_t i = 0; i < e.size(); ++i) {
+        EXPECT_EQ(e[i].is_half, i == 3 || i == 4);  // the patch is two triangles here
+        EXPECT_EQ(e[i].area_light, i < 5 ? 0u : 1u);
+    }
     Random random;
     for (std::uint32_t i = 1; i < e.size(); ++i) {
         const Vec3f center = e[i].p + (e[i].e1 + e[i].e2) * (1 / 3.0f);

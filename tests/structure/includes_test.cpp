@@ -77,7 +77,7 @@ Rooms below(const std::string& room) {
     return reached;
 }
 
-// "render" of "render/light/lights.h".
+// "render" of "render/light/light.h".
 std::string top_folder(const std::string& path) { return path.substr(0, path.find('/')); }
 const Rooms kTopFolders = {"base", "color", "image", "sampledb", "render", "tools"};
 
@@ -144,7 +144,7 @@ TEST(Structure, AReversedArrowIsCaught) {
     EXPECT_EQ(wrong("sampledb/data/page.h", "render/scene/description.h"), 1u);
     EXPECT_EQ(wrong("tools/convert/convert.cpp", "sampledb/data/page.h"), 1u);
     EXPECT_EQ(wrong("tools/develop/develop.cpp", "sampledb/write/part_writer.h"), 1u);
-    EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/light/lights.h"), 1u);
+    EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/light/light.h"), 1u);
     EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/geometry/geometry.h"), 1u);  // side by side
     EXPECT_EQ(wrong("sampledb/format/run_frame.cpp", "sampledb/codec/page_codec.h"), 1u);
     EXPECT_EQ(wrong("render/world/world.h", "render/world.h"), 1u);  // in no room

@@ -1,10 +1,8 @@
 // Laws of lights: points and rays are drawn as their densities say, and both ways of asking give the same light.
-#include "render/light/lights.h"
-
 #include <cmath>
 
 #include "color/observer.h"
-#include "render/light/environment.h"
+#include "render/light/light_set.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/world_builder.h"
@@ -44,19 +42,19 @@ TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
             SCOPED_TRACE(c.name);
             const Scene scene = with_light(c.text);
             const std::unique_ptr<World> world = scene.world();
-            const Lights& lights = world->lights();
+            const Light& light = world->lights()[0];
             Numbers u(2);
             expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                           LightPoint p;
                                           const Uniform x = u(), y = u();
-                                          if (!lights.sample_point(0, from, {}, x, y, p)) return std::nullopt;
+                                          if (!light.sample_point(from, {}, x, y, p)) return std::nullopt;
                                           return p.wi;
                                       },
                                       .pdf_omega = [&](const Vec3f& w) -> double {
                                           const auto hit = scene.geometry->intersect({from, w});
                                           if (!hit || hit->emitter == kNone) return 0;
-                                          if (!lights[0].two_sided && dot(hit->ng, w) >= 0) return 0;
-                                          return static_cast<double>(lights.pdf_of_point(0, from, hit->p, hit->ng));
+                                          if (!(light.pdf_direction(hit->ng, -w) > 0)) return 0;
+                                          return static_cast<double>(light.pdf_omega(from, {}, {w, hit->p, hit->ng}));
                                       },
                                       .count = 40'000,
                                       .rows = 32,
@@ -72,25 +70,25 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
         {"spot",
          "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 1 0] \"point3 to\" [1 -1 0.5] \"float "
          "coneangle\" 40\n"},
-        {"constant sky", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n"},
-        {"image sky", "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"},
+        {"uniform infinite", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n"},
+        {"image infinite", "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"},
     };
     cases.insert(cases.end(), kAreas.begin(), kAreas.end());
     for (const Case& c : cases) {
         SCOPED_TRACE(c.name);
         const Scene scene = scene_under_sky("WorldBegin\nAttributeBegin\n" + c.text + "AttributeEnd\n" + kFloor);
         const std::unique_ptr<World> world = scene.world();
-        const Lights& lights = world->lights();
+        const Light& light = world->lights()[0];
         Numbers u(4);
-        const Vec3f z = lights[0].has_area() ? Vec3f{0, 0, 1} : Vec3f{};  // directions from an area are looked at about its normal
+        const Vec3f z = light.has_area() ? Vec3f{0, 0, 1} : Vec3f{};  // directions from an area are looked at about its normal
         expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                       LightRay ray;
                                       const Uniform a = u(), b = u(), d = u(), e = u();
-                                      lights.sample_ray(0, a, b, d, e, ray);
-                                      EXPECT_FLOAT_EQ(ray.pdf_direction, lights.pdf_of_emission(0, ray.anchor.ng, ray.d));
-                                      return lights[0].has_area() ? Frame::from_z(ray.anchor.ng).to_local(ray.d) : ray.d;
+                                      light.sample_ray(a, b, d, e, ray);
+                                      EXPECT_FLOAT_EQ(ray.pdf_direction, light.pdf_direction(ray.at.ng, ray.d));
+                                      return light.has_area() ? Frame::from_z(ray.at.ng).to_local(ray.d) : ray.d;
                                   },
-                                  .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(lights.pdf_of_emission(0, z, w)); },
+                                  .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(light.pdf_direction(z, w)); },
                                   .count = 60'000});
     }
 }
@@ -100,16 +98,18 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
 TEST(Lights, RaysStartEvenlyOnTheirLight) {
     struct StartCase {
         Case light;
-        std::function<Vec2f(const Light&, const Vec3f& p, const Geometry&)> even;
+        std::function<Vec2f(const Vec3f& p, const Geometry&)> even;
     };
     const auto turns = [](float y, float x) { return std::atan2(y, x) / (2 * kPi) + 0.5f; };
-    const auto on_triangle = [](const Light& light, const Vec3f& p, const Geometry&) {
-        const Vec3f n = cross(light.e1, light.e2), d = p - light.p;
-        const float b1 = dot(cross(d, light.e2), n) / length_squared(n), b2 = dot(cross(light.e1, d), n) / length_squared(n);
+    const auto on_triangle = [](const Vec3f& p, const Geometry& geometry) {
+        const Emitter& e = geometry.emitters()[0];
+        const Vec3f n = cross(e.e1, e.e2), d = p - e.p;
+        const float b1 = dot(cross(d, e.e2), n) / length_squared(n), b2 = dot(cross(e.e1, d), n) / length_squared(n);
         return Vec2f{(b1 + b2) * (b1 + b2), b2 / (b1 + b2)};
     };
-    const auto on_sphere = [&](const Light& light, const Vec3f& p, const Geometry&) {
-        const Vec3f d = (p - light.p) / light.radius;
+    const auto on_sphere = [&](const Vec3f& p, const Geometry& geometry) {
+        const Emitter& e = geometry.emitters()[0];
+        const Vec3f d = (p - e.p) / e.radius;
         return Vec2f{0.5f * (1 + d.z), turns(d.y, d.x)};
     };
     const std::vector<StartCase> cases = {
@@ -118,8 +118,8 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
         {kAreas[2], on_sphere},
         {kAreas[3], on_sphere},
         {{"distant", "LightSource \"distant\" \"point3 from\" [1 2 3] \"point3 to\" [0 0 0]\n"},
-         [&](const Light& light, const Vec3f& p, const Geometry& geometry) {
-             const Vec3f d = Frame::from_z(light.n).to_local(p - geometry.center());
+         [&](const Vec3f& p, const Geometry& geometry) {
+             const Vec3f d = Frame::from_z(normalize(Vec3f{1, 2, 3})).to_local(p - geometry.center());
              return Vec2f{(d.x * d.x + d.y * d.y) / (geometry.radius() * geometry.radius()), turns(d.y, d.x)};
          }},
     };
@@ -127,16 +127,16 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
         SCOPED_TRACE(c.light.name);
         const Scene scene = with_light(c.light.text);
         const std::unique_ptr<World> world = scene.world();
-        const Lights& lights = world->lights();
+        const Light& light = world->lights()[0];
         constexpr int kSide = 16, kCount = 100'000;
         std::vector<double> counted(kSide * kSide);
         Numbers u(5);
         for (int n = 0; n < kCount; ++n) {
             LightRay ray;
             const Uniform a = u(), b = u(), d = u(), e = u();
-            lights.sample_ray(0, a, b, d, e, ray);
-            ASSERT_EQ(ray.pdf_position, lights.pdf_of_position(0));
-            const Vec2f cell = c.even(lights[0], ray.anchor.p, *scene.geometry);
+            light.sample_ray(a, b, d, e, ray);
+            ASSERT_EQ(ray.pdf_position, light.pdf_position());
+            const Vec2f cell = c.even(ray.at.p, *scene.geometry);
             const auto index = [](float x) { return static_cast<std::size_t>(std::clamp(x * kSide, 0.0f, kSide - 1.0f)); };
             ++counted[index(cell.x) * kSide + index(cell.y)];
         }
@@ -148,15 +148,15 @@ TEST(Lights, AreChosenAsOftenAsTheirProbabilitySays) {
     std::vector<double> weight;
     Numbers u(14);
     for (int i = 0; i < 37; ++i) weight.push_back(i % 5 == 0 ? 0.01 : static_cast<double>(u() * u()));
-    const Choice choice(weight);
+    const AliasTable table(weight);
     constexpr int kCount = 200'000;
     std::vector<double> counted(weight.size());
-    for (int n = 0; n < kCount; ++n) ++counted[choice.sample(u())];
+    for (int n = 0; n < kCount; ++n) ++counted[table.sample(u())];
     std::vector<double> expected;
     double whole = 0;
     for (std::uint32_t i = 0; i < weight.size(); ++i) {
-        expected.push_back(kCount * static_cast<double>(choice.probability(i)));
-        whole += static_cast<double>(choice.probability(i));
+        expected.push_back(kCount * static_cast<double>(table.probability(i)));
+        whole += static_cast<double>(table.probability(i));
     }
     EXPECT_NEAR(whole, 1, 1e-5);
     expect_counts_follow(counted, expected);
@@ -179,15 +179,15 @@ TEST(Lights, RaysCarryThePowerOfTheLight) {
         SCOPED_TRACE(c.name);
         const Scene scene = with_light(c.text);
         const std::unique_ptr<World> world = scene.world();
-        const Lights& lights = world->lights();
+        const Light& light = world->lights()[0];
         Numbers u(6);
         double sum = 0;
         constexpr int kCount = 40'000;
         for (int n = 0; n < kCount; ++n) {
             LightRay ray;
             const Uniform a = u(), b = u(), d = u(), e = u();
-            lights.sample_ray(0, a, b, d, e, ray);
-            sum += static_cast<double>(lights[0].scale * ray.cosine * ray.profile / (ray.pdf_position * ray.pdf_direction));
+            light.sample_ray(a, b, d, e, ray);
+            sum += static_cast<double>(light.emission().scale * ray.cosine * ray.profile / (ray.pdf_position * ray.pdf_direction));
         }
         EXPECT_NEAR(sum / kCount, power, 0.01 * power);
     }
@@ -206,59 +206,91 @@ TEST(Lights, AreChosenByTheirPowerAndNeverNot) {
     EXPECT_NEAR(mixed->lights().probability(3), 0.5, 1e-6);
 }
 
+// `power` is that of each sphere, triangle and patch by itself, whether a patch is two triangles or not.
+TEST(Lights, HaveTheRadianceOfThePowerOfTheirShape) {
+    const std::string text =
+        "WorldBegin AreaLightSource \"diffuse\" \"float power\" 6 \"float scale\" 2\n"
+        "Shape \"sphere\" \"float radius\" 0.5\n"
+        "Shape \"trianglemesh\" \"point3 P\" [ 0 0 2  3 0 2  3 4 2 ]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ 5 0 0  7 0 0  5 1 0  7 1 0 ]\n"
+        "AreaLightSource \"diffuse\" \"float scale\" 5 \"bool twosided\" true\nShape \"trianglemesh\" \"point3 P\" [0 9 0  1 9 0  "
+        "0 9 1]\n"
+        "AreaLightSource \"diffuse\" \"float power\" 3 \"bool twosided\" true\nShape \"trianglemesh\" \"point3 P\" [0 8 0  1 8 0  "
+        "0 8 1]\n";
+    const Scene scene = scene_from(text);
+    const std::unique_ptr<World> world = scene.world();
+    const float expected[] = {2 * 6 / (kPi * kPi), 2 * 6 / (kPi * 6), 2 * 6 / (kPi * 2), 2 * 6 / (kPi * 2), 5,
+                              3 / (kPi * 0.5f * 2)};
+    ASSERT_EQ(world->lights().size(), std::size(expected));
+    for (std::uint32_t i = 0; i < std::size(expected); ++i) EXPECT_FLOAT_EQ(world->lights()[i].emission().scale, expected[i]) << i;
+}
+
+// One id for each light that the scene gives, whatever it is made of: area lights first.
+TEST(Lights, HaveTheIdOfTheirSource) {
+    const std::string lamp =
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 3  1 0 3  0 1 3  1 1 3] \"integer indices\" [0 1 2  1 3 2]\n";
+    const std::unique_ptr<World> world =
+        scene_from("WorldBegin\nLightSource \"point\"\nLightSource \"infinite\"\nAttributeBegin AreaLightSource \"diffuse\"\n" +
+                   lamp + "Shape \"sphere\"\nAttributeEnd\nAttributeBegin AreaLightSource \"diffuse\"\n" + lamp + "AttributeEnd\n")
+            .world();
+    std::vector<std::uint32_t> ids;
+    for (std::uint32_t i = 0; i < world->lights().size(); ++i) ids.push_back(world->lights()[i].id());
+    EXPECT_EQ(ids, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 2, 3}));
+}
+
 TEST(Lights, ASphereFromOutsideIsSeenUnderItsConeOnly) {
     const std::unique_ptr<World> world = with_light(kAreas[2].text).world();
     const Vec3f from{0, -1, 0}, to = Vec3f{1, 2, 0.5f} - from;
     const double sin2 = 0.64 / static_cast<double>(length_squared(to));
     const double solid_angle = 2 * std::numbers::pi * (1 - std::sqrt(1 - sin2));
-    EXPECT_NEAR(world->lights().pdf_of_point(0, from, {1, 1.2f, 0.5f}, {0, -1, 0}) * solid_angle, 1, 1e-4);
+    EXPECT_NEAR(world->lights()[0].pdf_omega(from, {}, {normalize(to), {1, 1.2f, 0.5f}, {0, -1, 0}}) * solid_angle, 1, 1e-4);
 }
 
-TEST(Lights, AConstantSkyIsDrawnByTheCosineToWhatItLights) {
+TEST(Lights, AUniformInfiniteLightIsDrawnByTheCosineToWhatItLights) {
     const std::unique_ptr<World> world = with_light("LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n").world();
-    const Lights& lights = world->lights();
+    const Light& light = world->lights()[0];
     const Vec3f n = normalize(Vec3f{0.3f, -0.5f, 0.4f});
     for (const Receiver& receiver : {Receiver{}, Receiver{n, false}, Receiver{n, true}}) {
         Numbers u(8);
         expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                       LightPoint p;
                                       const Uniform x = u(), y = u();
-                                      if (!lights.sample_point(0, {}, receiver, x, y, p)) return std::nullopt;
+                                      if (!light.sample_point({}, receiver, x, y, p)) return std::nullopt;
                                       return p.wi;
                                   },
                                   .pdf_omega = [&](const Vec3f& w) -> double {
                                       const bool behind = !receiver.both_sides && dot(w, receiver.n) < 0;
-                                      return behind ? 0 : static_cast<double>(lights.pdf_of_direction(0, w, receiver));
+                                      return behind ? 0 : static_cast<double>(light.pdf_omega({}, receiver, {w}));
                                   },
                                   .count = 60'000});
     }
 }
 
-TEST(Lights, AnImageSkyIsDrawnByItsPixels) {
+TEST(Lights, AnImageInfiniteLightIsDrawnByItsPixels) {
     const std::unique_ptr<World> world =
         scene_under_sky(
             "WorldBegin\nAttributeBegin Rotate 40 1 2 0 LightSource \"infinite\" \"string filename\" \"sky.exr\" AttributeEnd\n" +
             std::string(kFloor))
             .world();
-    const Lights& lights = world->lights();
+    const Light& light = world->lights()[0];
     for (const Receiver& receiver : {Receiver{}, Receiver{{0, 1, 0}, false}}) {
         Numbers u(15);
         expect_directions_follow(
             {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                  LightPoint p;
                  const Uniform x = u(), y = u();
-                 if (!lights.sample_point(0, {}, receiver, x, y, p)) return std::nullopt;
-                 EXPECT_FLOAT_EQ(p.pdf_omega, lights.pdf_of_direction(0, p.wi, receiver));
+                 if (!light.sample_point({}, receiver, x, y, p)) return std::nullopt;
+                 EXPECT_FLOAT_EQ(p.pdf_omega, light.pdf_omega({}, receiver, {p.wi}));
                  return p.wi;
              },
-             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(lights.pdf_of_direction(0, w, receiver)); },
+             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(light.pdf_omega({}, receiver, {w})); },
              .count = 60'000});
     }
 }
 
-class Sky : public ::testing::Test {
+class EnvironmentMapTest : public ::testing::Test {
  protected:
-    Sky() {
+    EnvironmentMapTest() {
         image_->width = image_->height = 8;
         Numbers u(9);
         for (int i = 0; i < 8 * 8 * 3; ++i) image_->rgb.push_back(u() < 0.7f ? u() * 0.2f : 5 * u());
@@ -268,20 +300,20 @@ class Sky : public ::testing::Test {
     SpectrumLibrary library_;
 };
 
-TEST_F(Sky, DirectionsFollowTheirDensity) {
-    const Environment sky(image_, turned_, library_);
+TEST_F(EnvironmentMapTest, DirectionsFollowTheirDensity) {
+    const EnvironmentMap map(image_, turned_, library_);
     Numbers u(10);
     expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                   const Uniform x = u(), y = u();
-                                  return sky.sample(x, y);
+                                  return map.sample(x, y);
                               },
-                              .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(sky.pdf_omega(w)); },
+                              .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(map.pdf_omega(w)); },
                               .count = 60'000});
 }
 
 // The spectrum of each pixel, times the illuminant, has the pixel's linear sRGB.
-TEST_F(Sky, PixelsHaveTheirColour) {
-    const Environment sky(image_, turned_, library_);
+TEST_F(EnvironmentMapTest, PixelsHaveTheirColour) {
+    const EnvironmentMap map(image_, turned_, library_);
     const color::Spectrum& d65 = color::illuminant_d65();
     const std::uint32_t illuminant = library_.add(d65, Lookup::kNearestNm);
     const WavelengthSampler sampler(wavelength_density({}), 32);
@@ -291,7 +323,7 @@ TEST_F(Sky, PixelsHaveTheirColour) {
     Numbers u(11);
     for (int n = 0; n < 20; ++n) {
         const Uniform a = u(), b = u();
-        const Vec3f w = sky.sample(a, b);
+        const Vec3f w = map.sample(a, b);
         const Vec3f local = normalize(Vec3f(turned_.inverse()->vector(Vec3d(w))));
         const Vec2f p = square_from_sphere(local);
         const float* rgb = &image_->rgb[3 * (static_cast<std::size_t>(p.y * 8) * 8 + static_cast<std::size_t>(p.x * 8))];
@@ -301,7 +333,7 @@ TEST_F(Sky, PixelsHaveTheirColour) {
             sampler.draw(static_cast<std::uint32_t>((i + 0.5) / kOffsets * 0x1p32), spectra.wavelengths);
             spectra.start_sample();
             Batch value = spectra[illuminant];
-            sky.multiply(w, spectra, value);
+            map.multiply(w, spectra, value);
             for (std::uint32_t lane = 0; lane < 32; ++lane) {
                 const std::array<float, 3> response = observer(spectra.wavelengths.lambda_nm[lane]);
                 for (std::size_t c = 0; c < 3; ++c) {

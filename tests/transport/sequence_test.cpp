@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/sampling/alias_table.h"
+#include "render/sampling/piecewise_constant.h"
 #include "render/sampling/sampling.h"
 #include "sampledb/data/film_position.h"
 #include "tests/transport/numbers.h"
@@ -97,30 +99,30 @@ TEST(Elementary, FunctionsAgreeWithTheLibrary) {
     }
 }
 
-TEST(Choice, FollowsItsWeights) {
+TEST(AliasTable, FollowsItsWeights) {
     const std::vector<double> weight = {3, 0, 1, 0.25, 12, 1};
-    const Choice choice(weight);
+    const AliasTable table(weight);
     std::vector<int> counted(weight.size());
     constexpr int kCount = 400'000;
-    for (std::uint64_t i = 0; i < kCount; ++i) ++counted[choice.sample({~std::uint64_t{0} / kCount * i})];
+    for (std::uint64_t i = 0; i < kCount; ++i) ++counted[table.sample({~std::uint64_t{0} / kCount * i})];
     for (std::uint32_t i = 0; i < weight.size(); ++i) {
-        EXPECT_NEAR(choice.probability(i), weight[i] / 17.25, 1e-6);
+        EXPECT_NEAR(table.probability(i), weight[i] / 17.25, 1e-6);
         EXPECT_NEAR(counted[i], weight[i] / 17.25 * kCount, 20);
     }
 }
 
 // However many there are to choose from: every second one has 1/200 of the weight of the others.
-TEST(Choice, FollowsItsWeightsAmongAMillion) {
+TEST(AliasTable, FollowsItsWeightsAmongAMillion) {
     const Sequence sequence(1, kImportant);
     for (const std::uint32_t size : {1024u, 16'384u, 131'072u, 1u << 20}) {
         std::vector<double> weight(size);
         for (std::uint32_t i = 0; i < size; ++i) weight[i] = i % 2 == 0 ? 1 : 200;
-        const Choice choice(weight);
+        const AliasTable table(weight);
         constexpr int kCount = 4'000'000;
         for (const std::uint32_t dimension : {0u, 100u}) {  // of the sequence: a radical inverse, and a hash
             double small = 0, probability = 0;
-            for (std::uint64_t n = 0; n < kCount; ++n) small += choice.sample(sequence.at(n, dimension)) % 2 == 0;
-            for (std::uint32_t i = 0; i < size; i += 2) probability += static_cast<double>(choice.probability(i));
+            for (std::uint64_t n = 0; n < kCount; ++n) small += table.sample(sequence.at(n, dimension)) % 2 == 0;
+            for (std::uint32_t i = 0; i < size; i += 2) probability += static_cast<double>(table.probability(i));
             EXPECT_NEAR(probability * 201, 1, 1e-5) << size;
             EXPECT_NEAR(small / kCount * 201, 1, 4 * std::sqrt(201.0 / kCount)) << size;
         }

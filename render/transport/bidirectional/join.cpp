@@ -24,19 +24,18 @@ void Bidirectional::join_light(std::size_t i) {
     const std::uint32_t chosen = lights_.choose(camera_number(i - 1, Dimension::kLight));
     const Light& light = lights_[chosen];
     LightPoint point;
-    if (!lights_.sample_point(chosen, z.at.p, z.scattering.receiver(z.wo), camera_number(i - 1, Dimension::kLightU),
-                              camera_number(i - 1, Dimension::kLightV), point))
+    if (!light.sample_point(z.at.p, z.scattering.receiver(z.wo), camera_number(i - 1, Dimension::kLightU),
+                            camera_number(i - 1, Dimension::kLightV), point))
         return;
     const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);
     if (!(scattering_pdf > 0)) return;
     Batch value = z.beta;
     z.scattering.multiply_f_cos(z.wo, point.wi, value);
-    lights_.multiply_emission(chosen, point.anchor.ng, -point.wi, sample_.spectra, value);
-    if (value.is_black()) return;
+    if (!light.multiply_emission(point.at.ng, -point.wi, sample_.spectra, value) || value.is_black()) return;
     LineOfSight line;
     const std::uint32_t medium = z.medium_towards(point.wi);
     const bool seen = light.is_infinite() ? world_.connect_sky(z.at, point.wi, medium, sample_, value, line)
-                                          : world_.connect(z.at, point.anchor, medium, sample_, value, line);
+                                          : world_.connect(z.at, point.at, medium, sample_, value, line);
     if (!seen) return;
     const float sampled = lights_.probability(chosen) * point.pdf_omega;
     value *= point.falloff / sampled;
@@ -45,14 +44,14 @@ void Bidirectional::join_light(std::size_t i) {
     const float cosine = z.cosine(point.wi);
     float pdf_reverse = distance_pdf(z, line);
     if (light.is_infinite()) {
-        pdf_reverse *= lights_.pdf_of_position(chosen) * cosine;
-        if (!light.is_delta()) pdf_reverse *= lights_.pdf_of_emission(chosen, {}, -point.wi) / point.pdf_omega;
+        pdf_reverse *= light.pdf_position() * cosine;
+        if (!light.is_delta()) pdf_reverse *= light.pdf_direction({}, -point.wi) / point.pdf_omega;
     } else {
-        pdf_reverse *= lights_.pdf_of_emission(chosen, point.anchor.ng, -point.wi) * cosine / (point.distance * point.distance);
+        pdf_reverse *= light.pdf_direction(point.at.ng, -point.wi) * cosine / (point.distance * point.distance);
     }
     if (light.has_area()) {
-        const float to_area = abs_dot(point.anchor.ng, point.wi) / (point.distance * point.distance);
-        pdf_reverse *= lights_.pdf_of_position(chosen) / (point.pdf_omega * to_area);
+        const float to_area = abs_dot(point.at.ng, point.wi) / (point.distance * point.distance);
+        pdf_reverse *= light.pdf_position() / (point.pdf_omega * to_area);
     }
     const float hit = light.is_delta() ? 0 : mis_term(scattering_pdf * line.transmittance, sampled, 1);
     const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;

@@ -119,7 +119,7 @@ class Bidirectional {
     // sampled point of the light, `pdf_ray` as the start of a ray; `pdf_reverse`: of the last camera vertex from there.
     void add_emission(Batch value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray, float pdf_reverse);
     void see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line);
-    void see_sky(const Step& step, const LineOfSight& line);
+    void see_infinite_lights(const Step& step, const LineOfSight& line);
 
     // t = 0: the light's step meets the lens before it has gone `limit`. Lights that are a point or a direction are themselves
     // invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes such a path, so
@@ -145,7 +145,7 @@ class Bidirectional {
     void join_one_of_each_length();
 
     const World& world_;
-    const Lights& lights_;
+    const LightSet& lights_;
     const bool connect_all_;
     const std::size_t max_vertices_;  // vertices of a path, those on the light and on the lens included
     const RecordMaker& records_;

@@ -31,14 +31,14 @@ void Bidirectional::trace_light() {
     start_light_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
     const Light& light = lights_[start_light_];
     LightRay ray;
-    lights_.sample_ray(start_light_, sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
-                       sample_.numbers(Dimension::kStartDirectionU), sample_.numbers(Dimension::kStartDirectionV), ray);
+    light.sample_ray(sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
+                     sample_.numbers(Dimension::kStartDirectionU), sample_.numbers(Dimension::kStartDirectionV), ray);
     const float probability = lights_.probability(start_light_);
     light_subpath_.resize(1);
     SubpathVertex& x = light_subpath_[0];
     x = {};
-    x.at = ray.anchor;
-    x.normal = ray.anchor.ng;
+    x.at = ray.at;
+    x.normal = ray.at.ng;
     x.pdf_forward = probability * (light.is_infinite() ? ray.pdf_direction : ray.pdf_position);
     x.mis.end = light.is_delta() ? 0 : 1;
     Step step;
@@ -46,12 +46,12 @@ void Bidirectional::trace_light() {
     step.pdf = light.is_infinite() ? ray.pdf_position : ray.pdf_direction;
     step.parallel = light.is_infinite();
     step.mis_shorter = x.mis.end;
-    step.medium = light.is_infinite() ? kNone : ray.medium;
+    step.medium = ray.medium;
     if (!(ray.pdf_direction > 0)) return;
     if (light.is_infinite() && world_.medium_at_infinity() != kNone) return;  // nothing comes through
     step.beta = Batch(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
-    lights_.multiply_emission(start_light_, ray.anchor.ng, ray.d, sample_.spectra, step.beta);
-    if (!step.beta.is_black()) walk(light_subpath_, false, step);
+    if (!light.multiply_emission(ray.at.ng, ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
+    walk(light_subpath_, false, step);
 }
 
 void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
@@ -115,7 +115,7 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
             return append(path, from_camera, x, step, line, density);
         }
         if (!hit) {
-            if (from_camera) see_sky(step, line);
+            if (from_camera) see_infinite_lights(step, line);
             return false;
         }
         if (from_camera && hit->emitter != kNone) see_light(*hit, step, line);
@@ -154,10 +154,8 @@ bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, co
 float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
     const Light& light = lights_[start_light_];
     if (light.is_delta()) return 1;
-    const float ratio = light.is_infinite() ? lights_.pdf_of_direction(start_light_, -d, x.scattering.receiver(x.wo)) /
-                                                  lights_.pdf_of_emission(start_light_, {}, d)
-                                            : lights_.pdf_of_point(start_light_, x.at.p, first.at.p, first.normal) *
-                                                  first.cosine(d) / d2 / lights_.pdf_of_position(start_light_);
+    const float pdf = light.pdf_omega(x.at.p, x.scattering.receiver(x.wo), {-d, first.at.p, first.normal});
+    const float ratio = light.is_infinite() ? pdf / light.pdf_direction({}, d) : pdf * first.cosine(d) / d2 / light.pdf_position();
     return ratio * ratio;
 }
 
@@ -173,29 +171,28 @@ void Bidirectional::add_emission(Batch value, const Step& step, float pdf_forwar
 
 void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
     const Light& light = lights_[hit.emitter];
-    if (!light.two_sided && dot(hit.ng, step.d) >= 0) return;
     Batch value = step.beta;
-    lights_.multiply_emission(hit.emitter, hit.ng, -step.d, sample_.spectra, value);
+    if (!light.multiply_emission(hit.ng, -step.d, sample_.spectra, value)) return;
     const SubpathVertex& last = camera_subpath_.back();
     const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
                 probability = lights_.probability(hit.emitter);
     add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance,
-                 probability * lights_.pdf_of_point(hit.emitter, last.at.p, hit.p, hit.ng) * to_area,
-                 probability * lights_.pdf_of_position(hit.emitter),
-                 lights_.pdf_of_emission(hit.emitter, hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
+                 probability * light.pdf_omega(last.at.p, {}, {step.d, hit.p, hit.ng}) * to_area,
+                 probability * light.pdf_position(),
+                 light.pdf_direction(hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
 }
 
-void Bidirectional::see_sky(const Step& step, const LineOfSight& line) {
+void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& line) {
     const SubpathVertex& last = camera_subpath_.back();
     for (const std::uint32_t i : lights_.infinite()) {
-        if (lights_[i].is_delta()) continue;
+        const Light& light = lights_[i];
         Batch value = step.beta;
-        lights_.multiply_emission(i, {}, -step.d, sample_.spectra, value);
+        if (!light.multiply_emission({}, -step.d, sample_.spectra, value)) continue;
         const float probability = lights_.probability(i),
-                    pdf_point = probability * lights_.pdf_of_direction(i, step.d, last.scattering.receiver(last.wo));
-        const float pdf_ray = probability * lights_.pdf_of_emission(i, {}, -step.d);
+                    pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.receiver(last.wo), {step.d});
+        const float pdf_ray = probability * light.pdf_direction({}, -step.d);
         add_emission(value, step, step.pdf * line.transmittance, pdf_point, pdf_ray,
-                     lights_.pdf_of_position(i) * last.cosine(step.d) * distance_pdf(last, line));
+                     light.pdf_position() * last.cosine(step.d) * distance_pdf(last, line));
     }
 }
 

@@ -1,4 +1,4 @@
-#include "render/light/environment.h"
+#include "render/light/environment_map.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,8 @@ double luminance(const float* rgb) {
 
 }  // namespace
 
-Environment::Environment(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library)
+EnvironmentMap::EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light,
+                               SpectrumLibrary& library)
     : image_(std::move(image)), world_from_light_(rotation(world_from_light)), light_from_world_(*world_from_light_.inverse()) {
     const color::RgbToSpectrum to_spectrum(color::RgbSpace::srgb(), color::illuminant_d65());
     const color::Rgb colours[6] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}};
@@ -40,7 +41,7 @@ Environment::Environment(std::shared_ptr<const ImageDescription> image, const Af
     rows_ = PiecewiseConstant(rows);
 }
 
-Environment::Pixel Environment::pixel(const Vec3f& w) const {
+EnvironmentMap::Pixel EnvironmentMap::pixel(const Vec3f& w) const {
     const Vec2f p = centred_from_sphere(normalize(light_from_world_.vector(w)));
     const auto index = [](float x, std::uint32_t size) {
         return std::min(static_cast<std::uint32_t>(std::max(0.5 * (1 + static_cast<double>(x)) * size, 0.0)), size - 1);
@@ -48,7 +49,7 @@ Environment::Pixel Environment::pixel(const Vec3f& w) const {
     return {index(p.x, image_->width), index(p.y, image_->height)};
 }
 
-Vec3f Environment::sample(Uniform u, Uniform v) const {
+Vec3f EnvironmentMap::sample(Uniform u, Uniform v) const {
     Uniform in_x, in_y;
     const std::uint32_t y = rows_.sample(v, in_y), x = columns_[y].sample(u, in_x);
     // From the centre of the square, so that the pixels about +z are as exact as others.
@@ -59,13 +60,13 @@ Vec3f Environment::sample(Uniform u, Uniform v) const {
     return normalize(world_from_light_.vector(sphere_from_centred(p)));
 }
 
-float Environment::pdf_omega(const Vec3f& w) const {
+float EnvironmentMap::pdf_omega(const Vec3f& w) const {
     const Pixel p = pixel(w);
     const double pixels = static_cast<double>(image_->width) * image_->height;
     return static_cast<float>(rows_.probability(p.y) * columns_[p.y].probability(p.x) * pixels / (4 * std::numbers::pi));
 }
 
-void Environment::multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const {
+void EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const {
     const Pixel p = pixel(w);
     const float* rgb = &image_->rgb[3 * (std::size_t{p.y} * image_->width + p.x)];
     std::array<int, 3> order = {0, 1, 2};  // by falling value
@@ -78,7 +79,7 @@ void Environment::multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value
     for (std::uint32_t i = 0; i < kLanes; ++i) value.v[i] *= white + secondary * second.v[i] + primary * first.v[i];
 }
 
-double Environment::upper_illuminance() const {
+double EnvironmentMap::upper_illuminance() const {
     double sum = 0;
     for (std::uint32_t y = 0; y < image_->height; ++y) {
         for (std::uint32_t x = 0; x < image_->width; ++x) {

@@ -1,10 +1,10 @@
-// render/light/environment.h: a sky given by an image on the equal-area square. docs/rendering.md, "Lights".
+// render/light/environment_map.h: an image of all directions, on the equal-area square. docs/rendering.md, "Lights".
 #pragma once
 
 #include "color/named_spectra.h"
 #include "color/rgb_to_spectrum.h"
 #include "render/math/equal_area.h"
-#include "render/sampling/sampling.h"
+#include "render/sampling/piecewise_constant.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
 
@@ -14,11 +14,11 @@ namespace latent::render {
 // of fixed colours, so that no pixel needs to be solved for: the smallest component of white (1 at every wavelength), what the
 // middle one exceeds it by of the secondary colour of the two larger ones, the rest of the largest's primary [Smits99]. Its colour
 // under the illuminant is rgb exactly, as colours add up.
-class Environment {
+class EnvironmentMap {
  public:
-    Environment(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library);
+    EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library);
 
-    Vec3f sample(Uniform u, Uniform v) const;  // unit direction towards the sky
+    Vec3f sample(Uniform u, Uniform v) const;  // unit direction
     float pdf_omega(const Vec3f& w) const;
     void multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const;
 

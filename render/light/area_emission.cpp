@@ -1,0 +1,31 @@
+#include "render/light/area_emission.h"
+
+namespace latent::render {
+
+AreaEmission::AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter)
+    : emission_{spectrum, 0},
+      area_(static_cast<float>(emitter.area)),
+      two_sided_(light.two_sided),
+      inside_medium_(emitter.inside_medium),
+      outside_medium_(emitter.outside_medium) {
+    if (!(emitter.area > 0)) return;  // black
+    // `power` is that of a whole patch, where the scene has one.
+    const double sides = two_sided_ ? 2 : 1, area = emitter.is_half ? 2 * emitter.area : emitter.area;
+    emission_.scale = static_cast<float>(light.scale * (light.power ? *light.power / (std::numbers::pi * area * sides) : 1));
+}
+
+void AreaEmission::sample_direction(const Anchor& at, Uniform s, Uniform t, LightRay& out) const {
+    const bool back = two_sided_ && s.index(2) == 1;
+    if (two_sided_) s = s.within(2);
+    Vec3f local = sample_cosine_hemisphere(s, t);
+    local.z = std::max(local.z, 1e-6f);
+    out.at = at;
+    out.d = normalize(Frame::from_z(back ? -at.ng : at.ng).to_world(local));
+    out.pdf_position = pdf_position();
+    out.pdf_direction = pdf_direction(at.ng, out.d);
+    out.cosine = abs_dot(out.d, at.ng);
+    out.profile = 1;
+    out.medium = back ? inside_medium_ : outside_medium_;
+}
+
+}  // namespace latent::render

@@ -1,0 +1,45 @@
+// render/light/area_emission.h: what a point of a surface emits, whatever the surface's shape: one radiance for all directions of a
+// side, or of both.
+#pragma once
+
+#include "render/light/light_type.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+class AreaEmission {
+ public:
+    // `spectrum`: of the library.
+    AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter);
+
+    const Emission& emission() const { return emission_; }
+    double extent() const { return std::numbers::pi * static_cast<double>(area_) * (two_sided_ ? 2 : 1); }
+    bool shines(const Vec3f& ng, const Vec3f& d) const { return two_sided_ || dot(ng, d) > 0; }
+
+    float pdf_position() const { return 1 / area_; }
+    // Density [1/sr at `from`] of a point drawn evenly from the area.
+    float pdf_omega(const Vec3f& from, const Vec3f& p, const Vec3f& ng) const {
+        const Vec3f to = p - from;
+        const float d2 = length_squared(to), cosine = abs_dot(to, ng) / std::sqrt(d2);
+        return cosine > 0 ? d2 / (cosine * area_) : 0;
+    }
+    // The rest of a ray that starts at `at`: its direction by the cosine to either side that shines.
+    void sample_direction(const Anchor& at, Uniform s, Uniform t, LightRay& out) const;
+    float pdf_direction(const Vec3f& ng, const Vec3f& d) const {
+        const float c = dot(ng, d);
+        return two_sided_ ? 0.5f * kInvPi * std::abs(c) : kInvPi * std::max(0.0f, c);
+    }
+    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, Batch& value) const {
+        if (!shines(ng, d)) return false;
+        emission_.multiply(spectra, value);
+        return true;
+    }
+
+ private:
+    Emission emission_;
+    float area_;
+    bool two_sided_;
+    std::uint32_t inside_medium_, outside_medium_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,86 @@
+#include "render/light/light_set.h"
+
+#include "color/light_spectrum.h"
+#include "color/visible_density.h"
+
+namespace latent::render {
+namespace {
+
+// 0.9 p_eye + 0.1 uniform: what a light's power is weighed with when lights are chosen.
+const color::Spectrum& choice_weight() {
+    static const color::Spectrum weight = color::Spectrum::from_function(
+        [](double nm) { return 0.9 * color::visible_pdf_lambda(nm) + 0.1 / (color::kLambdaMax - color::kLambdaMin); },
+        color::Outside::kZero);
+    return weight;
+}
+
+}  // namespace
+
+LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, const SceneBall& ball, SpectrumLibrary& library) {
+    // The lights of one source in the scene share its spectrum: a mesh may be a million lights.
+    struct Source {
+        std::uint32_t id, spectrum;  // of the library
+        std::size_t of_density;      // index into spectra_
+        double weighed, luminance;   // of the spectrum
+    };
+    const auto source = [&](std::size_t id, const color::Spectrum& spectrum) -> Source {
+        spectra_.push_back({spectrum, 0});
+        return {static_cast<std::uint32_t>(id), library.add(spectrum, Lookup::kNearestNm), spectra_.size() - 1,
+                integral_of_product(spectrum, choice_weight()), luminance(spectrum)};
+    };
+    std::vector<double> power;  // of each light, weighed
+    const auto add = [&](const Source& s, const auto& type) {
+        const Light light(s.id, type);
+        const double size = static_cast<double>(light.emission().scale) * light.extent();
+        power.push_back(size * s.weighed);
+        spectra_[s.of_density].luminous_power += size * s.luminance;
+        if (light.is_infinite() && !light.is_delta()) infinite_.push_back(static_cast<std::uint32_t>(lights_.size()));
+        lights_.push_back(light);
+    };
+
+    std::vector<std::optional<Source>> of_area(scene.area_lights.size());
+    for (const Emitter& e : geometry.emitters()) {
+        const AreaLightDescription& d = scene.area_lights[e.area_light];
+        std::optional<Source>& s = of_area[e.area_light];
+        if (!s) s = source(e.area_light, d.spectrum);
+        const AreaEmission area(d, s->spectrum, e);
+        if (e.is_sphere) {
+            add(*s, SphereLight(e, area));
+        } else {
+            add(*s, TriangleLight(e, area));
+        }
+    }
+    for (const LightDescription& d : scene.lights) {
+        const Source s = source(scene.area_lights.size() + static_cast<std::size_t>(&d - scene.lights.data()), d.spectrum);
+        switch (d.kind) {
+            case LightKind::kPoint:
+                add(s, PointLight(d, s.spectrum));
+                break;
+            case LightKind::kSpot:
+                add(s, SpotLight(d, s.spectrum));
+                break;
+            case LightKind::kDistant:
+                add(s, DistantLight(d, s.spectrum, ball));
+                break;
+            case LightKind::kInfinite:
+                if (d.image) {
+                    maps_.push_back(std::make_unique<EnvironmentMap>(d.image, d.world_from_light, library));
+                    add(s, ImageInfiniteLight(d, *maps_.back(), s.spectrum, ball));
+                } else {
+                    add(s, UniformInfiniteLight(d, s.spectrum, ball));
+                }
+                break;
+        }
+    }
+
+    double sums[2] = {0, 0};  // of local and of infinite lights, which share the choices evenly
+    for (std::size_t i = 0; i < power.size(); ++i) sums[lights_[i].is_infinite()] += power[i];
+    for (std::size_t i = 0; i < power.size(); ++i) power[i] /= std::max(sums[lights_[i].is_infinite()], 1e-300);
+    if (sums[0] + sums[1] > 0) {
+        table_ = AliasTable(power);
+    } else if (!power.empty()) {
+        table_ = AliasTable(std::vector<double>(power.size(), 1));  // all of them black: any will do
+    }
+}
+
+}  // namespace latent::render

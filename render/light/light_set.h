@@ -1,0 +1,39 @@
+// render/light/light_set.h: the lights of a scene, and how one of them is chosen. docs/rendering.md, "Lights".
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "render/light/light.h"
+#include "render/sampling/alias_table.h"
+#include "render/scene/description.h"
+#include "render/spectral/wavelength_density.h"
+
+namespace latent::render {
+
+// Does not change once built: any thread.
+class LightSet {
+ public:
+    LightSet(const SceneDescription& scene, const Geometry& geometry, const SceneBall& ball, SpectrumLibrary& library);
+
+    std::size_t size() const { return lights_.size(); }
+    const Light& operator[](std::uint32_t i) const { return lights_[i]; }  // emitter i of the geometry is light i
+    // Those that rays run into when they leave the scene: not the ones of a single direction.
+    const std::vector<std::uint32_t>& infinite() const { return infinite_; }
+    const std::vector<LightSpectrum>& spectra() const { return spectra_; }  // for the wavelength density
+
+    // Lights are chosen by their power, weighed by wavelength as 0.9 p_eye + 0.1 uniform, so that no light is never chosen;
+    // infinite lights have half of the choices where there are others too.
+    std::uint32_t choose(Uniform u) const { return table_.sample(u); }
+    float probability(std::uint32_t i) const { return table_.probability(i); }
+
+ private:
+    std::vector<Light> lights_;
+    std::vector<std::uint32_t> infinite_;
+    std::vector<LightSpectrum> spectra_;
+    std::vector<std::unique_ptr<const EnvironmentMap>> maps_;  // that lights point to
+    AliasTable table_;
+};
+
+}  // namespace latent::render

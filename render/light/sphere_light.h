@@ -1,0 +1,37 @@
+// render/light/sphere_light.h: a whole sphere of an area light. From outside, the cone that it fills is drawn from; from within,
+// its area.
+#pragma once
+
+#include "render/light/area_emission.h"
+
+namespace latent::render {
+
+class SphereLight {
+ public:
+    static constexpr bool kIsInfinite = false, kIsDelta = false;
+    SphereLight(const Emitter& emitter, const AreaEmission& area)
+        : center_(emitter.p), radius_(emitter.radius), inward_(emitter.inward), area_(area) {}
+
+    const Emission& emission() const { return area_.emission(); }
+    double extent() const { return area_.extent(); }
+    bool sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const;
+    float pdf_omega(const Vec3f& from, const Receiver& receiver, const LightHit& hit) const;
+    void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
+    float pdf_position() const { return area_.pdf_position(); }
+    float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }
+    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, Batch& value) const {
+        return area_.multiply_emission(ng, d, spectra, value);
+    }
+
+ private:
+    // The squared distance of the centre; whether the sphere is seen as a cone from there.
+    bool is_outside(float d2) const { return d2 > radius_ * radius_ * 1.0002f; }
+    Anchor at(const Vec3f& outwards) const;
+
+    Vec3f center_;
+    float radius_;
+    bool inward_;  // ng points to the centre
+    AreaEmission area_;
+};
+
+}  // namespace latent::render
