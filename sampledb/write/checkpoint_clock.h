@@ -19,16 +19,16 @@ class CheckpointClock {
           saved_at_(now),
           longest_commit_(interval_ / 8) {}
 
-    // An interval's work is at stake. Only a commit ends this.
-    bool late(Time now) const { return now >= saved_at_ + interval_; }
+    // From when on an interval's work is at stake. Only a commit moves it on.
+    Time late_at() const { return saved_at_ + interval_; }
 
     // When to begin a checkpoint: early by what a commit takes, so that it is on the disk before it is late.
-    Time due() const { return saved_at_ + interval_ - std::min(longest_commit_, interval_ / 2); }
+    Time due() const { return late_at() - std::min(longest_commit_, interval_ / 2); }
 
     // A commit that began at `begin` is on the disk `now`, with everything that was rendered before `until`. What was rendered
     // since then, until the clock was late, is at stake.
     void committed(Time until, Time begin, Time now) {
-        const Time waiting_since = std::max(until, saved_at_ + interval_);
+        const Time waiting_since = std::max(until, late_at());
         saved_at_ = until + std::max(now - waiting_since, Duration::zero());
         longest_commit_ = std::max(longest_commit_, now - begin);
     }

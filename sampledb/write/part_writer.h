@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "sampledb/data/coverage.h"
 #include "sampledb/data/grain.h"
 #include "sampledb/data/job.h"
+#include "sampledb/write/writer_counts.h"
 
 namespace latent::sampledb {
 
@@ -23,12 +23,8 @@ struct PartOptions {
     bool force = false;              // start over, whatever is there under this name
 };
 
-struct WriterCounts {
-    std::uint64_t samples_committed = 0;  // of the range, by this and other attempts; all of it: there is nothing left to render
-    std::uint64_t bytes_written = 0;
-    std::uint64_t runs_written = 0, checkpoints_written = 0;
-};
-
+// A pipeline of three parts: grains wait in a GrainWindow, which puts them in order; a Committer makes runs of them on a thread of
+// its own; a Publisher writes these to a file and gives it its name.
 class PartWriter {
  public:
     // Looks at what is there under the name, opens a new attempt if anything is missing.
@@ -37,32 +33,38 @@ class PartWriter {
     static Result<std::unique_ptr<PartWriter>> open(const PartOptions& options, const Job& job);
     // What `open` would find missing. Only looks. Errors: kMismatch, kIo.
     static Result<Coverage> find_missing(const PartOptions& options, const Job& job);
-    virtual ~PartWriter() = default;
+    ~PartWriter();  // what is not committed is lost
+    PartWriter(const PartWriter&) = delete;
+    PartWriter& operator=(const PartWriter&) = delete;
 
     // What was not committed when the part was opened, grain by grain in ascending order: render exactly these.
-    virtual const Coverage& missing() const = 0;
+    const Coverage& missing() const;
 
-    // Takes a finished grain; any thread, any order. Blocks while the grain is too far ahead of the oldest missing one or while
-    // both buffers are full, so memory stays bounded, and while a checkpoint is late. After an error every later call returns that
-    // error.
-    virtual Status submit(Grain grain) = 0;
+    // Takes a finished grain; any thread, any order. Blocks while the grain is too far ahead of the oldest missing one or of the
+    // disk, so memory stays bounded, and while a checkpoint is late. After an error every later call returns that error.
+    Status submit(Grain grain);
 
     // The oldest missing grain will not come: wakes the calls of submit that wait for it. They let their grains go and return
     // kStopped.
-    virtual void give_up() = 0;
+    void give_up();
 
     // Commits the finished grains that no run holds yet (up to the first gap) as a checkpoint run. Any thread.
-    virtual Status checkpoint() = 0;
+    Status checkpoint();
 
     // Everything missing was submitted: writes what is left, adds runs of other attempts, the footer, publishes NAME.latent, and
     // removes the attempts that it makes superfluous.
-    virtual Status finish() = 0;
+    Status finish();
 
     // Whether another writer has published NAME.latent with the whole range: nothing is left to render, and `finish` has little to
     // do. Looked at whenever a run or checkpoint has been committed.
-    virtual bool published_elsewhere() const = 0;
+    bool published_elsewhere() const;
 
-    virtual WriterCounts counts() const = 0;
+    WriterCounts counts() const;
+
+ private:
+    struct Parts;
+    explicit PartWriter(std::unique_ptr<Parts> parts);
+    std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace latent::sampledb

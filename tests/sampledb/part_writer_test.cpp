@@ -189,7 +189,9 @@ TEST_F(PartWriterTest, ASecondWriterTakesUpWhatTheFirstCommittedAndBothEndWell) 
     EXPECT_EQ(runs_of(name_), undisturbed(job, range));
 
     for (std::size_t i = 10; i < grains.size(); ++i) ASSERT_TRUE(first->submit(make_grain(job, grains[i])));
-    EXPECT_EQ(first->counts().samples_committed, range.size());  // it noticed at its next run: no need to render on
+    ASSERT_TRUE(first->checkpoint());
+    EXPECT_TRUE(first->published_elsewhere());  // it noticed at its next run: no need to render on
+    EXPECT_EQ(first->counts().samples_committed, range.size());
     ASSERT_TRUE(first->finish());
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"night.latent"});
 }

@@ -1,0 +1,71 @@
+#include "sampledb/write/publisher.h"
+
+#include <unistd.h>
+
+#include <span>
+#include <utility>
+
+#include "sampledb/read/part_name.h"
+
+namespace latent::sampledb {
+
+Publisher::Publisher(std::filesystem::path name, const Job& job, SampleRange range)
+    : name_(std::move(name)), job_(job), range_(range) {}
+
+Publisher::~Publisher() {
+    if (attempt_ && attempt_->runs().empty()) ::unlink(attempt_->path().c_str());
+}
+
+Status Publisher::begin(const std::string& provenance_json) {
+    Result<PartAttempt> attempt = PartAttempt::create(name_, {job_, provenance_json});
+    if (!attempt) return attempt.error();
+    attempt_ = std::move(*attempt);
+    return {};
+}
+
+Status Publisher::append(ByteSpan run) {
+    if (Status s = attempt_->append(run); !s)
+        return Error{s.error().code, s.error().message + "; committed work is kept: run the same command again to resume"};
+    if (attempt_->vanished() && !published_elsewhere()) return attempt_->restore();
+    return {};
+}
+
+Status Publisher::publish() {
+    Status done = copy_adopted();
+    if (done) done = give_name();
+    return done || published_elsewhere() ? Status{} : done;
+}
+
+// What was copied is read again: file systems have been seen to copy zeros.
+Status Publisher::copy_adopted() {
+    for (const StoredRun& run : adopted_) {
+        if (Status s = attempt_->append(run); !s) return s;
+    }
+    if (adopted_.empty()) return {};
+    const FileView written(attempt_->file(), attempt_->path().string(), attempt_->size());
+    for (const RunInfo& run : std::span(attempt_->runs()).last(adopted_.size())) {
+        if (Status s = verify_run(written, run, job_, VerifyLevel::kStored); !s) return s.error().at(written.name());
+    }
+    return {};
+}
+
+Status Publisher::give_name() {
+    for (;;) {
+        const Status named = attempt_->publish();
+        if (named) return {};
+        const Result<bool> published = is_published(name_, job_, range_);
+        if (!published) return published.error();  // the name went to another job or range
+        if (*published) return {};
+        if (!attempt_->vanished()) return named;
+        if (Status s = attempt_->restore(); !s) return s;
+    }
+}
+
+void Publisher::remove_superfluous() const { remove_superfluous_attempts(name_, job_, Coverage(range_)); }
+
+bool Publisher::published_elsewhere() const {
+    const Result<bool> published = is_published(name_, job_, range_);
+    return published && *published;
+}
+
+}  // namespace latent::sampledb
