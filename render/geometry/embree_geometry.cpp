@@ -197,7 +197,28 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
             instance);
     }
     hit.t = rayhit.ray.tfar;
+    hit.on = {found.instID[0], found.geomID, found.primID, {found.u, found.v}};
     return hit;
+}
+
+SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const {
+    const auto& [id, shape, primitive, uv] = hit.on;
+    if (id == RTC_INVALID_GEOMETRY_ID) return coordinates_at(shapes_[shape], primitive, uv, Vec3d(hit.p), hit.ns);
+    const PlacedInstance& instance = instances_[id - shapes_.size()];
+    const Affined& map = instance.world_from_object;
+    const Vec3f ns(instance.object_from_world.normal(Vec3d(hit.ns)));
+    SurfaceCoordinates c = coordinates_at((*instance.shapes)[shape], primitive, uv, instance.object_from_world.point(Vec3d(hit.p)), ns);
+    c.dpdu = Vec3f(map.vector(Vec3d(c.dpdu)));
+    c.dpdv = Vec3f(map.vector(Vec3d(c.dpdv)));
+    // n = m / |m|, m the image of the object's normal.
+    const Vec3d m = map.normal(normalize(Vec3d(ns)));
+    const double size = length(m);
+    const Vec3d n = m / size;
+    for (Vec3f* d : {&c.dndu, &c.dndv}) {
+        const Vec3d dm = map.normal(Vec3d(*d)) / size;
+        *d = Vec3f(dm - n * dot(n, dm));
+    }
+    return c;
 }
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {

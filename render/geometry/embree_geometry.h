@@ -40,6 +40,7 @@ class EmbreeGeometry final : public Geometry {
     static Result<std::unique_ptr<EmbreeGeometry>> build(const SceneDescription& scene, const std::string& simd);
     std::optional<SurfaceHit> intersect(const Ray& ray) const override;
     bool occluded(const Ray& ray) const override;
+    SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
 
  private:
     Status add_emitters();
@@ -63,5 +64,8 @@ PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive)
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p);
 // The same seen from the world.
 SurfaceHit to_world(const SurfaceHit& hit, const PlacedInstance& instance);
+
+// Texture coordinates there, in the space of the vertices; `ns` is in the hemisphere of the shading normal.
+SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p, const Vec3f& ns);
 
 }  // namespace latent::render

@@ -31,6 +31,12 @@ struct Anchor {
     float error_per_length = kRayError;
 };
 
+// Which primitive a ray hit, and where: numbers of Geometry's own.
+struct PrimitivePoint {
+    std::uint32_t instance, shape, primitive;
+    Vec2f uv;  // of the primitive
+};
+
 // Everything about the surface at a hit; nothing depends on the side that the ray came from.
 struct SurfaceHit {
     Vec3f p;
@@ -43,8 +49,16 @@ struct SurfaceHit {
     std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
+    PrimitivePoint on;
 
     Anchor anchor() const { return {p, error, ng, error_per_length}; }
+};
+
+// How the coordinates (u, v) of a scene's textures run over the surface about a hit.
+struct SurfaceCoordinates {
+    Vec2f uv;
+    Vec3f dpdu, dpdv;  // not parallel
+    Vec3f dndu, dndv;  // of the shading normal, turned as SurfaceHit::ns
 };
 
 // A primitive that emits: one triangle, or one whole sphere (of a uniform scale). What it emits is render/light's concern.
@@ -75,6 +89,8 @@ class Geometry {
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
+    // At a hit that `intersect` returned.
+    virtual SurfaceCoordinates coordinates(const SurfaceHit& hit) const = 0;
 
     const std::vector<Emitter>& emitters() const { return emitters_; }
     // A ball about everything.

@@ -7,23 +7,31 @@
 #include "render/geometry/geometry.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
+#include "render/texture/textures.h"
 
 namespace latent::render {
 
 class Material {
  public:
-    // Its spectra go to `library`.
-    Material(const MaterialDescription& description, SpectrumLibrary& library);
+    // Its spectra go to `library`; `textures` outlive it.
+    Material(const MaterialDescription& description, const Textures& textures, SpectrumLibrary& library);
 
-    // The surface at `hit`, in the wavelengths of `spectra`, of which a dispersed path keeps lane `kept`. Valid as long as
-    // `spectra` stays at this sample: values that vary over the surface are allocated there.
-    Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const;
+    // Whether the point that `bsdf` is given must be filled in; otherwise its spectra are enough.
+    bool is_textured() const { return is_textured_; }
+
+    // The surface at `hit`, in the wavelengths of point.spectra, of which a dispersed path keeps lane `kept`. Valid as long as
+    // these stay at this sample: values that vary over the surface are allocated there.
+    Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const;
 
  private:
+    FloatSource source(const FloatInput& input, const Textures& textures);
+    SpectrumSource source(const SpectrumInput& input, const Textures& textures, SpectrumLibrary& library);
+
+    bool is_textured_ = false;
     MaterialKind kind_;
-    bool dispersive_;
-    std::uint32_t reflectance_, specular_, eta_, k_;  // in the library
-    float exponent_, alpha_x_, alpha_y_;
+    bool dispersive_, remap_roughness_;
+    SpectrumSource reflectance_, specular_, eta_, k_;
+    FloatSource exponent_, alpha_x_, alpha_y_;
 };
 
 }  // namespace latent::render

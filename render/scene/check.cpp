@@ -1,5 +1,9 @@
 #include "render/scene/check.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 namespace latent::render {
 namespace {
 
@@ -9,6 +13,18 @@ bool is_even(const Affined& m, double tolerance) {
     const Vec3d x = m.x / scale, y = m.y / scale, z = m.z / scale;
     const auto near = [&](double a, double b) { return std::abs(a - b) <= tolerance; };
     return scale > 0 && near(length(y), 1) && near(length(z), 1) && near(dot(x, y), 0) && near(dot(y, z), 0) && near(dot(z, x), 0);
+}
+
+// Indices of the textures that one is made of.
+std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
+    std::vector<std::uint32_t> inputs;
+    const auto add = [&](const auto& input) {
+        if (input.is_textured()) inputs.push_back(input.texture);
+    };
+    for (const FloatInput& input : d.numbers) add(input);
+    for (const SpectrumInput& input : d.spectra) add(input);
+    add(d.amount);
+    return inputs;
 }
 
 }  // namespace
@@ -35,6 +51,35 @@ Refusals check_area_light(const ShapeDescription& shape) {
             break;
     }
     return refuse("a patch that is no parallelogram");
+}
+
+std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures) {
+    constexpr std::uint32_t kDeepest = 256;
+    // How deep a texture reaches, found from the bottom: each round settles those whose inputs are settled.
+    std::vector<std::vector<std::uint32_t>> users(textures.size());
+    std::vector<std::size_t> open(textures.size());
+    std::vector<std::uint32_t> depth(textures.size(), 1), ready;
+    std::vector<std::pair<std::uint32_t, std::string>> refused;
+    for (std::uint32_t i = 0; i < textures.size(); ++i) {
+        const std::vector<std::uint32_t> inputs = inputs_of(textures[i]);
+        for (const std::uint32_t input : inputs) users[input].push_back(i);
+        open[i] = inputs.size();
+        if (inputs.empty()) ready.push_back(i);
+    }
+    while (!ready.empty()) {
+        const std::uint32_t i = ready.back();
+        ready.pop_back();
+        if (depth[i] == kDeepest + 1)
+            refused.emplace_back(i, fmt::format("Texture: more than {} textures, one made of the other", kDeepest));
+        for (const std::uint32_t user : users[i]) {
+            depth[user] = std::max(depth[user], depth[i] + 1);
+            if (--open[user] == 0) ready.push_back(user);
+        }
+    }
+    for (std::uint32_t i = 0; i < textures.size(); ++i) {
+        if (open[i] > 0) refused.emplace_back(i, "Texture: is made of itself");
+    }
+    return refused;
 }
 
 }  // namespace latent::render

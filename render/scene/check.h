@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/scene/description.h"
@@ -15,5 +16,7 @@ using Refusals = std::vector<std::string>;
 Refusals check_camera(const CameraDescription& camera);
 // An area light on a shape of which no points can be drawn: on anything but triangles and round spheres.
 Refusals check_area_light(const ShapeDescription& shape);
+// Textures that are made of themselves, or of others more than 256 deep: index and reason.
+std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures);
 
 }  // namespace latent::render

@@ -11,16 +11,12 @@
 
 #include "color/spectrum.h"
 #include "render/math/vec.h"
+#include "render/scene/source_location.h"
+#include "render/scene/texture.h"
 
 namespace latent::render {
 
-inline constexpr std::uint32_t kNone = 0xFFFFFFFF;       // no material, medium, light ...
 inline constexpr std::uint32_t kUnlimited = 0xFFFFFFFF;  // depth without a bound
-
-struct SourceLocation {
-    std::uint32_t file = 0;  // index into SceneDescription::files
-    std::uint32_t line = 1, column = 1;
-};
 
 struct FilmDescription {
     std::uint32_t width = 1280, height = 720;  // their ratio is the film's aspect; the numbers only count samples for --spp
@@ -45,14 +41,15 @@ enum class MaterialKind : std::uint8_t { kDiffuse, kPhong, kConductor, kDielectr
 
 struct MaterialDescription {
     MaterialKind kind = MaterialKind::kDiffuse;
-    std::string name{};              // of MakeNamedMaterial; else empty
-    color::Spectrum reflectance{};   // diffuse; phong: Kd
-    color::Spectrum specular{};      // phong: Ks
-    float exponent = 0;              // phong
-    color::Spectrum eta{}, k{};      // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
-                                     // dielectric, thindielectric: eta
-    bool dispersive = false;         // eta of a dielectric or thindielectric varies with wavelength
-    float alpha_x = 0, alpha_y = 0;  // GGX alpha, remapped already where the scene asks for it; 0: smooth
+    std::string name{};               // of MakeNamedMaterial; else empty
+    SpectrumInput reflectance{};      // diffuse; phong: Kd; conductor: r, where a texture gives it
+    SpectrumInput specular{};         // phong: Ks
+    FloatInput exponent{};            // phong
+    SpectrumInput eta{}, k{};         // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
+                                      // dielectric, thindielectric: eta, never a texture
+    bool dispersive = false;          // eta of a dielectric or thindielectric varies with wavelength
+    FloatInput alpha_x{}, alpha_y{};  // GGX alpha; 0: smooth
+    bool remap_roughness = false;     // where a texture gives alpha, it gives alpha squared
     SourceLocation location{};
 };
 
@@ -137,6 +134,7 @@ struct SceneDescription {
     CameraDescription camera;
     std::string integrator = "volpath";  // as the scene names it
     std::uint32_t max_depth = 5;
+    std::vector<TextureDescription> textures{};
     std::vector<MaterialDescription> materials{};
     std::vector<MediumDescription> media{};
     std::vector<LightDescription> lights{};

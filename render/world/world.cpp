@@ -9,10 +9,13 @@ namespace latent::render {
 Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry) {
     const Result<Camera> camera = Camera::make(scene.camera);
     if (!camera) return camera.error();
-    std::unique_ptr<World> world(new World(geometry, *camera));
+    std::unique_ptr<World> world(new World(geometry, *camera, Footprint(scene.camera, scene.film.width, scene.film.height)));
 
+    Result<Textures> textures = Textures::build(scene, world->library_);
+    if (!textures) return textures.error();
+    world->textures_ = std::move(*textures);
     for (const MaterialDescription& d : scene.materials) {
-        world->materials_.emplace_back(d, world->library_);
+        world->materials_.emplace_back(d, world->textures_, world->library_);
         world->has_dispersion_ |= d.dispersive;
     }
     for (const MediumDescription& d : scene.media) {
@@ -40,6 +43,23 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     if (world->lights_->size() == 0)
         return Error{ErrorCode::kOutOfRange, "the scene has no light, so every picture would be black"};
     return world;
+}
+
+void World::fill_in(const SurfaceHit& hit, TexturePoint& point) const {
+    const SurfaceCoordinates c = geometry_->coordinates(hit);
+    point.p = hit.p;
+    point.n = hit.ns;
+    point.uv = c.uv;
+    footprint_.at(hit.p, hit.ng, point.dpdx, point.dpdy);
+    // d = dpdu x + dpdv y, as nearly as a vector off the plane of both can be.
+    const float a = dot(c.dpdu, c.dpdu), b = dot(c.dpdu, c.dpdv), d = dot(c.dpdv, c.dpdv), determinant = a * d - b * b;
+    const auto solve = [&](const Vec3f& v) {
+        const float x = dot(c.dpdu, v), y = dot(c.dpdv, v);
+        const Vec2f out{(d * x - b * y) / determinant, (a * y - b * x) / determinant};
+        return std::abs(out.x) < 1e8f && std::abs(out.y) < 1e8f ? out : Vec2f{};
+    };
+    point.duvdx = solve(point.dpdx);
+    point.duvdy = solve(point.dpdy);
 }
 
 // Where a straight line from the camera, through everything, ends.

@@ -14,6 +14,8 @@
 #include "render/sampling/sample_state.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
+#include "render/texture/footprint.h"
+#include "render/texture/textures.h"
 
 namespace latent::render {
 
@@ -34,7 +36,11 @@ class World {
 
     // What the surface at `hit` does to light; valid as long as `spectra` stays at this sample.
     Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
-        return materials_[hit.material].bsdf(hit, spectra, kept);
+        const Material& material = materials_[hit.material];
+        TexturePoint point;
+        point.spectra = &spectra;
+        if (material.is_textured()) fill_in(hit, point);
+        return material.bsdf(hit, point, kept);
     }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.
@@ -45,13 +51,17 @@ class World {
                      LineOfSight& line) const;
 
  private:
-    World(const Geometry& geometry, Camera camera) : geometry_(&geometry), camera_(camera) {}
+    World(const Geometry& geometry, const Camera& camera, const Footprint& footprint)
+        : geometry_(&geometry), camera_(camera), footprint_(footprint) {}
+    void fill_in(const SurfaceHit& hit, TexturePoint& point) const;
     std::uint32_t find_medium_at_infinity() const;
     bool connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, Batch& value, LineOfSight& line) const;
 
     const Geometry* geometry_;
     Camera camera_;
+    Footprint footprint_;
     SpectrumLibrary library_;
+    Textures textures_;
     std::vector<Material> materials_;
     std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<LightSet> lights_;

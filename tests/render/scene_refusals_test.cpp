@@ -20,7 +20,12 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     for (const Case& c : {
              Case{"Material \"subsurface\"", "Material \"subsurface\" is not supported"},
              Case{"Material \"diffuse\" \"texture reflectance\" \"t\"",
-                  "\"texture reflectance\" of Material \"diffuse\" is not supported"},
+                  "3:20: spectrum texture \"t\" is not defined anywhere"},
+             Case{"Texture \"t\" \"float\" \"constant\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
+                  "\"t\" is a float texture"},
+             Case{"Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"constant\"", "defined before, on line 3"},
+             Case{"Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
+                  "3:1: Texture: is made of itself"},
              Case{"Material \"diffuse\" \"rgb reflectance\" [ 2 0 0 ]", "must not exceed 1"},
              Case{"Material \"diffuse\" \"rgb reflectance\" [ -1 0 0 ]", "non-negative"},
              Case{"Material \"diffuse\" \"spectrum reflectance\" [ 400 1 300 2 ]", "reflectance: "},
@@ -162,7 +167,6 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Integrator \"simplevolpath\"", "", "1:1: Integrator \"simplevolpath\""},
              Case{"Integrator \"path\" \"string lightsampler\" \"bvh\"", "", "1:19: Integrator: ignored: \"lightsampler\""},
              Case{"Integrator \"path\" \"float radius\" 2", "", "1:19: Integrator: ignored: \"radius\""},
-             Case{"", "Texture \"t\" \"float\" \"fbm\"", "3:1: Texture \"t\" is ignored"},
              Case{"", "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer faceIndices\" 0",
                   "3:53: Shape: ignored: \"faceIndices\""},
              Case{"", "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"vector3 S\" [1 0 0 1 0 0 1 0 0]",
@@ -212,10 +216,9 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     parameters("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Shape \"sphere\"", {"\"float phimax\" 180", "\"float zmin\" 0", "\"float zmax\" 0.5"});
     parameters("Shape \"disk\"", {"\"float phimax\" 90"});
-    parameters("Material \"diffuse\"", {"\"texture reflectance\" \"t\"", "\"string normalmap\" \"n.png\"", "\"float sigma\" 20",
+    parameters("Material \"diffuse\"", {"\"string normalmap\" \"n.png\"", "\"float sigma\" 20",
                                         "\"texture displacement\" \"t\""});
-    parameters("Material \"conductor\"", {"\"texture roughness\" \"t\"", "\"texture eta\" \"t\""});
-    parameters("Material \"dielectric\"", {"\"texture uroughness\" \"t\"", "\"rgb reflectance\" [ 1 1 1 ]"});
+    parameters("Material \"dielectric\"", {"\"texture eta\" \"t\"", "\"rgb reflectance\" [ 1 1 1 ]"});
     parameters("AreaLightSource \"diffuse\"", {"\"string filename\" \"x.exr\""});
     parameters("LightSource \"infinite\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
     parameters("LightSource \"spot\"", {"\"string filename\" \"x.exr\""});
@@ -223,7 +226,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
                {"\"string preset\" \"Apple\"", "\"rgb Le\" [1 1 1]", "\"float Lescale\" 2"});
     parameters("Attribute \"shape\"", {"\"float alpha\" 0.5", "\"string emissionfilename\" \"x.exr\""});
     parameters("Attribute \"light\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
-    parameters("Attribute \"material\"", {"\"texture reflectance\" \"t\"", "\"string normalmap\" \"n.png\""});
+    parameters("Attribute \"material\"", {"\"string normalmap\" \"n.png\""});
     parameters("Attribute \"medium\"", {"\"rgb Le\" [1 1 1]", "\"string preset\" \"Apple\""});
     parameters("Option", {"\"forcediffuse\" true", "\"disablepixeljitter\" true", "\"disablewavelengthjitter\" true", "\"new\" 1"});
     lines.push_back("ActiveTransform EndTime");

@@ -61,7 +61,7 @@ TEST(Scene, CornellIsWhatItsFileSays) {
     const MaterialDescription& glass = scene.materials[scene.shapes[7].material];
     EXPECT_EQ(glass.kind, MaterialKind::kDielectric);
     EXPECT_TRUE(glass.dispersive);
-    EXPECT_NEAR(glass.eta(589), 1.78453, 2e-4);
+    EXPECT_NEAR(glass.eta.value(589), 1.78453, 2e-4);
 }
 
 TEST(Scene, AttributeBlocksRestoreEverything) {
@@ -93,7 +93,7 @@ TEST(Scene, AttributeDirectiveGivesParametersThatNeedNotBeUsed) {
         world(std::string("Attribute \"material\" \"float roughness\" 0.25 \"rgb reflectance\" [.2 .2 .2]\n"
                           "Material \"conductor\" \"bool remaproughness\" false\nAttribute \"light\" \"float scale\" 7\n") +
               "LightSource \"point\"\n");
-    EXPECT_EQ(scene.materials[1].alpha_x, 0.25f);
+    EXPECT_EQ(scene.materials[1].alpha_x.value, 0.25f);
     EXPECT_EQ(scene.lights[0].scale, 7);
     EXPECT_THAT(refused_world("Attribute \"sky\" \"float x\" 1"), HasSubstr("not one of shape, light"));
 }
@@ -104,7 +104,7 @@ TEST(Scene, NamedMaterialsMayBeUsedBeforeTheyAreMade) {
     const MaterialDescription& m = scene.materials[scene.shapes[0].material];
     EXPECT_EQ(m.kind, MaterialKind::kDielectric);
     EXPECT_FALSE(m.dispersive);
-    EXPECT_EQ(m.eta(500), 1.25);
+    EXPECT_EQ(m.eta.value(500), 1.25);
     EXPECT_THAT(refused_world(std::string("NamedMaterial \"x\"\n") + kTriangle), HasSubstr("material \"x\" is not defined"));
     EXPECT_THAT(
         refused_world("MakeNamedMaterial \"a\" \"string type\" \"diffuse\"\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\""),
@@ -120,9 +120,9 @@ TEST(Scene, RoughnessIsRemappedBySquareRootUnlessToldNot) {
     const SceneDescription scene = world(
         "Material \"conductor\" \"float roughness\" 0.25\n"
         "Material \"dielectric\" \"float uroughness\" 0.04 \"float vroughness\" 0.09 \"bool remaproughness\" false\n");
-    EXPECT_EQ(scene.materials[1].alpha_x, 0.5f);
-    EXPECT_EQ(scene.materials[2].alpha_x, 0.04f);
-    EXPECT_EQ(scene.materials[2].alpha_y, 0.09f);
+    EXPECT_EQ(scene.materials[1].alpha_x.value, 0.5f);
+    EXPECT_EQ(scene.materials[2].alpha_x.value, 0.04f);
+    EXPECT_EQ(scene.materials[2].alpha_y.value, 0.09f);
 }
 
 TEST(Scene, IndicesNeedToBePositiveOnlyWhereWeLook) {
@@ -171,10 +171,10 @@ TEST(Scene, PhongHasTwoReflectancesAndAnExponent) {
         "Material \"phong\" \"spectrum Kd\" [ 360 0.4 830 0.5 ] \"spectrum Ks\" [ 360 0.3 830 0.2 ] \"float exponent\" 75\n"
         "Material \"phong\"\n");
     ASSERT_EQ(scene.materials[1].kind, MaterialKind::kPhong);
-    EXPECT_EQ(scene.materials[1].reflectance(830), 0.5);
-    EXPECT_EQ(scene.materials[1].specular(360), 0.3);
-    EXPECT_EQ(scene.materials[1].exponent, 75);
-    EXPECT_EQ(scene.materials[2].reflectance(500) + scene.materials[2].specular(500), 0.5);
+    EXPECT_EQ(scene.materials[1].reflectance.value(830), 0.5);
+    EXPECT_EQ(scene.materials[1].specular.value(360), 0.3);
+    EXPECT_EQ(scene.materials[1].exponent.value, 75);
+    EXPECT_EQ(scene.materials[2].reflectance.value(500) + scene.materials[2].specular.value(500), 0.5);
     EXPECT_THAT(refused_world("Material \"phong\" \"float exponent\" -1"), HasSubstr("exponent"));
 }
 
@@ -188,10 +188,10 @@ TEST(Scene, SpectraComeInlineByNameFromFilesAndAsRgb) {
                                 "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"\n"));
     ASSERT_TRUE(scene) << scene.error().message;
     const std::vector<MaterialDescription>& m = scene->description.materials;
-    EXPECT_EQ(m[1].reflectance(600), 0.25);
-    EXPECT_EQ(m[2].reflectance(600), 0.25);
-    EXPECT_EQ(m[3].eta(550), color::named_spectrum("metal-Au-eta").value()(550));
-    EXPECT_EQ(m[0].reflectance(600), 0.5);  // of shapes before any Material
+    EXPECT_EQ(m[1].reflectance.value(600), 0.25);
+    EXPECT_EQ(m[2].reflectance.value(600), 0.25);
+    EXPECT_EQ(m[3].eta.value(550), color::named_spectrum("metal-Au-eta").value()(550));
+    EXPECT_EQ(m[0].reflectance.value(600), 0.5);  // of shapes before any Material
 }
 
 TEST(Scene, ObjectsKeepTheirShapesAndInstancesTheirTransformations) {

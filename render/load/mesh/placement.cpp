@@ -54,6 +54,10 @@ void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>
     scene.origin = world.is_empty() ? camera : world.nearest(camera);
     scene.camera.world_from_camera.t += -scene.origin;
     for (LightDescription& light : scene.lights) light.world_from_light.t += -scene.origin;
+    for (TextureDescription& texture : scene.textures) {
+        Affined& map = texture.mapping.texture_from_world;
+        map.t = map.point(scene.origin);
+    }
     for (LoadedShape& shape : shapes) scene.shapes.push_back(placed(std::move(shape), scene.origin));
     for (std::size_t i = 0; i < objects.size(); ++i) {
         ObjectDescription& object = scene.objects[i];

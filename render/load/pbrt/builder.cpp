@@ -19,7 +19,12 @@ constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfi
 }  // namespace
 
 SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator)
-    : scene_(scene), files_(files), messages_(messages), spectra_(files), another_integrator_(another_integrator) {
+    : scene_(scene),
+      files_(files),
+      messages_(messages),
+      spectra_(files),
+      textures_(scene, files, spectra_, messages),
+      another_integrator_(another_integrator) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
     interface_.push_back(false);
 }
@@ -69,8 +74,9 @@ void SceneBuilder::apply(const Directive& d) {
         scene_.lights.push_back(std::move(light));
         return;
     }
-    // Who uses it is told by name, and that is an error.
-    messages_.warn(d.where, fmt::format("Texture \"{}\" is ignored: textures are not supported", d.strings[0]));
+    const auto inherited = state_.attributes.find("texture");  // what is left is Texture
+    textures_.define(d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, state_.ctm,
+                     state_.color_space);
 }
 
 bool SceneBuilder::apply_state(const Directive& d) {
@@ -105,7 +111,7 @@ bool SceneBuilder::apply_state(const Directive& d) {
             messages_.error(d.where, fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
         }
         for (Parameter p : d.parameters) {
-            if (p.type == "texture" || std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
+            if (std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
                 messages_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
             }
             std::vector<Parameter>& inherited = state_.attributes[target];
@@ -127,7 +133,7 @@ void SceneBuilder::add_material(const Directive& d) {
     const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
     if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
     std::optional<MaterialDescription> material;
-    if (type) material = read_material(*type, parameters, spectra_);
+    if (type) material = read_material(*type, parameters, textures_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
         Named& named = name(materials_, d.strings[0], d.where, index);
@@ -223,13 +229,15 @@ void SceneBuilder::finish(const SourceLocation& end) {
         }
     };
     if (complete_) {
+        textures_.finish();
         check(materials_, "material");
         check(media_, "medium");
         check(objects_, "object");
     }
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
-        if (material.alpha_x != material.alpha_y) {
+        const FloatInput &x = material.alpha_x, &y = material.alpha_y;
+        if (x.texture != y.texture || (!x.is_textured() && x.value != y.value)) {
             messages_.error(where, "S: tangents are not supported for anisotropic materials");
         } else {
             messages_.warn(where, "S: tangents are ignored: the material is isotropic");

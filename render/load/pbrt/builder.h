@@ -12,6 +12,7 @@
 #include "render/load/mesh/placement.h"
 #include "render/load/pbrt/directive.h"
 #include "render/load/pbrt/spectra.h"
+#include "render/load/pbrt/textures.h"
 
 namespace latent::render {
 
@@ -76,6 +77,7 @@ class SceneBuilder {
     SceneFiles& files_;
     Messages& messages_;
     SceneSpectra spectra_;
+    SceneTextures textures_;
     State state_;
     std::vector<Pushed> stack_;
     std::optional<Directive> camera_;  // built at WorldBegin: it needs the film's aspect

@@ -6,6 +6,7 @@
 
 #include "render/load/pbrt/parameters.h"
 #include "render/load/pbrt/spectra.h"
+#include "render/load/pbrt/textures.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -13,7 +14,7 @@ namespace latent::render {
 // Errors and warnings go to the lists' diagnostics; what is returned is then of no use, but valid.
 
 // Nothing: "interface", or an error was reported.
-std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneSpectra& spectra);
+std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures);
 MediumDescription read_medium(const std::string& type, const ParameterList& list, SceneSpectra& spectra);
 
 }  // namespace latent::render

@@ -9,10 +9,9 @@
 #include "color/spectrum.h"
 #include "render/load/files/scene_files.h"
 #include "render/load/pbrt/parameters.h"
+#include "render/scene/texture.h"
 
 namespace latent::render {
-
-enum class SpectrumRole { kReflectance, kUnbounded };
 
 class SceneSpectra {
  public:

@@ -1,0 +1,154 @@
+// How texture coordinates run over a surface, as pbrt-v4 has them.
+#include "render/geometry/embree_geometry.h"
+
+namespace latent::render {
+
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+// Any two directions along the surface.
+void span_plane(const Vec3d& n, SurfaceCoordinates& c) {
+    const Frame frame = Frame::from_z(Vec3f(normalize(n)));
+    c.dpdu = frame.x;
+    c.dpdv = frame.y;
+}
+
+// The derivative of n / |n| from that of n.
+Vec3f derivative_of_unit(const Vec3d& n, const Vec3d& dn) {
+    const double size = length(n);
+    const Vec3d unit = n / size;
+    return Vec3f((dn - unit * dot(unit, dn)) / size);
+}
+
+SurfaceCoordinates triangle(const PlacedShape& placed, std::uint32_t primitive, Vec2f at, const Vec3f& ns) {
+    const ShapeDescription& shape = placed.shape;
+    const MeshDescription& mesh = *shape.mesh;
+    const std::uint32_t* v = &mesh.indices[3 * std::size_t{primitive}];
+    const Vec3d p0(mesh.positions[v[0]]), e1 = Vec3d(mesh.positions[v[1]]) - p0, e2 = Vec3d(mesh.positions[v[2]]) - p0;
+    Vec2f t[3] = {{0, 0}, {1, 0}, {1, 1}};
+    if (!mesh.uvs.empty()) {
+        for (int i = 0; i < 3; ++i) t[i] = mesh.uvs[v[i]];
+    } else if (shape.pairs && primitive % 2 == 1) {
+        t[0] = {1, 1}, t[1] = {0, 1}, t[2] = {0, 0};
+    }
+    SurfaceCoordinates c{};
+    const float w = 1 - at.x - at.y;
+    c.uv = {t[0].x * w + t[1].x * at.x + t[2].x * at.y, t[0].y * w + t[1].y * at.x + t[2].y * at.y};
+    const double a = double{t[1].x} - t[0].x, b = double{t[1].y} - t[0].y, d = double{t[2].x} - t[0].x, e = double{t[2].y} - t[0].y;
+    const double determinant = a * e - b * d;
+    const auto per_u = [&](const Vec3d& x1, const Vec3d& x2) { return (x1 * e - x2 * b) / determinant; };
+    const auto per_v = [&](const Vec3d& x1, const Vec3d& x2) { return (x2 * a - x1 * d) / determinant; };
+    c.dpdu = Vec3f(per_u(e1, e2));
+    c.dpdv = Vec3f(per_v(e1, e2));
+    const float area = length_squared(cross(c.dpdu, c.dpdv));
+    if (!(area > 0 && area < kInfinity)) {
+        span_plane(cross(e1, e2), c);
+        return c;
+    }
+    if (mesh.normals.empty()) return c;
+    const Vec3d n0(mesh.normals[v[0]]), n1(mesh.normals[v[1]]), n2(mesh.normals[v[2]]);
+    const Vec3d n = n0 * w + n1 * at.x + n2 * at.y;
+    if (!(length_squared(n) > 0)) return c;
+    const double side = dot(n, Vec3d(ns)) < 0 ? -1 : 1;
+    c.dndu = derivative_of_unit(n, per_u(n1 - n0, n2 - n0)) * static_cast<float>(side);
+    c.dndv = derivative_of_unit(n, per_v(n1 - n0, n2 - n0)) * static_cast<float>(side);
+    return c;
+}
+
+SurfaceCoordinates patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f at, const Vec3f& ns) {
+    const MeshDescription& mesh = *placed.shape.mesh;
+    const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
+    const PatchCorners corners = patch_corners(mesh, primitive);
+    const Vec3d dpds = patch_dpdu(corners, at.y), dpdt = patch_dpdv(corners, at.x);
+    // Of the patch's own (s, t) after (u, v): the inverse of what the corners' uv say.
+    double dsdu = 1, dsdv = 0, dtdu = 0, dtdv = 1;
+    SurfaceCoordinates c{};
+    c.uv = at;
+    if (!mesh.uvs.empty()) {
+        PatchCorners uv;
+        for (int i = 0; i < 4; ++i) uv[static_cast<std::size_t>(i)] = {mesh.uvs[v[i]].x, mesh.uvs[v[i]].y, 0};
+        const Vec3d x = patch_point(uv, at.x, at.y), ds = patch_dpdu(uv, at.y), dt = patch_dpdv(uv, at.x);
+        c.uv = {static_cast<float>(x.x), static_cast<float>(x.y)};
+        const double determinant = ds.x * dt.y - ds.y * dt.x;
+        dsdu = dt.y / determinant, dsdv = -dt.x / determinant, dtdu = -ds.y / determinant, dtdv = ds.x / determinant;
+    }
+    c.dpdu = Vec3f(dpds * dsdu + dpdt * dtdu);
+    c.dpdv = Vec3f(dpds * dsdv + dpdt * dtdv);
+    const float area = length_squared(cross(c.dpdu, c.dpdv));
+    if (!(area > 0 && area < kInfinity)) {
+        const Vec3d n = cross(dpds, dpdt);
+        span_plane(length_squared(n) > 0 ? n : Vec3d(ns), c);
+        return c;
+    }
+    Vec3d n = cross(dpds, dpdt), dnds, dndt;
+    if (mesh.normals.empty()) {
+        const Vec3d twist = corners[0] - corners[1] - corners[2] + corners[3];
+        dnds = cross(dpds, twist);
+        dndt = cross(twist, dpdt);
+    } else {
+        PatchCorners normals;
+        for (int i = 0; i < 4; ++i) normals[static_cast<std::size_t>(i)] = Vec3d(mesh.normals[v[i]]);
+        n = patch_point(normals, at.x, at.y);
+        dnds = patch_dpdu(normals, at.y);
+        dndt = patch_dpdv(normals, at.x);
+    }
+    if (!(length_squared(n) > 0)) return c;
+    const double side = dot(n, Vec3d(ns)) < 0 ? -1 : 1;
+    const Vec3d s(derivative_of_unit(n, dnds)), t(derivative_of_unit(n, dndt));
+    c.dndu = Vec3f((s * dsdu + t * dtdu) * side);
+    c.dndv = Vec3f((s * dsdv + t * dtdv) * side);
+    return c;
+}
+
+SurfaceCoordinates quadric(const PlacedShape& placed, const Vec3d& p, const Vec3f& ns) {
+    const ShapeDescription& shape = placed.shape;
+    const Vec3d local = placed.from_world.point(p);
+    double phi = std::atan2(local.y, local.x) / kTurn;
+    if (phi < 0) phi += 1;
+    const double ring = std::hypot(local.x, local.y);
+    const double cos_phi = ring > 0 ? local.x / ring : 1, sin_phi = ring > 0 ? local.y / ring : 0;
+    SurfaceCoordinates c{};
+    Vec3d dpdu, dpdv;
+    const bool sphere = shape.kind == ShapeKind::kSphere;
+    if (sphere) {
+        const double theta = std::atan2(ring, local.z);
+        c.uv = {static_cast<float>(phi), static_cast<float>(1 - theta / std::numbers::pi)};
+        const double r = shape.radius * std::max(std::sin(theta), 1e-6);  // at the poles: the direction along u, however short
+        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (kTurn * r);
+        dpdv = Vec3d(-std::cos(theta) * cos_phi, -std::cos(theta) * sin_phi, std::sin(theta)) * (std::numbers::pi * shape.radius);
+    } else {
+        const double width = shape.radius - shape.inner_radius;
+        c.uv = {static_cast<float>(phi), static_cast<float>(width > 0 ? (shape.radius - ring) / width : 0)};
+        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (kTurn * std::max(ring, 1e-6 * shape.radius));
+        dpdv = Vec3d(-cos_phi, -sin_phi, 0) * std::max(width, 1e-6 * shape.radius);
+    }
+    const Affined& map = shape.to_world;
+    if (sphere) {
+        // The normal of the unit sphere is the point itself; the map turns it as it turns normals.
+        const Vec3d n = map.normal(normalize(local));
+        const double side = dot(n, Vec3d(ns)) < 0 ? -1 : 1;
+        c.dndu = derivative_of_unit(n, map.normal(dpdu / shape.radius)) * static_cast<float>(side);
+        c.dndv = derivative_of_unit(n, map.normal(dpdv / shape.radius)) * static_cast<float>(side);
+    }
+    c.dpdu = Vec3f(map.vector(dpdu));
+    c.dpdv = Vec3f(map.vector(dpdv));
+    return c;
+}
+
+}  // namespace
+
+SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p, const Vec3f& ns) {
+    switch (placed.shape.kind) {
+        case ShapeKind::kTriangles:
+            return triangle(placed, primitive, uv, ns);
+        case ShapeKind::kBilinear:
+            return patch(placed, primitive, uv, ns);
+        case ShapeKind::kSphere:
+        case ShapeKind::kDisk:
+            break;
+    }
+    return quadric(placed, p, ns);
+}
+
+}  // namespace latent::render
