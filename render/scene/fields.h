@@ -30,9 +30,36 @@ void each_field(Of<CameraDescription> auto& camera, Visit&& visit) {
 }
 
 template <class Visit>
+void each_field(Of<FloatInput> auto& input, Visit&& visit) {
+    auto& [value, texture] = input;
+    visit(value);
+    visit.template index<TextureDescription>(texture);
+}
+
+template <class Visit>
+void each_field(Of<SpectrumInput> auto& input, Visit&& visit) {
+    auto& [value, texture] = input;
+    visit(value);
+    visit.template index<TextureDescription>(texture);
+}
+
+template <class Visit>
+void each_field(Of<MappingDescription> auto& mapping, Visit&& visit) {
+    auto& [kind, scale_u, scale_v, delta_u, delta_v, v1, v2, texture_from_world] = mapping;
+    visit(kind, scale_u, scale_v, delta_u, delta_v, v1, v2, texture_from_world);
+}
+
+template <class Visit>
+void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
+    auto& [kind, is_spectrum, role, numbers, spectra, amount, mapping, location] = texture;
+    visit(kind, is_spectrum, role, numbers, spectra, amount, mapping);
+    visit.label(location);
+}
+
+template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, location] = material;
-    visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y);
+    auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, location] = material;
+    visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness);
     visit.label(name, location);
 }
 
@@ -101,14 +128,16 @@ void each_field(Of<InstanceDescription> auto& instance, Visit&& visit) {
 // id as they are used, whether the scene or the command line gave them.
 template <class Visit>
 void each_field(Of<SceneDescription> auto& scene, Visit&& visit) {
-    auto& [files, film, origin, camera, integrator, max_depth, materials, media, lights, area_lights, shapes, objects, instances] =
-        scene;
+    auto& [files, film, origin, camera, integrator, max_depth, textures, materials, media, lights, area_lights, shapes, objects,
+           instances] = scene;
     visit(origin, camera, lights, shapes, instances);
     visit.label(files, film, integrator, max_depth);
 }
 
 // What fields refer to by index.
-auto tables(Of<SceneDescription> auto& scene) { return std::tie(scene.materials, scene.media, scene.area_lights, scene.objects); }
+auto tables(Of<SceneDescription> auto& scene) {
+    return std::tie(scene.textures, scene.materials, scene.media, scene.area_lights, scene.objects);
+}
 
 // The table of T.
 template <class T>

@@ -1,6 +1,7 @@
 // render/scene/texture.h: values that vary over surfaces, as a scene describes them. Conventions are pbrt-v4's (docs/scenes.md).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -50,8 +51,8 @@ struct TextureDescription {
     TextureKind kind = TextureKind::kConstant;
     bool is_spectrum = false;
     SpectrumRole role = SpectrumRole::kReflectance;  // of a spectrum texture
-    FloatInput numbers[2]{};                         // constant, scale: the first; mix: both
-    SpectrumInput spectra[2]{};                      // the same
+    std::array<FloatInput, 2> numbers{};             // constant, scale: the first; mix: both
+    std::array<SpectrumInput, 2> spectra{};          // the same
     FloatInput amount{};                             // scale: the factor; mix: of the second
     MappingDescription mapping{};
     SourceLocation location{};

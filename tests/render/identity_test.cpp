@@ -34,10 +34,15 @@ class Mutation {
         (mutate(x), ...);
         counting_ = which_ == Which::kPicture;
     }
-    // To another entry, or to none.
+    // To another entry, or to none. Of a texture: to the next one alone, so that none is made of itself.
     template <class T, class... I>
     void index(I&... i) {
         const auto next = [&](std::uint32_t& at) {
+            if (std::is_same_v<T, TextureDescription> && texture_ != kNone) {
+                if (at == kNone && texture_ + 1 == scene_.textures.size()) return;
+                if (is_turn()) at = at == kNone ? texture_ + 1 : kNone;
+                return;
+            }
             if (is_turn()) at = at == kNone ? 0 : at + 1 < table<T>(scene_).size() ? at + 1 : kNone;
         };
         (next(i), ...);
@@ -49,7 +54,11 @@ class Mutation {
     bool is_turn() { return counting_ && leaf_++ == turn_; }
     template <class T>
     void mutate_each(std::vector<T>& entries) {
-        for (T& entry : entries) each_field(entry, *this);
+        for (T& entry : entries) {
+            if (std::is_same_v<T, TextureDescription>) ++texture_;
+            each_field(entry, *this);
+        }
+        texture_ = kNone;
     }
     template <class T>
     void mutate(T& x) {
@@ -113,6 +122,7 @@ class Mutation {
     Which which_;
     bool counting_;
     std::size_t turn_, leaf_ = 0;
+    std::uint32_t texture_ = kNone;  // that is being visited
 };
 
 // A scene with everything: two used entries in every table, and each optional field given once and left out once.
@@ -128,7 +138,11 @@ LightSource "infinite" "string filename" "sky.exr" "float illuminance" 3
 LightSource "point" "float power" 3
 LightSource "distant"
 MakeNamedMaterial "glass" "string type" "dielectric" "float roughness" .2
-MakeNamedMaterial "shiny" "string type" "phong"
+Texture "a" "spectrum" "mix" "texture tex1" "b" "texture amount" "c"
+Texture "b" "spectrum" "scale" "rgb tex" [.1 .2 .3] "float scale" .5
+Texture "c" "float" "scale" "texture tex" "d"
+Texture "d" "float" "constant" "float value" .25
+MakeNamedMaterial "shiny" "string type" "phong" "texture Kd" "a" "texture exponent" "c"
 ObjectBegin "a"
   NamedMaterial "glass"
   Shape "trianglemesh" "point3 P" [0 0 0  1 0 0  0 1 0] "normal N" [0 0 1 0 0 1 0 0 1] "point2 uv" [0 0 1 0 0 1]

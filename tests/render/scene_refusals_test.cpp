@@ -19,13 +19,12 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     };
     for (const Case& c : {
              Case{"Material \"subsurface\"", "Material \"subsurface\" is not supported"},
-             Case{"Material \"diffuse\" \"texture reflectance\" \"t\"",
-                  "3:20: spectrum texture \"t\" is not defined anywhere"},
+             Case{"Material \"diffuse\" \"texture reflectance\" \"t\"", "2:20: spectrum texture \"t\" is not defined anywhere"},
              Case{"Texture \"t\" \"float\" \"constant\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
                   "\"t\" is a float texture"},
-             Case{"Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"constant\"", "defined before, on line 3"},
+             Case{"Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"constant\"", "defined before, on line 2"},
              Case{"Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
-                  "3:1: Texture: is made of itself"},
+                  "2:1: Texture: is made of itself"},
              Case{"Material \"diffuse\" \"rgb reflectance\" [ 2 0 0 ]", "must not exceed 1"},
              Case{"Material \"diffuse\" \"rgb reflectance\" [ -1 0 0 ]", "non-negative"},
              Case{"Material \"diffuse\" \"spectrum reflectance\" [ 400 1 300 2 ]", "reflectance: "},
@@ -216,8 +215,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     parameters("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Shape \"sphere\"", {"\"float phimax\" 180", "\"float zmin\" 0", "\"float zmax\" 0.5"});
     parameters("Shape \"disk\"", {"\"float phimax\" 90"});
-    parameters("Material \"diffuse\"", {"\"string normalmap\" \"n.png\"", "\"float sigma\" 20",
-                                        "\"texture displacement\" \"t\""});
+    parameters("Material \"diffuse\"", {"\"string normalmap\" \"n.png\"", "\"float sigma\" 20", "\"texture displacement\" \"t\""});
     parameters("Material \"dielectric\"", {"\"texture eta\" \"t\"", "\"rgb reflectance\" [ 1 1 1 ]"});
     parameters("AreaLightSource \"diffuse\"", {"\"string filename\" \"x.exr\""});
     parameters("LightSource \"infinite\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});

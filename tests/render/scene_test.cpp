@@ -136,7 +136,7 @@ TEST(Scene, IndicesNeedToBePositiveOnlyWhereWeLook) {
 TEST(Scene, ConductorOfAReflectanceReflectsItAtNormalIncidence) {
     const SceneDescription scene = world("Material \"conductor\" \"spectrum reflectance\" [ 360 0.2 830 0.9 ]\n");
     for (const double lambda : {360.0, 500.0, 700.0, 830.0}) {
-        const double k = scene.materials[1].k(lambda), expected = 0.2 + 0.7 * (lambda - 360) / 470;
+        const double k = scene.materials[1].k.value(lambda), expected = 0.2 + 0.7 * (lambda - 360) / 470;
         EXPECT_NEAR(k * k / (4 + k * k), expected, 1e-9);
     }
 }

@@ -12,18 +12,19 @@ namespace {
 
 // GGX alpha of "roughness", or of one axis where that is given; pbrt's remapping is alpha = sqrt(roughness).
 void read_roughness(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
-    material.remap_roughness = list.flag("remaproughness", true);
+    const bool remap = list.flag("remaproughness", true);
     const double roughness = list.number("roughness", 0, 0, 1e6);
     const std::optional<std::uint32_t> texture = textures.find_texture(list, "roughness");
     const auto axis = [&](std::string_view name) {
         const double own = list.number(name, roughness, 0, 1e6);
         const bool has_own = list.find(name, {"float", "integer"}) != nullptr;
-        FloatInput alpha(static_cast<float>(material.remap_roughness ? std::sqrt(own) : own));
+        FloatInput alpha(static_cast<float>(remap ? std::sqrt(own) : own));
         alpha.texture = textures.find_texture(list, name).value_or(has_own ? kNone : texture.value_or(kNone));
         return alpha;
     };
     material.alpha_x = axis("uroughness");
     material.alpha_y = axis("vroughness");
+    material.remap_roughness = remap && (material.alpha_x.is_textured() || material.alpha_y.is_textured());
 }
 
 // A refractive index is positive wherever we look.
