@@ -120,7 +120,7 @@ Status File::write_all(std::uint64_t offset, ByteSpan bytes) {
         const ssize_t put = ::pwrite(fd_, bytes.data() + done, ask, static_cast<off_t>(offset + done));
         if (put < 0 && errno == EINTR) continue;
         if (put < 0) return error_from_errno(errno, path_.string(), "cannot write");
-        if (put == 0) return Error{ErrorCode::kIo, path_.string() + ": cannot write: nothing was written, for no known reason"};
+        if (put == 0) return Error{ErrorCode::kIo, path_.string() + ": cannot write: the system wrote nothing and gave no reason"};
         done += static_cast<std::size_t>(put);
     }
     return {};

@@ -124,7 +124,7 @@ Status check_json_object(std::string_view text, std::size_t most_depth) {
     if (first == text.end() || *first != '{') return Error{ErrorCode::kCorrupt, "is not a JSON object"};
     DepthCheck check(most_depth);
     if (nlohmann::json::sax_parse(text.begin(), text.end(), &check)) return {};
-    if (check.too_deep()) return Error{ErrorCode::kCorrupt, fmt::format("is nested more than {} deep", most_depth)};
+    if (check.too_deep()) return Error{ErrorCode::kCorrupt, fmt::format("is nested more than {} levels deep", most_depth)};
     return Error{ErrorCode::kCorrupt, "is not valid JSON"};
 }
 

@@ -26,7 +26,7 @@ Result<std::string_view> choose_simd(std::string_view asked, const std::vector<s
     const auto found = std::ranges::find(offered, asked);
     if (found != offered.end()) return *found;
     return Error{ErrorCode::kUsage,
-                 fmt::format("--simd {}: not available; this processor has {}", asked, fmt::join(offered, ", "))};
+                 fmt::format("--simd {}: not available; this processor supports {}", asked, fmt::join(offered, ", "))};
 }
 
 }  // namespace latent

@@ -125,7 +125,7 @@ Status RgbSpace::check_luminance_row() const {
     for (int i = 0; i < 3; ++i) {
         if (!(luminance_row[i] >= -1e-6)) {
             return out_of_range(name,
-                                fmt::format("the {} primary has luminance {:.6f}, and a negative one cannot preserve luminance; "
+                                fmt::format("the {} primary has the negative luminance {:.6f}, so luminance cannot be preserved; "
                                             "use --gamut clip or other primaries",
                                             kPrimary[i], luminance_row[i]));
         }

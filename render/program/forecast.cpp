@@ -71,8 +71,7 @@ Status check_space(const RenderJob& job, const RenderOptions& options, const std
     if (!expected || expected->fits()) return {};  // what else is wrong, rendering says
     const double part_of_time = options.max_seconds > 0 ? options.max_seconds / expected->seconds : 1;
     if (part_of_time < 1 && scaled(expected->missing_bytes(), part_of_time) <= *free) return {};
-    return Error{ErrorCode::kNoSpace,
-                 too_large(*expected, options.output) + "; with --ignore-space, rendering continues until the disk is full"};
+    return Error{ErrorCode::kNoSpace, too_large(*expected, options.output) + "; to start anyway, use --ignore-space"};
 }
 
 }  // namespace latent::render

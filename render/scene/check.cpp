@@ -32,7 +32,8 @@ std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
 Refusals check_camera(const CameraDescription& d) {
     Refusals refusals;
     if (!is_even(d.world_from_camera, 1e-4))
-        refusals.push_back("Camera: its transformation skews or stretches; use rotations, translations and mirrors");
+        refusals.push_back(
+            "Camera: its transformation skews or stretches; use only rotations, translations, mirrors and uniform scales");
     if (d.kind != CameraKind::kPerspective && d.lens_radius > 0)
         refusals.push_back("Camera: \"lensradius\" is supported with perspective cameras only");
     return refusals;
@@ -50,7 +51,7 @@ Refusals check_area_light(const ShapeDescription& shape) {
         case ShapeKind::kBilinear:
             break;
     }
-    return refuse("a patch that is no parallelogram");
+    return refuse("a patch that is not a parallelogram");
 }
 
 std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures) {

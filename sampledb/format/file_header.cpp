@@ -65,7 +65,7 @@ Result<FileHeader> decode_job(ByteSpan body, std::uint16_t minor, std::uint64_t 
     const std::uint32_t extra_count = in.get<std::uint32_t>();
     const std::uint32_t provenance_size = in.get<std::uint32_t>();
     if (knot_count > in.remaining() / kKnotSize || extra_count > kMaxExtraColumns || provenance_size > kMaxProvenanceSize) {
-        return corrupt("the header counts more than it holds");
+        return corrupt("the header's counts exceed its size");
     }
     std::vector<WavelengthDensity::Knot> knots(knot_count);
     for (WavelengthDensity::Knot& knot : knots) {
@@ -139,7 +139,7 @@ Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size) 
     if (bytes.size() < size) return Error{ErrorCode::kTruncated, "ends inside its header"};
     if (hash64(bytes.subspan(kFrontSize, size - kFrontSize)) != body_hash) return corrupt("header checksum mismatch");
     if (!all_zero(bytes.subspan(kFrontSize + body_size, size - kFrontSize - body_size)))
-        return corrupt("bytes behind the header's fields that are not zero");
+        return corrupt("nonzero bytes after the header's fields");
     return decode_job(bytes.subspan(kFrontSize, body_size), minor, features);
 }
 

@@ -63,7 +63,7 @@ Result<FooterFrame> decode_first_form_end(ByteSpan end, std::uint64_t file_size)
     if (in.get<std::uint64_t>() != hash64(end.first(kFooterHeadSize - 16))) return corrupt("footer checksum mismatch");
     if (!reserved_zero || size < kFirstHeadSize + kFooterHeadSize || size > kMaxFirstFooter || size > file_size ||
         frame.offset != file_size - size || frame.offset % kBlock != 0) {
-        return corrupt("the footer is not where its end says");
+        return corrupt("the footer is not at the offset given at its end");
     }
     return frame;
 }
@@ -121,7 +121,7 @@ Result<FooterFrame> decode_footer_end(ByteSpan end, std::uint64_t file_size) {
     const Result<FooterFrame> frame = decode_head(end);
     if (!frame) return frame;
     const std::uint64_t size = 2 * kFooterHeadSize + frame->run_count * kRunEntrySize + frame->provenance_size;
-    if (size > file_size || frame->offset != file_size - size) return corrupt("the footer is not where its end says");
+    if (size > file_size || frame->offset != file_size - size) return corrupt("the footer is not at the offset given at its end");
     return frame;
 }
 
@@ -137,7 +137,7 @@ Status decode_footer_head(ByteSpan head, std::uint64_t file_size, FooterFrame& f
 
 Result<RunHeader> decode_footer_entry(const FooterFrame& frame, ByteSpan entry, std::uint64_t offset) {
     if (!frame.first_form) return decode_run_entry(entry);
-    if (load_le<std::uint64_t>(entry.data()) != offset) return corrupt("the run before it ends elsewhere");
+    if (load_le<std::uint64_t>(entry.data()) != offset) return corrupt("does not begin where the run before it ends");
     return decode_run_header(entry.subspan(8));
 }
 

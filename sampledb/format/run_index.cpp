@@ -52,7 +52,7 @@ Result<PageInfo> get_page_entry(ByteReader& in, const Job& job) {
     }
     if (page.record_count == 0 || page.record_count > max_page_records(job) ||
         page.pair_count > std::uint64_t{page.record_count} * job.batch) {
-        return corrupt("a page of more records or pairs than there may be");
+        return corrupt("a page with too many records or pairs");
     }
     if (page.decoded_size != decoded_page_size(job, page.record_class, page.record_count, page.pair_count) ||
         page.stored_size > page.decoded_size + kMaxStoredOverhead) {
@@ -116,7 +116,7 @@ Status RunIndexDecoder::add(ByteSpan piece) {
         update_content(content_, piece);
         return add_pages(piece);
     } else if (!all_zero(piece)) {
-        refuse("bytes behind a run's index that are not zero");
+        refuse("nonzero bytes after a run's index");
     }
     return {};
 }
@@ -148,7 +148,7 @@ Status RunIndexDecoder::add_pages(ByteSpan piece) {
         }
         page->offset = kRunHeaderSize + sums_.pages_size;
         if (page->record_class == RecordClass::kCamera && sums_.light_records > 0) {
-            refuse("light pages stand before camera pages");
+            refuse("light pages come before camera pages");
             break;
         }
         (page->record_class == RecordClass::kCamera ? sums_.camera_records : sums_.light_records) += page->record_count;

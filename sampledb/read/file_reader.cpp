@@ -116,9 +116,9 @@ Status compare_with_list(const FooterReader& footer, std::uint64_t begin, std::v
         for (; run != file.runs.end() && run->offset < listed.offset; ++run) omitted(*run);
         if (run != file.runs.end() && run->offset == listed.offset) {
             if (run->header != listed.header) {
-                add_damage(
-                    file.damage,
-                    {listed.offset, 0, fmt::format("the footer lists another header of the run at byte {}", listed.offset), false});
+                add_damage(file.damage,
+                           {listed.offset, 0,
+                            fmt::format("the footer lists a different header for the run at byte {}", listed.offset), false});
             }
             ++run;
             return;
@@ -159,8 +159,7 @@ Status walk(const ByteSource& source, std::uint64_t begin, std::uint64_t end, co
     if (footer != nullptr && list) return compare_with_list(*footer, begin, std::move(walk->damage), file);
     for (Damage& hole : walk->damage) add_damage(file.damage, std::move(hole));
     if (!list && list.error().code != ErrorCode::kUnsupported)  // a run of a later version: the walk has named it
-        add_damage(file.damage,
-                   {footer->offset(), 0, "the footer lists other runs than there are: " + list.error().message, false});
+        add_damage(file.damage, {footer->offset(), 0, "the footer does not match the runs: " + list.error().message, false});
     if (footer != nullptr) return {};
 
     file.footer_begun = walk->footer || end < source.size();

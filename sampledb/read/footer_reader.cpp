@@ -72,7 +72,7 @@ Status FooterReader::for_each_run(std::uint64_t begin, const JobId& job, const s
         for (std::size_t at = 0; at < entries.size(); at += entry_size, ++i) {
             const Result<RunHeader> header = decode_footer_entry(frame_, entries.subspan(at, entry_size), reached);
             if (!header) return header.error().at(fmt::format("its run {}", i));
-            if (header->job != job) return corrupt(fmt::format("its run {} is of another job", i));
+            if (header->job != job) return corrupt(fmt::format("its run {} belongs to another job", i));
             if (header->size() > offset() - reached) return corrupt(fmt::format("its run {} reaches into the footer", i));
             visit({reached, *header});
             reached += header->size();

@@ -90,7 +90,7 @@ void OpenGathering::select(std::vector<SelectedRun> runs) {
     for (const std::size_t i : selection.overlapping) {
         Coverage lost = runs[i].coverage;
         lost.remove(selection.coverage);
-        leave_out(report_.left_out, {all_of(i), "overlaps runs that hold more; samples " + to_string(lost) + " lost"});
+        leave_out(report_.left_out, {all_of(i), "overlaps runs with more samples; samples " + to_string(lost) + " lost"});
     }
     std::ranges::sort(selection.chosen);
     std::size_t kept = 0;  // chosen runs close up, in the memory where they are

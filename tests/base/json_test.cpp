@@ -35,7 +35,8 @@ TEST(Json, AnObjectOfTheDepthAllowedIsAcceptedAndOneLevelMoreIsNot) {
             EXPECT_FALSE(check_json_object(text, depth - 1)) << text;
         }
     }
-    EXPECT_EQ(check_json_object(R"({"a":)" + std::string(20'000'000, '['), 64).error().message, "is nested more than 64 deep");
+    EXPECT_EQ(check_json_object(R"({"a":)" + std::string(20'000'000, '['), 64).error().message,
+              "is nested more than 64 levels deep");
 }
 
 TEST(Json, WhatIsNoObjectIsRefused) {

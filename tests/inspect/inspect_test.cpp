@@ -187,7 +187,7 @@ TEST_F(InspectTest, VerifyTellsWhatTheFramesContradict) {
     const Bytes another = *encode_file_header({make_short_job(), "{}"});
     std::copy_n(another.begin(), another.size() / 2, header.begin());
     for (const auto& [bytes, said] : {std::pair{with_list(fewer), "the footer lists other runs than there are"},
-                                      {with_list(other), "the footer lists another header of the run at byte"},
+                                      {with_list(other), "the footer lists a different header for the run at byte"},
                                       {header, "its two copies differ"}}) {
         const fs::path file = write("a.latent", bytes);
         for (const char* level : {"--quick", "--deep"}) {

@@ -292,7 +292,7 @@ TEST_F(Strict, PagesThatAreCutElsewhereAreNamed) {
     std::vector<Row> rows;
     for (std::uint32_t i = 0; i < 8; ++i) rows.push_back({i, (i / 2 & 1) << 31 | i, i / 4 << 31});
     expect_one(write_pages({{.rows = {rows.begin(), rows.begin() + 4}}, {.rows = {rows.begin() + 4, rows.end()}}}),
-               {.run = 0, .page = 0, .what = "is cut at 4 records", .wanted = "8: those of the largest node"});
+               {.run = 0, .page = 0, .what = "ends after 4 records", .wanted = "8 records, those of the largest node"});
     // More than fit a page: 3000 in the upper half, 3200 in the lower.
     rows.clear();
     for (std::uint32_t i = 0; i < 6200; ++i) rows.push_back({i, i << 8, i < 3000 ? 0 : 1u << 31});
@@ -303,12 +303,12 @@ TEST_F(Strict, PagesThatAreCutElsewhereAreNamed) {
     const Violations found =
         violations_of(write_pages({{.rows = {rows.begin(), rows.begin() + 6144}}, {.rows = {rows.begin() + 6144, rows.end()}}}));
     ASSERT_GE(found.count(), 1u);
-    EXPECT_EQ(found.listed()[0].what, "is cut at 6144 records");
+    EXPECT_EQ(found.listed()[0].what, "ends after 6144 records");
     EXPECT_EQ(found.listed()[0].wanted.substr(0, 6), "3000: ");
     // More than fit one Z prefix.
     for (Row& row : rows) row.u = row.v = 0;
     expect_one(write_pages({{.rows = {rows.begin(), rows.begin() + 100}}, {.rows = {rows.begin() + 100, rows.end()}}}),
-               {.run = 0, .page = 0, .what = "is cut at 100 records", .wanted = "6144: "});
+               {.run = 0, .page = 0, .what = "ends after 100 records", .wanted = "6144 records, "});
 }
 
 TEST_F(Strict, ASquareThatIsNotTheSmallestIsNamed) {
@@ -347,7 +347,7 @@ TEST_F(Strict, PaddingIsZero) {
         };
     };
     EXPECT_EQ(violations_of(write_pages({{.rows = diagonal(10), .spoil = packed(std::byte{0})}})).count(), 0u);
-    expect_one_in_page(packed(std::byte{0x80}), "column sample, plane 0: padding bits behind the last number are set", "zero");
+    expect_one_in_page(packed(std::byte{0x80}), "column sample, plane 0: padding bits after the last number are set", "zero");
 }
 
 TEST_F(Strict, WhatADictionaryDoesNotUseIsZero) {
@@ -407,7 +407,7 @@ TEST_F(Strict, AColumnWithoutValuesHasNoPlanes) {
         [](Columns& c) {
             c[7].planes.assign(4, {PlaneCodec::kRaw, {}});
         },
-        "column power: no values by transform 0 in 4 planes", "transform 0 and no planes");
+        "column power: has no values, but transform 0 and 4 planes", "transform 0 and no planes");
 }
 
 TEST_F(Strict, SharesOfASampleAddUpToOne) {
@@ -487,7 +487,7 @@ TEST_F(Strict, RunsOfTheSameSamplesHaveTheSameRecords) {
     const Bytes a = write_run(job_, coverage, {{.rows = diagonal(10)}}), b = write_run(job_, coverage, {{.rows = other}});
     EXPECT_EQ(violations_of(write_file({a, a})).count(), 0u);
     expect_one(write_file({a, b}),
-               {.run = 1, .what = "has other records of samples 0..8192 than run 0", .wanted = "the same records"});
+               {.run = 1, .what = "its records of samples 0..8192 differ from those in run 0", .wanted = "the same records"});
 }
 
 TEST_F(Strict, TheHeaderIsAsThePageSays) {

@@ -119,8 +119,9 @@ TEST(SceneRefusals, NothingIsToldOnlyAfterTheRestIsMended) {
     for (const char* line :
          {":2:1: Camera: its transformation skews", ":2:1: Camera: \"lensradius\"", ":2:45: \"float fovv\"",
           ":4:1: Material \"hair\" is not supported", ":6:1: an area light on a disk is not supported",
-          ":7:1: an area light on a patch that is no parallelogram", ":8:1: ", ":11:1: an area light on a sphere that is stretched",
-          ":11:1: phimax", ":13:1: MakeNamedMaterial: \"string type\"", ":14:1: MakeNamedMedium: \"string type\"",
+          ":7:1: an area light on a patch that is not a parallelogram",
+          ":8:1: ", ":11:1: an area light on a sphere that is stretched", ":11:1: phimax",
+          ":13:1: MakeNamedMaterial: \"string type\"", ":14:1: MakeNamedMedium: \"string type\"",
           ":15:1: LightSource \"projection\"", ":16:1: Scale: a factor is 0", ":17:1: Shape: the transformation is singular",
           ":17:1: ", "no.ply", ":18:1: ObjectInstance: the transformation is singular"}) {
         EXPECT_THAT(message, HasSubstr(line));

@@ -53,7 +53,7 @@ Result<color::Transfer> transfer_of(const cmsToneCurve* curve) {
         candidates.begin(), candidates.end(),
         [&](const color::Transfer& a, const color::Transfer& b) { return distance(curve, a) < distance(curve, b); });
     if (distance(curve, *nearest) > kTolerance) {
-        return Error{ErrorCode::kUnsupported, "its tone curve is not that of sRGB or Rec.2020, and not a power"};
+        return Error{ErrorCode::kUnsupported, "its tone curve is neither that of sRGB or Rec.2020 nor a power"};
     }
     return *nearest;
 }
@@ -124,7 +124,7 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
     const auto unsupported = [&](const std::string& why) {
         return Error{ErrorCode::kUnsupported, fmt::format("{}: {}", path, why)};
     };
-    if (*size > (std::uint64_t{16} << 20)) return unsupported("is too large for the profile of a display");
+    if (*size > (std::uint64_t{16} << 20)) return unsupported("is too large for a display profile");
     Display display;
     display.icc.resize(*size);
     if (Status s = file->read_exact(0, display.icc); !s) return s.error();
@@ -133,7 +133,7 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
     if (!profile) return Error{ErrorCode::kForeign, path + ": is not an ICC profile"};
     if (cmsGetColorSpace(profile.get()) != cmsSigRgbData) return unsupported("is not a profile of an RGB display");
     if (!cmsIsMatrixShaper(profile.get()) || cmsIsTag(profile.get(), cmsSigBToA0Tag) || cmsIsTag(profile.get(), cmsSigAToB0Tag)) {
-        return unsupported("is made of tables (a LUT profile); only profiles of three primaries and a curve are printed for");
+        return unsupported("is based on tables (a LUT profile); only profiles with three primaries and one curve are supported");
     }
     color::Matrix3 xyz_from_rgb;
     const cmsTagSignature columns[] = {cmsSigRedColorantTag, cmsSigGreenColorantTag, cmsSigBlueColorantTag};
@@ -151,7 +151,7 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
         transfers[i] = *transfer;
         if (std::abs(transfers[i].exponent - transfers[0].exponent) > 1e-6 ||
             transfers[i].linear_below != transfers[0].linear_below) {
-            return unsupported("has another tone curve for each primary");
+            return unsupported("has a different tone curve for each primary");
         }
     }
     xyz_from_rgb = unadapted(profile.get(), xyz_from_rgb);

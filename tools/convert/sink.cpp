@@ -198,10 +198,10 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
         return Error{ErrorCode::kUsage, fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", path.string())};
     }
     const auto wrong_bits = [&](const char* why) { return Error{ErrorCode::kUsage, fmt::format("{}: {}", path.string(), why)}; };
-    if (png && options.depth == Depth::kFloat) return wrong_bits("PNG holds 8 or 16 bits; .tif and .exr hold floats");
-    if (type == ".exr" && options.depth == Depth::k8) return wrong_bits("EXR holds floats or, with --bits 16, halves");
+    if (png && options.depth == Depth::kFloat) return wrong_bits("PNG has 8 or 16 bits; use .tif or .exr for floats");
+    if (type == ".exr" && options.depth == Depth::k8) return wrong_bits("EXR has floats, or half floats with --bits 16");
     if ((jpeg || type == ".dzi") && (options.depth == Depth::k16 || options.depth == Depth::kFloat))
-        return wrong_bits("JPEG and Deep Zoom hold 8 bits; .png, .tif and .exr hold more");
+        return wrong_bits("JPEG and Deep Zoom have 8 bits; use .png, .tif or .exr for more");
     Encoder encoder{SampleType::kU8, display.space.transfer, options.dither};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;

@@ -86,7 +86,8 @@ class Engine {
             return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
         slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
         if (!slab_)
-            return Error{ErrorCode::kOutOfRange, fmt::format("--memory {}: the system has less", format_size(settings_.memory))};
+            return Error{ErrorCode::kOutOfRange,
+                         fmt::format("--memory {}: more than the system can provide", format_size(settings_.memory))};
         progress_ = &progress;
         if (Status s = develop_node({}, {slab_.get(), slab_bytes_}, 0); !s) return s.error();
         if (progress) progress(1, "");

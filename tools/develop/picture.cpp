@@ -105,14 +105,15 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
     }
     if (counts.decode_factor() > 1.1) {
         warnings.push_back(
-            fmt::format("pages were decoded {:.2f} times, because --memory is small for their size; to decode them once, "
+            fmt::format("pages were decoded {:.2f} times on average, because --memory is too small to decode them once; "
                         "use more memory, or latent-merge --compact",
                         counts.decode_factor()));
     }
     constexpr double kSmallRead = 64 << 10;
     const double reads = static_cast<double>(report.runs) * static_cast<double>(counts.regions);
     if (report.runs > 256 && static_cast<double>(counts.page_bytes) / reads < kSmallRead) {
-        warnings.push_back(fmt::format("{} small runs need many small reads; join them with latent-merge --compact", report.runs));
+        warnings.push_back(
+            fmt::format("{} small runs need many small reads; latent-merge --compact makes them few and large", report.runs));
     }
 }
 
@@ -241,8 +242,8 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
     if (height > kMaxSide)
         return usage(fmt::format("--size {}: the height would be {:.0f} pixels; the maximum is {}", text, height, kMaxSide));
     if (std::abs(height - exact) > 0.5 && std::abs(width - height * aspect) > 0.5) {
-        return usage(fmt::format("--size {}: the film's shape is {}:{}; {}x{:.0f} would fit", text, job.aspect_width,
-                                 job.aspect_height, width, std::max(1.0, std::round(exact))));
+        return usage(fmt::format("--size {}: the film's aspect is {}:{}; use {}x{:.0f}", text, job.aspect_width, job.aspect_height,
+                                 width, std::max(1.0, std::round(exact))));
     }
     return Size{width, static_cast<std::uint32_t>(height)};
 }

@@ -186,7 +186,7 @@ std::vector<std::string> FileInfo::remarks() const {
     const bool end = damage_at_end(path, contents).has_value();
     if (!end && !contents.finished) remarks.push_back("not finished: still being rendered, or interrupted");
     if (!end && contents.unfinished_tail > 0) {
-        remarks.push_back(fmt::format("the last {} are an interrupted write", format_size(contents.unfinished_tail)));
+        remarks.push_back(fmt::format("the last {} are from an interrupted write", format_size(contents.unfinished_tail)));
     }
     if (runs > kManyRuns) {
         remarks.push_back(fmt::format("{} runs: join them with latent-merge --compact to develop faster", runs));

@@ -92,8 +92,8 @@ std::string to_text(const RecoverReport& report) {
     std::string text;
     for (const Damage& damage : report.damage) text += fmt::format("{}: {}\n", report.input.string(), damage.reason);
     if (report.unfinished_tail > 0) {
-        text +=
-            fmt::format("{}: the last {} are an interrupted write\n", report.input.string(), format_size(report.unfinished_tail));
+        text += fmt::format("{}: the last {} are from an interrupted write\n", report.input.string(),
+                            format_size(report.unfinished_tail));
     }
     text += fmt::format("{}: {} run{}, samples {}, {}\n", report.output.string(), report.runs, report.runs == 1 ? "" : "s",
                         report.kept.empty() ? "none" : to_string(report.kept), format_size(report.bytes));

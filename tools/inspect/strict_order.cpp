@@ -62,7 +62,7 @@ void OrderCheck::check_order(std::size_t number, const Page& page) {
                  .page = number,
                  .record = row,
                  .what = fmt::format("Z prefix {:08x}, sample {}", z, sample),
-                 .wanted = fmt::format("not before Z prefix {:08x}, sample {}, the record in front of it", last_z_, last_sample_)});
+                 .wanted = fmt::format("a record not before the previous one, Z prefix {:08x}, sample {}", last_z_, last_sample_)});
         }
         any_ = true;
         last_z_ = z;
@@ -79,11 +79,11 @@ void OrderCheck::check_cuts(std::size_t keep) {
         cuts_.pop_front();
         const std::size_t wanted = in_order_ ? page_end(z_, begin, most_) - begin : cut.records;
         if (wanted != cut.records) {
-            violations_.add(
-                {.run = run_,
-                 .page = cut.page,
-                 .what = fmt::format("is cut at {} records", cut.records),
-                 .wanted = fmt::format("{}: those of the largest node that begins here and holds at most {}", wanted, most_)});
+            violations_.add({.run = run_,
+                             .page = cut.page,
+                             .what = fmt::format("ends after {} records", cut.records),
+                             .wanted = fmt::format("{} records, those of the largest node that begins here and holds at most {}",
+                                                   wanted, most_)});
         }
         begin += cut.records;
     }

@@ -66,7 +66,8 @@ class PageCheck {
             wrong(entry, "", "positions are left out of a light page", "transform 3 in camera pages only");
         if (values_of(entry.column) == 0 && (entry.transform != Transform::kPlanes || !entry.planes.empty())) {
             wrong(entry, "",
-                  fmt::format("no values by transform {} in {} planes", static_cast<int>(entry.transform), entry.planes.size()),
+                  fmt::format("has no values, but transform {} and {} planes", static_cast<int>(entry.transform),
+                              entry.planes.size()),
                   "transform 0 and no planes");
         }
     }
@@ -91,7 +92,7 @@ class PageCheck {
             const Result<ByteSpan> bytes = decode_plane(plane, stored, size, scratch_);
             if (!bytes) return bytes.error();
             if (!padding_is_zero(*bytes, values_of(entry.column), entry.bits))
-                wrong(entry, place, "padding bits behind the last number are set", "zero");
+                wrong(entry, place, "padding bits after the last number are set", "zero");
         }
         return {};
     }
@@ -109,7 +110,7 @@ class PageCheck {
                   fmt::format("byte {} of its dictionary is {:#x}, and no value uses it", i, std::to_integer<unsigned>(bytes[i])),
                   "0");
         }
-        if (!padding_is_zero(packed, size, bits)) wrong(entry, place, "padding bits behind the last number are set", "zero");
+        if (!padding_is_zero(packed, size, bits)) wrong(entry, place, "padding bits after the last number are set", "zero");
     }
 
     std::size_t values_of(Column column) const {

@@ -174,7 +174,7 @@ std::string to_text(const VerifyReport& report) {
     if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", report.path.string());
         text += report.unfinished_tail > 0
-                    ? fmt::format("; the last {} are an interrupted write\n", format_size(report.unfinished_tail))
+                    ? fmt::format("; the last {} are from an interrupted write\n", format_size(report.unfinished_tail))
                     : "\n";
     }
     for (const std::string& note : report.notes) text += fmt::format("{}: note: {}\n", report.path.string(), note);

@@ -19,7 +19,7 @@ Status check_required(const MergeOptions& options, const Coverage& coverage) {
     if (!options.require || coverage.contains(*options.require)) return {};
     Coverage missing(*options.require);
     missing.remove(coverage);
-    return Error{ErrorCode::kMismatch, fmt::format("samples {} are required, but in no part", to_string(missing))};
+    return Error{ErrorCode::kMismatch, fmt::format("samples {} are required, but no part holds them", to_string(missing))};
 }
 
 Status check_number(std::size_t runs) {

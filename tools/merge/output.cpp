@@ -152,7 +152,7 @@ class Output::Appending {
         }
         return Error{ErrorCode::kCorrupt,
                      fmt::format("{}: run at byte {}: {}, although the copied bytes are sound", output_.out_.path().string(),
-                                 output_.end_, copied ? "not the same when read again" : copied.error().message)};
+                                 output_.end_, copied ? "differs when read back" : copied.error().message)};
     }
 
     // Makes one run of a group. False if some of its runs are damaged: they join damaged_.
