@@ -186,7 +186,7 @@ TEST_F(InspectTest, VerifyTellsWhatTheFramesContradict) {
     Bytes header = sound.bytes;
     const Bytes another = *encode_file_header({make_short_job(), "{}"});
     std::copy_n(another.begin(), another.size() / 2, header.begin());
-    for (const auto& [bytes, said] : {std::pair{with_list(fewer), "the footer lists other runs than there are"},
+    for (const auto& [bytes, said] : {std::pair{with_list(fewer), "the footer does not match the runs"},
                                       {with_list(other), "the footer lists a different header for the run at byte"},
                                       {header, "its two copies differ"}}) {
         const fs::path file = write("a.latent", bytes);
