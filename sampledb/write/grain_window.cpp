@@ -71,7 +71,8 @@ GrainWindow::Submitted GrainWindow::take(std::uint64_t sample, Time deadline) {
     Lock lock(mutex_);
     const auto must_flush = [&] { return flush_to_ > saved_ && sample >= flush_to_; };
     changed_.wait_until(lock, deadline, [&] { return closed_ || must_flush() || waiting_.contains(sample); });
-    if (closed_ || must_flush() || CheckpointClock::Clock::now() >= deadline) return {};
+    if (flush_to_ <= saved_ && CheckpointClock::Clock::now() >= deadline) flush_to_ = first_gap();
+    if (closed_ || must_flush() || !waiting_.contains(sample)) return {};
     Submitted taken = std::move(waiting_.extract(sample).mapped());
     in_order_bytes_ -= size_of(*taken.grain);
     taken_ = taken.grain->range.end;

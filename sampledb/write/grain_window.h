@@ -37,8 +37,8 @@ class GrainWindow {
     // The grains that were not put yet.
     Coverage unsubmitted() const;
 
-    // For the committer: the grain that begins at `sample`, once it is there. Null when it is time for a checkpoint instead: the
-    // deadline has passed, or `flush` wants what was taken before `sample`. Null as well when the window is closed.
+    // For the committer: the grain that begins at `sample`, once it is there. Null when it is time for a checkpoint instead: after
+    // the deadline, or for `flush`, once what was in order by then has been taken. Null as well when the window is closed.
     Submitted take(std::uint64_t sample, Time deadline);
     // Since when the grain waits that has waited longest; Time::max() if none does.
     Time oldest() const;
@@ -62,7 +62,7 @@ class GrainWindow {
     std::map<std::uint64_t, Submitted> waiting_;                 // not yet taken; by first sample
     std::uint64_t in_order_bytes_ = 0, out_of_order_bytes_ = 0;  // of these: before the first gap, behind it
     std::uint64_t taken_, saved_;                                // grains before these samples were taken, are on disk
-    std::uint64_t flush_to_ = 0;                                 // grains before this one are wanted on disk
+    std::uint64_t flush_to_ = 0;                                 // grains before this one are wanted on disk at once
     Time late_at_ = Time::max();
     bool given_up_ = false, closed_ = false;
 };

@@ -56,12 +56,18 @@ TEST(GrainWindow, TheOldestMissingGrainFindsRoomWhenNoOtherDoes) {
     ahead.join();
 }
 
-TEST(GrainWindow, NothingIsTakenAfterTheDeadlineEvenIfItIsThere) {
+TEST(GrainWindow, AfterTheDeadlineWhatWasInOrderIsTakenAndNothingMoreUntilItIsSaved) {
     GrainWindow window(Coverage(kRange), kRange);
-    ASSERT_TRUE(window.put({nth(0), {}}));
-    EXPECT_FALSE(window.take(0, Clock::now()).grain);
-    EXPECT_FALSE(window.take(nth(1).first, Clock::now() + std::chrono::milliseconds(1)).grain);
-    EXPECT_TRUE(window.take(0, Time::max()).grain);
+    for (const std::uint64_t number : {0u, 1u, 3u}) ASSERT_TRUE(window.put({nth(number), {}}));
+    const Time deadline = Clock::now();
+    EXPECT_TRUE(window.take(nth(0).first, deadline).grain);
+    ASSERT_TRUE(window.put({nth(2), {}}));
+    EXPECT_TRUE(window.take(nth(1).first, deadline).grain);
+    EXPECT_FALSE(window.take(nth(2).first, deadline).grain);
+    window.saved(nth(1).end, Time::max());
+    EXPECT_TRUE(window.take(nth(2).first, Time::max()).grain);
+    EXPECT_TRUE(window.take(nth(3).first, Clock::now()).grain);
+    EXPECT_FALSE(window.take(nth(4).first, Clock::now() + std::chrono::milliseconds(1)).grain);
 }
 
 TEST(GrainWindow, AFlushAsksForACheckpointAtTheFirstGapAndNotBefore) {
