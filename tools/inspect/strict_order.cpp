@@ -62,7 +62,7 @@ void OrderCheck::check_order(std::size_t number, const Page& page) {
                  .page = number,
                  .record = row,
                  .what = fmt::format("Z prefix {:08x}, sample {}", z, sample),
-                 .wanted = fmt::format("a record not before the previous one, Z prefix {:08x}, sample {}", last_z_, last_sample_)});
+                 .wanted = fmt::format("not before Z prefix {:08x}, sample {}, the previous record", last_z_, last_sample_)});
         }
         any_ = true;
         last_z_ = z;
