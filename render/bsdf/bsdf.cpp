@@ -7,10 +7,10 @@ bool Bsdf::connects(const Vec3f& world_a, const Vec3f& world_b, const Vec3f& a, 
     return (reflects || transmits_) && reflects == (dot(world_a, ng_) * dot(world_b, ng_) > 0);
 }
 
-void Bsdf::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+void Bsdf::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     const Vec3f camera = frame_.to_local(w_camera), light = frame_.to_local(w_light);
     if (delta_ || !connects(w_camera, w_light, camera, light)) {
-        value = Batch(0.0f);
+        value = SampledSpectrum(0.0f);
         return;
     }
     std::visit([&](const auto& closure) { closure.multiply_f_cos(camera, light, value); }, closure_);
@@ -23,7 +23,8 @@ float Bsdf::pdf_omega(const Vec3f& world_wo, const Vec3f& world_wi) const {
     return std::visit([&](const auto& closure) { return closure.pdf_omega(wo, wi); }, closure_);
 }
 
-bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, Batch& beta) const {
+bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out,
+                  SampledSpectrum& beta) const {
     const Vec3f wo = frame_.to_local(world_wo);
     if (wo.z == 0) return false;
     return std::visit(

@@ -5,7 +5,7 @@
 #include "render/bsdf/closures.h"
 #include "render/bsdf/receiver.h"
 #include "render/math/vec.h"
-#include "render/spectral/batch.h"
+#include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
 
@@ -37,16 +37,16 @@ class Bsdf {
     Receiver receiver(const Vec3f& wo) const { return {face_forward(frame_.z, wo), transmits_}; }
 
     // value *= f |w_light.ns|. Nothing but zero if is_delta().
-    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     // Density [1/sr] with which `sample` finds wi from wo; 0 if is_delta().
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
-    // What passes from w_light to w_camera is refracted by an index that varies with wavelength: only the kept lane is right.
+    // What passes from w_light to w_camera is refracted by an index that varies with wavelength: only the kept one is right.
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const {
         return std::visit(
             [&](const auto& closure) { return closure.disperses(frame_.to_local(w_camera), frame_.to_local(w_light)); }, closure_);
     }
     // Draws wi for a subpath that arrives from wo; beta *= weight of the step. `from_camera`: a camera subpath. False: absorbed.
-    bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, Batch& beta) const;
+    bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const;
 
  private:
     // The side rule, for two directions in the world and in the frame.

@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "render/math/vec.h"
-#include "render/spectral/batch.h"
+#include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
 
@@ -25,14 +25,13 @@ struct ClosureSample {
 //
 //   kTransmits       what it scatters may leave on the other side; otherwise both directions of f and pdf_omega are on one side
 //   is_delta         all directions come from delta functions; f and pdf_omega are not called
-//   disperses        from w_light to w_camera light is refracted by an index that varies with wavelength: only lane `kept` is right
-//   multiply_f_cos   value *= f |w_light.z|
-//   pdf_omega        density [1/sr] with which `sample` finds wi
-//   sample           draws wi for a wo with z != 0; false: absorbed. From a delta function also: weight *= coefficient over
+//   disperses        from w_light to w_camera light is refracted by an index that varies with wavelength: only the kept one is
+//   right multiply_f_cos   value *= f |w_light.z| pdf_omega        density [1/sr] with which `sample` finds wi sample draws wi for
+//   a wo with z != 0; false: absorbed. From a delta function also: weight *= coefficient over
 //                    probability, as if radiance were not compressed
 template <class C>
 concept Closure = std::is_trivially_copyable_v<C> && std::is_trivially_destructible_v<C> &&
-    requires(const C& c, const Vec3f& w, float u, ClosureSample& out, Batch& value) {
+    requires(const C& c, const Vec3f& w, float u, ClosureSample& out, SampledSpectrum& value) {
     { C::kTransmits } -> std::convertible_to<bool>;
     { c.is_delta() } -> std::same_as<bool>;
     { c.disperses(w, w) } -> std::same_as<bool>;

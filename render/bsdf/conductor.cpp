@@ -4,10 +4,10 @@
 
 namespace latent::render {
 
-void Conductor::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+void Conductor::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     Vec3f m;
     if (!half_vector(w_camera, w_light, 1, m)) {
-        value = Batch(0.0f);
+        value = SampledSpectrum(0.0f);
         return;
     }
     value *= fresnel_conductor(abs_dot(w_camera, m), *eta_, *k_);
@@ -19,7 +19,7 @@ float Conductor::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
     return half_vector(wo, wi, 1, m) ? facets_.visible_density(wo, m) / (4 * abs_dot(wo, m)) : 0;
 }
 
-bool Conductor::sample(const Vec3f& wo, float, float u, float v, ClosureSample& out, Batch& weight) const {
+bool Conductor::sample(const Vec3f& wo, float, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
     if (is_delta()) {
         out.wi = {-wo.x, -wo.y, wo.z};
         out.delta = true;

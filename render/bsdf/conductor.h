@@ -11,18 +11,18 @@ class Conductor {
     static constexpr bool kTransmits = false;
 
     // Of complex index eta + i k in each wavelength.
-    Conductor(const Batch& eta, const Batch& k, float alpha_x, float alpha_y)
+    Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y)
         : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)) {}
 
     bool is_delta() const { return facets_.are_smooth(); }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
-    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
-    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    const Batch* eta_;
-    const Batch* k_;
+    const SampledSpectrum* eta_;
+    const SampledSpectrum* k_;
     Microfacets facets_;
 };
 

@@ -16,19 +16,19 @@ float refraction_jacobian(const Vec3f& a, const Vec3f& b, const Vec3f& m, float 
 
 }  // namespace
 
-Batch Dielectric::reflectance(const Vec3f& w, float c) const {
-    if (!dispersive_) return Batch(fresnel_dielectric(c, across(w, eta_kept_)));
-    return batch_of([&](std::uint32_t i) { return fresnel_dielectric(c, across(w, (*eta_)[i])); });
+SampledSpectrum Dielectric::reflectance(const Vec3f& w, float c) const {
+    if (!dispersive_) return SampledSpectrum(fresnel_dielectric(c, across(w, eta_kept_)));
+    return spectrum_of([&](std::uint32_t i) { return fresnel_dielectric(c, across(w, (*eta_)[i])); });
 }
 
 // Reflection F D G / (4 |cos cos|); transmission (1 - F) D G |camera.m light.m| / (|cos cos| (light.m + camera.m / eta)^2 eta^2),
 // eta the index on light's side over that on the camera's [WMLT07]; the last factor is the compression of radiance.
-void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     const bool same_side = w_camera.z * w_light.z > 0;
     const float eta = same_side ? 1 : across(w_camera, eta_kept_);
     Vec3f m;
     if (!half_vector(w_camera, w_light, eta, m)) {
-        value = Batch(0.0f);
+        value = SampledSpectrum(0.0f);
         return;
     }
     const float dg = facets_.density(m) * facets_.masking_shadowing(w_camera, w_light);
@@ -53,7 +53,7 @@ float Dielectric::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
 }
 
 // Reflection with probability F, at the kept wavelength, of refraction else.
-bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const {
+bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const {
     if (is_delta()) return sample_smooth(wo, u_lobe, out, weight);
     const Vec3f m = facets_.sample_visible(wo, u, v);
     const float eta = across(wo, eta_kept_);
@@ -67,7 +67,7 @@ bool Dielectric::sample(const Vec3f& wo, float u_lobe, float u, float v, Closure
     return reflected == (out.wi.z * wo.z > 0);
 }
 
-bool Dielectric::sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, Batch& weight) const {
+bool Dielectric::sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, SampledSpectrum& weight) const {
     const float c = std::abs(wo.z), eta = across(wo, eta_kept_), f = fresnel_dielectric(c, eta);
     out.delta = true;
     if (u_lobe < f) {

@@ -12,22 +12,22 @@ class Dielectric {
     static constexpr bool kTransmits = true;
 
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
-    // `dispersive` one follows lane `kept` alone, and so do the probabilities of its lobes.
-    Dielectric(const Batch& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y)
+    // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes.
+    Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y)
         : eta_(&eta), eta_kept_(eta[kept]), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), dispersive_(dispersive) {}
 
     bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_); }
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return dispersive_ && w_camera.z * w_light.z < 0; }
-    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
-    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    bool sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, Batch& weight) const;
+    bool sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out, SampledSpectrum& weight) const;
     // In each wavelength, for light that meets a facet at cosine c from the side of w.
-    Batch reflectance(const Vec3f& w, float c) const;
+    SampledSpectrum reflectance(const Vec3f& w, float c) const;
 
-    const Batch* eta_;
+    const SampledSpectrum* eta_;
     float eta_kept_;
     Microfacets facets_;
     bool dispersive_;

@@ -9,16 +9,16 @@ class Diffuse {
  public:
     static constexpr bool kTransmits = false;
 
-    explicit Diffuse(const Batch& reflectance) : reflectance_(&reflectance) {}
+    explicit Diffuse(const SampledSpectrum& reflectance) : reflectance_(&reflectance) {}
 
     bool is_delta() const { return false; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
-    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
-    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    const Batch* reflectance_;
+    const SampledSpectrum* reflectance_;
 };
 
 }  // namespace latent::render

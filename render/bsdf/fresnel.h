@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "render/math/vec.h"
-#include "render/spectral/batch.h"
+#include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
 
@@ -24,9 +24,9 @@ inline float fresnel_dielectric(float c, float eta) {
 //   2 a^2 = sqrt((eta^2 - k^2 - s^2)^2 + 4 eta^2 k^2) + eta^2 - k^2 - s^2,   s = sin, a^2 + b^2 = that square root
 //   R_perp = (a^2 + b^2 - 2 a c + c^2) / (a^2 + b^2 + 2 a c + c^2)
 //   R_par = R_perp (c^2 (a^2 + b^2) - 2 a c s^2 + s^4) / (c^2 (a^2 + b^2) + 2 a c s^2 + s^4)
-inline Batch fresnel_conductor(float c, const Batch& eta, const Batch& k) {
+inline SampledSpectrum fresnel_conductor(float c, const SampledSpectrum& eta, const SampledSpectrum& k) {
     const float c2 = c * c, s2 = std::max(0.0f, 1 - c2);
-    return batch_of([&](std::uint32_t i) {
+    return spectrum_of([&](std::uint32_t i) {
         const float n2 = eta.v[i] * eta.v[i], k2 = k.v[i] * k.v[i];
         const float t = n2 - k2 - s2;
         const float a2b2 = std::sqrt(t * t + 4 * n2 * k2);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "render/math/vec.h"
-#include "render/sampling/sampling.h"
+#include "render/sampling/warp.h"
 
 namespace latent::render {
 

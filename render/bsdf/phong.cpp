@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "render/math/elementary.h"
-#include "render/sampling/sampling.h"
+#include "render/sampling/warp.h"
 
 namespace latent::render {
 namespace {
@@ -18,16 +18,16 @@ float lobe(const Vec3f& a, const Vec3f& b, float n) {
 
 }  // namespace
 
-Phong::Phong(const Batch& diffuse, const Batch& specular, float exponent)
+Phong::Phong(const SampledSpectrum& diffuse, const SampledSpectrum& specular, float exponent)
     : diffuse_(&diffuse), specular_(&specular), exponent_(exponent) {
     const float d = diffuse.max(), s = specular.max();
     specular_probability_ = s > 0 ? s / (d + s) : 0;
 }
 
-void Phong::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+void Phong::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     const float c = std::abs(w_light.z), d = kInvPi * c;
     const float s = (exponent_ + 2) * 0.5f * kInvPi * lobe(w_camera, w_light, exponent_) * c;
-    for (std::uint32_t i = 0; i < kLanes; ++i) value.v[i] *= diffuse_->v[i] * d + specular_->v[i] * s;
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= diffuse_->v[i] * d + specular_->v[i] * s;
 }
 
 float Phong::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
@@ -35,7 +35,7 @@ float Phong::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
     return (1 - specular_probability_) * diffuse + specular_probability_ * specular;
 }
 
-bool Phong::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch&) const {
+bool Phong::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
     if (u_lobe < specular_probability_) {  // cos a = u^(1 / (n + 1))
         const float c = exp_of_negative(log_of_complement(u) / (exponent_ + 1));
         out.wi = Frame::from_z(mirrored(wo)).to_world(direction_at(c, v));

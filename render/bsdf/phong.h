@@ -12,17 +12,17 @@ class Phong {
  public:
     static constexpr bool kTransmits = false;
 
-    Phong(const Batch& diffuse, const Batch& specular, float exponent);
+    Phong(const SampledSpectrum& diffuse, const SampledSpectrum& specular, float exponent);
 
     bool is_delta() const { return false; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
-    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const;
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
-    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    const Batch* diffuse_;
-    const Batch* specular_;
+    const SampledSpectrum* diffuse_;
+    const SampledSpectrum* specular_;
     float exponent_;
     float specular_probability_;  // that a direction is drawn from the lobe
 };

@@ -14,19 +14,19 @@ float pane_reflectance(float c, float eta) {
 }  // namespace
 
 // Reflection with its probability at the kept wavelength, straight on else.
-bool ThinDielectric::sample(const Vec3f& wo, float u_lobe, float, float, ClosureSample& out, Batch& weight) const {
+bool ThinDielectric::sample(const Vec3f& wo, float u_lobe, float, float, ClosureSample& out, SampledSpectrum& weight) const {
     const float c = std::abs(wo.z), r = pane_reflectance(c, eta_kept_);
     const bool reflected = u_lobe < r;
     out.wi = reflected ? Vec3f{-wo.x, -wo.y, wo.z} : -wo;
     out.delta = true;
     out.probability = out.probability_reverse = reflected ? r : 1 - r;
     if (!dispersive_) return true;
-    const Batch of_lanes = batch_of([&](std::uint32_t i) { return pane_reflectance(c, (*eta_)[i]); });
+    const SampledSpectrum reflectance = spectrum_of([&](std::uint32_t i) { return pane_reflectance(c, (*eta_)[i]); });
     if (reflected) {
-        weight *= of_lanes;
+        weight *= reflectance;
         weight *= 1 / r;
     } else {
-        weight *= batch_of([&](std::uint32_t i) { return (1 - of_lanes[i]) / (1 - r); });
+        weight *= spectrum_of([&](std::uint32_t i) { return (1 - reflectance[i]) / (1 - r); });
     }
     return true;
 }

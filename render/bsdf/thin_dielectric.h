@@ -10,18 +10,18 @@ class ThinDielectric {
  public:
     static constexpr bool kTransmits = true;
 
-    // `eta` in each wavelength. Nothing is refracted: all lanes go on together, with the probabilities of lane `kept`.
-    ThinDielectric(const Batch& eta, bool dispersive, std::uint32_t kept)
+    // `eta` in each wavelength. Nothing is refracted: all wavelengths go on together, with the probabilities of the `kept` one.
+    ThinDielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept)
         : eta_(&eta), eta_kept_(eta[kept]), dispersive_(dispersive) {}
 
     bool is_delta() const { return true; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
-    void multiply_f_cos(const Vec3f&, const Vec3f&, Batch& value) const { value = Batch(0.0f); }
+    void multiply_f_cos(const Vec3f&, const Vec3f&, SampledSpectrum& value) const { value = SampledSpectrum(0.0f); }
     float pdf_omega(const Vec3f&, const Vec3f&) const { return 0; }
-    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, Batch& weight) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    const Batch* eta_;
+    const SampledSpectrum* eta_;
     float eta_kept_;
     bool dispersive_;
 };

@@ -1,7 +1,7 @@
 #include "render/camera/camera.h"
 
 #include "render/math/equal_area.h"
-#include "render/sampling/sampling.h"
+#include "render/sampling/warp.h"
 #include "render/scene/check.h"
 
 namespace latent::render {

@@ -24,7 +24,7 @@ inline constexpr float kRayError = 0x1p-21f;
 
 // A point that rays may leave from or lead to: the true point is within `error` of `p` in each coordinate, seen by a ray of length
 // l within error + error_per_length l; `ng` is unit length, or 0 for a point that lies on no surface (in a medium, on a lens).
-struct Anchor {
+struct Interaction {
     Vec3f p;
     float error = 0;
     Vec3f ng;
@@ -41,7 +41,7 @@ struct PrimitivePoint {
 struct SurfaceHit {
     Vec3f p;
     float error;             // bound on the distance of each coordinate of p from the true surface
-    float error_per_length;  // Anchor's
+    float error_per_length;  // Interaction's
     float t;
     Vec3f ng;    // geometric normal, unit: outside is where it points (pbrt's orientation rules, ReverseOrientation included)
     Vec3f ns;    // shading normal, unit, in the hemisphere of ng
@@ -51,7 +51,7 @@ struct SurfaceHit {
     std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
     PrimitivePoint on;
 
-    Anchor anchor() const { return {p, error, ng, error_per_length}; }
+    Interaction interaction() const { return {p, error, ng, error_per_length}; }
 };
 
 // How the coordinates (u, v) of a scene's textures run over the surface about a hit.
@@ -75,9 +75,9 @@ struct Emitter {
 };
 
 // A ray from `from` in direction `d`: starts clear of the surface, on the side that d points to [PBRT4 6.8.6].
-Ray spawn_ray(const Anchor& from, const Vec3f& d);
+Ray spawn_ray(const Interaction& from, const Vec3f& d);
 // The same to a point, clear of both surfaces: whatever else lies between them, nearer than that to the one or the other, is met.
-Ray spawn_ray(const Anchor& from, const Anchor& to);
+Ray spawn_ray(const Interaction& from, const Interaction& to);
 
 class Geometry {
  public:

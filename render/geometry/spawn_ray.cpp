@@ -5,7 +5,7 @@ namespace latent::render {
 namespace {
 
 // Pushes p off its surface, to the side of w, by a bound on how far it may be from the true surface [PBRT4 6.8.6].
-Vec3f offset(const Anchor& from, float error, const Vec3f& w) {
+Vec3f offset(const Interaction& from, float error, const Vec3f& w) {
     const float distance = error * (std::abs(from.ng.x) + std::abs(from.ng.y) + std::abs(from.ng.z));
     const Vec3f shift = from.ng * (dot(w, from.ng) < 0 ? -distance : distance);
     const auto push = [](float p, float by) {
@@ -18,9 +18,9 @@ Vec3f offset(const Anchor& from, float error, const Vec3f& w) {
 
 }  // namespace
 
-Ray spawn_ray(const Anchor& from, const Vec3f& d) { return {offset(from, from.error, d), d}; }
+Ray spawn_ray(const Interaction& from, const Vec3f& d) { return {offset(from, from.error, d), d}; }
 
-Ray spawn_ray(const Anchor& from, const Anchor& to) {
+Ray spawn_ray(const Interaction& from, const Interaction& to) {
     const Vec3f d = to.p - from.p, begin = offset(from, from.error, d);
     // Clear of the far surface by what is not known about where the ray meets that, along the normal: so at any angle.
     const Vec3f end = offset(to, to.error + to.error_per_length * max_abs(d), -d);

@@ -14,7 +14,7 @@ AreaEmission::AreaEmission(const AreaLightDescription& light, std::uint32_t spec
     emission_.scale = static_cast<float>(light.scale * (light.power ? *light.power / (std::numbers::pi * area * sides) : 1));
 }
 
-void AreaEmission::sample_direction(const Anchor& at, Uniform s, Uniform t, LightRay& out) const {
+void AreaEmission::sample_direction(const Interaction& at, Uniform s, Uniform t, LightRay& out) const {
     const bool back = two_sided_ && s.index(2) == 1;
     if (two_sided_) s = s.within(2);
     Vec3f local = sample_cosine_hemisphere(s, t);

@@ -24,12 +24,12 @@ class AreaEmission {
         return cosine > 0 ? d2 / (cosine * area_) : 0;
     }
     // The rest of a ray that starts at `at`: its direction by the cosine to either side that shines.
-    void sample_direction(const Anchor& at, Uniform s, Uniform t, LightRay& out) const;
+    void sample_direction(const Interaction& at, Uniform s, Uniform t, LightRay& out) const;
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const {
         const float c = dot(ng, d);
         return two_sided_ ? 0.5f * kInvPi * std::abs(c) : kInvPi * std::max(0.0f, c);
     }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, Batch& value) const {
+    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
         if (!shines(ng, d)) return false;
         emission_.multiply(spectra, value);
         return true;

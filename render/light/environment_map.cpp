@@ -66,7 +66,7 @@ float EnvironmentMap::pdf_omega(const Vec3f& w) const {
     return static_cast<float>(rows_.probability(p.y) * columns_[p.y].probability(p.x) * pixels / (4 * std::numbers::pi));
 }
 
-void EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const {
+void EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const {
     const Pixel p = pixel(w);
     const float* rgb = &image_->rgb[3 * (std::size_t{p.y} * image_->width + p.x)];
     std::array<int, 3> order = {0, 1, 2};  // by falling value
@@ -74,9 +74,9 @@ void EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, Batch& va
     if (rgb[order[1]] < rgb[order[2]]) std::swap(order[1], order[2]);
     if (rgb[order[0]] < rgb[order[1]]) std::swap(order[0], order[1]);
     const float white = rgb[order[2]], secondary = rgb[order[1]] - white, primary = rgb[order[0]] - rgb[order[1]];
-    const Batch& first = spectra[basis_[order[0]]];
-    const Batch& second = spectra[basis_[3 + order[2]]];  // the complement of the smallest component
-    for (std::uint32_t i = 0; i < kLanes; ++i) value.v[i] *= white + secondary * second.v[i] + primary * first.v[i];
+    const SampledSpectrum& first = spectra[basis_[order[0]]];
+    const SampledSpectrum& second = spectra[basis_[3 + order[2]]];  // the complement of the smallest component
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= white + secondary * second.v[i] + primary * first.v[i];
 }
 
 double EnvironmentMap::upper_illuminance() const {

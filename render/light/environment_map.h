@@ -20,7 +20,7 @@ class EnvironmentMap {
 
     Vec3f sample(Uniform u, Uniform v) const;  // unit direction
     float pdf_omega(const Vec3f& w) const;
-    void multiply(const Vec3f& w, SampledSpectra& spectra, Batch& value) const;
+    void multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const;
 
     double mean_luminance() const { return mean_luminance_; }
     double upper_illuminance() const;  // integral over z > 0 of light space of luminance times cosine

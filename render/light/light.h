@@ -73,7 +73,7 @@ class Light {
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const {
         return visit([&](const auto& light) { return light.pdf_direction(ng, d); });
     }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, Batch& value) const {
+    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
         return visit([&](const auto& light) { return light.multiply_emission(ng, d, spectra, value); });
     }
 

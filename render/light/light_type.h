@@ -8,8 +8,8 @@
 
 #include "render/bsdf/receiver.h"
 #include "render/geometry/geometry.h"
-#include "render/sampling/sampling.h"
 #include "render/sampling/uniform.h"
+#include "render/sampling/warp.h"
 #include "render/spectral/spectra.h"
 
 namespace latent::render {
@@ -22,7 +22,7 @@ struct LightHit {
 
 // A point of a light (or a direction to an infinite one), drawn for a point that it lights.
 struct LightPoint {
-    Anchor at;          // lights that are not infinite
+    Interaction at;     // lights that are not infinite
     Vec3f wi;           // unit, towards it
     float distance;     // kInfinity for infinite lights
     float pdf_omega;    // 1/sr at the point that is lit; 1 for a delta light
@@ -41,7 +41,7 @@ struct LightPoint {
 
 // A ray that a light emits.
 struct LightRay {
-    Anchor at;            // where it starts: on the light, or on a disk outside of the scene
+    Interaction at;       // where it starts: on the light, or on a disk outside of the scene
     Vec3f d;              // unit
     float pdf_position;   // 1/m^2: on the light, or on the disk; 1 for a point
     float pdf_direction;  // 1/sr; 1 for a distant light
@@ -62,9 +62,9 @@ struct Emission {
     std::uint32_t spectrum;
     float scale;
 
-    void multiply(SampledSpectra& spectra, Batch& value) const {
-        const Batch& s = spectra[spectrum];
-        for (std::uint32_t lane = 0; lane < kLanes; ++lane) value.v[lane] *= s.v[lane] * scale;
+    void multiply(SampledSpectra& spectra, SampledSpectrum& value) const {
+        const SampledSpectrum& s = spectra[spectrum];
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= s.v[i] * scale;
     }
 };
 
@@ -84,7 +84,7 @@ struct Emission {
 template <class L>
 concept LightType = std::is_trivially_copyable_v<L> &&
     requires(const L& light, const Vec3f& v, const Receiver& receiver, Uniform u, const LightHit& hit, LightPoint& point,
-             LightRay& ray, SampledSpectra& spectra, Batch& value) {
+             LightRay& ray, SampledSpectra& spectra, SampledSpectrum& value) {
     { L::kIsInfinite } -> std::convertible_to<bool>;
     { L::kIsDelta } -> std::convertible_to<bool>;
     { light.emission() } -> std::same_as<const Emission&>;

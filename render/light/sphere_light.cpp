@@ -8,7 +8,7 @@ float one_minus_cos(float sin2) { return sin2 / (1 + std::sqrt(std::max(0.0f, 1 
 
 }  // namespace
 
-Anchor SphereLight::at(const Vec3f& outwards) const {
+Interaction SphereLight::at(const Vec3f& outwards) const {
     return {center_ + outwards * radius_, 4e-7f * (max_abs(center_) + radius_), inward_ ? -outwards : outwards};
 }
 

@@ -19,14 +19,14 @@ class SphereLight {
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return area_.pdf_position(); }
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, Batch& value) const {
+    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
         return area_.multiply_emission(ng, d, spectra, value);
     }
 
  private:
     // The squared distance of the centre; whether the sphere is seen as a cone from there.
     bool is_outside(float d2) const { return d2 > radius_ * radius_ * 1.0002f; }
-    Anchor at(const Vec3f& outwards) const;
+    Interaction at(const Vec3f& outwards) const;
 
     Vec3f center_;
     float radius_;

@@ -2,7 +2,7 @@
 
 namespace latent::render {
 
-Anchor TriangleLight::sample(Uniform u, Uniform v) const {
+Interaction TriangleLight::sample(Uniform u, Uniform v) const {
     const Vec2f b = sample_triangle(u, v);
     return {p_ + e1_ * b.x + e2_ * b.y, 4e-7f * (max_abs(p_) + max_abs(e1_) + max_abs(e2_)), n_};
 }

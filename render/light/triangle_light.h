@@ -18,12 +18,12 @@ class TriangleLight {
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return area_.pdf_position(); }
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, Batch& value) const {
+    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
         return area_.multiply_emission(ng, d, spectra, value);
     }
 
  private:
-    Anchor sample(Uniform u, Uniform v) const;
+    Interaction sample(Uniform u, Uniform v) const;
 
     Vec3f p_, e1_, e2_, n_;
     AreaEmission area_;

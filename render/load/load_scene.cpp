@@ -14,18 +14,18 @@ constexpr std::size_t kMaxIncludes = 64;  // one inside another
 
 class Loader {
  public:
-    Loader(const std::filesystem::path& path, bool another_integrator)
+    Loader(const std::filesystem::path& path, bool replace_integrator)
         : path_(path),
           files_(path),
-          messages_(scene_.description.files),
-          builder_(scene_.description, files_, messages_, another_integrator) {}
+          diagnostics_(scene_.description.files),
+          builder_(scene_.description, files_, diagnostics_, replace_integrator) {}
 
     Result<LoadedScene> load() {
         if (const Status read = file(path_, 0); !read) return read.error();
         builder_.finish(end_);
-        if (!messages_.errors().empty())
-            return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(messages_.errors(), "\n"))};
-        scene_.warnings = messages_.warnings();
+        if (!diagnostics_.errors().empty())
+            return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(diagnostics_.errors(), "\n"))};
+        scene_.warnings = diagnostics_.warnings();
         return std::move(scene_);
     }
 
@@ -60,7 +60,7 @@ class Loader {
             const Status included = file(files_.resolve(d.strings[0]), depth + 1);
             if (!included && included.error().code == ErrorCode::kCorrupt) return included;
             if (!included) {
-                messages_.error(d.where, included.error().message);
+                diagnostics_.error(d.where, included.error().message);
                 builder_.set_incomplete();
             }
             if (import) builder_.end_import(d.where);
@@ -75,14 +75,14 @@ class Loader {
 
     // Ends the loading at once; what was found before is told too.
     Error syntax_error(const ParseError& error) {
-        messages_.error(error.where, error.message);
-        return {ErrorCode::kCorrupt, fmt::format("{}", fmt::join(messages_.errors(), "\n"))};
+        diagnostics_.error(error.where, error.message);
+        return {ErrorCode::kCorrupt, fmt::format("{}", fmt::join(diagnostics_.errors(), "\n"))};
     }
 
     std::filesystem::path path_;
     LoadedScene scene_;
     SceneFiles files_;
-    Messages messages_;
+    Diagnostics diagnostics_;
     SceneBuilder builder_;
     SourceLocation end_;
     bool begun_ = false;  // there was a directive
@@ -90,8 +90,8 @@ class Loader {
 
 }  // namespace
 
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool another_integrator) {
-    return Loader(path, another_integrator).load();
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator) {
+    return Loader(path, replace_integrator).load();
 }
 
 }  // namespace latent::render

@@ -18,7 +18,7 @@ struct LoadedScene {
 // Errors: kNotFound, kIo; kCorrupt for a syntax error; kUnsupported if anything was found that would make the picture wrong: the
 // message then holds one line for each, all of them.
 //
-// With `another_integrator`, that of the scene is replaced: whatever its name is, the picture is as asked.
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool another_integrator = false);
+// With `replace_integrator`, that of the scene is replaced: whatever its name is, the picture is as asked.
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator = false);
 
 }  // namespace latent::render

@@ -9,11 +9,11 @@ namespace {
 // What a texture gives may be anything: each of these is the nearest value that makes sense, and of no number the least.
 
 // Within [0,1].
-const Batch& reflectance(const SpectrumSource& source, const TexturePoint& point) {
-    const Batch& given = source.at(point);
+const SampledSpectrum& reflectance(const SpectrumSource& source, const TexturePoint& point) {
+    const SampledSpectrum& given = source.at(point);
     if (source.texture == nullptr) return given;
-    Batch& out = point.spectra->allocate();
-    for (std::uint32_t i = 0; i < kLanes; ++i) out.v[i] = given.v[i] > 0 ? std::min(given.v[i], 1.0f) : 0;
+    SampledSpectrum& out = point.spectra->allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = given.v[i] > 0 ? std::min(given.v[i], 1.0f) : 0;
     return out;
 }
 float at_least_zero(float x) { return x > 0 ? std::min(x, 1e6f) : 0; }
@@ -24,19 +24,19 @@ float alpha(const FloatSource& source, bool remap, const TexturePoint& point) {
     return remap ? std::sqrt(roughness) : roughness;
 }
 // Of a conductor.
-const Batch& index(const SpectrumSource& source, float least, const TexturePoint& point) {
-    const Batch& given = source.at(point);
+const SampledSpectrum& index(const SpectrumSource& source, float least, const TexturePoint& point) {
+    const SampledSpectrum& given = source.at(point);
     if (source.texture == nullptr) return given;
-    Batch& out = point.spectra->allocate();
-    for (std::uint32_t i = 0; i < kLanes; ++i) out.v[i] = given.v[i] > least ? std::min(given.v[i], 1e6f) : least;
+    SampledSpectrum& out = point.spectra->allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = given.v[i] > least ? std::min(given.v[i], 1e6f) : least;
     return out;
 }
 
 // The metal of eta = 1 that reflects r at normal incidence: R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
-Conductor metal_of(const Batch& r, float alpha_x, float alpha_y, SampledSpectra& spectra) {
-    Batch& eta = spectra.allocate() = Batch(1.0f);
-    Batch& k = spectra.allocate();
-    for (std::uint32_t i = 0; i < kLanes; ++i) {
+Conductor metal_of(const SampledSpectrum& r, float alpha_x, float alpha_y, SampledSpectra& spectra) {
+    SampledSpectrum& eta = spectra.allocate() = SampledSpectrum(1.0f);
+    SampledSpectrum& k = spectra.allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
         const float limited = std::min(r.v[i], 0.9999f);
         k.v[i] = 2 * std::sqrt(limited) / std::sqrt(1 - limited);
     }

@@ -19,7 +19,7 @@ class Material {
     // Whether the point that `bsdf` is given must be filled in; otherwise its spectra are enough.
     bool is_textured() const { return is_textured_; }
 
-    // The surface at `hit`, in the wavelengths of point.spectra, of which a dispersed path keeps lane `kept`. Valid as long as
+    // The surface at `hit`, in the wavelengths of point.spectra, of which a dispersed path keeps `kept`. Valid as long as
     // these stay at this sample: values that vary over the surface are allocated there.
     Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const;
 

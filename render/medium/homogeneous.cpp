@@ -7,7 +7,7 @@
 namespace latent::render {
 
 MediumStep HomogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                                          Batch& value) const {
+                                          SampledSpectrum& value) const {
     const float sigma = sample.spectra[sigma_t_][u_wavelength.index(sample.k())];
     const float t = sigma > 0 ? -log_of_complement(u) / sigma : kInfinity;
     const bool scattered = t < segment.length;
@@ -16,25 +16,25 @@ MediumStep HomogeneousMedium::sample_step(const Segment& segment, Uniform u_wave
     return step;
 }
 
-MediumStep HomogeneousMedium::scatter_at(const Segment&, float t, SampleState& sample, Batch& value) const {
-    const Batch &sigma_t = sample.spectra[sigma_t_], &sigma_s = sample.spectra[sigma_s_];
-    const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
+MediumStep HomogeneousMedium::scatter_at(const Segment&, float t, SampleState& sample, SampledSpectrum& value) const {
+    const SampledSpectrum &sigma_t = sample.spectra[sigma_t_], &sigma_s = sample.spectra[sigma_s_];
+    const SampledSpectrum transmittance = spectrum_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * t); });
     value *= transmittance;
     value *= sigma_s;
     return {true, t, mean_over(transmittance * sigma_t, sample.k()), mean_over(transmittance, sample.k()), t};
 }
 
-MediumStep HomogeneousMedium::multiply_transmittance(const Segment& segment, SampleState& sample, Batch& value) const {
-    const Batch& sigma_t = sample.spectra[sigma_t_];
+MediumStep HomogeneousMedium::multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const {
+    const SampledSpectrum& sigma_t = sample.spectra[sigma_t_];
     const float length = std::min(segment.length, kFar);
-    const Batch transmittance = batch_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * length); });
+    const SampledSpectrum transmittance = spectrum_of([&](std::uint32_t i) { return exp_of_negative(-sigma_t.v[i] * length); });
     value *= transmittance;
     const float mean = mean_over(transmittance, sample.k());
     return {false, length, mean, mean, length};
 }
 
 float HomogeneousMedium::scattering_over_transmittance(const Vec3f&, float column, SampleState& sample) const {
-    const Batch& sigma_t = sample.spectra[sigma_t_];
+    const SampledSpectrum& sigma_t = sample.spectra[sigma_t_];
     float scattering = 0, passing = 0;
     for (std::uint32_t i = 0; i < sample.k(); ++i) {
         const float transmittance = exp_of_negative(-sigma_t.v[i] * column);

@@ -16,9 +16,9 @@ class HomogeneousMedium final : public Medium {
         : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s) {}
 
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                           Batch& value) const override;
-    MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, Batch& value) const override;
-    MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, Batch& value) const override;
+                           SampledSpectrum& value) const override;
+    MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const override;
+    MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const override;
     float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const override;
 
  private:

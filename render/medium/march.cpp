@@ -8,7 +8,7 @@ void March::cross() {
     left_ = std::max(left_ - segment_.length, 0.0f);
     segment_.medium = medium_beyond(*hit_, ray_.d, segment_.medium);
     ++segment_.index;
-    ray_.o = segment_.o = spawn_ray(hit_->anchor(), ray_.d).o;
+    ray_.o = segment_.o = spawn_ray(hit_->interaction(), ray_.d).o;
     bool goes_on = true;
     if (ray_.t_max < kInfinity) {
         // Aimed anew, so that steps off the interfaces on the way do not carry the end into the far surface.

@@ -6,7 +6,7 @@
 #include "render/medium/march.h"
 #include "render/medium/phase.h"
 #include "render/sampling/sample_state.h"
-#include "render/spectral/batch.h"
+#include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
 
@@ -20,7 +20,7 @@ struct MediumStep {
     float column;         // [m]: integral of the medium's relative density along that way; its length if the medium is homogeneous
 };
 
-inline float mean_over(const Batch& value, std::uint32_t k) {
+inline float mean_over(const SampledSpectrum& value, std::uint32_t k) {
     float sum = 0;
     for (std::uint32_t i = 0; i < k; ++i) sum += value[i];
     return sum / static_cast<float>(k);
@@ -36,11 +36,11 @@ class Medium {
     // Analogue tracking: draws where light scatters next, if it does on this segment. With T the transmittance in each wavelength,
     // value *= the step's weight, sigma_s T / density, or T / density where nothing scatters.
     virtual MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                                   Batch& value) const = 0;
+                                   SampledSpectrum& value) const = 0;
     // A vertex after t: value *= sigma_s T.
-    virtual MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, Batch& value) const = 0;
+    virtual MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const = 0;
     // The whole segment: value *= T, or an estimate of it whose mean is T.
-    virtual MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, Batch& value) const = 0;
+    virtual MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const = 0;
     // density / transmittance of a vertex at p after a way of this column: makes the probability of passing a segment the density
     // of a vertex at its end.
     virtual float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const = 0;

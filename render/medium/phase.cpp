@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/sampling/sampling.h"
+#include "render/sampling/warp.h"
 
 namespace latent::render {
 

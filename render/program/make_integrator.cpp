@@ -7,7 +7,8 @@ namespace latent::render {
 
 Result<std::unique_ptr<Integrator>> make_integrator(const SceneDescription& scene, const Geometry& geometry,
                                                     const IntegratorSettings& settings) {
-    if (settings.batch < 4 || settings.batch > kLanes) return Error{ErrorCode::kOutOfRange, "--wavelengths: must be 4 to 32"};
+    if (settings.batch < 4 || settings.batch > kMaxWavelengths)
+        return Error{ErrorCode::kOutOfRange, "--wavelengths: must be 4 to 32"};
     Result<std::unique_ptr<World>> world = World::build(scene, geometry);
     if (!world) return world.error();
     if (settings.kind == IntegratorKind::kBdpt) return make_bdpt_integrator(std::move(*world), settings);

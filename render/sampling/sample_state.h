@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "render/sampling/sequence.h"
+#include "render/sampling/sampler.h"
 #include "render/spectral/spectra.h"
 
 namespace latent::render {

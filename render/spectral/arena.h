@@ -5,26 +5,26 @@
 #include <memory>
 #include <vector>
 
-#include "render/spectral/batch.h"
+#include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
 
 // Grows to what the largest sample needs. Not for several threads at once.
-class BatchArena {
+class SpectrumArena {
  public:
     // Not initialised; stays where it is until clear().
-    Batch& allocate() {
-        if (used_ == blocks_.size() * kBlock) blocks_.push_back(std::make_unique_for_overwrite<Batch[]>(kBlock));
-        Batch& batch = blocks_[used_ / kBlock][used_ % kBlock];
+    SampledSpectrum& allocate() {
+        if (used_ == blocks_.size() * kBlock) blocks_.push_back(std::make_unique_for_overwrite<SampledSpectrum[]>(kBlock));
+        SampledSpectrum& value = blocks_[used_ / kBlock][used_ % kBlock];
         ++used_;
-        return batch;
+        return value;
     }
     void clear() { used_ = 0; }
 
  private:
     static constexpr std::size_t kBlock = 64;
 
-    std::vector<std::unique_ptr<Batch[]>> blocks_;
+    std::vector<std::unique_ptr<SampledSpectrum[]>> blocks_;
     std::size_t used_ = 0;
 };
 

@@ -28,10 +28,10 @@ void WavelengthSampler::draw(std::uint32_t xi, Wavelengths& out) const {
     out.k = k_;
     out.xi = xi;
     // Weights are those of the segments that were drawn from: a float next to a line's edge may have been rounded across it.
-    std::uint16_t segment[kLanes];
+    std::uint16_t segment[kMaxWavelengths];
     density_.batch(xi, std::span(out.lambda_nm, k_), std::span(segment, k_));
-    for (std::uint32_t i = k_; i < kLanes; ++i) out.lambda_nm[i] = out.lambda_nm[k_ - 1];
-    for (std::uint32_t i = 0; i < kLanes; ++i) {
+    for (std::uint32_t i = k_; i < kMaxWavelengths; ++i) out.lambda_nm[i] = out.lambda_nm[k_ - 1];
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
         const float x = std::clamp(out.lambda_nm[i] - kFirstNm, 0.0f, static_cast<float>(kLastIndex));
         const std::uint32_t whole = static_cast<std::uint32_t>(x);
         out.nearest[i] = static_cast<std::uint32_t>(x + 0.5f);
@@ -66,23 +66,23 @@ SpectrumTable::SpectrumTable(const color::Spectrum& s, Lookup lookup) {
     }
 }
 
-void SpectrumTable::evaluate(const Wavelengths& w, Batch& out) const {
+void SpectrumTable::evaluate(const Wavelengths& w, SampledSpectrum& out) const {
     switch (form_) {
         case Form::kConstant:
-            out = Batch(value_[0]);
+            out = SampledSpectrum(value_[0]);
             return;
         case Form::kNearest:
-            for (std::uint32_t i = 0; i < kLanes; ++i) out.v[i] = value_[w.nearest[i]];
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = value_[w.nearest[i]];
             return;
         case Form::kLinear:
-            for (std::uint32_t i = 0; i < kLanes; ++i) {
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                 const float a = value_[w.below[i]], b = value_[w.below[i] + 1];
                 out.v[i] = a + w.fraction[i] * (b - a);
             }
             return;
         case Form::kKnots: {
             std::size_t knot = 0;
-            for (std::uint32_t i = 0; i < kLanes; ++i) {
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                 while (knot_nm_[knot + 1] <= w.lambda_nm[i]) ++knot;
                 const float width = knot_nm_[knot + 1] - knot_nm_[knot];
                 const float t = width < INFINITY ? (w.lambda_nm[i] - knot_nm_[knot]) / width : 0;

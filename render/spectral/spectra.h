@@ -7,7 +7,7 @@
 
 #include "color/spectrum.h"
 #include "render/spectral/arena.h"
-#include "render/spectral/batch.h"
+#include "render/spectral/sampled_spectrum.h"
 #include "sampledb/data/wavelengths.h"
 
 namespace latent::render {
@@ -16,11 +16,11 @@ namespace latent::render {
 struct Wavelengths {
     std::uint32_t k = 0;
     std::uint32_t xi = 0;
-    float lambda_nm[kLanes];        // ascending; lanes from k on repeat the last one
-    std::uint32_t below[kLanes];    // floor(lambda) - 360, at most 469
-    float fraction[kLanes];         // lambda - floor(lambda)
-    std::uint32_t nearest[kLanes];  // round(lambda) - 360
-    Batch weight;                   // 1 / (k p(lambda_i)); 0 in lanes from k on
+    float lambda_nm[kMaxWavelengths];        // ascending; those from k on repeat the last one
+    std::uint32_t below[kMaxWavelengths];    // floor(lambda) - 360, at most 469
+    float fraction[kMaxWavelengths];         // lambda - floor(lambda)
+    std::uint32_t nearest[kMaxWavelengths];  // round(lambda) - 360
+    SampledSpectrum weight;                  // 1 / (k p(lambda_i)); 0 from k on
 };
 
 // Draws Wavelengths from a density, as sampledb::WavelengthDensity::batch does, with the density at each.
@@ -48,7 +48,7 @@ class SpectrumTable {
     // others are walked along with the (ascending) wavelengths. Lights with knots nearer than 1 nm to each other (lines) are walked
     // too, as no table of integer nm could hold them.
     SpectrumTable(const color::Spectrum& s, Lookup lookup);
-    void evaluate(const Wavelengths& w, Batch& out) const;
+    void evaluate(const Wavelengths& w, SampledSpectrum& out) const;
     bool operator==(const SpectrumTable&) const = default;
 
  private:
@@ -81,27 +81,27 @@ class SampledSpectra {
         ++now_;
         arena_.clear();
     }
-    const Batch& operator[](std::uint32_t id) {
+    const SampledSpectrum& operator[](std::uint32_t id) {
         Evaluated& spectrum = evaluated_[id];
         if (spectrum.sample != now_) {
-            Batch& value = arena_.allocate();
+            SampledSpectrum& value = arena_.allocate();
             library_[id].evaluate(wavelengths, value);
             spectrum = {&value, now_};
         }
         return *spectrum.value;
     }
     // Room for a value that no spectrum of the scene has, such as a reflectance that varies over a surface. Not initialised.
-    Batch& allocate() { return arena_.allocate(); }
+    SampledSpectrum& allocate() { return arena_.allocate(); }
 
  private:
     struct Evaluated {
-        const Batch* value = nullptr;
+        const SampledSpectrum* value = nullptr;
         std::uint64_t sample = 0;
     };
 
     const SpectrumLibrary& library_;
     std::vector<Evaluated> evaluated_;
-    BatchArena arena_;
+    SpectrumArena arena_;
     std::uint64_t now_ = 1;
 };
 

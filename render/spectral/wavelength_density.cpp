@@ -12,7 +12,7 @@ namespace {
 constexpr double kEyeShare = 0.63, kUniformShare = 0.09, kSpikeShare = 0.28;
 constexpr double kSpikeThreshold = 4;
 constexpr std::uint32_t kNearKnots = 1024;  // in units of 2^-20 nm: nearer ones are joined
-constexpr std::size_t kMostKnots = 4096;    // that a header holds: docs/format.md, "Header"
+constexpr std::size_t kMaxKnots = 4096;     // that a header holds: docs/format.md, "Header"
 constexpr double kRange = color::kLambdaMax - color::kLambdaMin;
 
 // The function that transport evaluates for a light (SpectrumTable, Lookup::kNearestNm), as knots of a piecewise linear one: steps
@@ -86,7 +86,7 @@ sampledb::WavelengthDensity wavelength_density(const std::vector<LightSpectrum>&
         if (x >= color::kLambdaMin && x <= color::kLambdaMax) knots.push_back(static_cast<std::uint32_t>(std::lround(x * 0x1p20)));
     }
     std::sort(knots.begin(), knots.end());
-    for (std::uint32_t near = kNearKnots; near == kNearKnots || knots.size() > kMostKnots; near *= 2) {
+    for (std::uint32_t near = kNearKnots; near == kNearKnots || knots.size() > kMaxKnots; near *= 2) {
         const auto joined = std::unique(knots.begin(), knots.end(), [&](std::uint32_t a, std::uint32_t b) { return b - a < near; });
         knots.erase(joined, knots.end());
     }

@@ -13,9 +13,9 @@ struct SourceOf<float> {
     static float value(const FloatSource& source, const TexturePoint& point) { return source.at(point); }
 };
 template <>
-struct SourceOf<const Batch*> {
+struct SourceOf<const SampledSpectrum*> {
     using Type = SpectrumSource;
-    static const Batch* value(const SpectrumSource& source, const TexturePoint& point) { return &source.at(point); }
+    static const SampledSpectrum* value(const SpectrumSource& source, const TexturePoint& point) { return &source.at(point); }
 };
 template <class Value>
 using Source = typename SourceOf<Value>::Type;
@@ -25,14 +25,14 @@ Value value_of(const Source<Value>& source, const TexturePoint& point) {
 }
 
 inline float scaled(float a, float factor, const TexturePoint&) { return a * factor; }
-inline const Batch* scaled(const Batch* a, float factor, const TexturePoint& point) {
+inline const SampledSpectrum* scaled(const SampledSpectrum* a, float factor, const TexturePoint& point) {
     return &(point.spectra->allocate() = *a * factor);
 }
 // (1 - t) a + t b
 inline float mixed(float a, float b, float t, const TexturePoint&) { return (1 - t) * a + t * b; }
-inline const Batch* mixed(const Batch* a, const Batch* b, float t, const TexturePoint& point) {
-    Batch& out = point.spectra->allocate();
-    for (std::uint32_t i = 0; i < kLanes; ++i) out.v[i] = (1 - t) * a->v[i] + t * b->v[i];
+inline const SampledSpectrum* mixed(const SampledSpectrum* a, const SampledSpectrum* b, float t, const TexturePoint& point) {
+    SampledSpectrum& out = point.spectra->allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = (1 - t) * a->v[i] + t * b->v[i];
     return &out;
 }
 

@@ -26,7 +26,7 @@ class Texture {
     virtual Value at(const TexturePoint& point) const = 0;
 };
 using FloatTexture = Texture<float>;
-using SpectrumTexture = Texture<const Batch*>;
+using SpectrumTexture = Texture<const SampledSpectrum*>;
 
 // A parameter ready to be evaluated: a constant (of spectra: an index into the library), unless a texture gives it.
 struct FloatSource {
@@ -39,7 +39,9 @@ struct SpectrumSource {
     std::uint32_t spectrum = 0;
     const SpectrumTexture* texture = nullptr;
 
-    const Batch& at(const TexturePoint& point) const { return texture ? *texture->at(point) : (*point.spectra)[spectrum]; }
+    const SampledSpectrum& at(const TexturePoint& point) const {
+        return texture ? *texture->at(point) : (*point.spectra)[spectrum];
+    }
 };
 
 }  // namespace latent::render

@@ -19,7 +19,7 @@ struct Textures::Builder {
         return out.source(input, library);
     }
     FloatSource input_of(float, const TextureDescription& d, int i) { return source(d.numbers[i]); }
-    SpectrumSource input_of(const Batch*, const TextureDescription& d, int i) { return source(d.spectra[i]); }
+    SpectrumSource input_of(const SampledSpectrum*, const TextureDescription& d, int i) { return source(d.spectra[i]); }
 
     template <class Value>
     std::unique_ptr<Texture<Value>> make(const TextureDescription& d) {
@@ -36,7 +36,7 @@ struct Textures::Builder {
     }
     void build(std::uint32_t i) {
         const TextureDescription& d = scene.textures[i];
-        if (d.is_spectrum && !out.spectra_[i]) out.spectra_[i] = make<const Batch*>(d);
+        if (d.is_spectrum && !out.spectra_[i]) out.spectra_[i] = make<const SampledSpectrum*>(d);
         if (!d.is_spectrum && !out.floats_[i]) out.floats_[i] = make<float>(d);
     }
 };

@@ -64,7 +64,7 @@ class Path {
             }
             if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng});
             if (!is_interface(hit->material)) {
-                at_ = hit->anchor();
+                at_ = hit->interaction();
                 surface_ = *hit;
                 if (depth_ < max_depth_) scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
                 return true;
@@ -75,7 +75,7 @@ class Path {
     // The ray ends on light i: what that emits, weighed against sample_light, which might have come here too.
     void see_light(std::uint32_t i, const LightHit& hit) {
         const Light& light = lights_[i];
-        Batch value = beta_;
+        SampledSpectrum value = beta_;
         if (!light.multiply_emission(hit.ng, -d_, sample_.spectra, value)) return;
         if (!delta_) {
             const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, receiver_, hit);
@@ -97,10 +97,10 @@ class Path {
         const Equiangular equiangular = equiangular_to(*source);
         if (equiangular.is_empty()) return;
         const float t = equiangular.sample(number(Dimension::kEquiangular + again));
-        const Anchor at{segment_.o + d_ * t, 0, {}};
+        const Interaction at{segment_.o + d_ * t, 0, {}};
         LightPoint point;
         if (!lights_[i].sample_point(at.p, {}, {}, {}, point)) return;
-        Batch value = beta_;
+        SampledSpectrum value = beta_;
         const float walk_pdf = medium.scatter_at(segment_, t, sample_, value).density;
         LineOfSight line;
         if (!receive(at, medium.phase(), lights_[i], point, medium_, value, line)) return;
@@ -117,7 +117,7 @@ class Path {
         const Vec3f wo = -d_;
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
         if (!(scattering_pdf > 0)) return;
-        Batch value = beta_;
+        SampledSpectrum value = beta_;
         const std::uint32_t medium = scattering.in_medium() ? medium_ : medium_beyond(surface_, point.wi, medium_);
         LineOfSight line;
         if (!receive(at_, scattering, light, point, medium, value, line)) return;
@@ -132,11 +132,11 @@ class Path {
     }
 
     // value *= what comes from a point of the light and goes on along -d_. False: nothing does.
-    bool receive(const Anchor& at, const Scattering& scattering, const Light& light, const LightPoint& point, std::uint32_t medium,
-                 Batch& value, LineOfSight& line) {
+    bool receive(const Interaction& at, const Scattering& scattering, const Light& light, const LightPoint& point,
+                 std::uint32_t medium, SampledSpectrum& value, LineOfSight& line) {
         scattering.multiply_f_cos(-d_, point.wi, value);
         if (!light.multiply_emission(point.at.ng, -point.wi, sample_.spectra, value) || value.is_black()) return false;
-        return light.is_infinite() ? world_.connect_sky(at, point.wi, medium, sample_, value, line)
+        return light.is_infinite() ? world_.connect_infinite(at, point.wi, medium, sample_, value, line)
                                    : world_.connect(at, point.at, medium, sample_, value, line);
     }
 
@@ -171,12 +171,12 @@ class Path {
     std::uint32_t max_depth_;
     Radiance& camera_;
 
-    Anchor at_;           // the last vertex
+    Interaction at_;      // the last vertex
     SurfaceHit surface_;  // the same, if it is on a surface
     Vec3f d_;             // from it, or towards the next one
     Segment segment_;     // the last one in a medium
     MediumStep step_;     // along it: to the last vertex, if that is in the medium
-    Batch beta_{1.0f};
+    SampledSpectrum beta_{1.0f};
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one
     bool dispersed_ = false, delta_ = true;

@@ -6,7 +6,7 @@ namespace latent::render {
 namespace {
 
 // True if every value is a number that light can have; else counts the cause.
-bool is_sound(const Batch& power, std::uint32_t k, RadianceFaults& faults) {
+bool is_valid(const SampledSpectrum& power, std::uint32_t k, RadianceFaults& faults) {
     bool nan = false, infinite = false, negative = false;
     for (std::uint32_t i = 0; i < k; ++i) {
         nan |= std::isnan(power[i]);
@@ -39,8 +39,8 @@ void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampled
                       const Radiance& radiance, const Wavelengths& w, std::uint32_t kept, sampledb::Records& out,
                       RadianceFaults& faults) const {
     const bool camera = record_class == sampledb::RecordClass::kCamera;
-    const Batch power = radiance.sum * w.weight;
-    const bool lit = is_sound(power, w.k, faults) && !power.is_black();
+    const SampledSpectrum power = radiance.sum * w.weight;
+    const bool lit = is_valid(power, w.k, faults) && !power.is_black();
     if (!lit && !camera) return;
     out.sample.push_back(n);
     out.record_class.push_back(record_class);

@@ -10,10 +10,10 @@ namespace latent::render {
 // Sum of the contributions of paths to one film position. A path that was dispersed holds only the sample's kept wavelength: it
 // counts k times, as that one was drawn out of k.
 struct Radiance {
-    Batch sum{0.0f};
+    SampledSpectrum sum{0.0f};
     bool has_all = false;  // some path was not dispersed
 
-    void add(const Batch& value, bool dispersed, std::uint32_t kept, std::uint32_t k) {
+    void add(const SampledSpectrum& value, bool dispersed, std::uint32_t kept, std::uint32_t k) {
         if (dispersed) {
             sum[kept] += static_cast<float>(k) * value[kept];
         } else {

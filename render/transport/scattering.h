@@ -21,7 +21,7 @@ class Scattering {
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return bsdf() && bsdf()->disperses(w_camera, w_light); }
 
     // value *= f |w_light.ns|, or the phase function.
-    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Batch& value) const {
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
         if (const Bsdf* surface = bsdf()) {
             surface->multiply_f_cos(w_camera, w_light, value);
         } else {
@@ -30,7 +30,7 @@ class Scattering {
     }
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const { return bsdf() ? bsdf()->pdf_omega(wo, wi) : phase()(wo, wi); }
 
-    bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, Batch& beta) const {
+    bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const {
         if (const Bsdf* surface = bsdf()) return surface->sample(wo, from_camera, u_lobe, u, v, out, beta);
         out.wi = phase().sample(wo, u, v);
         out.pdf = out.pdf_reverse = phase()(wo, out.wi);

@@ -7,15 +7,15 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       settings_(settings),
       density_(wavelength_density(world_->lights().spectra())),
       wavelengths_(density_, settings.batch),
-      sequence_(settings.seed, important_dimensions(*world_), shared_dimensions()),
+      sampler_(settings.seed, important_dimensions(*world_), shared_dimensions()),
       records_(settings.record),
       spectra_([this] { return SampledSpectra(world_->library()); }) {}
 
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
     SampledSpectra& spectra = spectra_.local();
-    wavelengths_.draw(sequence_.at(n, Dimension::kXi).fraction32(), spectra.wavelengths);
+    wavelengths_.draw(sampler_.at(n, Dimension::kXi).fraction32(), spectra.wavelengths);
     spectra.start_sample();
-    const SampleNumbers numbers{&sequence_, n};
+    const SampleNumbers numbers{&sampler_, n};
     const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
     SampleState sample{numbers, spectra, kept};
 
@@ -25,7 +25,7 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     records_.camera(n, film.u, film.v, camera, spectra.wavelengths, kept, out, faults);
 }
 
-std::vector<Sequence::Sharing> shared_dimensions() {
+std::vector<Sampler::Sharing> shared_dimensions() {
     using D = Dimension;
     const auto vertex = [](std::uint32_t v, std::uint32_t what) { return D::of_camera_vertex(v, what); };
     return {{D::kStartDirectionU, vertex(0, D::kLightU)},

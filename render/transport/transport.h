@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/sampling/sample_state.h"
-#include "render/sampling/sequence.h"
+#include "render/sampling/sampler.h"
 #include "render/transport/integrator.h"
 #include "render/transport/records.h"
 #include "render/world/world.h"
@@ -18,7 +18,8 @@ namespace latent::render {
 // Probability that a path goes on, from its throughput since it left the camera or the light. The eta^2 of radiance in denser media
 // is no loss. A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on it is at most 0.95: light
 // that nothing absorbs and nothing lets out, reflected totally in a block of glass, must end too.
-inline float survival_probability(const Batch& beta, float eta2, bool dispersed, std::uint32_t kept, std::size_t scatterings) {
+inline float survival_probability(const SampledSpectrum& beta, float eta2, bool dispersed, std::uint32_t kept,
+                                  std::size_t scatterings) {
     const float probability = (dispersed ? beta[kept] : beta.max()) * eta2;
     return scatterings < 64 || probability < 0.95f ? probability : 0.95f;
 }
@@ -45,7 +46,7 @@ class Transport : public Integrator {
     IntegratorSettings settings_;
     sampledb::WavelengthDensity density_;
     WavelengthSampler wavelengths_;
-    Sequence sequence_;
+    Sampler sampler_;
     RecordMaker records_;
     mutable tbb::enumerable_thread_specific<SampledSpectra> spectra_;  // caches of single samples: nothing outlives one
 };
@@ -54,6 +55,6 @@ class Transport : public Integrator {
 std::vector<std::uint32_t> important_dimensions(const World& world);
 // The ray that a light subpath starts with, by the primes of points of lights that camera vertices draw: no path has both. What
 // lights have most is spread out best: directions.
-std::vector<Sequence::Sharing> shared_dimensions();
+std::vector<Sampler::Sharing> shared_dimensions();
 
 }  // namespace latent::render

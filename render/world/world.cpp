@@ -69,17 +69,17 @@ std::uint32_t World::find_medium_at_infinity() const {
     return march.segment().medium;
 }
 
-bool World::connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampleState& sample, Batch& value,
-                    LineOfSight& line) const {
+bool World::connect(const Interaction& from, const Interaction& to, std::uint32_t medium, SampleState& sample,
+                    SampledSpectrum& value, LineOfSight& line) const {
     return connect(spawn_ray(from, to), length(to.p - from.p), medium, sample, value, line);
 }
 
-bool World::connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampleState& sample, Batch& value,
-                        LineOfSight& line) const {
+bool World::connect_infinite(const Interaction& from, const Vec3f& w, std::uint32_t medium, SampleState& sample,
+                             SampledSpectrum& value, LineOfSight& line) const {
     return connect(spawn_ray(from, w), kFar, medium, sample, value, line);
 }
 
-bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, Batch& value,
+bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
                     LineOfSight& line) const {
     const auto pass = [&](const Segment& segment) {
         if (segment.medium == kNone) return line.add(segment, 1, segment.length);

@@ -45,17 +45,18 @@ class World {
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.
     // False: something stands in the way. To a point, or along unit w as far as it goes.
-    bool connect(const Anchor& from, const Anchor& to, std::uint32_t medium, SampleState& sample, Batch& value,
+    bool connect(const Interaction& from, const Interaction& to, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
                  LineOfSight& line) const;
-    bool connect_sky(const Anchor& from, const Vec3f& w, std::uint32_t medium, SampleState& sample, Batch& value,
-                     LineOfSight& line) const;
+    bool connect_infinite(const Interaction& from, const Vec3f& w, std::uint32_t medium, SampleState& sample,
+                          SampledSpectrum& value, LineOfSight& line) const;
 
  private:
     World(const Geometry& geometry, const Camera& camera, const Footprint& footprint)
         : geometry_(&geometry), camera_(camera), footprint_(footprint) {}
     void fill_in(const SurfaceHit& hit, TexturePoint& point) const;
     std::uint32_t find_medium_at_infinity() const;
-    bool connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, Batch& value, LineOfSight& line) const;
+    bool connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
+                 LineOfSight& line) const;
 
     const Geometry* geometry_;
     Camera camera_;

@@ -238,8 +238,8 @@ TEST(Geometry, RaysStartClearOfTheirSurface) {
                     const Frame frame = Frame::from_z(hit->ng);
                     const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
                     const Vec3f out = frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
-                    traps += g.occluded(spawn_ray(hit->anchor(), out)) ? 1 : 0;
-                    leaks += g.intersect(spawn_ray(hit->anchor(), -out)) ? 0 : 1;  // closed: every inward ray ends
+                    traps += g.occluded(spawn_ray(hit->interaction(), out)) ? 1 : 0;
+                    leaks += g.intersect(spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
                 }
                 EXPECT_GT(hits, 1000);
                 EXPECT_EQ(traps, 0) << place << shape << instanced;
@@ -258,10 +258,10 @@ TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
         const auto floor = scene.geometry->intersect({{random(-40, 40), 4, random(-40, 40)}, {0, -1, 0}});
         const auto lamp = scene.geometry->intersect({{random(-.99f, .99f), 4, random(-.99f, .99f)}, {0, 1, 0}});
         ASSERT_TRUE(floor && lamp);
-        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(floor->anchor(), lamp->anchor())));
-        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(lamp->anchor(), floor->anchor())));
-        const Anchor above{lamp->p + Vec3f(0, 1, 0), 0, {}};
-        EXPECT_TRUE(scene.geometry->occluded(spawn_ray(Anchor{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)));
+        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(floor->interaction(), lamp->interaction())));
+        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(lamp->interaction(), floor->interaction())));
+        const Interaction above{lamp->p + Vec3f(0, 1, 0), 0, {}};
+        EXPECT_TRUE(scene.geometry->occluded(spawn_ray(Interaction{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)));
     }
 }
 
@@ -291,11 +291,11 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
                         const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
                         const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
                         const Vec3f w = Frame::from_z(hit->ng).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
-                        const Anchor eye{hit->p + w * (distance * g.radius()), 0, {}};
+                        const Interaction eye{hit->p + w * (distance * g.radius()), 0, {}};
                         if (dot(normalize(eye.p - hit->p), hit->ng) < 1e-4f) continue;
                         ++connections;
                         grazing += cosine < 0.01f;
-                        hidden += g.occluded(spawn_ray(eye, hit->anchor())) || g.occluded(spawn_ray(hit->anchor(), eye));
+                        hidden += g.occluded(spawn_ray(eye, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), eye));
                     }
                     EXPECT_GT(connections, 3000) << distance;
                     EXPECT_GT(grazing, 400) << distance;
@@ -313,9 +313,9 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
             const auto on_lamp = scene.geometry->intersect({{r, s, -1}, {0, 0, 1}});
             ASSERT_TRUE(on_lamp);
             const Vec3f w = normalize(Vec3f{random(-1, 1), random(-1, 1), 1});
-            const Anchor eye{on_lamp->p + w * distance, 0, {}};
-            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(eye, on_lamp->anchor()))) << distance;
-            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(on_lamp->anchor(), eye))) << distance;
+            const Interaction eye{on_lamp->p + w * distance, 0, {}};
+            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(eye, on_lamp->interaction()))) << distance;
+            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(on_lamp->interaction(), eye))) << distance;
         }
     }
 }

@@ -130,9 +130,9 @@ TEST(SceneRefusals, NothingIsToldOnlyAfterTheRestIsMended) {
 }
 
 // The warnings of a scene that is read, without the file's name: "line:column: message".
-std::vector<std::string> warnings(const std::string& text, bool another_integrator = false) {
+std::vector<std::string> warnings(const std::string& text, bool replace_integrator = false) {
     const Folder folder;
-    const Result<LoadedScene> scene = load_scene(folder.write("room.pbrt", text), another_integrator);
+    const Result<LoadedScene> scene = load_scene(folder.write("room.pbrt", text), replace_integrator);
     EXPECT_TRUE(scene) << text << (scene ? "" : scene.error().message);
     std::vector<std::string> out;
     if (!scene) return out;

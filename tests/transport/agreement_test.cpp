@@ -15,12 +15,12 @@
 namespace latent::render::testing {
 namespace {
 
-struct Choice {
+struct Option {
     const char* name;
     const char* text;
 };
 
-const std::vector<Choice> kLights = {
+const std::vector<Option> kLights = {
     {"area",
      "AttributeBegin Translate 0 1.7 0 Rotate 90 1 0 0 AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" \"float scale\" "
      "6 Material \"diffuse\" "
@@ -59,7 +59,7 @@ const std::vector<Choice> kLights = {
      "[360 0.1 830 0.1] Shape "
      "\"sphere\" \"float radius\" 0.25 AttributeEnd\n"},
 };
-const std::vector<Choice> kMaterials = {
+const std::vector<Option> kMaterials = {
     {"diffuse", "Material \"diffuse\" \"spectrum reflectance\" [360 0.7 830 0.4]\n"},
     {"mirror", "Material \"conductor\" \"spectrum eta\" \"metal-Al-eta\" \"spectrum k\" \"metal-Al-k\" \"float roughness\" 0\n"},
     {"rough metal",
@@ -75,7 +75,7 @@ const std::vector<Choice> kMaterials = {
     {"interface", "Material \"interface\"\n"},
     {"phong", "Material \"phong\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" 40\n"},
 };
-const std::vector<Choice> kCameras = {
+const std::vector<Option> kCameras = {
     {"pinhole", "LookAt 0.3 0.9 -2.6  0 0.5 0  0 1 0\nCamera \"perspective\" \"float fov\" 45\n"},
     {"thin lens",
      "LookAt 0.3 0.9 -2.6  0 0.5 0  0 1 0\nCamera \"perspective\" \"float fov\" 45 \"float lensradius\" 0.3 \"float "
@@ -85,7 +85,7 @@ const std::vector<Choice> kCameras = {
     {"equirectangular", "LookAt 0.2 0.7 -0.9  0 0.5 0  0 1 0\nCamera \"spherical\" \"string mapping\" \"equirectangular\"\n"},
 };
 // What the material covers, at the room's centre: the octahedron's normals are those of a sphere, far from its faces'.
-const std::vector<Choice> kShapes = {
+const std::vector<Option> kShapes = {
     {"sphere", "Shape \"sphere\" \"float radius\" 0.5\n"},
     {"shaded octahedron",
      "Shape \"trianglemesh\" \"point3 P\" [0.6 0 0  -0.6 0 0  0 0.5 0  0 -0.5 0  0 0 0.6  0 0 -0.6] \"normal N\" [1 0 0  -1 0 0  0 "
@@ -96,7 +96,7 @@ constexpr const char* kFog =
     "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0.05 830 0.02] \"spectrum sigma_s\" [360 "
     "0.5 830 0.2] \"float g\" 0.3\n";
 // The whole closed room, the object alone, or nothing is filled with fog.
-const std::vector<Choice> kMedia = {{"vacuum", ""}, {"fog", kFog}, {"fog inside", kFog}};
+const std::vector<Option> kMedia = {{"vacuum", ""}, {"fog", kFog}, {"fog inside", kFog}};
 enum { kVacuum, kEverywhere, kInside };
 
 constexpr const char* kRoom =
@@ -112,7 +112,7 @@ constexpr const char* kLid =
 
 enum { kLight, kMaterial, kCamera, kMedium, kShape, kFactorCount };
 using Design = std::array<std::size_t, kFactorCount>;
-const std::vector<Choice>* const kFactors[kFactorCount] = {&kLights, &kMaterials, &kCameras, &kMedia, &kShapes};
+const std::vector<Option>* const kFactors[kFactorCount] = {&kLights, &kMaterials, &kCameras, &kMedia, &kShapes};
 
 bool is_one_of(const char* name, std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(), [&](const char* n) { return std::string(n) == name; });

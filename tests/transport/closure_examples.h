@@ -17,15 +17,15 @@ struct Example {
     std::string name;
     T scatters;
     double eta = 1;                                    // of what refracts: behind the surface over before it
-    std::optional<std::uint32_t> kept = std::nullopt;  // the lane that dispersion follows
+    std::optional<std::uint32_t> kept = std::nullopt;  // the wavelength that dispersion follows
     bool loses_nothing = false;
 };
 
-// Values in every lane that outlive the examples.
+// Values in every wavelength that outlive the examples.
 struct Values {
-    Batch black{0.0f}, grey{0.7f}, white{1.0f}, glass{1.5f}, rising, falling, varying, eta, k;
+    SampledSpectrum black{0.0f}, grey{0.7f}, white{1.0f}, glass{1.5f}, rising, falling, varying, eta, k;
     Values() {
-        for (std::uint32_t i = 0; i < kLanes; ++i) {
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
             rising[i] = 0.02f * static_cast<float>(i);
             falling[i] = 1 - rising[i];
             varying[i] = 1.7f + 0.003f * static_cast<float>(i);

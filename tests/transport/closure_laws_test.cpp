@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "render/bsdf/fresnel.h"
-#include "render/sampling/sampling.h"
+#include "render/sampling/warp.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/closure_examples.h"
 #include "tests/transport/numbers.h"
@@ -83,7 +83,7 @@ TYPED_TEST(ClosureLaws, DirectionsFollowTheirDensity) {
             expect_directions_follow(
                 {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                      BsdfSample s;
-                     Batch beta(1.0f);
+                     SampledSpectrum beta(1.0f);
                      const float lobe = u(), x = u(), y = u();
                      if (!c.scattering.sample(wo, true, lobe, x, y, s, beta)) return std::nullopt;
                      return s.wi;
@@ -103,14 +103,14 @@ TYPED_TEST(ClosureLaws, WeightsAreWhatEvaluationSays) {
             const Vec3f wo = kDirections[static_cast<std::size_t>(n) % kDirections.size()];
             const bool from_camera = n % 2 == 0;
             BsdfSample s;
-            Batch beta(1.0f), f(1.0f);
+            SampledSpectrum beta(1.0f), f(1.0f);
             const float lobe = u(), x = u(), y = u();
             if (!c.scattering.sample(wo, from_camera, lobe, x, y, s, beta)) continue;
             ASSERT_FLOAT_EQ(s.pdf, c.scattering.pdf_omega(wo, s.wi));
             ASSERT_FLOAT_EQ(s.pdf_reverse, c.scattering.pdf_omega(s.wi, wo));
             c.scattering.multiply_f_cos(from_camera ? wo : s.wi, from_camera ? s.wi : wo, f);
             const float side = from_camera || c.scattering.in_medium() ? 1 : std::abs(s.wi.z / wo.z);  // ng is z
-            for (std::uint32_t i = 0; i < kLanes; ++i) ASSERT_NEAR(beta[i], f[i] * side / s.pdf, 2e-5f * beta[i] + 1e-7f);
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) ASSERT_NEAR(beta[i], f[i] * side / s.pdf, 2e-5f * beta[i] + 1e-7f);
         }
     }
 }
@@ -130,7 +130,7 @@ TYPED_TEST(ClosureLaws, RoughScatteringIsReciprocal) {
             const double cos_a = medium ? 1 : static_cast<double>(dot(a, c.ns)),
                          cos_b = medium ? 1 : static_cast<double>(dot(b, c.ns));
             if (std::abs(cos_a) < 0.02 || std::abs(cos_b) < 0.02) continue;
-            Batch there(1.0f), back(1.0f);
+            SampledSpectrum there(1.0f), back(1.0f);
             c.scattering.multiply_f_cos(a, b, there);
             c.scattering.multiply_f_cos(b, a, back);
             const double forth = static_cast<double>(there[5]) / std::abs(cos_b),
@@ -153,7 +153,7 @@ TYPED_TEST(ClosureLaws, SmoothLobesComeAsOftenAsTheySay) {
             std::array<double, 2> probability{};
             for (int n = 0; n < kCount; ++n) {
                 BsdfSample s;
-                Batch beta(1.0f);
+                SampledSpectrum beta(1.0f);
                 ASSERT_TRUE(c.scattering.sample(wo, n % 2 == 0, u(), 0, 0, s, beta));
                 const std::size_t lobe = s.wi.z * wo.z > 0 ? 0 : 1;
                 if (counted[lobe]++ == 0) probability[lobe] = static_cast<double>(s.pdf);
@@ -176,7 +176,7 @@ TYPED_TEST(ClosureLaws, SmoothScatteringIsReciprocal) {
             for (const float lobe : {0.0f, 1 - 0x1p-24f}) {
                 SCOPED_TRACE(c.name);
                 BsdfSample there, back, from_light, light_back;
-                Batch beta(1.0f), beta_back(1.0f), beta_light(1.0f), beta_light_back(1.0f);
+                SampledSpectrum beta(1.0f), beta_back(1.0f), beta_light(1.0f), beta_light_back(1.0f);
                 if (!c.scattering.sample(wo, true, lobe, 0, 0, there, beta)) continue;
                 ASSERT_TRUE(c.scattering.sample(there.wi, true, lobe, 0, 0, back, beta_back));
                 ASSERT_TRUE(c.scattering.sample(wo, false, lobe, 0, 0, from_light, beta_light));
@@ -189,7 +189,7 @@ TYPED_TEST(ClosureLaws, SmoothScatteringIsReciprocal) {
                 // The reverse density is that of the way back, per solid angle on its own side.
                 const float stretch = refracts ? abs_dot(there.wi, c.ns) * there.eta2 / abs_dot(wo, c.ns) : 1;
                 EXPECT_NEAR(there.pdf_reverse * stretch, back.pdf, 1e-5f * back.pdf);
-                for (std::uint32_t i = 0; i < kLanes; ++i) {
+                for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                     if (refracts && c.kept && i != *c.kept) continue;
                     const float power = beta[i] * there.pdf * there.eta2;
                     ASSERT_NEAR(beta_back[i] * back.pdf * back.eta2, power, 1e-5f * power);
@@ -212,7 +212,7 @@ TYPED_TEST(ClosureLaws, SmoothScatteringIsReciprocal) {
 }
 
 // Every vertex gives back at most what it gets, smooth glass, panes and fog all of it: of a white furnace's radiance, its
-// compression taken back, and of the power of light that comes along, the cosines' ratio taken back. In every lane, within 4
+// compression taken back, and of the power of light that comes along, the cosines' ratio taken back. In every wavelength, within 4
 // standard errors.
 TYPED_TEST(ClosureLaws, ConserveEnergy) {
     for (const Case& c : cases<TypeParam>()) {
@@ -221,20 +221,20 @@ TYPED_TEST(ClosureLaws, ConserveEnergy) {
                 SCOPED_TRACE(c.name + (from_camera ? ", from the camera" : ", from the light"));
                 Numbers u(3);
                 constexpr int kCount = 20'000;
-                std::array<double, kLanes> sum{}, squares{};
+                std::array<double, kMaxWavelengths> sum{}, squares{};
                 for (int n = 0; n < kCount; ++n) {
                     BsdfSample s;
-                    Batch beta(1.0f);
+                    SampledSpectrum beta(1.0f);
                     const float lobe = u(), x = u(), y = u();
                     if (!c.scattering.sample(wo, from_camera, lobe, x, y, s, beta)) continue;
                     const double back = from_camera ? static_cast<double>(s.eta2) : 1 / light_side(c, wo, s.wi);
-                    for (std::uint32_t i = 0; i < kLanes; ++i) {
+                    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                         const double given = static_cast<double>(beta[i]) * back;
                         sum[i] += given;
                         squares[i] += given * given;
                     }
                 }
-                for (std::uint32_t i = 0; i < kLanes; ++i) {
+                for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                     if (c.kept && i != *c.kept) continue;
                     const double mean = sum[i] / kCount, variance = std::max(0.0, squares[i] / kCount - mean * mean);
                     const double tolerance = 4 * std::sqrt(variance / kCount) + 1e-5;  // and the rounding of floats
@@ -258,7 +258,7 @@ TYPED_TEST(SurfaceLaws, NoLightLeaksThroughTiltedNormals) {
             const float a = u(), b = u();
             const Vec3f wo = sample_sphere(a, b);
             BsdfSample s;
-            Batch beta(1.0f);
+            SampledSpectrum beta(1.0f);
             const float lobe = u(), x = u(), y = u();
             if (!c.scattering.sample(wo, n % 2 == 0, lobe, x, y, s, beta)) continue;
             ++drawn;
@@ -269,7 +269,7 @@ TYPED_TEST(SurfaceLaws, NoLightLeaksThroughTiltedNormals) {
         EXPECT_GT(drawn, 500);
         // On one side of the shading normal, on two of the surface.
         const Vec3f through = normalize(Vec3f{0.9f, 0, -0.3f});
-        Batch f(1.0f);
+        SampledSpectrum f(1.0f);
         c.scattering.multiply_f_cos(kDirections[0], through, f);
         EXPECT_EQ(f.max(), 0);
         EXPECT_EQ(c.scattering.pdf_omega(kDirections[0], through), 0);
@@ -278,23 +278,24 @@ TYPED_TEST(SurfaceLaws, NoLightLeaksThroughTiltedNormals) {
 
 // A pane gives back R' = R + T^2 R / (1 - R^2) and lets the rest through, at each wavelength by its own index.
 TEST(ThinDielectric, ReflectsEachWavelengthByItsIndex) {
-    const Batch& eta = values().varying;
+    const SampledSpectrum& eta = values().varying;
     const Bsdf pane(Frame::from_z(kUp), kUp, ThinDielectric(eta, true, 9));
     for (const Vec3f& wo : kDirections) {
         constexpr int kCount = 10'000;
-        std::array<double, kLanes> reflected{}, passed{};
+        std::array<double, kMaxWavelengths> reflected{}, passed{};
         for (int n = 0; n < kCount; ++n) {
             BsdfSample sample;
-            Batch beta(1.0f);
+            SampledSpectrum beta(1.0f);
             ASSERT_TRUE(pane.sample(wo, n % 2 == 0, (static_cast<float>(n) + 0.5f) / kCount, 0, 0, sample, beta));
             EXPECT_FALSE(pane.disperses(wo, sample.wi));
             const bool back = sample.wi.z * wo.z > 0;
             if (!back) {
                 EXPECT_LT(length(sample.wi + wo), 1e-6f);
             }
-            for (std::uint32_t i = 0; i < kLanes; ++i) (back ? reflected : passed)[i] += static_cast<double>(beta[i]) / kCount;
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i)
+                (back ? reflected : passed)[i] += static_cast<double>(beta[i]) / kCount;
         }
-        for (std::uint32_t i = 0; i < kLanes; ++i) {
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
             const double r = fresnel_dielectric(std::abs(wo.z), eta[i]), t = 1 - r;
             const double expected = r + t * t * r / (1 - r * r);
             EXPECT_NEAR(reflected[i], expected, 1.5 / kCount);  // the probabilities are met to one sample

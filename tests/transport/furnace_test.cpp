@@ -42,22 +42,24 @@ std::vector<double> furnace(const std::string& reflectance, IntegratorKind kind,
         std::size_t at = 0;
         for (std::size_t i = 0; i < r.size(); ++i) {
             sampler.draw(r.xi[i], w);
-            for (std::uint32_t lane = 0; lane < r.pairs[i]; ++lane) {
-                of_sample[lane] += static_cast<double>(r.power[at + lane] / w.weight[lane]) * 106.856917;  // the light's Y is 1
+            for (std::uint32_t wavelength = 0; wavelength < r.pairs[i]; ++wavelength) {
+                of_sample[wavelength] +=
+                    static_cast<double>(r.power[at + wavelength] / w.weight[wavelength]) * 106.856917;  // the light's Y is 1
             }
             at += r.pairs[i];
         }
-        for (std::uint32_t lane = 0; lane < 28; ++lane) {
-            sum[lane] += of_sample[lane];
-            squares[lane] += of_sample[lane] * of_sample[lane];
+        for (std::uint32_t wavelength = 0; wavelength < 28; ++wavelength) {
+            sum[wavelength] += of_sample[wavelength];
+            squares[wavelength] += of_sample[wavelength] * of_sample[wavelength];
         }
     }
     EXPECT_EQ(faults.total(), 0u);
     error = 0;
-    for (std::uint32_t lane = 0; lane < 28; ++lane) {
-        sum[lane] /= static_cast<double>(samples);
-        error = std::max(error, std::sqrt(std::max(0.0, squares[lane] / static_cast<double>(samples) - sum[lane] * sum[lane]) /
-                                          static_cast<double>(samples)));
+    for (std::uint32_t wavelength = 0; wavelength < 28; ++wavelength) {
+        sum[wavelength] /= static_cast<double>(samples);
+        error = std::max(
+            error, std::sqrt(std::max(0.0, squares[wavelength] / static_cast<double>(samples) - sum[wavelength] * sum[wavelength]) /
+                             static_cast<double>(samples)));
     }
     return sum;
 }
@@ -79,12 +81,12 @@ TEST(Furnace, AClosedDiffuseBoxShinesByTheGeometricSeries) {
     }
 }
 
-// A reflectance that varies with wavelength: each lane has its own answer, and the batch is in the record's order.
+// A reflectance that varies with wavelength: each wavelength has its own answer, and the batch is in the record's order.
 TEST(Furnace, HoldsWavelengthByWavelength) {
     double error = 0;
     const std::vector<double> mean = furnace("[360 0.9 830 0.1]", IntegratorKind::kPath, 3, 60'000, error);
-    for (std::size_t lane = 1; lane < mean.size(); ++lane) EXPECT_LT(mean[lane], mean[lane - 1]);
-    // Ends of the range: between the values at the wavelengths that the first and the last lane can have.
+    for (std::size_t wavelength = 1; wavelength < mean.size(); ++wavelength) EXPECT_LT(mean[wavelength], mean[wavelength - 1]);
+    // Ends of the range: between the values at the wavelengths that the first and the last wavelength can have.
     EXPECT_LT(mean.front(), (1 - std::pow(0.9, 4)) / 0.1);
     EXPECT_GT(mean.back(), 1 + 0.1);
 }

@@ -205,7 +205,7 @@ TEST(Records, FaultsAreCountedAndKeptOut) {
         RadianceFaults faults;
         for (const float bad : {std::nanf(""), kInfinity, -1.0f}) {
             Radiance radiance;
-            Batch value(1.0f);
+            SampledSpectrum value(1.0f);
             value[7] = bad;
             radiance.add(value, false, 0, 28);
             maker.camera(1, 2, 3, radiance, w, 0, r, faults);

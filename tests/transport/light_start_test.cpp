@@ -43,7 +43,7 @@ TEST(LightStart, NoTwoNumbersOfAPathAreRelated) {
     for (const std::string& text : {floor_under_spot(), floor_under_lamp(), kEverything}) {
         const Scene scene = scene_from(text);
         const std::unique_ptr<World> world = scene.world();
-        const Sequence sequence(11, important_dimensions(*world), shared_dimensions());
+        const Sampler sampler(11, important_dimensions(*world), shared_dimensions());
         std::vector<std::uint32_t> met = {D::kXi, D::kKeptWavelength, D::kLensU, D::kLensV};
         for (const std::uint32_t vertex : {0u, 1u, 2u}) {
             for (const std::uint32_t what :
@@ -54,7 +54,7 @@ TEST(LightStart, NoTwoNumbersOfAPathAreRelated) {
         }
         const auto numbers = [&](std::uint32_t dimension) {
             std::vector<float> x;
-            for (std::uint64_t n = 0; n < kSamples; ++n) x.push_back(sequence.at(n, dimension));
+            for (std::uint64_t n = 0; n < kSamples; ++n) x.push_back(sampler.at(n, dimension));
             return x;
         };
         std::array<std::vector<float>, 2> film;

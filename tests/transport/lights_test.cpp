@@ -332,12 +332,13 @@ TEST_F(EnvironmentMapTest, PixelsHaveTheirColour) {
         for (int i = 0; i < kOffsets; ++i) {
             sampler.draw(static_cast<std::uint32_t>((i + 0.5) / kOffsets * 0x1p32), spectra.wavelengths);
             spectra.start_sample();
-            Batch value = spectra[illuminant];
+            SampledSpectrum value = spectra[illuminant];
             map.multiply(w, spectra, value);
-            for (std::uint32_t lane = 0; lane < 32; ++lane) {
-                const std::array<float, 3> response = observer(spectra.wavelengths.lambda_nm[lane]);
+            for (std::uint32_t wavelength = 0; wavelength < 32; ++wavelength) {
+                const std::array<float, 3> response = observer(spectra.wavelengths.lambda_nm[wavelength]);
                 for (std::size_t c = 0; c < 3; ++c) {
-                    xyz[c] += static_cast<double>(value[lane] * spectra.wavelengths.weight[lane] * response[c]) / norm / kOffsets;
+                    xyz[c] += static_cast<double>(value[wavelength] * spectra.wavelengths.weight[wavelength] * response[c]) / norm /
+                              kOffsets;
                 }
             }
         }

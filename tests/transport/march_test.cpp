@@ -47,7 +47,7 @@ TEST_F(Nested, ALineToAPointIsAsLongAsThePointIsFar) {
     for (const float end : {1.0f, 2.5f, 3.5f, 5.0f, 6.5f, 7.5f, 14.0f}) {
         SCOPED_TRACE(end);
         const Vec3f from{0.1f, 0.2f, -5}, to{-0.1f, 0.1f, -5 + end};
-        const Ray ray = spawn_ray(Anchor{from, 0, {}}, Anchor{to, 0, {}});
+        const Ray ray = spawn_ray(Interaction{from, 0, {}}, Interaction{to, 0, {}});
         float total = 0;
         for (March march(*scene_.geometry, ray, length(to - from), kNone);; march.cross()) {
             EXPECT_EQ(march.segment().medium, media_[march.segment().index]);

@@ -32,7 +32,7 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     constexpr int kBins = 40, kCount = 200'000;
     constexpr double kLength = 1.5;
     const Segment segment{{}, {0, 0, 1}, 1.5f};
-    const Batch& sigma = spectra_[sigma_t_];
+    const SampledSpectrum& sigma = spectra_[sigma_t_];
     const auto passing = [&](double t) {
         double sum = 0;
         for (std::uint32_t i = 0; i < 28; ++i) sum += std::exp(-static_cast<double>(sigma[i]) * t) / 28;
@@ -41,7 +41,7 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     std::vector<double> counted(kBins + 1);
     Numbers u(12);
     for (int n = 0; n < kCount; ++n) {
-        Batch value(1.0f);
+        SampledSpectrum value(1.0f);
         const Uniform channel = u(), x = u();
         const MediumStep step = fog_.sample_step(segment, channel, x, sample_, value);
         const double t = static_cast<double>(step.t);
@@ -65,14 +65,14 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
 
 // Means of the weights: e^(-sigma_t d) of what passes, sigma_s / sigma_t (1 - e^(-sigma_t d)) of what is scattered.
 TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
-    const Batch &sigma_t = spectra_[sigma_t_], &sigma_s = spectra_[sigma_s_];
+    const SampledSpectrum &sigma_t = spectra_[sigma_t_], &sigma_s = spectra_[sigma_s_];
     constexpr int kCount = 400'000;
     constexpr float kLength = 0.7f;
     const Segment segment{{}, {0, 0, 1}, kLength};
     std::array<std::array<double, 2>, 28> passed{}, scattered{};  // sum and sum of squares
     Numbers u(13);
     for (int n = 0; n < kCount; ++n) {
-        Batch value(1.0f);
+        SampledSpectrum value(1.0f);
         const Uniform channel = u(), x = u();
         auto& sums = fog_.sample_step(segment, channel, x, sample_, value).scattered ? scattered : passed;
         for (std::uint32_t i = 0; i < 28; ++i) {

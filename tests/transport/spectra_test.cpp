@@ -136,7 +136,7 @@ TEST(Wavelengths, AWidenedLineIsLightThatWavelengthsFindAndWhosePowerTheyKeep) {
     const WavelengthSampler sampler(wavelength_density({{wide, 1}}), 28);
     double sum = 0;
     Wavelengths w;
-    Batch value;
+    SampledSpectrum value;
     for (int n = 0; n < 65536; ++n) {
         sampler.draw(static_cast<std::uint32_t>(n) << 16, w);
         table.evaluate(w, value);
@@ -167,11 +167,11 @@ class Table : public ::testing::Test {
         const WavelengthSampler sampler(density, 28);
         const SpectrumTable table(s, lookup);
         Wavelengths w;
-        Batch value;
+        SampledSpectrum value;
         for (std::uint32_t n = 0; n < 5000; ++n) {
             sampler.draw(n * 858993u, w);
             table.evaluate(w, value);
-            for (std::uint32_t i = 0; i < kLanes; ++i) {
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                 ASSERT_NEAR(value[i], exact(static_cast<double>(w.lambda_nm[i])), tolerance) << w.lambda_nm[i];
             }
         }
@@ -216,19 +216,19 @@ TEST(SampledSpectra, ValuesHoldUntilTheNextSample) {
     for (const std::uint32_t count : {3u, 1000u, 5u}) {
         sampler.draw(count * 858993u, spectra.wavelengths);
         spectra.start_sample();
-        const Batch& line = spectra[first];
-        std::vector<const Batch*> points;
+        const SampledSpectrum& line = spectra[first];
+        std::vector<const SampledSpectrum*> points;
         for (std::uint32_t i = 0; i < count; ++i) {
-            Batch& value = spectra.allocate();
-            value = Batch(static_cast<float>(i));
+            SampledSpectrum& value = spectra.allocate();
+            value = SampledSpectrum(static_cast<float>(i));
             points.push_back(&value);
         }
-        const Batch& daylight = spectra[second];
-        for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-            const double nm = static_cast<double>(spectra.wavelengths.lambda_nm[lane]);
-            ASSERT_NEAR(line[lane], sodium()(nm), 1e-6);
-            ASSERT_NEAR(daylight[lane], color::illuminant_d65()(nm), 1e-4);
-            for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ((*points[i])[lane], static_cast<float>(i));
+        const SampledSpectrum& daylight = spectra[second];
+        for (std::uint32_t wavelength = 0; wavelength < kMaxWavelengths; ++wavelength) {
+            const double nm = static_cast<double>(spectra.wavelengths.lambda_nm[wavelength]);
+            ASSERT_NEAR(line[wavelength], sodium()(nm), 1e-6);
+            ASSERT_NEAR(daylight[wavelength], color::illuminant_d65()(nm), 1e-4);
+            for (std::uint32_t i = 0; i < count; ++i) ASSERT_EQ((*points[i])[wavelength], static_cast<float>(i));
         }
         EXPECT_EQ(&spectra[first], &line);
     }

@@ -10,10 +10,10 @@
 namespace latent::render {
 
 // Errors are collected, so that one run names everything that a scene needs and this renderer lacks.
-class Messages {
+class Diagnostics {
  public:
     // `files` names SourceLocation::file.
-    explicit Messages(const std::vector<std::string>& files) : files_(files) {}
+    explicit Diagnostics(const std::vector<std::string>& files) : files_(files) {}
 
     // The picture would be wrong: "room.pbrt:12:3: message".
     void error(const SourceLocation& where, const std::string& message) { errors_.push_back(place(where) + message); }

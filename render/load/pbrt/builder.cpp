@@ -18,13 +18,13 @@ constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfi
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator)
+SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator)
     : scene_(scene),
       files_(files),
-      messages_(messages),
+      diagnostics_(diagnostics),
       spectra_(files),
-      textures_(scene, files, spectra_, messages),
-      another_integrator_(another_integrator) {
+      textures_(scene, files, spectra_, diagnostics),
+      replace_integrator_(replace_integrator) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
     interface_.push_back(false);
 }
@@ -32,17 +32,17 @@ SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages&
 ParameterList SceneBuilder::list(const Directive& d, std::string_view target) {
     spectra_.set_color_space(state_.color_space);
     const auto inherited = state_.attributes.find(target);
-    return {d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, messages_};
+    return {d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, diagnostics_};
 }
 
 void SceneBuilder::push(const std::string& by, const SourceLocation& where) { stack_.push_back({state_, by, where}); }
 
 void SceneBuilder::pop(const std::string& by, const SourceLocation& where) {
     if (stack_.empty())
-        return messages_.error(where,
-                               fmt::format("{} has nothing to end", by == "Import" ? by : by.substr(0, by.size() - 5) + "End"));
+        return diagnostics_.error(where,
+                                  fmt::format("{} has nothing to end", by == "Import" ? by : by.substr(0, by.size() - 5) + "End"));
     if (stack_.back().by != by)
-        messages_.error(where, fmt::format("{} from line {} is still open here", stack_.back().by, stack_.back().where.line));
+        diagnostics_.error(where, fmt::format("{} from line {} is still open here", stack_.back().by, stack_.back().where.line));
     state_ = std::move(stack_.back().state);
     stack_.pop_back();
 }
@@ -60,7 +60,7 @@ std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation
 
 void SceneBuilder::apply(const Directive& d) {
     if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
-    if (!in_world_ && d.name != "MakeNamedMedium") return messages_.error(d.where, d.name + ": must come after WorldBegin");
+    if (!in_world_ && d.name != "MakeNamedMedium") return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
     if (d.name == "MakeNamedMedium") return add_medium(d);
     if (d.name == "AreaLightSource") return add_area_light(d);
@@ -101,23 +101,24 @@ bool SceneBuilder::apply_state(const Directive& d) {
         state_.outside_medium = medium(d.strings.back(), d.where);
     } else if (d.name == "ColorSpace") {
         if (!spectra_.set_color_space(d.strings[0])) {
-            messages_.error(d.where, fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020)", d.strings[0]));
+            diagnostics_.error(d.where, fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020)", d.strings[0]));
         } else {
             state_.color_space = d.strings[0];
         }
     } else if (d.name == "Attribute") {
         const std::string& target = d.strings[0];
         if (target != "shape" && target != "light" && target != "material" && target != "medium" && target != "texture") {
-            messages_.error(d.where, fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
+            diagnostics_.error(d.where,
+                               fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
         }
         for (Parameter p : d.parameters) {
             if (std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
-                messages_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
+                diagnostics_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
             }
             std::vector<Parameter>& inherited = state_.attributes[target];
             if (std::ranges::find(inherited, p.name, &Parameter::name) != inherited.end())
-                messages_.error(p.where,
-                                fmt::format("Attribute: \"{}\" is already inherited, and cannot be changed again", p.name));
+                diagnostics_.error(p.where,
+                                   fmt::format("Attribute: \"{}\" is already inherited, and cannot be changed again", p.name));
             p.inherited = true;
             inherited.push_back(std::move(p));
         }
@@ -201,31 +202,32 @@ SceneBuilder::Named& SceneBuilder::object(const std::string& text, const SourceL
 
 void SceneBuilder::begin_object(const Directive& d) {
     push("ObjectBegin", d.where);
-    if (object_ != kNone) return messages_.error(d.where, "ObjectBegin: must not be inside another object");
+    if (object_ != kNone) return diagnostics_.error(d.where, "ObjectBegin: must not be inside another object");
     Named& named = object(d.strings[0], d.where);
     if (named.defined)
-        messages_.error(d.where, fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
+        diagnostics_.error(d.where,
+                           fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
     named.defined = d.where;
     object_ = named.index;
 }
 
 void SceneBuilder::add_instance(const Directive& d) {
-    if (object_ != kNone) messages_.error(d.where, "ObjectInstance: must not be inside ObjectBegin");
+    if (object_ != kNone) diagnostics_.error(d.where, "ObjectInstance: must not be inside ObjectBegin");
     const std::optional<Affined> inverse = state_.ctm.inverse();
     if (!inverse) {
-        messages_.error(d.where, "ObjectInstance: the transformation is singular");
+        diagnostics_.error(d.where, "ObjectInstance: the transformation is singular");
     } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
-        messages_.error(d.where, "ObjectInstance: too small to be traced in single precision");
+        diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
     }
     scene_.instances.push_back({object(d.strings[0], d.where).index, state_.ctm, d.where});
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {
-    if (!in_world_ && complete_) messages_.error(end, "the scene ends before WorldBegin");
-    for (const Pushed& open : stack_) messages_.error(open.where, open.by + " has no end");
+    if (!in_world_ && complete_) diagnostics_.error(end, "the scene ends before WorldBegin");
+    for (const Pushed& open : stack_) diagnostics_.error(open.where, open.by + " has no end");
     const auto check = [&](const Names& names, std::string_view what) {
         for (const auto& [text, named] : names) {
-            if (!named.defined) messages_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
+            if (!named.defined) diagnostics_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
         }
     };
     if (complete_) {
@@ -238,26 +240,26 @@ void SceneBuilder::finish(const SourceLocation& end) {
         const MaterialDescription& material = scene_.materials[index];
         const FloatInput &x = material.alpha_x, &y = material.alpha_y;
         if (x.texture != y.texture || (!x.is_textured() && x.value != y.value)) {
-            messages_.error(where, "S: tangents are not supported for anisotropic materials");
+            diagnostics_.error(where, "S: tangents are not supported for anisotropic materials");
         } else {
-            messages_.warn(where, "S: tangents are ignored: the material is isotropic");
+            diagnostics_.warn(where, "S: tangents are ignored: the material is isotropic");
         }
     }
     const auto resolve = [&](ShapeDescription& shape) {
         if (interface_[shape.material]) {
             shape.material = kNone;
             if (shape.area_light != kNone)
-                messages_.warn(shape.location, "Shape: the area light is ignored, since \"interface\" does not emit");
+                diagnostics_.warn(shape.location, "Shape: the area light is ignored, since \"interface\" does not emit");
             shape.area_light = kNone;
         }
         if (shape.area_light == kNone) return;
-        for (const std::string& refusal : check_area_light(shape)) messages_.error(shape.location, refusal);
+        for (const std::string& refusal : check_area_light(shape)) diagnostics_.error(shape.location, refusal);
     };
     for (LoadedShape& loaded : shapes_) resolve(loaded.shape);
     for (std::vector<LoadedShape>& shapes : object_shapes_) {
         for (LoadedShape& loaded : shapes) resolve(loaded.shape);
     }
-    if (messages_.errors().empty()) place(std::move(shapes_), std::move(object_shapes_), scene_);
+    if (diagnostics_.errors().empty()) place(std::move(shapes_), std::move(object_shapes_), scene_);
 }
 
 }  // namespace latent::render

@@ -18,8 +18,8 @@ namespace latent::render {
 
 class SceneBuilder {
  public:
-    // `scene` is filled; it, `files` and `messages` outlive the builder. `another_integrator` replaces the scene's.
-    SceneBuilder(SceneDescription& scene, SceneFiles& files, Messages& messages, bool another_integrator);
+    // `scene` is filled; it, `files` and `diagnostics` outlive the builder. `replace_integrator` replaces the scene's.
+    SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator);
 
     // Any directive but Include and Import.
     void apply(const Directive& directive);
@@ -75,7 +75,7 @@ class SceneBuilder {
 
     SceneDescription& scene_;
     SceneFiles& files_;
-    Messages& messages_;
+    Diagnostics& diagnostics_;
     SceneSpectra spectra_;
     SceneTextures textures_;
     State state_;
@@ -89,7 +89,7 @@ class SceneBuilder {
     std::vector<bool> interface_;                                          // of each material: "interface"
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
-    const bool another_integrator_;
+    const bool replace_integrator_;
     bool in_world_ = false, complete_ = true;
 };
 

@@ -28,7 +28,7 @@ bool SceneBuilder::apply_option(const Directive& d) {
                        d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "WorldBegin" || d.name == "Option";
     if (!known) return false;
     if (in_world_ && d.name != "Option") {
-        messages_.error(d.where, d.name + ": must come before WorldBegin");
+        diagnostics_.error(d.where, d.name + ": must come before WorldBegin");
     } else if (d.name == "Camera") {
         camera_ = d;
         camera_state_ = state_;
@@ -36,18 +36,18 @@ bool SceneBuilder::apply_option(const Directive& d) {
     } else if (d.name == "Film") {
         scene_.film = read_film(d.strings[0], list(d, "film"));
     } else if (d.name == "Integrator") {
-        read_integrator(d.strings[0], list(d, "integrator"), another_integrator_, scene_);
+        read_integrator(d.strings[0], list(d, "integrator"), replace_integrator_, scene_);
     } else if (d.name == "Sampler") {
-        messages_.warn(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
+        diagnostics_.warn(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
     } else if (d.name == "PixelFilter") {
-        messages_.warn(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
+        diagnostics_.warn(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
     } else if (d.name == "Accelerator") {
-        messages_.warn(d.where, "Accelerator is ignored");
+        diagnostics_.warn(d.where, "Accelerator is ignored");
     } else if (d.name == "Option") {
         if (std::ranges::find(kHarmlessOptions, d.strings[0]) != std::end(kHarmlessOptions) || d.strings[1] == "false") {
-            messages_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
+            diagnostics_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
         } else {
-            messages_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
+            diagnostics_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
         }
     } else {
         place_camera();
@@ -63,11 +63,11 @@ void SceneBuilder::place_camera() {
     const Directive& d = camera_ ? *camera_ : standard;
     const State& state = camera_ ? camera_state_ : state_;
     const std::optional<Affined> inverse = state.ctm.inverse();
-    if (!inverse) messages_.error(d.where, "Camera: the transformation is singular");
-    scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, messages_), scene_.film);
+    if (!inverse) diagnostics_.error(d.where, "Camera: the transformation is singular");
+    scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, diagnostics_), scene_.film);
     scene_.camera.world_from_camera = inverse.value_or(Affined{});
     scene_.camera.medium = state.outside_medium;
-    for (const std::string& refusal : check_camera(scene_.camera)) messages_.error(d.where, refusal);
+    for (const std::string& refusal : check_camera(scene_.camera)) diagnostics_.error(d.where, refusal);
 }
 
 }  // namespace latent::render

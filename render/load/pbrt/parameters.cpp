@@ -6,8 +6,8 @@
 
 namespace latent::render {
 
-ParameterList::ParameterList(const Directive& directive, const std::vector<Parameter>& inherited, Messages& messages)
-    : directive_(directive), inherited_(inherited), messages_(messages) {
+ParameterList::ParameterList(const Directive& directive, const std::vector<Parameter>& inherited, Diagnostics& diagnostics)
+    : directive_(directive), inherited_(inherited), diagnostics_(diagnostics) {
     for (std::size_t i = 0; i < directive.parameters.size(); ++i) {
         const Parameter& p = directive.parameters[i];
         for (std::size_t j = 0; j < i; ++j) {
@@ -38,8 +38,8 @@ double ParameterList::number(std::string_view name, double otherwise, double low
     const std::optional<double> value = number(name);
     if (!value) return otherwise;
     if (*value >= low && *value <= high) return *value;
-    messages_.error(find(name, {"float", "integer"})->where,
-                    fmt::format("{}: {} is not between {} and {}", name, *value, low, high));
+    diagnostics_.error(find(name, {"float", "integer"})->where,
+                       fmt::format("{}: {} is not between {} and {}", name, *value, low, high));
     return otherwise;
 }
 
@@ -92,7 +92,7 @@ void ParameterList::ignore(std::initializer_list<std::string_view> names, std::s
         list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", p.name);
         if (!first) first = p.where;
     });
-    if (first) messages_.warn(*first, fmt::format("{}: ignored: {}: {}", directive_.name, list, why));
+    if (first) diagnostics_.warn(*first, fmt::format("{}: ignored: {}: {}", directive_.name, list, why));
 }
 
 void ParameterList::report_unused() const {
@@ -100,7 +100,7 @@ void ParameterList::report_unused() const {
         directive_.strings.empty() ? directive_.name : fmt::format("{} \"{}\"", directive_.name, directive_.strings[0]);
     each([&](const Parameter& p) {
         if (!p.used && !p.inherited)
-            messages_.error(p.where, fmt::format("\"{} {}\" of {} is not supported", p.type, p.name, what));
+            diagnostics_.error(p.where, fmt::format("\"{} {}\" of {} is not supported", p.type, p.name, what));
     });
 }
 

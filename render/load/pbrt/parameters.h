@@ -15,9 +15,9 @@ namespace latent::render {
 
 class ParameterList {
  public:
-    // `inherited`: from Attribute directives; those given with the directive itself come first. The directive and `messages` must
-    // outlive the list.
-    ParameterList(const Directive& directive, const std::vector<Parameter>& inherited, Messages& messages);
+    // `inherited`: from Attribute directives; those given with the directive itself come first. The directive and `diagnostics`
+    // must outlive the list.
+    ParameterList(const Directive& directive, const std::vector<Parameter>& inherited, Diagnostics& diagnostics);
 
     // The parameter of this name if its type is among `types`; it counts as used. Null if there is none.
     const Parameter* find(std::string_view name, std::initializer_list<std::string_view> types) const;
@@ -38,11 +38,11 @@ class ParameterList {
     void report_unused() const;
 
     const Directive& directive() const { return directive_; }
-    void error(const std::string& message) const { messages_.error(directive_.where, message); }
+    void error(const std::string& message) const { diagnostics_.error(directive_.where, message); }
     void error(const Parameter& parameter, const std::string& message) const {
-        messages_.error(parameter.where, parameter.name + ": " + message);
+        diagnostics_.error(parameter.where, parameter.name + ": " + message);
     }
-    void warn(const std::string& message) const { messages_.warn(directive_.where, message); }
+    void warn(const std::string& message) const { diagnostics_.warn(directive_.where, message); }
 
  private:
     template <class F>
@@ -53,7 +53,7 @@ class ParameterList {
 
     const Directive& directive_;
     std::vector<Parameter> inherited_;
-    Messages& messages_;
+    Diagnostics& diagnostics_;
 };
 
 }  // namespace latent::render

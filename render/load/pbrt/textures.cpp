@@ -16,13 +16,13 @@ void SceneTextures::define(const Directive& directive, const std::vector<Paramet
                            const std::string& color_space) {
     const std::string &name = directive.strings[0], &type = directive.strings[1];
     if (type != "float" && type != "spectrum")
-        return messages_.error(directive.where,
-                               fmt::format("Texture \"{}\": the type is \"{}\", not float or spectrum", name, type));
+        return diagnostics_.error(directive.where,
+                                  fmt::format("Texture \"{}\": the type is \"{}\", not float or spectrum", name, type));
     const auto [at, is_new] =
         definitions_.try_emplace({type == "spectrum", name}, Definition{directive, inherited, ctm, color_space});
     if (!is_new)
-        messages_.error(directive.where,
-                        fmt::format("Texture \"{}\": defined before, on line {}", name, at->second.directive.where.line));
+        diagnostics_.error(directive.where,
+                           fmt::format("Texture \"{}\": defined before, on line {}", name, at->second.directive.where.line));
 }
 
 std::uint32_t SceneTextures::use(const ParameterList& list, const Parameter& p, bool is_spectrum, SpectrumRole role) {
@@ -64,7 +64,7 @@ SpectrumInput SceneTextures::spectrum(const ParameterList& list, std::string_vie
 }
 
 TextureDescription SceneTextures::read(const Definition& definition, const Use& use) {
-    const ParameterList list(definition.directive, definition.inherited, messages_);
+    const ParameterList list(definition.directive, definition.inherited, diagnostics_);
     spectra_.set_color_space(definition.color_space);
     TextureDescription texture{.is_spectrum = use.is_spectrum, .role = use.role, .location = definition.directive.where};
     const auto input = [&](int i, std::string_view name, double otherwise) {
@@ -103,7 +103,7 @@ void SceneTextures::finish() {
         const auto found = definitions_.find({use.is_spectrum, use.name});
         if (found == definitions_.end()) {
             const bool other = definitions_.contains({!use.is_spectrum, use.name});
-            messages_.error(
+            diagnostics_.error(
                 use.where,
                 fmt::format(
                     "{} texture \"{}\" is not defined anywhere{}", use.is_spectrum ? "spectrum" : "float", use.name,
@@ -112,9 +112,9 @@ void SceneTextures::finish() {
         }
         scene_.textures[i] = read(found->second, use);
     }
-    if (!messages_.errors().empty()) return;
+    if (!diagnostics_.errors().empty()) return;
     for (const auto& [texture, refusal] : check_textures(scene_.textures))
-        messages_.error(scene_.textures[texture].location, refusal);
+        diagnostics_.error(scene_.textures[texture].location, refusal);
 }
 
 }  // namespace latent::render

@@ -19,8 +19,8 @@ namespace latent::render {
 class SceneTextures {
  public:
     // All of these outlive it.
-    SceneTextures(SceneDescription& scene, SceneFiles& files, SceneSpectra& spectra, Messages& messages)
-        : scene_(scene), files_(files), spectra_(spectra), messages_(messages) {}
+    SceneTextures(SceneDescription& scene, SceneFiles& files, SceneSpectra& spectra, Diagnostics& diagnostics)
+        : scene_(scene), files_(files), spectra_(spectra), diagnostics_(diagnostics) {}
 
     // A Texture directive with what the graphics state adds to it. Only textures that something uses come into the scene.
     void define(const Directive& directive, const std::vector<Parameter>& inherited, const Affined& ctm,
@@ -58,7 +58,7 @@ class SceneTextures {
     SceneDescription& scene_;
     SceneFiles& files_;
     SceneSpectra& spectra_;
-    Messages& messages_;
+    Diagnostics& diagnostics_;
     std::map<std::pair<bool, std::string>, Definition> definitions_;             // by is_spectrum and name
     std::map<std::tuple<bool, SpectrumRole, std::string>, std::uint32_t> used_;  // index into SceneDescription::textures
     std::deque<Use> uses_;                                                       // of each of these

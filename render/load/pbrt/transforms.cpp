@@ -37,12 +37,12 @@ bool SceneBuilder::apply_transform(const Directive& d) {
     } else if (d.name == "Translate") {
         state_.ctm = state_.ctm * translation(vec(n));
     } else if (d.name == "Scale") {
-        if (n[0] == 0 || n[1] == 0 || n[2] == 0) messages_.error(d.where, "Scale: a factor is 0");
+        if (n[0] == 0 || n[1] == 0 || n[2] == 0) diagnostics_.error(d.where, "Scale: a factor is 0");
         state_.ctm = state_.ctm * Affined({n[0], 0, 0}, {0, n[1], 0}, {0, 0, n[2]}, {0, 0, 0});
     } else if (d.name == "Rotate") {
         const Vec3d axis{n[1], n[2], n[3]};
         if (!(length(axis) > 0)) {
-            messages_.error(d.where, "Rotate: the axis is 0");
+            diagnostics_.error(d.where, "Rotate: the axis is 0");
         } else {
             state_.ctm = state_.ctm * rotation(n[0], axis);
         }
@@ -51,28 +51,28 @@ bool SceneBuilder::apply_transform(const Directive& d) {
         if (view) {
             state_.ctm = state_.ctm * *view;
         } else {
-            messages_.error(d.where, "LookAt: the direction is 0, or parallel to up");
+            diagnostics_.error(d.where, "LookAt: the direction is 0, or parallel to up");
         }
     } else if (d.name == "Transform" || d.name == "ConcatTransform") {
         // The file holds columns: the images of x, y, z and the origin, each with its w.
         const Affined map(vec(n), vec(std::span(n).subspan(4)), vec(std::span(n).subspan(8)), vec(std::span(n).subspan(12)));
         if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1)
-            messages_.error(d.where, d.name + ": projective transformations are not supported");
-        if (!map.inverse()) messages_.error(d.where, d.name + ": the matrix is singular");
+            diagnostics_.error(d.where, d.name + ": projective transformations are not supported");
+        if (!map.inverse()) diagnostics_.error(d.where, d.name + ": the matrix is singular");
         state_.ctm = d.name == "Transform" ? map : state_.ctm * map;
     } else if (d.name == "CoordinateSystem") {
         coordinate_systems_[d.strings[0]] = state_.ctm;
     } else if (d.name == "CoordSysTransform") {
         const auto found = coordinate_systems_.find(d.strings[0]);
         if (found == coordinate_systems_.end()) {
-            messages_.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
+            diagnostics_.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
         } else {
             state_.ctm = found->second;
         }
     } else if (d.name == "ActiveTransform") {
-        if (d.strings[0] != "All") messages_.error(d.where, "ActiveTransform: motion is not supported");
+        if (d.strings[0] != "All") diagnostics_.error(d.where, "ActiveTransform: motion is not supported");
     } else if (d.name == "TransformTimes") {
-        messages_.warn(d.where, "TransformTimes is ignored: motion is not supported");
+        diagnostics_.warn(d.where, "TransformTimes is ignored: motion is not supported");
     } else {
         return false;
     }

@@ -29,12 +29,12 @@ void Bidirectional::join_light(std::size_t i) {
         return;
     const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);
     if (!(scattering_pdf > 0)) return;
-    Batch value = z.beta;
+    SampledSpectrum value = z.beta;
     z.scattering.multiply_f_cos(z.wo, point.wi, value);
     if (!light.multiply_emission(point.at.ng, -point.wi, sample_.spectra, value) || value.is_black()) return;
     LineOfSight line;
     const std::uint32_t medium = z.medium_towards(point.wi);
-    const bool seen = light.is_infinite() ? world_.connect_sky(z.at, point.wi, medium, sample_, value, line)
+    const bool seen = light.is_infinite() ? world_.connect_infinite(z.at, point.wi, medium, sample_, value, line)
                                           : world_.connect(z.at, point.at, medium, sample_, value, line);
     if (!seen) return;
     const float sampled = lights_.probability(chosen) * point.pdf_omega;
@@ -65,7 +65,7 @@ void Bidirectional::join_lens(std::size_t i) {
     CameraPoint point;
     if (!world_.camera().connect(y.at.p, light_number(i, Dimension::kLightU), light_number(i, Dimension::kLightV), point)) return;
     const Vec3f to_camera = -point.w;
-    Batch value = y.beta;
+    SampledSpectrum value = y.beta;
     multiply_light_side(y, to_camera, value);
     if (value.is_black()) return;
     LineOfSight line;  // from y to the lens
@@ -95,7 +95,7 @@ void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
     const Vec3f w = to / std::sqrt(d2);
     const float pdf_z = z.scattering.pdf_omega(z.wo, w), pdf_y = y.scattering.pdf_omega(y.wo, -w);
     if (!(pdf_z > 0) || !(pdf_y > 0)) return;
-    Batch value = y.beta * z.beta;
+    SampledSpectrum value = y.beta * z.beta;
     multiply_light_side(y, -w, value);
     z.scattering.multiply_f_cos(z.wo, w, value);
     if (value.is_black()) return;
@@ -111,7 +111,7 @@ void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
     radiance_.add(value, dispersed, sample_.kept, sample_.k());
 }
 
-void Bidirectional::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, Batch& value) {
+void Bidirectional::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, SampledSpectrum& value) {
     y.scattering.multiply_f_cos(w_camera, y.wo, value);
     value *= y.cosine(w_camera) / y.cosine(y.wo);
 }

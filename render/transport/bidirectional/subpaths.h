@@ -14,8 +14,8 @@ namespace latent::render {
 // Densities are per area (per volume in a medium), for a point of the sky per solid angle; they hold for the whole step, with the
 // probability of passing media on the way.
 struct SubpathVertex {
-    Batch beta;  // what arrives here: of importance, or of light
-    Anchor at;
+    SampledSpectrum beta;  // what arrives here: of importance, or of light
+    Interaction at;
     Vec3f normal;                // of the surface, the light or the lens; 0: none
     Vec3f wo;                    // to the previous vertex
     Scattering scattering;       // not of the first vertex
@@ -55,8 +55,8 @@ struct Step {
     float mis_shorter = 0;  // MisPartial::shorter of the vertex that it will reach
     std::uint32_t medium = kNone;
     bool dispersed = false;
-    Batch beta;
-    Batch throughput{1.0f};  // of the subpath, which decides whether it goes on
+    SampledSpectrum beta;
+    SampledSpectrum throughput{1.0f};  // of the subpath, which decides whether it goes on
 };
 
 class Bidirectional {
@@ -117,7 +117,8 @@ class Bidirectional {
 
     // s = 0: the camera's step ends on a light. Densities of that point: `pdf_forward` as the end of the step, `pdf_point` as a
     // sampled point of the light, `pdf_ray` as the start of a ray; `pdf_reverse`: of the last camera vertex from there.
-    void add_emission(Batch value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray, float pdf_reverse);
+    void add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
+                      float pdf_reverse);
     void see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line);
     void see_infinite_lights(const Step& step, const LineOfSight& line);
 
@@ -125,7 +126,7 @@ class Bidirectional {
     // invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes such a path, so
     // no weight counts on this one.
     void reach_lens(const Step& step, LineOfSight line, Segment segment, float limit);
-    void splat(const CameraPoint& point, const Batch& value, bool dispersed);
+    void splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed);
 
     // s = 1: a point of a light for camera vertex i.
     void join_light(std::size_t i);
@@ -138,7 +139,7 @@ class Bidirectional {
 
     // value *= f |w_light.ns| / |w_light.ng| |w_camera.ng|: what light vertex y sends towards the camera, over the cosine's share
     // of d^2.
-    static void multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, Batch& value);
+    static void multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, SampledSpectrum& value);
 
     // Combinatory optimisation [R06 4.6.3]: of the m pairs of connectible vertices that give a path of the same length, one, times
     // m.

@@ -23,7 +23,7 @@ void Bidirectional::trace_camera(double u, double v) {
     step.parallel = camera.parallel();
     step.mis_shorter = x.mis.end;
     step.medium = camera.medium();
-    step.beta = Batch(1.0f);
+    step.beta = SampledSpectrum(1.0f);
     walk(camera_subpath_, true, step);
 }
 
@@ -49,7 +49,7 @@ void Bidirectional::trace_light() {
     step.medium = ray.medium;
     if (!(ray.pdf_direction > 0)) return;
     if (light.is_infinite() && world_.medium_at_infinity() != kNone) return;  // nothing comes through
-    step.beta = Batch(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
+    step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
     if (!light.multiply_emission(ray.at.ng, ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
     walk(light_subpath_, false, step);
 }
@@ -60,7 +60,7 @@ void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
         const std::size_t i = path.size() - 1;
         const SubpathVertex& x = path[i];
         BsdfSample next;
-        Batch weight(1.0f);
+        SampledSpectrum weight(1.0f);
         if (!x.scattering.sample(x.wo, from_camera, number(from_camera, i, Dimension::kLobe),
                                  number(from_camera, i, Dimension::kDirectionU), number(from_camera, i, Dimension::kDirectionV),
                                  next, weight)) {
@@ -87,15 +87,15 @@ void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
 
 bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
-    const bool from_sky = !from_camera && i == 1 && step.parallel;
-    const Ray ray = from_sky ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
+    const bool from_infinity = !from_camera && i == 1 && step.parallel;
+    const Ray ray = from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
     LineOfSight line;
     for (March march(world_.geometry(), ray, step.medium);; march.cross()) {
         const Segment& segment = march.segment();
         const std::optional<SurfaceHit>& hit = march.hit();
         step.medium = segment.medium;
         MediumStep medium_step{false, segment.length, 1, 1, segment.length};
-        Batch weight(1.0f);
+        SampledSpectrum weight(1.0f);
         if (step.medium != kNone) {
             const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
             medium_step = world_.medium(step.medium)
@@ -122,7 +122,7 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
         if (!is_interface(hit->material)) {
             if (i + 2 > max_vertices_) return false;
             SubpathVertex x;
-            x.at = hit->anchor();
+            x.at = hit->interaction();
             x.normal = hit->ng;
             x.scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
             x.inside_medium = hit->inside_medium;
@@ -159,7 +159,7 @@ float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVer
     return ratio * ratio;
 }
 
-void Bidirectional::add_emission(Batch value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
+void Bidirectional::add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
                                  float pdf_reverse) {
     const SubpathVertex& last = camera_subpath_.back();
     const bool connected = camera_subpath_.size() >= 2 && last.connectible();
@@ -171,7 +171,7 @@ void Bidirectional::add_emission(Batch value, const Step& step, float pdf_forwar
 
 void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
     const Light& light = lights_[hit.emitter];
-    Batch value = step.beta;
+    SampledSpectrum value = step.beta;
     if (!light.multiply_emission(hit.ng, -step.d, sample_.spectra, value)) return;
     const SubpathVertex& last = camera_subpath_.back();
     const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
@@ -186,7 +186,7 @@ void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& lin
     const SubpathVertex& last = camera_subpath_.back();
     for (const std::uint32_t i : lights_.infinite()) {
         const Light& light = lights_[i];
-        Batch value = step.beta;
+        SampledSpectrum value = step.beta;
         if (!light.multiply_emission({}, -step.d, sample_.spectra, value)) continue;
         const float probability = lights_.probability(i),
                     pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.receiver(last.wo), {step.d});
@@ -203,7 +203,7 @@ void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segme
         std::none_of(light_subpath_.begin() + 1, light_subpath_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
         return;
     }
-    Batch value = step.beta;
+    SampledSpectrum value = step.beta;
     segment.length = point.distance;
     if (step.medium == kNone) {
         line.add(segment, 1, segment.length);
@@ -223,7 +223,7 @@ void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segme
     splat(point, value, step.dispersed);
 }
 
-void Bidirectional::splat(const CameraPoint& point, const Batch& value, bool dispersed) {
+void Bidirectional::splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
     Radiance radiance;
     radiance.add(value, dispersed, sample_.kept, sample_.k());
     records_.light(sample_.numbers.n, point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_, faults_);

@@ -1,4 +1,4 @@
-#include "render/sampling/sequence.h"
+#include "render/sampling/sampler.h"
 
 #include <algorithm>
 #include <numeric>
@@ -6,7 +6,7 @@
 namespace latent::render {
 namespace {
 
-constexpr std::array<std::uint32_t, Sequence::kPrimes> kBases = {5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
+constexpr std::array<std::uint32_t, Sampler::kPrimes> kBases = {5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
 constexpr std::uint64_t kOne = std::uint64_t{1} << 60;
 
 // A bijection of 64 bits whose every output bit depends on every input bit [Stafford11, variant 13].
@@ -46,7 +46,7 @@ std::vector<std::uint64_t> scrambled_block(std::uint32_t base, std::uint32_t dig
 
 }  // namespace
 
-Sequence::Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing)
+Sampler::Sampler(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing)
     : seed_(mix(seed + 0x6a09e667f3bcc909u)) {
     for (std::size_t i = 0; i < std::min(important.size(), kPrimes); ++i)
         add_radical(important[i], kBases[i], seed_ + (std::uint64_t{kBases[i]} << 40));
@@ -57,7 +57,7 @@ Sequence::Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& importa
     }
 }
 
-void Sequence::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key) {
+void Sampler::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key) {
     Radical r;
     r.base = base;
     std::uint32_t digits = 0;
@@ -73,11 +73,11 @@ void Sequence::add_radical(std::uint32_t dimension, std::uint32_t base, std::uin
     radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
 }
 
-std::uint64_t Sequence::hash(std::uint64_t n, std::uint32_t dimension) const {
+std::uint64_t Sampler::hash(std::uint64_t n, std::uint32_t dimension) const {
     return mix(mix(n + seed_) + (std::uint64_t{dimension} + 1) * 0x9e3779b97f4a7c15u);
 }
 
-Uniform Sequence::at(std::uint64_t n, std::uint32_t dimension) const {
+Uniform Sampler::at(std::uint64_t n, std::uint32_t dimension) const {
     const std::uint64_t random = hash(n, dimension);
     if (dimension >= kTabulated || radical_of_[dimension] == 0) return {random};
     const Radical& r = radicals_[radical_of_[dimension] - 1];

@@ -1,4 +1,4 @@
-// render/sampling/sampling.h: uniform numbers to points and directions, with the density of each. docs/rendering.md.
+// render/sampling/warp.h: uniform numbers to points and directions, with the density of each. docs/rendering.md.
 #pragma once
 
 #include <algorithm>

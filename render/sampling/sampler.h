@@ -1,4 +1,4 @@
-// render/sampling/sequence.h: the numbers that a sample is made of: a function of (seed, sample number, dimension).
+// render/sampling/sampler.h: the numbers that a sample is made of: a function of (seed, sample number, dimension).
 #pragma once
 
 #include <array>
@@ -55,7 +55,7 @@ struct Dimension {
 // along every such subsequence they are as well spread as along n itself [Halton60], [Owen95]; a sequence in base 2 would not be.
 // Large primes are spread out only over many samples, so two dimensions that no path has both of may have the same small one.
 // All further dimensions are hashes of (seed, n, dimension).
-class Sequence {
+class Sampler {
  public:
     static constexpr std::size_t kPrimes = 16;  // 5 .. 61
 
@@ -64,7 +64,7 @@ class Sequence {
         std::uint32_t dimension, with;
     };
     // `important`: dimensions, most important first; the i-th takes the i-th prime from 5 on; those beyond kPrimes are hashed.
-    Sequence(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing = {});
+    Sampler(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing = {});
 
     // 60 bits of it differ from sample to sample, or all 64.
     Uniform at(std::uint64_t n, std::uint32_t dimension) const;
@@ -92,9 +92,9 @@ class Sequence {
 
 // The numbers of one sample.
 struct SampleNumbers {
-    const Sequence* sequence;
+    const Sampler* sampler;
     std::uint64_t n;
-    Uniform operator()(std::uint32_t dimension) const { return sequence->at(n, dimension); }
+    Uniform operator()(std::uint32_t dimension) const { return sampler->at(n, dimension); }
 };
 
 }  // namespace latent::render

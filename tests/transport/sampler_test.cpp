@@ -1,5 +1,5 @@
 // Laws of the numbers of a sample, and of the functions that turn them into points.
-#include "render/sampling/sequence.h"
+#include "render/sampling/sampler.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "render/sampling/alias_table.h"
 #include "render/sampling/piecewise_constant.h"
-#include "render/sampling/sampling.h"
+#include "render/sampling/warp.h"
 #include "sampledb/data/film_position.h"
 #include "tests/transport/numbers.h"
 
@@ -29,20 +29,20 @@ double discrepancy(std::vector<float> x) {
     return worst;
 }
 
-TEST(Sequence, EveryDimensionIsUniform) {
-    const Sequence sequence(42, kImportant);
+TEST(Sampler, EveryDimensionIsUniform) {
+    const Sampler sampler(42, kImportant);
     for (const std::uint32_t dimension : {0u, 1u, 3u, 11u, 20u, 100u, Dimension::of_light_vertex(3, Dimension::kLobe)}) {
         std::vector<float> x;
-        for (std::uint64_t n = 0; n < 20'000; ++n) x.push_back(sequence.at(n, dimension));
+        for (std::uint64_t n = 0; n < 20'000; ++n) x.push_back(sampler.at(n, dimension));
         EXPECT_LT(discrepancy(x), 1.95 / std::sqrt(20'000.0)) << dimension;  // Kolmogorov at 1e-3; spread-out ones are far below
     }
 }
 
 // The samples of one pixel are spread out in the important dimensions, and in those that share their primes, as no random numbers
 // are, at any resolution.
-TEST(Sequence, SamplesOfOnePixelAreSpreadOut) {
+TEST(Sampler, SamplesOfOnePixelAreSpreadOut) {
     constexpr std::uint32_t kDimensions = 6;
-    const Sequence sequence(7, kImportant, {{4, 0}, {5, 1}});
+    const Sampler sampler(7, kImportant, {{4, 0}, {5, 1}});
     for (const std::uint32_t width : {64u, 100u, 256u}) {
         double sum = 0;
         int count = 0;
@@ -51,7 +51,7 @@ TEST(Sequence, SamplesOfOnePixelAreSpreadOut) {
             const sampledb::FilmPosition p = sampledb::halton23(n, {sampledb::PositionSampler::kHalton23, 0, 0});
             if (std::uint64_t{p.v} * width >> 32 != 40) continue;
             for (std::uint32_t d = 0; d < kDimensions; ++d)
-                x[(std::uint64_t{p.u} * width >> 32) * kDimensions + d].push_back(sequence.at(n, d));
+                x[(std::uint64_t{p.u} * width >> 32) * kDimensions + d].push_back(sampler.at(n, d));
         }
         for (const std::vector<float>& of_one : x) {
             sum += discrepancy(of_one) * std::sqrt(static_cast<double>(of_one.size()));
@@ -61,8 +61,8 @@ TEST(Sequence, SamplesOfOnePixelAreSpreadOut) {
     }
 }
 
-TEST(Sequence, IsAFunctionOfSeedSampleAndDimension) {
-    const Sequence a(1, kImportant), again(1, kImportant), b(2, kImportant);
+TEST(Sampler, IsAFunctionOfSeedSampleAndDimension) {
+    const Sampler a(1, kImportant), again(1, kImportant), b(2, kImportant);
     int same = 0;
     for (std::uint64_t n = 0; n < 1000; ++n) {
         for (const std::uint32_t d : {0u, 5u, 10u}) {
@@ -71,7 +71,7 @@ TEST(Sequence, IsAFunctionOfSeedSampleAndDimension) {
         }
     }
     EXPECT_LT(same, 3);
-    const Sequence sharing(1, kImportant, {{4, 0}, {5, 20}});  // 20 is hashed, so 5 is too
+    const Sampler sharing(1, kImportant, {{4, 0}, {5, 20}});  // 20 is hashed, so 5 is too
     for (std::uint64_t n = 0; n < 1000; ++n) {
         EXPECT_EQ(sharing.at(n, 0).bits, a.at(n, 0).bits);
         EXPECT_EQ(sharing.at(n, 5).bits, a.at(n, 5).bits);
@@ -113,15 +113,15 @@ TEST(AliasTable, FollowsItsWeights) {
 
 // However many there are to choose from: every second one has 1/200 of the weight of the others.
 TEST(AliasTable, FollowsItsWeightsAmongAMillion) {
-    const Sequence sequence(1, kImportant);
+    const Sampler sampler(1, kImportant);
     for (const std::uint32_t size : {1024u, 16'384u, 131'072u, 1u << 20}) {
         std::vector<double> weight(size);
         for (std::uint32_t i = 0; i < size; ++i) weight[i] = i % 2 == 0 ? 1 : 200;
         const AliasTable table(weight);
         constexpr int kCount = 4'000'000;
-        for (const std::uint32_t dimension : {0u, 100u}) {  // of the sequence: a radical inverse, and a hash
+        for (const std::uint32_t dimension : {0u, 100u}) {  // of the sampler: a radical inverse, and a hash
             double small = 0, probability = 0;
-            for (std::uint64_t n = 0; n < kCount; ++n) small += table.sample(sequence.at(n, dimension)) % 2 == 0;
+            for (std::uint64_t n = 0; n < kCount; ++n) small += table.sample(sampler.at(n, dimension)) % 2 == 0;
             for (std::uint32_t i = 0; i < size; i += 2) probability += static_cast<double>(table.probability(i));
             EXPECT_NEAR(probability * 201, 1, 1e-5) << size;
             EXPECT_NEAR(small / kCount * 201, 1, 4 * std::sqrt(201.0 / kCount)) << size;
