@@ -54,9 +54,9 @@ int main(int argc, char** argv) {
         [] { return narrow_spot(0.1); },
         [] { return narrow_spot(0.01); },
         [] { return narrow_beam(0.1); },
-        [] { return sky_of_one_pixel(2048, 1024, 1024, ""); },
-        [] { return sky_of_one_pixel(2048, 1024, 1024, "Rotate 50 1 2 0"); },
-        [] { return sky_of_one_pixel(2048, 0, 0, "Rotate 180 1 2 0"); },
+        [] { return infinite_light_of_one_pixel(2048, 1024, 1024, ""); },
+        [] { return infinite_light_of_one_pixel(2048, 1024, 1024, "Rotate 50 1 2 0"); },
+        [] { return infinite_light_of_one_pixel(2048, 0, 0, "Rotate 180 1 2 0"); },
     };
     fmt::print("{} samples of each of {} seeds\n\n", samples, seeds);
     fmt::print("| light | path, % off | bdpt, % off |\n|---|---|---|\n");

@@ -54,7 +54,7 @@ class Transport : public Integrator {
 // The dimensions of one sample in the order in which they should be well spread, for the camera subpath of this world.
 std::vector<std::uint32_t> important_dimensions(const World& world);
 // The ray that a light subpath starts with, by the primes of points of lights that camera vertices draw: no path has both. What
-// lights have most is spread out best: directions.
+// most lights have is spread out best: directions.
 std::vector<Sampler::Sharing> shared_dimensions();
 
 }  // namespace latent::render

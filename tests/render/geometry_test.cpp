@@ -291,11 +291,12 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
                         const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
                         const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
                         const Vec3f w = Frame::from_z(hit->ng).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
-                        const Interaction eye{hit->p + w * (distance * g.radius()), 0, {}};
-                        if (dot(normalize(eye.p - hit->p), hit->ng) < 1e-4f) continue;
+                        const Interaction camera{hit->p + w * (distance * g.radius()), 0, {}};
+                        if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
                         ++connections;
                         grazing += cosine < 0.01f;
-                        hidden += g.occluded(spawn_ray(eye, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), eye));
+                        hidden +=
+                            g.occluded(spawn_ray(camera, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), camera));
                     }
                     EXPECT_GT(connections, 3000) << distance;
                     EXPECT_GT(grazing, 400) << distance;
@@ -313,9 +314,9 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
             const auto on_lamp = scene.geometry->intersect({{r, s, -1}, {0, 0, 1}});
             ASSERT_TRUE(on_lamp);
             const Vec3f w = normalize(Vec3f{random(-1, 1), random(-1, 1), 1});
-            const Interaction eye{on_lamp->p + w * distance, 0, {}};
-            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(eye, on_lamp->interaction()))) << distance;
-            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(on_lamp->interaction(), eye))) << distance;
+            const Interaction camera{on_lamp->p + w * distance, 0, {}};
+            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(camera, on_lamp->interaction()))) << distance;
+            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(on_lamp->interaction(), camera))) << distance;
         }
     }
 }

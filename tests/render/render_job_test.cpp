@@ -25,18 +25,18 @@ TEST(Shards, TileTheSamplesAtRunBoundariesEvenly) {
             for (const std::uint64_t rest : {0u, 1u, 1023u}) {
                 for (const std::uint64_t count : {1u, 2u, 3u, 10u, 100u}) {
                     const SampleRange all{3 * std::uint64_t{run}, (3 + runs) * run + rest};
-                    std::uint64_t at = all.first, least = ~std::uint64_t{0}, most = 0;
+                    std::uint64_t at = all.first, smallest = ~std::uint64_t{0}, largest = 0;
                     for (std::uint64_t i = 0; i < count; ++i) {
                         const SampleRange shard = shard_of(all, {i, count}, run);
                         EXPECT_EQ(shard.first, at);
                         EXPECT_TRUE(shard.first % run == 0 || shard.first == all.end);
                         at = shard.end;
                         const std::uint64_t size = (shard.size() + run - 1) / run;
-                        least = std::min(least, size);
-                        most = std::max(most, size);
+                        smallest = std::min(smallest, size);
+                        largest = std::max(largest, size);
                     }
                     EXPECT_EQ(at, all.end);
-                    EXPECT_LE(most - least, 1u);
+                    EXPECT_LE(largest - smallest, 1u);
                 }
             }
         }

@@ -63,10 +63,10 @@ class Resume : public ::testing::Test {
         whole_seconds_ = outcome.seconds;
         ASSERT_EQ(whole_.size(), 3u);
     }
-    // Sleeps for a random part of the time that this machine takes for everything, times `stretch`.
-    void sleep_a_while(double stretch = 1) {
+    // Sleeps for a random part of the time that this machine takes for everything, times `factor`.
+    void sleep_a_while(double factor = 1) {
         std::this_thread::sleep_for(
-            std::chrono::duration<double>(std::uniform_real_distribution<double>(0, stretch * whole_seconds_)(random_)));
+            std::chrono::duration<double>(std::uniform_real_distribution<double>(0, factor * whole_seconds_)(random_)));
     }
     static std::vector<std::string> whole_;
     static double whole_seconds_;

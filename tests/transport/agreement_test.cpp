@@ -1,8 +1,8 @@
 // `path` and `bdpt` estimate the same integral by other means: they must agree wherever light, material, camera and medium meet.
 // A pairwise covering design: every pair of choices of two of the five factors occurs in some scene, but for light of a point or of
-// one direction on smooth mirrors and glass: no path from the eye finds the caustics of those. Small pictures, fixed seeds; every
-// scene is compared in X, Y and Z, and every choice over all its scenes together; over all comparisons the false discovery rate is
-// held at 1 % [BH95].
+// one direction on smooth mirrors and glass: no path from the camera finds the caustics of those. Small pictures, fixed seeds;
+// every scene is compared in X, Y and Z, and every choice over all its scenes together; over all comparisons the false discovery
+// rate is held at 1 % [BH95].
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ const std::vector<Option> kLights = {
      "0.1] \"float coneangle\" 45\n"},
     {"distant",
      "LightSource \"distant\" \"blackbody L\" 5500 \"float illuminance\" 3 \"point3 from\" [1 2 -2] \"point3 to\" [0 0 0]\n"},
-    {"image sky",
+    {"image infinite",
      "AttributeBegin Rotate 30 0 1 0 Rotate -90 1 0 0 LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float "
      "illuminance\" 2 "
      "AttributeEnd\n"},
@@ -51,8 +51,8 @@ const std::vector<Option> kLights = {
      "AttributeBegin ReverseOrientation AreaLightSource \"diffuse\" \"rgb L\" [0.3 0.5 0.8] Material \"diffuse\" \"rgb "
      "reflectance\" "
      "[0.1 0.1 0.1] Shape \"sphere\" \"float radius\" 6 AttributeEnd\n"},
-    {"sky", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" \"float scale\" 0.6\n"},
-    {"sky and lines",
+    {"infinite", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" \"float scale\" 0.6\n"},
+    {"infinite and lines",
      "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\" \"float scale\" 0.2\nAttributeBegin Translate -0.6 1.3 -0.5 "
      "AreaLightSource \"diffuse\" "
      "\"spectrum L\" [360 0 586.5 0 588.5 1 590.5 1 592.5 0 830 0] \"float scale\" 8 Material \"diffuse\" \"spectrum reflectance\" "
@@ -121,7 +121,8 @@ bool is_one_of(const char* name, std::initializer_list<const char*> names) {
 bool is_possible(const Design& d) {
     const bool delta_light = is_one_of(kLights[d[kLight]].name, {"point", "spot", "distant"});
     const bool smooth = is_one_of(kMaterials[d[kMaterial]].name, {"mirror", "glass", "dispersive glass", "pane"});
-    const bool infinite = is_one_of(kLights[d[kLight]].name, {"distant", "image sky", "shell", "sky", "sky and lines"});
+    const bool infinite =
+        is_one_of(kLights[d[kLight]].name, {"distant", "image infinite", "shell", "infinite", "infinite and lines"});
     return !(delta_light && smooth) && !(infinite && d[kMedium] == kEverywhere);
 }
 
@@ -149,15 +150,15 @@ std::vector<Design> covering_design() {
     };
     while (!open.empty()) {
         Design best{};
-        std::ptrdiff_t most = 0;
-        while (most == 0) {
+        std::ptrdiff_t covered = 0;
+        while (covered == 0) {
             for (int trial = 0; trial < 300; ++trial) {
                 Design d;
                 for (std::size_t f = 0; f < kFactorCount; ++f) d[f] = draw(kFactors[f]->size());
                 const auto count =
                     is_possible(d) ? std::count_if(open.begin(), open.end(), [&](const auto& pair) { return covers(d, pair); }) : 0;
-                if (count > most) {
-                    most = count;
+                if (count > covered) {
+                    covered = count;
                     best = d;
                 }
             }

@@ -111,7 +111,7 @@ ClosedForm narrow_beam(double cone_degrees) {
         .y = sigma / (4 * kPi) * along * std::exp(-sigma * D) / area};
 }
 
-ClosedForm sky_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y, const std::string& rotation) {
+ClosedForm infinite_light_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y, const std::string& rotation) {
     Scene scene = scene_under_sky(floor_seen(1e-3) + rotation + "\nLightSource \"infinite\" \"string filename\" \"sky.exr\"\n");
     LightDescription& light = scene.description.lights[0];
     ImageDescription image{size, size, std::vector<float>(3 * std::size_t{size} * size)};
@@ -131,7 +131,8 @@ ClosedForm sky_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y
             (1.0 / (kFine * kFine));
     }
     const double cosine = light.world_from_light.vector(mean).z;
-    return {.name = fmt::format("pixel ({}, {}) of a sky of {} x {}{}", x, y, size, size, rotation.empty() ? "" : ", " + rotation),
+    return {.name = fmt::format("pixel ({}, {}) of an infinite light of {} x {}{}", x, y, size, size,
+                                rotation.empty() ? "" : ", " + rotation),
             .scene = std::move(scene),
             .y = kReflectance / kPi * static_cast<double>(kRadiance) * 4 * kPi / (static_cast<double>(size) * size) * cosine};
 }

@@ -33,7 +33,7 @@ ClosedForm narrow_spot(double cone_degrees);
 // The beam of such a spot in thin fog, seen from the side.
 ClosedForm narrow_beam(double cone_degrees);
 
-// A floor under a sky of size x size pixels of which one shines, after `rotation`, a directive.
-ClosedForm sky_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y, const std::string& rotation);
+// A floor under an infinite light of size x size pixels of which one shines, after `rotation`, a directive.
+ClosedForm infinite_light_of_one_pixel(std::uint32_t size, std::uint32_t x, std::uint32_t y, const std::string& rotation);
 
 }  // namespace latent::render::testing

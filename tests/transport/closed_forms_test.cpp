@@ -42,14 +42,15 @@ TEST(ClosedForms, ANarrowSpotHasItsPower) {
 }
 
 // Pixels about the poles of the map and elsewhere, the poles upright and at 50 degrees from that.
-TEST(ClosedForms, AnyPixelOfASkyIsAsBrightAsItIs) {
+TEST(ClosedForms, AnyPixelOfAnInfiniteLightIsAsBrightAsItIs) {
     for (const std::string rotation : {"", "Rotate 50 1 2 0"}) {
-        for (const std::uint32_t x : {1023u, 1024u}) expect_exact(sky_of_one_pixel(2048, x, 1024, rotation), 20'000, 3e-4);
-        expect_exact(sky_of_one_pixel(2048, 1300, 900, rotation), 20'000, 3e-4);
+        for (const std::uint32_t x : {1023u, 1024u})
+            expect_exact(infinite_light_of_one_pixel(2048, x, 1024, rotation), 20'000, 3e-4);
+        expect_exact(infinite_light_of_one_pixel(2048, 1300, 900, rotation), 20'000, 3e-4);
     }
     for (const std::string rotation : {"Rotate 180 1 2 0", "Rotate 130 1 2 0"}) {
-        expect_exact(sky_of_one_pixel(2048, 0, 0, rotation), 20'000, 3e-4);
-        expect_exact(sky_of_one_pixel(2048, 1, 2046, rotation), 20'000, 3e-4);
+        expect_exact(infinite_light_of_one_pixel(2048, 0, 0, rotation), 20'000, 3e-4);
+        expect_exact(infinite_light_of_one_pixel(2048, 1, 2046, rotation), 20'000, 3e-4);
     }
 }
 

@@ -187,8 +187,8 @@ TYPED_TEST(ClosureLaws, SmoothScatteringIsReciprocal) {
                 const bool refracts = c.eta != 1 && there.wi.z * wo.z < 0;
                 EXPECT_NEAR(there.eta2, !refracts ? 1 : std::pow(c.eta, wo.z > 0 ? 2 : -2), 1e-6);
                 // The reverse density is that of the way back, per solid angle on its own side.
-                const float stretch = refracts ? abs_dot(there.wi, c.ns) * there.eta2 / abs_dot(wo, c.ns) : 1;
-                EXPECT_NEAR(there.pdf_reverse * stretch, back.pdf, 1e-5f * back.pdf);
+                const float ratio = refracts ? abs_dot(there.wi, c.ns) * there.eta2 / abs_dot(wo, c.ns) : 1;
+                EXPECT_NEAR(there.pdf_reverse * ratio, back.pdf, 1e-5f * back.pdf);
                 for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                     if (refracts && c.kept && i != *c.kept) continue;
                     const float power = beta[i] * there.pdf * there.eta2;
@@ -282,7 +282,7 @@ TEST(ThinDielectric, ReflectsEachWavelengthByItsIndex) {
     const Bsdf pane(Frame::from_z(kUp), kUp, ThinDielectric(eta, true, 9));
     for (const Vec3f& wo : kDirections) {
         constexpr int kCount = 10'000;
-        std::array<double, kMaxWavelengths> reflected{}, passed{};
+        std::array<double, kMaxWavelengths> reflected{}, transmitted{};
         for (int n = 0; n < kCount; ++n) {
             BsdfSample sample;
             SampledSpectrum beta(1.0f);
@@ -293,13 +293,13 @@ TEST(ThinDielectric, ReflectsEachWavelengthByItsIndex) {
                 EXPECT_LT(length(sample.wi + wo), 1e-6f);
             }
             for (std::uint32_t i = 0; i < kMaxWavelengths; ++i)
-                (back ? reflected : passed)[i] += static_cast<double>(beta[i]) / kCount;
+                (back ? reflected : transmitted)[i] += static_cast<double>(beta[i]) / kCount;
         }
         for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
             const double r = fresnel_dielectric(std::abs(wo.z), eta[i]), t = 1 - r;
             const double expected = r + t * t * r / (1 - r * r);
             EXPECT_NEAR(reflected[i], expected, 1.5 / kCount);  // the probabilities are met to one sample
-            EXPECT_NEAR(passed[i], 1 - expected, 1.5 / kCount);
+            EXPECT_NEAR(transmitted[i], 1 - expected, 1.5 / kCount);
         }
     }
 }

@@ -132,7 +132,7 @@ TEST(Equiangular, NoRayIsTooNear) {
 //   L = sigma_s I / (4 pi) int e^(-sigma_t (t + d)) / d^2 dt = sigma_s I / (4 pi D) int e^(-sigma_t (t + d)) dtheta
 // t + d is at least delta, so no sample whose density is p_E or more exceeds sigma_s I e^(-sigma_t delta) Theta / (4 pi D); there
 // may be two, drawn either way. An interface parts the ray into two segments: only walks that pass the first one, a length c, with
-// odds e^(-sigma_t c), come to the light.
+// probability e^(-sigma_t c), come to the light.
 TEST(Equiangular, LightBesideARayIsTheIntegralAndHasABound) {
     constexpr double kSigmaS = 0.4, kSigmaT = 0.5, kD = 0.02, kDelta = 2, kEnd = 4, kInterface = 1.8;
     const std::string fog =

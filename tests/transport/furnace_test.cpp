@@ -91,8 +91,8 @@ TEST(Furnace, HoldsWavelengthByWavelength) {
     EXPECT_GT(mean.back(), 1 + 0.1);
 }
 
-// What absorbs nothing cannot be seen before a sky that is everywhere the same: glass, panes, fog; with few wavelengths or many.
-TEST(Furnace, NothingThatAbsorbsNothingShowsBeforeAnEvenSky) {
+// What absorbs nothing cannot be seen before a uniform infinite light: glass, panes, fog; with few wavelengths or many.
+TEST(Furnace, NothingThatAbsorbsNothingShowsBeforeAUniformInfiniteLight) {
     const std::string fog =
         "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0 830 0] \"spectrum sigma_s\" [360 3 "
         "830 1] "
@@ -248,7 +248,7 @@ TEST(DirectLight, OfScaleOneHasTheYOfOneWhateverItsLines) {
 }
 
 // A lens has an area, which light can meet by chance. A point or a direction is invisible all the same, in mirrors, through glass
-// and through panes too: no path from the eye finds it there.
+// and through panes too: no path from the camera finds it there.
 TEST(DeltaLights, AreInvisibleThroughMirrorsAndGlassToo) {
     const std::string plate =
         "Shape \"trianglemesh\" \"point3 P\" [-4 -4 0  4 -4 0  4 4 0  -4 4 0] \"integer indices\" [0 1 2 0 2 3]\n";

@@ -118,10 +118,10 @@ Noise light_image_noise(const Scene& scene, std::uint64_t samples, std::uint32_t
 
 // With 8 pictures of 64 blocks the ratio is known to 3 % (448 degrees of freedom): limits are 5 standard deviations away and more.
 TEST(LightStart, TheLightImageIsLessNoisyThanByIndependentSamples) {
-    for (const auto& [text, most] : {std::pair{floor_under_spot(), 0.25}, std::pair{floor_under_lamp(), 0.85}}) {
+    for (const auto& [text, limit] : {std::pair{floor_under_spot(), 0.25}, std::pair{floor_under_lamp(), 0.85}}) {
         const Noise noise = light_image_noise(scene_from(text), 1 << 15, 8);
         fmt::print("    {:.3f} of the noise of independent samples\n", noise.found / noise.independent);
-        EXPECT_LT(noise.found, most * noise.independent);
+        EXPECT_LT(noise.found, limit * noise.independent);
         EXPECT_GT(noise.found, 0);
     }
 }

@@ -33,7 +33,7 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     constexpr double kLength = 1.5;
     const Segment segment{{}, {0, 0, 1}, 1.5f};
     const SampledSpectrum& sigma = spectra_[sigma_t_];
-    const auto passing = [&](double t) {
+    const auto transmittance_of = [&](double t) {
         double sum = 0;
         for (std::uint32_t i = 0; i < 28; ++i) sum += std::exp(-static_cast<double>(sigma[i]) * t) / 28;
         return sum;
@@ -46,17 +46,18 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
         const MediumStep step = fog_.sample_step(segment, channel, x, sample_, value);
         const double t = static_cast<double>(step.t);
         ++counted[step.scattered ? static_cast<std::size_t>(t / kLength * kBins) : kBins];
-        ASSERT_NEAR(step.transmittance, passing(t), 1e-5);
+        ASSERT_NEAR(step.transmittance, transmittance_of(t), 1e-5);
         if (!step.scattered) {
             ASSERT_EQ(step.density, step.transmittance);
             continue;
         }
-        ASSERT_NEAR(step.density, (passing(t - 1e-4) - passing(t + 1e-4)) / 2e-4, 1e-4);
+        ASSERT_NEAR(step.density, (transmittance_of(t - 1e-4) - transmittance_of(t + 1e-4)) / 2e-4, 1e-4);
         ASSERT_NEAR(fog_.scattering_over_transmittance({}, step.column, sample_), step.density / step.transmittance, 1e-4);
     }
     double chi2 = 0;
     for (int b = 0; b <= kBins; ++b) {
-        const double from = passing(b * kLength / kBins), to = b == kBins ? 0 : passing((b + 1) * kLength / kBins);
+        const double from = transmittance_of(b * kLength / kBins),
+                     to = b == kBins ? 0 : transmittance_of((b + 1) * kLength / kBins);
         const double expected = kCount * (from - to);
         chi2 += (counted[static_cast<std::size_t>(b)] - expected) * (counted[static_cast<std::size_t>(b)] - expected) / expected;
     }
@@ -69,12 +70,12 @@ TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
     constexpr int kCount = 400'000;
     constexpr float kLength = 0.7f;
     const Segment segment{{}, {0, 0, 1}, kLength};
-    std::array<std::array<double, 2>, 28> passed{}, scattered{};  // sum and sum of squares
+    std::array<std::array<double, 2>, 28> unscattered{}, scattered{};  // sum and sum of squares
     Numbers u(13);
     for (int n = 0; n < kCount; ++n) {
         SampledSpectrum value(1.0f);
         const Uniform channel = u(), x = u();
-        auto& sums = fog_.sample_step(segment, channel, x, sample_, value).scattered ? scattered : passed;
+        auto& sums = fog_.sample_step(segment, channel, x, sample_, value).scattered ? scattered : unscattered;
         for (std::uint32_t i = 0; i < 28; ++i) {
             sums[i][0] += static_cast<double>(value[i]);
             sums[i][1] += static_cast<double>(value[i]) * static_cast<double>(value[i]);
@@ -86,7 +87,7 @@ TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
     };
     for (std::uint32_t i = 0; i < 28; ++i) {
         const double t = static_cast<double>(sigma_t[i]), transmittance = std::exp(-t * static_cast<double>(kLength));
-        expect_mean(passed[i], transmittance);
+        expect_mean(unscattered[i], transmittance);
         expect_mean(scattered[i], static_cast<double>(sigma_s[i]) / t * (1 - transmittance));
     }
 }

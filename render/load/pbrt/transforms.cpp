@@ -20,10 +20,10 @@ Affined rotation(double degrees, const Vec3d& axis) {
 }
 
 // Camera space from world space: z looks along, x is to the right in the image, which is what left-handed coordinates make of it.
-std::optional<Affined> look_at(const Vec3d& eye, const Vec3d& at, const Vec3d& up) {
-    const Vec3d z = normalize(at - eye), right = normalize(cross(normalize(up), z));
+std::optional<Affined> look_at(const Vec3d& from, const Vec3d& at, const Vec3d& up) {
+    const Vec3d z = normalize(at - from), right = normalize(cross(normalize(up), z));
     if (!std::isfinite(dot(z, z)) || !std::isfinite(dot(right, right))) return std::nullopt;
-    return Affined(right, cross(z, right), z, eye).inverse();
+    return Affined(right, cross(z, right), z, from).inverse();
 }
 
 Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }

@@ -11,7 +11,7 @@
 
 namespace latent::render {
 
-// Densities are per area (per volume in a medium), for a point of the sky per solid angle; they hold for the whole step, with the
+// Densities are per area (per volume in a medium), for a point at infinity per solid angle; they hold for the whole step, with the
 // probability of passing media on the way.
 struct SubpathVertex {
     SampledSpectrum beta;  // what arrives here: of importance, or of light
