@@ -7,7 +7,7 @@
 namespace latent::render {
 
 MediumStep HomogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                                          SampledSpectrum& value) const {
+                                          SampledSpectrum& value, SampledSpectrum*) const {
     const float sigma = sample.spectra[sigma_t_][u_wavelength.index(sample.k())];
     const float t = sigma > 0 ? -log_of_complement(u) / sigma : kInfinity;
     const bool scattered = t < segment.length;

@@ -15,8 +15,10 @@ class HomogeneousMedium final : public Medium {
     HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, const PhaseFunction& phase)
         : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s) {}
 
-    MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                           SampledSpectrum& value) const override;
+    bool is_bounded() const override { return false; }
+    bool is_emissive() const override { return false; }
+    MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
+                           SampledSpectrum* emitted) const override;
     MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const override;
     MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const override;
     float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const override;

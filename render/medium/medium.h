@@ -10,8 +10,9 @@
 
 namespace latent::render {
 
-// A step along a segment. Densities are means over the k wavelengths, the same for whatever subpath takes the step, and depend on
-// its ends alone: multiple importance sampling compares them.
+// A step along a segment. What multiple importance sampling compares are means over the k wavelengths that depend on the two ends
+// alone: the same for whatever subpath takes the step, and whatever tentative collisions it meets. Where the medium varies they are
+// those of a coarse picture of it, near the densities that steps are drawn with.
 struct MediumStep {
     bool scattered;
     float t;              // [m]: where, or the length of the segment
@@ -33,10 +34,15 @@ class Medium {
 
     const PhaseFunction& phase() const { return phase_; }
 
+    // Nothing of it is far away, so light from infinity may come through it.
+    virtual bool is_bounded() const = 0;
+    virtual bool is_emissive() const = 0;
+
     // Analogue tracking: draws where light scatters next, if it does on this segment. With T the transmittance in each wavelength,
-    // value *= the step's weight, sigma_s T / density, or T / density where nothing scatters.
+    // value *= an estimate of sigma_s T over the density of a vertex there, or of T over the probability that nothing scatters.
+    // `emitted`, unless null: += value times an estimate of what the segment itself sends back along it.
     virtual MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                                   SampledSpectrum& value) const = 0;
+                                   SampledSpectrum& value, SampledSpectrum* emitted) const = 0;
     // A vertex after t: value *= sigma_s T.
     virtual MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const = 0;
     // The whole segment: value *= T, or an estimate of it whose mean is T.

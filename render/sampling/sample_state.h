@@ -3,16 +3,19 @@
 
 #include <cstdint>
 
+#include "render/sampling/random.h"
 #include "render/sampling/sampler.h"
 #include "render/spectral/spectra.h"
 
 namespace latent::render {
 
-// Its numbers, its wavelengths, and the one it keeps where it is dispersed.
+// Its numbers, its wavelengths, and the one it keeps where it is dispersed. Used by one thread, which draws from `random` in the
+// same order each time.
 struct SampleState {
     SampleNumbers numbers;
     SampledSpectra& spectra;
     std::uint32_t kept;
+    Random random{0};
 
     std::uint32_t k() const { return spectra.wavelengths.k; }
 };

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "render/sampling/random.h"
+
 namespace latent::render {
 namespace {
 
 constexpr std::array<std::uint32_t, Sampler::kPrimes> kBases = {5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
 constexpr std::uint64_t kOne = std::uint64_t{1} << 60;
-
-// A bijection of 64 bits whose every output bit depends on every input bit [Stafford11, variant 13].
-std::uint64_t mix(std::uint64_t x) {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
 
 // A permutation of 0..base-1 that is a function of `key` (Fisher-Yates).
 std::vector<std::uint32_t> permutation(std::uint32_t base, std::uint64_t key) {

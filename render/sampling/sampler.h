@@ -22,6 +22,8 @@ struct Dimension {
         kStartV,
         kStartDirectionU,
         kStartDirectionV,
+        // The seed of Random.
+        kRandom,
         kCameraVertices = 16,
         kLightVertices = 1u << 20
     };

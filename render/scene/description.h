@@ -13,6 +13,7 @@
 #include "render/math/vec.h"
 #include "render/scene/source_location.h"
 #include "render/scene/texture.h"
+#include "render/scene/volume.h"
 
 namespace latent::render {
 
@@ -53,10 +54,15 @@ struct MaterialDescription {
     SourceLocation location{};
 };
 
-struct MediumDescription {  // homogeneous, Henyey-Greenstein
+// Henyey-Greenstein. The spectra are scaled by the volume's density, which is 1 everywhere if it is uniform.
+struct MediumDescription {
     std::string name{};
     color::Spectrum sigma_a{}, sigma_s{};  // 1/m, `scale` not applied
     double scale = 1, g = 0;
+    Volume volume{};
+    // Not of a uniform volume: its place, and the box in its own space outside of which it is empty.
+    Affined world_from_medium{};
+    Vec3d low{0, 0, 0}, high{1, 1, 1};
     SourceLocation location{};
 };
 

@@ -65,9 +65,24 @@ void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MediumDescription> auto& medium, Visit&& visit) {
-    auto& [name, sigma_a, sigma_s, scale, g, location] = medium;
-    visit(sigma_a, sigma_s, scale, g);
+    auto& [name, sigma_a, sigma_s, scale, g, volume, world_from_medium, low, high, location] = medium;
+    visit(sigma_a, sigma_s, scale, g, volume, world_from_medium, low, high);
     visit.label(name, location);
+}
+
+template <class Visit>
+void each_field(Of<UniformVolume> auto&, Visit&&) {}
+
+template <class Visit>
+void each_field(Of<GridVolume> auto& volume, Visit&& visit) {
+    auto& [density, density_from_medium] = volume;
+    visit(density, density_from_medium);
+}
+
+template <class Visit>
+void each_field(Of<VoxelGrid> auto& grid, Visit&& visit) {
+    auto& [size, brick, values] = grid;
+    visit(size, brick, values);
 }
 
 template <class Visit>

@@ -49,8 +49,11 @@ class Path {
                 const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
                 segment_ = segment;
                 if (depth_ < max_depth_) sample_point_light(medium, again);
-                step_ = medium.sample_step(segment, number(Dimension::kDistanceChannel + again),
-                                           number(Dimension::kDistance + again), sample_, beta_);
+                SampledSpectrum emitted(0.0f);
+                step_ =
+                    medium.sample_step(segment, number(Dimension::kDistanceChannel + again), number(Dimension::kDistance + again),
+                                       sample_, beta_, medium.is_emissive() ? &emitted : nullptr);
+                if (medium.is_emissive()) camera_.add(emitted, dispersed_, sample_.kept, sample_.k());
                 if (step_.scattered) {
                     at_ = {segment.o + d_ * step_.t, 0, {}};
                     scattering = medium.phase();

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/medium/homogeneous.h"
+#include "render/medium/make_medium.h"
 
 namespace latent::render {
 
@@ -18,14 +18,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         world->materials_.emplace_back(d, world->textures_, world->library_);
         world->has_dispersion_ |= d.dispersive;
     }
-    for (const MediumDescription& d : scene.media) {
-        const auto add = [&](const std::function<double(double)>& sigma) {
-            return world->library_.add(color::Spectrum::from_function(sigma, color::Outside::kZero), Lookup::kNearestNm);
-        };
-        const std::uint32_t sigma_t = add([&](double nm) { return d.scale * (d.sigma_a(nm) + d.sigma_s(nm)); });
-        const std::uint32_t sigma_s = add([&](double nm) { return d.scale * d.sigma_s(nm); });
-        world->media_.push_back(std::make_unique<HomogeneousMedium>(sigma_t, sigma_s, PhaseFunction{.g = static_cast<float>(d.g)}));
-    }
+    for (const MediumDescription& d : scene.media) world->media_.push_back(make_medium(d, world->library_));
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
         return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
     };

@@ -31,8 +31,9 @@ class World {
     const Medium& medium(std::uint32_t i) const { return *media_[i]; }
     bool has_media() const { return !media_.empty(); }
     bool has_dispersion() const { return has_dispersion_; }
-    // What is beyond everything: light from infinity comes through no medium.
+    // What is beyond everything. Light from infinity comes through no medium without end.
     std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
+    bool is_open() const { return medium_at_infinity_ == kNone || medium(medium_at_infinity_).is_bounded(); }
 
     // What the surface at `hit` does to light; valid as long as `spectra` stays at this sample.
     Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {

@@ -131,6 +131,7 @@ SceneDescription everything(const Folder& folder) {
     const Result<LoadedScene> scene = load_scene(folder.write("all.pbrt", R"(
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [.1 .2 .3] "rgb sigma_s" [.3 .2 .1] "float g" .5
 MakeNamedMedium "mist" "string type" "homogeneous" "rgb sigma_a" [.1 .1 .3] "rgb sigma_s" [.3 .3 .1]
+MakeNamedMedium "dust" "string type" "uniformgrid" "integer nx" 2 "float density" [1 2]
 MediumInterface "fog" "fog"
 Camera "perspective" "float lensradius" .1
 WorldBegin
@@ -148,7 +149,7 @@ ObjectBegin "a"
   Shape "trianglemesh" "point3 P" [0 0 0  1 0 0  0 1 0] "normal N" [0 0 1 0 0 1 0 0 1] "point2 uv" [0 0 1 0 0 1]
 ObjectEnd
 ObjectBegin "b"
-  MediumInterface "mist" "fog"
+  MediumInterface "mist" "dust"
   Shape "sphere" "float radius" 2
 ObjectEnd
 ObjectInstance "a"

@@ -41,7 +41,15 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Translate 0 1e39 0\nShape \"sphere\"", "single precision"},
              Case{"Scale 1e20 1e20 1e20\nShape \"disk\" \"float radius\" 1e20", "single precision"},
              Case{"Shape \"plymesh\" \"string filename\" \"no.ply\"", "no.ply"},
-             Case{"MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Milk\"", "presets are not supported"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Milk\"", "preset: is not supported"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [ 1 2 3 ]",
+                  "density: 3 values, but nx ny nz is 2"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"uniformgrid\"", "density: 0 values, but nx ny nz is 1"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [ 1 -2 ]",
+                  "value 2 is -2; densities must not be negative"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" -2 \"float density\" [ 1 2 ]",
+                  "nx: must be one integer from 1 to"},
+             Case{"MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" 1 \"point3 p1\" [ 1 0 1 ]", "is flat"},
              Case{"MediumInterface \"m\" \"m\"", "medium \"m\" is not defined"},
              Case{"ObjectInstance \"o\"", "object \"o\" is not defined"},
              Case{"ObjectBegin \"o\"\nObjectInstance \"p\"", "must not be inside ObjectBegin"},
@@ -205,7 +213,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     directives("LightSource", {"goniometric", "projection"});
     directives("AreaLightSource", {"area"});
     directives("ColorSpace", {"aces2065-1"});
-    for (const char* type : {"uniformgrid", "rgbgrid", "cloud", "nanovdb"})
+    for (const char* type : {"rgbgrid", "cloud", "nanovdb"})
         lines.push_back(std::string("MakeNamedMedium \"m\" \"string type\" \"") + type + "\"");
 
     const auto parameters = [&](const std::string& directive, std::initializer_list<const char*> unsupported) {

@@ -43,7 +43,7 @@ TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
     for (int n = 0; n < kCount; ++n) {
         SampledSpectrum value(1.0f);
         const Uniform channel = u(), x = u();
-        const MediumStep step = fog_.sample_step(segment, channel, x, sample_, value);
+        const MediumStep step = fog_.sample_step(segment, channel, x, sample_, value, nullptr);
         const double t = static_cast<double>(step.t);
         ++counted[step.scattered ? static_cast<std::size_t>(t / kLength * kBins) : kBins];
         ASSERT_NEAR(step.transmittance, transmittance_of(t), 1e-5);
@@ -75,7 +75,7 @@ TEST_F(Steps, WeightsAddUpToTransmittanceAndScattering) {
     for (int n = 0; n < kCount; ++n) {
         SampledSpectrum value(1.0f);
         const Uniform channel = u(), x = u();
-        auto& sums = fog_.sample_step(segment, channel, x, sample_, value).scattered ? scattered : unscattered;
+        auto& sums = fog_.sample_step(segment, channel, x, sample_, value, nullptr).scattered ? scattered : unscattered;
         for (std::uint32_t i = 0; i < 28; ++i) {
             sums[i][0] += static_cast<double>(value[i]);
             sums[i][1] += static_cast<double>(value[i]) * static_cast<double>(value[i]);

@@ -58,6 +58,9 @@ void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>
         Affined& map = texture.mapping.texture_from_world;
         map.t = map.point(scene.origin);
     }
+    for (MediumDescription& medium : scene.media) {
+        if (!std::holds_alternative<UniformVolume>(medium.volume)) medium.world_from_medium.t += -scene.origin;
+    }
     for (LoadedShape& shape : shapes) scene.shapes.push_back(placed(std::move(shape), scene.origin));
     for (std::size_t i = 0; i < objects.size(); ++i) {
         ObjectDescription& object = scene.objects[i];

@@ -6,6 +6,7 @@
 
 #include "render/load/pbrt/lights.h"
 #include "render/load/pbrt/materials.h"
+#include "render/load/pbrt/media.h"
 #include "render/load/pbrt/shapes.h"
 #include "render/scene/check.h"
 
@@ -159,7 +160,7 @@ void SceneBuilder::add_medium(const Directive& d) {
     const std::optional<std::string> type = parameters.string("type");
     if (!type) parameters.error("MakeNamedMedium: \"string type\" is missing");
     MediumDescription read;
-    if (type) read = read_medium(*type, parameters, spectra_);
+    if (type) read = read_medium(*type, parameters, state_.ctm, spectra_);
     const std::uint32_t index = medium(d.strings[0], d.where);
     if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
     Named& named = media_.at(d.strings[0]);

@@ -120,21 +120,4 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
     return material;
 }
 
-MediumDescription read_medium(const std::string& type, const ParameterList& list, SceneSpectra& spectra) {
-    MediumDescription medium{.location = list.directive().where};
-    if (type != "homogeneous") {
-        list.error(fmt::format("Medium \"{}\" is not supported (homogeneous)", type));
-        return medium;
-    }
-    const auto sigma_a = spectra.find(list, "sigma_a", SpectrumRole::kUnbounded),
-               sigma_s = spectra.find(list, "sigma_s", SpectrumRole::kUnbounded);
-    if (!sigma_a || !sigma_s) list.error("sigma_a and sigma_s: both are required (presets are not supported)");
-    if (sigma_a) medium.sigma_a = *sigma_a;
-    if (sigma_s) medium.sigma_s = *sigma_s;
-    medium.scale = list.number("scale", 1, 0, 1e12);
-    medium.g = list.number("g", 0, -0.9999, 0.9999);
-    list.report_unused();
-    return medium;
-}
-
 }  // namespace latent::render

@@ -1,4 +1,4 @@
-// render/load/pbrt/materials.h: materials and media. Defaults are pbrt-v4's.
+// render/load/pbrt/materials.h: materials. Defaults are pbrt-v4's.
 #pragma once
 
 #include <optional>
@@ -15,6 +15,5 @@ namespace latent::render {
 
 // Nothing: "interface", or an error was reported.
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures);
-MediumDescription read_medium(const std::string& type, const ParameterList& list, SceneSpectra& spectra);
 
 }  // namespace latent::render

@@ -122,10 +122,10 @@ class Bidirectional {
     void see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line);
     void see_infinite_lights(const Step& step, const LineOfSight& line);
 
-    // t = 0: the light's step meets the lens before it has gone `limit`. Lights that are a point or a direction are themselves
-    // invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes such a path, so
-    // no weight counts on this one.
-    void reach_lens(const Step& step, LineOfSight line, Segment segment, float limit);
+    // t = 0: the light's step meets the lens on this segment, if nothing scatters it before. Lights that are a point or a direction
+    // are themselves invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes
+    // such a path, so no weight counts on this one.
+    void reach_lens(const Step& step, LineOfSight line, Segment segment);
     void splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed);
 
     // s = 1: a point of a light for camera vertex i.

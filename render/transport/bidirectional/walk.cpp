@@ -46,9 +46,9 @@ void Bidirectional::trace_light() {
     step.pdf = light.is_infinite() ? ray.pdf_position : ray.pdf_direction;
     step.parallel = light.is_infinite();
     step.mis_shorter = x.mis.end;
-    step.medium = ray.medium;
+    step.medium = light.is_infinite() ? world_.medium_at_infinity() : ray.medium;
     if (!(ray.pdf_direction > 0)) return;
-    if (light.is_infinite() && world_.medium_at_infinity() != kNone) return;  // nothing comes through
+    if (light.is_infinite() && !world_.is_open()) return;  // nothing comes through
     step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
     if (!light.multiply_emission(ray.at.ng, ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
     walk(light_subpath_, false, step);
@@ -96,13 +96,17 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
         step.medium = segment.medium;
         MediumStep medium_step{false, segment.length, 1, 1, segment.length};
         SampledSpectrum weight(1.0f);
+        if (!from_camera && world_.camera().has_lens()) reach_lens(step, line, segment);
         if (step.medium != kNone) {
             const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
-            medium_step = world_.medium(step.medium)
-                              .sample_step(segment, number(from_camera, i, Dimension::kDistanceChannel + again),
-                                           number(from_camera, i, Dimension::kDistance + again), sample_, weight);
+            const Medium& medium = world_.medium(step.medium);
+            const bool emits = from_camera && medium.is_emissive();
+            SampledSpectrum emitted(0.0f);
+            medium_step = medium.sample_step(segment, number(from_camera, i, Dimension::kDistanceChannel + again),
+                                             number(from_camera, i, Dimension::kDistance + again), sample_, weight,
+                                             emits ? &emitted : nullptr);
+            if (emits) radiance_.add(step.beta * emitted, step.dispersed, sample_.kept, sample_.k());
         }
-        if (!from_camera && world_.camera().has_lens()) reach_lens(step, line, segment, medium_step.t);
         step.beta *= weight;
         step.throughput *= weight;
         const float density = line.transmittance * medium_step.density;
@@ -196,9 +200,9 @@ void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& lin
     }
 }
 
-void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segment, float limit) {
+void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segment) {
     CameraPoint point;
-    if (!world_.camera().hit_lens(segment.o, segment.d, limit, point)) return;
+    if (!world_.camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
     if (lights_[start_light_].is_delta() &&
         std::none_of(light_subpath_.begin() + 1, light_subpath_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
         return;
@@ -209,7 +213,6 @@ void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segme
         line.add(segment, 1, segment.length);
     } else {
         const MediumStep to_lens = world_.medium(step.medium).multiply_transmittance(segment, sample_, value);
-        value *= 1 / to_lens.transmittance;
         line.add(segment, to_lens.transmittance, to_lens.column);
     }
     const SubpathVertex& last = light_subpath_.back();

@@ -1,0 +1,61 @@
+// render/medium/heterogeneous.h: what all media share whose density varies in space: tracking by tentative collisions.
+// docs/rendering.md, "Media".
+#pragma once
+
+#include "render/medium/majorant_grid.h"
+#include "render/medium/medium.h"
+
+namespace latent::render {
+
+// sigma_t at a point is at most mu = (density bound of the cell) x (largest reference sigma_t of the k wavelengths), one majorant
+// for all wavelengths. Tentative collisions come at rate mu; each is real with probability sigma_t / mu, which differs from
+// wavelength to wavelength. One wavelength, chosen uniformly, decides, and the balance heuristic between the k ways to make the
+// same step weighs it [Miller19]. With a_j the quotient sigma_t / mu at the j-th tentative collision:
+//   real at the n-th   value *= (1 - a_1) .. (1 - a_(n-1)) sigma_s / mu  over the mean of (1 - a_1) .. (1 - a_(n-1)) a_n
+//   none real          value *= (1 - a_1) .. (1 - a_n)  over the mean of that
+// Transmittance is the mean of (1 - a_1) .. (1 - a_n), ratio tracking [Novak14].
+class HeterogeneousMedium : public Medium {
+ public:
+    bool is_bounded() const final { return true; }
+    MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
+                           SampledSpectrum* emitted) const final;
+    MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const final;
+    MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const final;
+    float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const final;
+
+ protected:
+    // `reference_sigma_t`: a spectrum of the library; times the density of `majorants` it bounds the extinction at all wavelengths.
+    // Points of the medium's own space lie in the unit cube.
+    HeterogeneousMedium(const PhaseFunction& phase, const Affined& unit_from_world, std::uint32_t reference_sigma_t,
+                        MajorantGrid majorants)
+        : Medium(phase),
+          unit_from_world_(unit_from_world),
+          reference_sigma_t_(reference_sigma_t),
+          majorants_(std::move(majorants)) {}
+
+    // At a point of the unit cube [1/m].
+    virtual void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const = 0;
+    virtual void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const = 0;
+    // sigma_a times the emitted radiance. False: none.
+    virtual bool emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const = 0;
+
+ private:
+    struct UnitLine {
+        Vec3f o, d;  // d: per metre
+    };
+    UnitLine unit_line(const Segment& segment) const;
+    // Calls collide(t, point, mu) at the tentative collisions before `end`, the first one drawn by `u`. That returns the optical
+    // depth to the next one, or kStop. Returns the column up to where it stopped, or up to `end`.
+    template <class Collide>
+    float track(const UnitLine& line, float end, float u, SampleState& sample, Collide collide) const;
+    // value *= an estimate of the transmittance up to `end`; returns the column.
+    float multiply_transmittance(const UnitLine& line, float end, SampleState& sample, SampledSpectrum& value) const;
+    MediumStep vertex(float t, float column, const SampledSpectrum& sigma_t, SampleState& sample) const;
+    MediumStep passed(float t, float column, SampleState& sample) const;
+
+    Affined unit_from_world_;
+    std::uint32_t reference_sigma_t_;
+    MajorantGrid majorants_;
+};
+
+}  // namespace latent::render

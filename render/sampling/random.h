@@ -1,0 +1,27 @@
+// render/sampling/random.h: numbers without end for what no dimension can be reserved for, one after another.
+#pragma once
+
+#include <cstdint>
+
+#include "render/sampling/uniform.h"
+
+namespace latent::render {
+
+// A bijection of 64 bits whose every output bit depends on every input bit [Stafford11, variant 13].
+inline std::uint64_t mix(std::uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+// [SplitMix64]: the mixed multiples of an odd number, from a point that the seed gives.
+class Random {
+ public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+    Uniform operator()() { return {mix(state_ += 0x9e3779b97f4a7c15u)}; }
+
+ private:
+    std::uint64_t state_;
+};
+
+}  // namespace latent::render
