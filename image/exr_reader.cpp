@@ -131,8 +131,8 @@ Result<ExrReader> ExrReader::open(const std::filesystem::path& path, int level) 
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     if (const exr_result_t result = exr_start_read(&file->context, path.c_str(), &setup); result != EXR_ERR_SUCCESS) {
         if (result == EXR_ERR_FILE_BAD_HEADER && !fault.ours)
-            return Error{ErrorCode::kForeign, path.string() + ": is not an OpenEXR file"};
-        return file->error(ErrorCode::kForeign, "is not a readable OpenEXR file: ");
+            return Error{ErrorCode::kForeign, path.string() + ": not an OpenEXR file"};
+        return file->error(ErrorCode::kForeign, "not a readable OpenEXR file: ");
     }
     if (Status s = file->read_header(level); !s) return s.error();
     return ExrReader(std::move(file));

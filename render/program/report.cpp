@@ -61,13 +61,13 @@ std::string to_text(const Forecast& forecast, bool json) {
         if (forecast.free_bytes) out["free_bytes"] = *forecast.free_bytes;
         return json_text(out) + "\n";
     }
-    const std::string free = forecast.free_bytes ? fmt::format("; {} free", format_size(*forecast.free_bytes)) : "";
+    const std::string free = forecast.free_bytes ? fmt::format("; {} are free", format_size(*forecast.free_bytes)) : "";
     if (forecast.committed == forecast.samples) return fmt::format("all {} samples are already committed\n", forecast.samples);
     const std::uint64_t missing = forecast.samples - forecast.committed;
     const std::string which = forecast.committed == 0 ? fmt::format("{} samples", missing)
                                                       : fmt::format("{} of {} samples are committed; the other {}",
                                                                     forecast.committed, forecast.samples, missing);
-    return fmt::format("{} would take {}, the part {} on disk{} (measured on {} samples)\n", which,
+    return fmt::format("{} would take {}; the finished file would be {}{} (measured on {} samples)\n", which,
                        format_duration(forecast.seconds), format_size(forecast.bytes), free, forecast.measured_samples);
 }
 

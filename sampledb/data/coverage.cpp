@@ -199,7 +199,7 @@ std::string to_string(const Coverage& coverage, std::size_t most) {
     const std::span<const SampleRange> ranges = coverage.ranges();
     std::string text;
     for (std::size_t i = 0; i < std::min(most, ranges.size()); ++i) {
-        text += fmt::format("{}{}..{}", i ? ", " : "", ranges[i].first, ranges[i].end);
+        text += fmt::format("{}{}:{}", i ? ", " : "", ranges[i].first, ranges[i].end);
     }
     if (ranges.size() > most) text += fmt::format(" and {} more", ranges.size() - most);
     return text.empty() ? "none" : text;

@@ -12,7 +12,7 @@ namespace latent::sampledb {
 
 struct Damage {
     std::uint64_t offset, size;  // bytes that hold no readable run
-    std::string reason;          // "run 3: checksum mismatch, samples 65536..131072 lost"
+    std::string reason;          // "run 3: checksum mismatch, samples 65536:131072 lost"
     bool loss = true;            // false: nothing is lost by it
     std::uint64_t places = 1;    // that this entry stands for
 };

@@ -209,7 +209,7 @@ Status InputReader::check_repeats() const {
         const SelectedRun& run = found_.runs[next.run];
         if (next.range.first < reached && run.file != holder) {
             const auto [a, b] = std::minmax(holder, run.file);
-            return Error{ErrorCode::kMismatch, fmt::format("{} and {} both hold samples {}..{}; --skip-duplicates uses one of them",
+            return Error{ErrorCode::kMismatch, fmt::format("{} and {} both hold samples {}:{}; --skip-duplicates uses one of them",
                                                            found_.files[a].string(), found_.files[b].string(), next.range.first,
                                                            std::min(reached, next.range.end))};
         }

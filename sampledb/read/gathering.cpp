@@ -116,7 +116,7 @@ void OpenGathering::cut_to_samples() {
 }
 
 std::string OpenGathering::place(const SelectedRun& run) const {
-    return fmt::format("{}: samples {}..{}", files_[run.file].string(), run.header.samples.first, run.header.samples.end);
+    return fmt::format("{}: samples {}:{}", files_[run.file].string(), run.header.samples.first, run.header.samples.end);
 }
 
 Result<std::shared_ptr<const FileSource>> OpenGathering::source(std::size_t file) const {

@@ -21,7 +21,7 @@ namespace latent::sampledb {
 struct DamagedRun {
     std::filesystem::path file;
     std::uint64_t offset = 0;  // of its first byte
-    std::string reason;        // "run at byte 8192: page 3: checksum mismatch; samples 65536..131072 lost"
+    std::string reason;        // "run at byte 8192: page 3: checksum mismatch; samples 65536:131072 lost"
 };
 
 struct GatherOptions {
@@ -46,7 +46,7 @@ Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint6
 
 struct LeftOut {
     std::string place;        // "b.latent: run 3" or a file name
-    std::string reason;       // one clause: "checksum mismatch, samples 65536..131071 lost"
+    std::string reason;       // one clause: "checksum mismatch, samples 65536:131072 lost"
     std::uint64_t count = 1;  // of what is left out
 };
 // Adds to a list that stays short, like that of a file's damage.

@@ -56,10 +56,11 @@ Result<bool> is_published(const fs::path& name, const Job& job, SampleRange rang
     const Result<Coverage> covered = coverage_of(*file->source, file->contents);
     if (!covered) return covered.error().at(name.string());
     if (range.empty() || covered->contains(range)) return true;
-    return Error{ErrorCode::kMismatch,
-                 fmt::format("{}: finished, with samples {}, not all of {}; write the other samples to another file and merge, "
-                             "or start over with --force",
-                             name.string(), to_string(*covered), to_string(Coverage(range)))};
+    return Error{
+        ErrorCode::kMismatch,
+        fmt::format("{}: finished, with {}, not all of {}; write the other samples to another file and merge, "
+                    "or start over with --force",
+                    name.string(), covered->empty() ? "no samples" : "samples " + to_string(*covered), to_string(Coverage(range)))};
 }
 
 void remove_superfluous_attempts(const fs::path& name, const Job& job, const Coverage& covered) {

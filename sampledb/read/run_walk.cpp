@@ -58,7 +58,7 @@ class Walker {
                 walk.end += place.header.size();
             } else {
                 add_damage(walk.damage, {place.offset, place.frame.size,
-                                         fmt::format("run at byte {}: {}; samples {}..{} were ignored", place.offset,
+                                         fmt::format("run at byte {}: {}; samples {}:{} were ignored", place.offset,
                                                      place.why.message, place.frame.samples.first, place.frame.samples.end)});
                 walk.end += place.frame.size;
             }

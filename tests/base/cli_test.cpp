@@ -22,5 +22,19 @@ TEST(Cli, AFileNeverGetsTheNumberOfAClosedStandardStream) {
     }
 }
 
+// CLI11 says "--gamut: foo not in {luminance,grey}".
+TEST(Cli, AnUnknownChoiceNamesThoseThereAre) {
+    const auto parse_foo = [] {
+        int gamut = 0;
+        char name[] = "tool", option[] = "--gamut", value[] = "foo";
+        char* arguments[] = {name, option, value, nullptr};
+        CLI::App app{"", "tool"};
+        add_choice<int>(app, "--gamut", gamut, {{"luminance", 0}, {"grey", 1}}, "");
+        ::_exit(parse(app, 3, arguments).value_or(0));
+    };
+    EXPECT_EXIT(parse_foo(), ::testing::ExitedWithCode(kUsage),
+                "^tool: --gamut: unknown choice 'foo'; choose from luminance, grey; see --help\n$");
+}
+
 }  // namespace
 }  // namespace latent::cli

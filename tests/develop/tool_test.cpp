@@ -213,7 +213,7 @@ TEST_F(Tool, NoSamplesAreNoPictureAndMissingOnesAreNamed) {
         EXPECT_EQ(develop_samples(outside, {"--crop", "0,0,9,9"}).err, none.err);
         EXPECT_EQ(none.status, 1) << none.err;
         EXPECT_EQ(none.err,
-                  std::string("latent-develop: --samples ") + outside + ": the files hold only 4096..8192, 12288..16384\n");
+                  std::string("latent-develop: --samples ") + outside + ": the files hold only 4096:8192, 12288:16384\n");
         EXPECT_FALSE(std::filesystem::exists(folder_ / "a.exr"));
     }
     const Outcome nothing = develop({empty, "-o", out("b.exr")});
@@ -222,7 +222,7 @@ TEST_F(Tool, NoSamplesAreNoPictureAndMissingOnesAreNamed) {
 
     const Outcome part = develop_samples("5000:13000");
     EXPECT_EQ(part.status, 3);
-    EXPECT_NE(part.err.find("samples 8192..12288 are in no file"), std::string::npos) << part.err;
+    EXPECT_NE(part.err.find("samples 8192:12288 are in no file"), std::string::npos) << part.err;
     EXPECT_EQ(nlohmann::json::parse(part.out)["missing_samples"], (nlohmann::json{{8192, 12288}}));
     const Outcome whole = develop_samples("5000:8000");
     EXPECT_EQ(whole.status, 0) << whole.err;

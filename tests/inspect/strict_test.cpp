@@ -468,7 +468,7 @@ TEST_F(Strict, RunsThatOthersWouldNotCutSoAreNotedAndNoMistake) {
     EXPECT_TRUE(notes({4096, 6000}).empty());
     EXPECT_TRUE(notes({4096, 16384}).empty());
     ASSERT_EQ(notes({4000, 8192}).size(), 1u);
-    EXPECT_NE(notes({4000, 8192})[0].find("run 0, samples 4000..8192, does not begin at a multiple of 1024 samples"),
+    EXPECT_NE(notes({4000, 8192})[0].find("run 0, samples 4000:8192, does not begin at a multiple of 1024 samples"),
               std::string::npos);
     ASSERT_EQ(notes({5120, 9216}).size(), 1u);
     EXPECT_NE(notes({5120, 9216})[0].find("crosses a multiple of S = 4096"), std::string::npos);
@@ -487,7 +487,7 @@ TEST_F(Strict, RunsOfTheSameSamplesHaveTheSameRecords) {
     const Bytes a = write_run(job_, coverage, {{.rows = diagonal(10)}}), b = write_run(job_, coverage, {{.rows = other}});
     EXPECT_EQ(violations_of(write_file({a, a})).count(), 0u);
     expect_one(write_file({a, b}),
-               {.run = 1, .what = "its records of samples 0..8192 differ from those in run 0", .wanted = "the same records"});
+               {.run = 1, .what = "its records of samples 0:8192 differ from those in run 0", .wanted = "the same records"});
 }
 
 TEST_F(Strict, TheHeaderIsAsThePageSays) {

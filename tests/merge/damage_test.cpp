@@ -187,7 +187,7 @@ TEST_F(MergeDamage, RequiredSamplesThatWereDamagedAreMissing) {
     const Result<MergeReport> report = merge(options);
     ASSERT_FALSE(report);
     EXPECT_EQ(report.error().code, ErrorCode::kMismatch);
-    EXPECT_NE(report.error().message.find("8192..12288"), std::string::npos) << report.error().message;
+    EXPECT_NE(report.error().message.find("8192:12288"), std::string::npos) << report.error().message;
     EXPECT_FALSE(fs::exists(out_));
 }
 
@@ -199,7 +199,7 @@ TEST_F(MergeDamage, TheToolNamesWhatItLeftOutAndEndsWithThree) {
         const Outcome outcome = run(words);
         EXPECT_EQ(outcome.status, 3) << outcome.err;
         EXPECT_EQ(outcome.err, "latent-merge: warning: " + part.string() + ": left out: run at byte " +
-                                   std::to_string(sound_.run_ends[1]) + ": page 0: checksum mismatch; samples 8192..12288 lost\n");
+                                   std::to_string(sound_.run_ends[1]) + ": page 0: checksum mismatch; samples 8192:12288 lost\n");
     }
 }
 

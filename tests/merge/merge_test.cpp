@@ -201,7 +201,7 @@ TEST_F(MergeTest, AnOutputThatExistsIsKeptUnlessForced) {
 
 TEST_F(MergeTest, RequiredSamplesThatAreMissingAreNamed) {
     const fs::path a = part("a.latent", make_short_job(), {Coverage(SampleRange{0, kS}), Coverage(SampleRange{2 * kS, 3 * kS})});
-    expect_refusal({a}, {"4096..8192"}, {"--require", "0:12288"});
+    expect_refusal({a}, {"4096:8192"}, {"--require", "0:12288"});
     EXPECT_EQ(merge_files({a}, {"--require", "8192:12288"}).status, 0);
 }
 

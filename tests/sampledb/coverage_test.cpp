@@ -93,7 +93,7 @@ TEST(Coverage, IsWrittenAsIntervals) {
     Coverage coverage;
     EXPECT_EQ(to_string(coverage), "none");
     for (std::uint64_t i = 0; i < 5; ++i) coverage.add({i * 10, i * 10 + 5});
-    EXPECT_EQ(to_string(coverage, 2), "0..5, 10..15 and 3 more");
+    EXPECT_EQ(to_string(coverage, 2), "0:5, 10:15 and 3 more");
 }
 
 }  // namespace

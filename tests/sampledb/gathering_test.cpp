@@ -71,7 +71,7 @@ TEST_F(GatheringTest, WhatShouldNotBeThereIsRefusedByName) {
     ASSERT_FALSE(twice);
     EXPECT_TRUE(mentions(message(twice), "a.latent and ")) << message(twice);
     const fs::path overlapping = part("overlap.latent", 0);
-    EXPECT_TRUE(mentions(message(open({a, overlapping})), "both hold samples 0..")) << message(open({a, overlapping}));
+    EXPECT_TRUE(mentions(message(open({a, overlapping})), "both hold samples 0:")) << message(open({a, overlapping}));
 
     const fs::path other = part("other.latent", 5, true, 2);
     EXPECT_TRUE(mentions(message(open({a, other})), "different jobs"));
@@ -231,7 +231,7 @@ TEST_F(GatheringTest, DamageIsFoundByTheLevelThatLooksForIt) {
     ASSERT_TRUE(stored);
     EXPECT_EQ((*stored)->coverage().size(), 1000u);
     ASSERT_EQ((*stored)->report().left_out.size(), 1u);
-    EXPECT_TRUE(mentions((*stored)->report().left_out[0].reason, "samples 0..1000 lost"));
+    EXPECT_TRUE(mentions((*stored)->report().left_out[0].reason, "samples 0:1000 lost"));
 }
 
 // Sums over all records of what a gathering reads.

@@ -306,8 +306,8 @@ TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForce
     EXPECT_NE(foreign.message.find("--force"), std::string::npos) << foreign.message;
     const Error longer = refusal(job, {0, 8192});
     EXPECT_EQ(longer.code, ErrorCode::kMismatch);
-    EXPECT_NE(longer.message.find("0..4096"), std::string::npos) << longer.message;
-    EXPECT_NE(longer.message.find("0..8192"), std::string::npos) << longer.message;
+    EXPECT_NE(longer.message.find("0:4096"), std::string::npos) << longer.message;
+    EXPECT_NE(longer.message.find("0:8192"), std::string::npos) << longer.message;
 
     writer = open(other, {0, 8192}, 1000, true);
     submit_all(*writer, other);

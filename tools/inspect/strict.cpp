@@ -135,7 +135,7 @@ Violations check_runs_against_each_other(const std::vector<RunInfo>& runs) {
         const RunHeader &a = runs[order[i - 1]].header, &b = runs[order[i]].header;
         if (a.samples != b.samples || a.interval_count > 1 || b.interval_count > 1 || a.content_hash == b.content_hash) continue;
         violations.add({.run = order[i],
-                        .what = fmt::format("its records of samples {}..{} differ from those in run {}", b.samples.first,
+                        .what = fmt::format("its records of samples {}:{} differ from those in run {}", b.samples.first,
                                             b.samples.end, order[i - 1]),
                         .wanted = "the same records for the same sample numbers"});
     }

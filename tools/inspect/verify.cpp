@@ -136,7 +136,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
             const std::string note = strict ? boundary_note(run.header, job) : "";
             if (!note.empty() && report.notes.size() < Violations::kMostListed) {
                 report.notes.push_back(
-                    fmt::format("run {}, samples {}..{}, {}: other runs of these samples cannot be recognised as the same", i,
+                    fmt::format("run {}, samples {}:{}, {}: other runs of these samples cannot be recognised as the same", i,
                                 run.header.samples.first, run.header.samples.end, note));
             }
         }

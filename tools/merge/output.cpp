@@ -24,7 +24,7 @@ constexpr std::uint64_t kStretch = std::uint64_t{64} << 20;  // the disk begins 
 DamagedRun damaged_run(const std::filesystem::path& file, const SelectedRun& run, const Error& why) {
     const SampleRange& samples = run.header.samples;
     return {file, run.offset,
-            fmt::format("run at byte {}: {}; samples {}..{} lost", run.offset, why.message, samples.first, samples.end)};
+            fmt::format("run at byte {}: {}; samples {}:{} lost", run.offset, why.message, samples.first, samples.end)};
 }
 
 }  // namespace
