@@ -59,16 +59,16 @@ struct Sample {
 
 Sample sample_of(ByteSpan plane) {
     const std::size_t step = std::max(4 * kBlock, (plane.size() + kMostBlocks - 1) / kMostBlocks);
-    std::array<std::array<std::uint16_t, 256>, 2> counts{};  // two, so that equal neighbours do not wait for each other
+    std::array<std::array<std::uint16_t, 256>, 4> counts{};  // four, so that equal neighbours do not wait for each other
     Sample sample;
     for (std::size_t at = 0; at < plane.size(); at += step) {
         const ByteSpan block = plane.subspan(at, std::min(kBlock, plane.size() - at));
-        for (std::size_t i = 0; i < block.size(); ++i) ++counts[i & 1][static_cast<std::uint8_t>(block[i])];
+        for (std::size_t i = 0; i < block.size(); ++i) ++counts[i % 4][static_cast<std::uint8_t>(block[i])];
         sample.size += block.size();
     }
     sample.information = kSelfInformation[sample.size];
     for (std::size_t value = 0; value < 256; ++value) {
-        const std::uint32_t count = counts[0][value] + counts[1][value];
+        const std::uint32_t count = counts[0][value] + counts[1][value] + counts[2][value] + counts[3][value];
         sample.counts[value] = count;
         sample.information -= kSelfInformation[count];
         sample.values += count > 0;
@@ -114,8 +114,8 @@ struct Compressor {
     Bytes buffer;
 };
 
-// Eight numbers of `bits` bits, 1..7, packed from the low bit on <-> one in each byte of a word: halves are moved apart (or
-// together) until each has its own byte.
+// Eight numbers of `bits` bits, 1..7, packed from the low bit on -> one in each byte of a word: halves are moved apart until each
+// has its own byte.
 struct Eight {
     explicit Eight(unsigned bits_of_one)
         : bits(bits_of_one),
@@ -128,11 +128,6 @@ struct Eight {
         x = (x & twos) | (x >> 2 * bits & twos) << 16;
         return (x & ones) | (x >> bits & ones) << 8;
     }
-    std::uint64_t pack(std::uint64_t x) const {
-        x = (x & ones) | (x >> 8 & ones) << bits;
-        x = (x & twos) | (x >> 16 & twos) << 2 * bits;
-        return (x & fours) | (x >> 32 & fours) << 4 * bits;
-    }
 
     unsigned bits;
     std::uint64_t ones, twos, fours;
@@ -142,38 +137,92 @@ constexpr unsigned kMostDictionaryBits = 7;
 
 std::size_t dictionary_size(unsigned bits, std::size_t count) { return 1 + (std::size_t{1} << bits) + (count + 7) / 8 * bits; }
 
+// The values of a dictionary, and where each stands in it.
+struct Dictionary {
+    explicit Dictionary(std::span<const std::uint32_t, 256> counts) {
+        for (unsigned value = 0; value < 256; ++value) {
+            if (counts[value] == 0) continue;
+            values[size] = static_cast<std::uint8_t>(value);
+            place[value] = static_cast<std::uint8_t>(++size);
+        }
+    }
+    unsigned bits() const { return static_cast<unsigned>(std::bit_width(size - 1)); }
+
+    std::array<std::uint8_t, 256> values{};
+    std::array<std::uint8_t, 256> place{};  // from 1 on; 0: not in it
+    unsigned size = 0;
+};
+
+// Writes the places, from 0 on, of a plane's values with so many bits each, and up to 8 bytes more; false if the dictionary, of 128
+// values at most, lacks one. Sixteen values are looked up at once, in each sixteenth of the dictionary that has any.
+bool pack_plane(ByteSpan plane, const Dictionary& dictionary, unsigned bits, std::byte* to) {
+    const hn::FixedTag<std::uint8_t, 16> d;
+    const hn::FixedTag<std::uint64_t, 2> d64;
+    std::array<std::uint8_t, 16> parts{};
+    std::size_t part_count = 0;
+    for (std::size_t part = 0; part < 16; ++part) {
+        if (std::any_of(&dictionary.place[16 * part], &dictionary.place[16 * part] + 16, [](std::uint8_t at) { return at > 0; }))
+            parts[part_count++] = static_cast<std::uint8_t>(16 * part);
+    }
+    const auto ones = hn::Set(d64, ((1u << bits) - 1) * std::uint64_t{0x0001'0001'0001'0001});
+    const auto twos = hn::Set(d64, ((1u << 2 * bits) - 1) * std::uint64_t{0x0000'0001'0000'0001});
+    const auto fours = hn::Set(d64, (std::uint64_t{1} << 4 * bits) - 1);
+    const int apart = static_cast<int>(8 - bits);
+    auto complete = hn::Set(d, 0xFF);
+    const auto pack = [&](const std::uint8_t* from) {
+        const auto x = hn::LoadU(d, from);
+        auto place = hn::Zero(d);
+        for (std::size_t i = 0; i < part_count; ++i) {
+            const auto beyond = hn::SaturatedAdd(hn::Sub(x, hn::Set(d, parts[i])), hn::Set(d, 0x70));  // high bit: not in this part
+            place = hn::Or(place, hn::TableLookupBytesOr0(hn::LoadU(d, &dictionary.place[parts[i]]), beyond));
+        }
+        complete = hn::Min(complete, place);
+        // Of each word, halves are moved together until its eight numbers touch.
+        auto word = hn::BitCast(d64, hn::Sub(place, hn::Set(d, 1)));
+        word = hn::Or(hn::And(word, ones), hn::ShiftRightSame(hn::AndNot(ones, word), apart));
+        word = hn::Or(hn::And(word, twos), hn::ShiftRightSame(hn::AndNot(twos, word), 2 * apart));
+        word = hn::Or(hn::And(word, fours), hn::ShiftRightSame(hn::AndNot(fours, word), 4 * apart));
+        store_le(to, hn::GetLane(word));
+        store_le(to + bits, hn::ExtractLane(word, 1));
+        to += 2 * bits;
+    };
+    const auto* const from = reinterpret_cast<const std::uint8_t*>(plane.data());
+    std::size_t i = 0;
+    for (; i + 16 <= plane.size(); i += 16) pack(from + i);
+    if (i < plane.size()) {
+        std::array<std::uint8_t, 16> last;
+        last.fill(dictionary.values[0]);
+        std::copy(from + i, from + plane.size(), last.begin());
+        pack(last.data());
+    }
+    return hn::AllFalse(d, hn::Eq(complete, hn::Zero(d)));
+}
+
 // Appends the plane by its dictionary, if it has one of a size that suits the sample.
 bool encode_dictionary(ByteSpan plane, const Sample& sample, Bytes& out) {
-    const auto bits_of = [](std::uint64_t values) { return static_cast<unsigned>(std::bit_width(values - 1)); };
-    if (bits_of(sample.values) > kMostDictionaryBits || !sample.fills(bits_of(sample.values)) || repeats(plane, sample))
-        return false;
-    std::array<std::uint8_t, 256> index{};
-    for (const std::byte value : plane) index[static_cast<std::uint8_t>(value)] = 1;
-    const unsigned bits = bits_of(std::accumulate(index.begin(), index.end(), std::uint64_t{0}));
-    if (bits > kMostDictionaryBits || !sample.fills(bits)) return false;
-    const std::size_t size = dictionary_size(bits, plane.size());
-    if (size > plane.size() - plane.size() / 16) return false;
-
+    const auto suits = [&](const Dictionary& dictionary) {
+        const unsigned bits = dictionary.bits();
+        return bits <= kMostDictionaryBits && sample.fills(bits) &&
+               dictionary_size(bits, plane.size()) <= plane.size() - plane.size() / 16;
+    };
     const std::size_t begin = out.size();
-    out.resize(begin + size + 8);  // whole words are written, then cut
-    std::byte* to = out.data() + begin;
-    *to++ = static_cast<std::byte>(bits);
-    std::uint8_t next = 0;
-    for (unsigned value = 0; value < 256; ++value) {
-        if (index[value] == 0) continue;
-        to[next] = static_cast<std::byte>(value);
-        index[value] = next++;
-    }
-    to += std::size_t{1} << bits;
-    const Eight eight(bits);
-    for (std::size_t i = 0; i < plane.size(); i += 8, to += bits) {
-        std::array<std::uint8_t, 8> indices{};
-        for (std::size_t k = 0; k < std::min<std::size_t>(8, plane.size() - i); ++k)
-            indices[k] = index[static_cast<std::uint8_t>(plane[i + k])];
-        store_le(to, eight.pack(std::bit_cast<std::uint64_t>(indices)));
-    }
-    out.resize(begin + size);
-    return true;
+    const auto append = [&](const Dictionary& dictionary) {
+        const unsigned bits = dictionary.bits();
+        const std::size_t size = dictionary_size(bits, plane.size()), values = std::size_t{1} << bits;
+        out.resize(begin + size + 8);  // whole words are written, then cut
+        out[begin] = static_cast<std::byte>(bits);
+        std::memcpy(&out[begin + 1], dictionary.values.data(), values);
+        const bool complete = pack_plane(plane, dictionary, bits, &out[begin + 1 + values]);
+        out.resize(complete ? begin + size : begin);
+        return complete;
+    };
+    const Dictionary guess(sample.counts);  // seldom does a plane have values that its sample has not
+    if (!suits(guess) || repeats(plane, sample)) return false;
+    if (append(guess)) return true;
+    std::array<std::uint32_t, 256> there{};
+    for (const std::byte value : plane) there[static_cast<std::uint8_t>(value)] = 1;
+    const Dictionary all(there);
+    return suits(all) && append(all);
 }
 
 // `plane` has room for 8 bytes more than `size`.

@@ -17,6 +17,22 @@ namespace {
 
 constexpr std::uint64_t kMostRecords = std::uint64_t{1} << 31;
 
+// Whether all rows have a class and a share of the job and lie in the only interval that the run covers, as most often; found
+// without a branch for each.
+bool all_fit_at_once(const Job& job, const Coverage& coverage, const Records& r) {
+    if (coverage.ranges().size() != 1) return false;
+    const SampleRange range = coverage.ranges().front();
+    std::uint8_t outside = 0, classes = 0;
+    std::uint32_t light_share = 0;
+    for (const std::uint64_t sample : r.sample) outside |= static_cast<std::uint8_t>(sample - range.first >= range.size());
+    for (std::size_t i = 0; i < r.size(); ++i) {
+        const auto record_class = static_cast<std::uint8_t>(r.record_class[i]);
+        classes |= record_class;
+        light_share |= (0u - record_class) & (std::bit_cast<std::uint32_t>(r.share[i]) << 1);  // without its sign
+    }
+    return outside == 0 && classes <= (job.light_paths_per_sample > 0 ? 1 : 0) && light_share == 0;
+}
+
 // The first row, if any, that does not fit the job or the coverage.
 Status check_records(const Job& job, const Coverage& coverage, const Records& r) {
     const std::size_t n = r.size();
@@ -35,16 +51,17 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
         columns_fit = r.extra[i].values.size() == n * width(job.extra[i].type);
     if (!columns_fit) return Error{ErrorCode::kOutOfRange, "records without the columns that the job asks for"};
 
-    const bool one_interval = coverage.ranges().size() == 1;
-    for (std::size_t i = 0; i < n; ++i) {
-        const SampleRange hull = coverage.ranges().front();
-        const bool covered = one_interval ? r.sample[i] - hull.first < hull.size() : coverage.contains(r.sample[i]);
-        if (!covered) return refuse(i, "outside the run's coverage");
-        if (r.record_class[i] == RecordClass::kLight && r.share[i] != 0)
-            return refuse(i, "a light record with a share of the denominator");
-        if (r.record_class[i] == RecordClass::kLight && job.light_paths_per_sample == 0)
-            return refuse(i, "a light record in a job that has no light paths");
-        if (r.record_class[i] > RecordClass::kLight) return refuse(i, "a record of unknown class");
+    const auto refused = [&](std::size_t i) -> const char* {
+        if (r.record_class[i] > RecordClass::kLight) return "a record of unknown class";
+        if (!coverage.contains(r.sample[i])) return "outside the run's coverage";
+        if (r.record_class[i] == RecordClass::kCamera) return nullptr;
+        if (r.share[i] != 0) return "a light record with a share of the denominator";
+        return job.light_paths_per_sample == 0 ? "a light record in a job that has no light paths" : nullptr;
+    };
+    if (!all_fit_at_once(job, coverage, r)) {
+        for (std::size_t i = 0; i < n; ++i) {
+            if (const char* const why = refused(i)) return refuse(i, why);
+        }
     }
     for (std::size_t i = 0; i < r.pairs.size(); ++i) {
         if (r.pairs[i] > job.batch) return refuse(i, "more pairs than the job's batch");
