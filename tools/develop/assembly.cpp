@@ -54,10 +54,10 @@ void for_chunks(const PixelRect& pixels, const Visit& visit) {
 }
 
 // Adds the part of a window that lies in `pixels` to their sums.
-void add_window(const double* window, const PixelRect& reach, const PixelRect& pixels, int lanes, double* sums) {
-    const std::int64_t row = pixels.width() * lanes;
+void add_window(const double* window, const PixelRect& reach, const PixelRect& pixels, int stride, double* sums) {
+    const std::int64_t row = pixels.width() * stride;
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y, sums += row) {
-        const double* from = window + ((y - reach.y0) * reach.width() + (pixels.x0 - reach.x0)) * lanes;
+        const double* from = window + ((y - reach.y0) * reach.width() + (pixels.x0 - reach.x0)) * stride;
         for (std::int64_t i = 0; i < row; ++i) sums[i] += from[i];
     }
 }
@@ -71,7 +71,7 @@ Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& 
       normalisation_(normalisation),
       has_lobes_(filter.kernel().has_negative_lobes),
       border_(filter, grid.width(), grid.height()),
-      slot_sums_(static_cast<std::size_t>(kChunk * filter.kernel().side() * normalisation.lanes)),
+      slot_sums_(static_cast<std::size_t>(kChunk * filter.kernel().side() * normalisation.stride)),
       sums_(folder,
             slot_sums_ * sizeof(double) *
                 ((normalisation.camera ? 1 : 0) + (normalisation.light ? 1 : 0) + (normalisation.camera && has_lobes_ ? 1 : 0)),
@@ -231,8 +231,8 @@ Status Assembly::add_piece(const Pane& pane, const Piece& piece, float* out, std
 // Adds the sums of a pane to those of the panes before. They wait in chunks, which have room in a slot.
 Status Assembly::add_waiting(const Pane& pane, const Piece& piece, bool begun, bool finished, float* out, std::size_t out_row) {
     const PixelRect& pixels = piece.pixels;
-    const auto lanes = static_cast<std::size_t>(normalisation_.lanes);
-    const auto size = static_cast<std::size_t>(pixels.width() * pixels.height()) * lanes;
+    const auto stride = static_cast<std::size_t>(normalisation_.stride);
+    const auto size = static_cast<std::size_t>(pixels.width() * pixels.height()) * stride;
     const std::size_t images = (normalisation_.camera ? 1 : 0) + (normalisation_.light ? 1 : 0);
     const bool with_positive = normalisation_.camera && has_lobes_;
     const std::size_t kinds = images + (with_positive ? 1 : 0);  // camera, light, positive
@@ -244,11 +244,11 @@ Status Assembly::add_waiting(const Pane& pane, const Piece& piece, bool begun, b
     double* const positive = with_positive ? memory.data() + images * size : nullptr;
     const auto for_rows = [&](const PixelRect& chunk, const auto& visit) {  // visit(of the slot, of the piece, doubles)
         double* in_slot = slot.data();
-        const auto row = static_cast<std::size_t>(chunk.width()) * lanes;
+        const auto row = static_cast<std::size_t>(chunk.width()) * stride;
         for (std::size_t kind = 0; kind < kinds; ++kind) {
             for (std::int64_t y = chunk.y0; y < chunk.y1; ++y, in_slot += row) {
                 const std::int64_t first = (y - pixels.y0) * pixels.width() + chunk.x0 - pixels.x0;
-                visit(in_slot, &memory[kind * size + static_cast<std::size_t>(first) * lanes], row);
+                visit(in_slot, &memory[kind * size + static_cast<std::size_t>(first) * stride], row);
             }
         }
     };
@@ -286,13 +286,13 @@ void Assembly::add_positive(const Pane& pane, const Piece& piece, std::span<doub
 
 // Adds the windows of the pane's cells to sums of a piece, row after row. Null where none of them has such records.
 Assembly::Sums Assembly::add_up(const Windows& windows, const Piece& piece, double* camera, double* light) const {
-    const auto row = static_cast<std::size_t>(piece.pixels.width() * normalisation_.lanes);
+    const auto row = static_cast<std::size_t>(piece.pixels.width() * normalisation_.stride);
     Sums sums{nullptr, nullptr, nullptr, row, row};
     for_cells_in_z_order(intersection(piece.cells, windows.cells), [&](std::int64_t x, std::int64_t y) {
         const Windows::Cell& cell = windows.at(x, y);
         const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-        if (cell.camera) add_window(cell.camera, window, piece.pixels, normalisation_.lanes, camera), sums.camera = camera;
-        if (cell.light) add_window(cell.light, window, piece.pixels, normalisation_.lanes, light), sums.light = light;
+        if (cell.camera) add_window(cell.camera, window, piece.pixels, normalisation_.stride, camera), sums.camera = camera;
+        if (cell.light) add_window(cell.light, window, piece.pixels, normalisation_.stride, light), sums.light = light;
     });
     return sums;
 }
@@ -301,15 +301,15 @@ Assembly::Sums Assembly::add_up(const Windows& windows, const Piece& piece, doub
 Assembly::Sums Assembly::sums_in_pane(const Windows& windows, const Piece& piece, std::vector<double>& memory) const {
     const PixelRect& cells = piece.cells;
     if (cells.width() > 1 || cells.height() > 1) {
-        const auto size = static_cast<std::size_t>(piece.pixels.width() * piece.pixels.height() * normalisation_.lanes);
+        const auto size = static_cast<std::size_t>(piece.pixels.width() * piece.pixels.height() * normalisation_.stride);
         memory.assign(2 * size, 0.0);
         return add_up(windows, piece, memory.data(), memory.data() + size);
     }
     const Windows::Cell& cell = windows.at(cells.x0, cells.y0);
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0));
-    const auto row = static_cast<std::size_t>(window.width() * normalisation_.lanes);
+    const auto row = static_cast<std::size_t>(window.width() * normalisation_.stride);
     const std::int64_t first =
-        ((piece.pixels.y0 - window.y0) * window.width() + piece.pixels.x0 - window.x0) * normalisation_.lanes;
+        ((piece.pixels.y0 - window.y0) * window.width() + piece.pixels.x0 - window.x0) * normalisation_.stride;
     return {cell.camera ? cell.camera + first : nullptr, cell.light ? cell.light + first : nullptr, nullptr, row, row};
 }
 
@@ -335,7 +335,7 @@ void Assembly::finish(const Pane& pane, const Piece& piece, const Sums& sums, fl
         }
         const auto row = static_cast<std::size_t>(y - pixels.y0);
         few += normalise_row({sums.camera ? sums.camera + row * sums.camera_row : nullptr,
-                              sums.light ? sums.light + row * sums.light_row : nullptr, normalisation_.lanes, least, scale},
+                              sums.light ? sums.light + row * sums.light_row : nullptr, normalisation_.stride, least, scale},
                              normalisation_.channels, out + row * out_row);
     }
     if (!sums.camera && normalisation_.camera) counts_.empty += width * static_cast<std::uint64_t>(pixels.height());
@@ -348,7 +348,7 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
         for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) {
             const double weight = sums.camera[static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
-                                              static_cast<std::size_t>((x - piece.pixels.x0) * normalisation_.lanes) +
+                                              static_cast<std::size_t>((x - piece.pixels.x0) * normalisation_.stride) +
                                               static_cast<std::size_t>(normalisation_.channels)];
             if (weight >= least_weight(x, y)) continue;
             few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
@@ -358,7 +358,8 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
 }
 
 void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row) {
-    const auto lanes = static_cast<std::size_t>(normalisation_.lanes), channels = static_cast<std::size_t>(normalisation_.channels);
+    const auto stride = static_cast<std::size_t>(normalisation_.stride),
+               channels = static_cast<std::size_t>(normalisation_.channels);
     thread_local std::vector<double> positive;
     std::uint64_t fallback = 0, empty = 0;
     for_chunks(piece.pixels, [&](const PixelRect& chunk) {
@@ -366,29 +367,29 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
         if (few.empty()) return;
         const auto row_of = [&](std::int64_t y) { return static_cast<std::size_t>(y - piece.pixels.y0); };
         const auto column_of = [&](std::int64_t x) { return static_cast<std::size_t>(x - piece.pixels.x0); };
-        positive.assign(static_cast<std::size_t>(few.width() * few.height()) * lanes, 0.0);
+        positive.assign(static_cast<std::size_t>(few.width() * few.height()) * stride, 0.0);
         if (has_lobes_ && sums.positive) {
-            add_window(sums.positive, piece.pixels, few, normalisation_.lanes, positive.data());
+            add_window(sums.positive, piece.pixels, few, normalisation_.stride, positive.data());
         }
         if (has_lobes_) {
             add_positive(pane, {few, piece.cells}, positive);
         } else {
-            const auto first = row_of(few.y0) * sums.camera_row + column_of(few.x0) * lanes;
+            const auto first = row_of(few.y0) * sums.camera_row + column_of(few.x0) * stride;
             for (std::int64_t y = 0; y < few.height(); ++y) {
                 std::copy_n(sums.camera + first + static_cast<std::size_t>(y) * sums.camera_row,
-                            static_cast<std::size_t>(few.width()) * lanes,
-                            &positive[static_cast<std::size_t>(y * few.width()) * lanes]);
+                            static_cast<std::size_t>(few.width()) * stride,
+                            &positive[static_cast<std::size_t>(y * few.width()) * stride]);
             }
         }
         const double* at = positive.data();
         for (std::int64_t y = few.y0; y < few.y1; ++y) {
-            for (std::int64_t x = few.x0; x < few.x1; ++x, at += lanes) {
+            for (std::int64_t x = few.x0; x < few.x1; ++x, at += stride) {
                 const std::size_t row = row_of(y), column = column_of(x);
-                if (sums.camera[row * sums.camera_row + column * lanes + channels] >= least_weight(x, y)) continue;
+                if (sums.camera[row * sums.camera_row + column * stride + channels] >= least_weight(x, y)) continue;
                 const double none = 0, scale = light_scale(x, y);
                 normalise_row({at,
-                               sums.light ? sums.light + row * sums.light_row + column * lanes : nullptr,
-                               normalisation_.lanes,
+                               sums.light ? sums.light + row * sums.light_row + column * stride : nullptr,
+                               normalisation_.stride,
                                {&none, 1},
                                {&scale, 1}},
                               normalisation_.channels, out + row * out_row + column * channels);

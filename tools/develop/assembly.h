@@ -31,7 +31,7 @@ class TileSink {
 // What turns sums into values.
 struct Normalisation {
     int channels;           // of a pixel
-    int lanes;              // sums of a pixel of each image: its channels, then w c
+    int stride;             // sums of a pixel of each image: its channels, then w c
     bool camera, light;     // which images are added up
     double camera_density;  // samples per pixel of the film
     double light_scale;     // pixels of the full film / N

@@ -206,20 +206,20 @@ void Channels::spectral_row(const sampledb::Page& page, std::size_t row, float* 
 
 std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
-    const int stride = lanes();
+    const int step = stride();
     if (kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
         interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
         return 0;
     }
     std::uint64_t not_finite = 0;
-    for (std::size_t row = begin; row < end; ++row, out += stride) {
+    for (std::size_t row = begin; row < end; ++row, out += step) {
         float share = !camera ? 0.0f : page.unit_share ? 1.0f : page.share[row];
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];
             out[1] = page.y[row];
             out[2] = page.z[row];
         } else {
-            std::fill(out, out + stride, 0.0f);
+            std::fill(out, out + step, 0.0f);
             spectral_row(page, row, out);
         }
         float check = share;  // times zero: 0 if all are finite, else NaN

@@ -47,10 +47,10 @@ class Channels {
     static Result<Channels> spectral_bins(const sampledb::Job& job, int count);
 
     int count() const { return count_; }
-    int lanes() const { return (count_ + 4) / 4 * 4; }  // channels and the share, a multiple of 4
+    int stride() const { return (count_ + 4) / 4 * 4; }  // channels and the share, a multiple of 4
     sampledb::ColumnSet columns() const;
 
-    // For rows begin .. end-1: `lanes()` floats each: channels, share (light records: 0), zeros. Values that are not finite become
+    // For rows begin .. end-1: `stride()` floats each: channels, share (light records: 0), zeros. Values that are not finite become
     // black, so do their shares where these are not finite; returns how many rows had such values.
     std::uint64_t values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
 

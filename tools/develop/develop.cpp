@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "base/size.h"
-#include "tools/develop/batch.h"
 #include "tools/develop/pane.h"
 #include "tools/develop/positive.h"
+#include "tools/develop/record_batch.h"
 #include "tools/develop/regions.h"
 
 namespace latent::develop {
@@ -63,12 +63,12 @@ class Engine {
           classes_{.camera = settings.camera && expected_.camera > 0,
                    .light = settings.light && expected_.light > 0 && gathering.light_paths() > 0},
           with_positive_(classes_.camera && settings.filter.kernel().has_negative_lobes),
-          pane_(grid_, settings.filter.kernel(), channels.lanes(), classes_) {
+          pane_(grid_, settings.filter.kernel(), channels.stride(), classes_) {
         counts_.light_paths = gathering.light_paths();
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
         const double camera_density = std::min(static_cast<double>(gathering.coverage().size()), expected_.camera) / pixels;
-        normalisation_ = {channels.count(), channels.lanes(),
+        normalisation_ = {channels.count(), channels.stride(),
                           classes_.camera,  classes_.light,
                           camera_density,   classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0};
         needed_ = grid_.cells_reaching(settings.crop);
@@ -76,7 +76,7 @@ class Engine {
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
-        const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.lanes()) : 0;
+        const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.stride()) : 0;
         const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.window_bytes(), positive_bytes});
         if (!plan) return plan.error();
         plan_ = &*plan;
@@ -101,7 +101,7 @@ class Engine {
     // Decoded records of a node's own pages, while its children are developed.
     struct Held {
         FilmNode node;
-        Batch batch;
+        RecordBatch batch;
     };
 
     // The budget: waiting sums and tiles, and the threads' own buffers; the rest is one slab for records and windows.
@@ -156,7 +156,7 @@ class Engine {
         const auto own = [&](const PageInfo& page) { return page.node == region.node; };
         if (Status s = append_pages(own, pages); !s) return s;
         std::span<const PageRef> rest = pages;
-        Result<Batch> batch = load(rest, region.cells, room);
+        Result<RecordBatch> batch = load(rest, region.cells, room);
         if (!batch) return batch.error();
         assert(rest.empty());
         held_.push_back({region.node, *batch});
@@ -203,8 +203,8 @@ class Engine {
         return {};
     }
     // A batch and all that is held.
-    std::vector<const Batch*> with_held(const Batch& batch) const {
-        std::vector<const Batch*> batches = {&batch};
+    std::vector<const RecordBatch*> with_held(const RecordBatch& batch) const {
+        std::vector<const RecordBatch*> batches = {&batch};
         for (const Held& held : held_) batches.push_back(&held.batch);
         return batches;
     }
@@ -214,7 +214,7 @@ class Engine {
         std::vector<PageRef> pages;
         if (Status s = append_pages(reaching(region), pages); !s) return s;
         std::span<const PageRef> rest = pages;
-        const Result<Batch> batch = load(rest, region.cells, room);
+        const Result<RecordBatch> batch = load(rest, region.cells, room);
         if (!batch) return batch.error();
         assert(rest.empty());
         show(region, 0.5);
@@ -222,7 +222,7 @@ class Engine {
         return finish_region(region);
     }
 
-    Status develop_panes(const Region& region, const FilmNode& node, std::span<const Batch* const> batches,
+    Status develop_panes(const Region& region, const FilmNode& node, std::span<const RecordBatch* const> batches,
                          std::span<std::byte> room) {
         const PixelRect cells = intersection(grid_.cells_of(node), region.cells);
         if (cells.empty()) return {};
@@ -234,7 +234,7 @@ class Engine {
         }
         begin_pane(cells, room);
         pane_.add_records(batches, {});
-        return finish_pane(node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.lanes(), batches));
+        return finish_pane(node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.stride(), batches));
     }
 
     Status develop_streaming(const Region& region, std::span<std::byte> room) {
@@ -255,17 +255,17 @@ class Engine {
     // The windows of all cells at once, the records a batch at a time. Cells that turn out to have pixels of few samples need their
     // records a second time; false if there is no room for their windows.
     Result<bool> stream(const Region& region, std::span<std::byte> room) {
-        const int lanes = channels_.lanes();
+        const int stride = channels_.stride();
         const auto take = [&room](std::uint64_t bytes) {
             const std::span<std::byte> taken = room.last(bytes);
             room = room.first(room.size() - bytes);
             return taken;
         };
         begin_pane(region.cells, take(pane_.bytes(region.cells)));
-        PositiveWindows positive(grid_, settings_.filter.kernel(), lanes, region.cells);
-        if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, lanes, region.cells)));
-        const auto add = [&](const Batch& batch, const PageRange& range) {
-            const std::vector<const Batch*> batches = with_held(batch);
+        PositiveWindows positive(grid_, settings_.filter.kernel(), stride, region.cells);
+        if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, stride, region.cells)));
+        const auto add = [&](const RecordBatch& batch, const PageRange& range) {
+            const std::vector<const RecordBatch*> batches = with_held(batch);
             pane_.add_records(batches, range);
             if (with_positive_) positive.add_records(batches, range);
         };
@@ -277,7 +277,7 @@ class Engine {
             if (bytes + plan_->least_batch() + Loader::index_bytes(region.cells) > room.size()) return false;
             positive.open(few, take(bytes));
             const bool was_counting = std::exchange(counting_, false);
-            const auto add_positive = [&](const Batch& batch, const PageRange& range) {
+            const auto add_positive = [&](const RecordBatch& batch, const PageRange& range) {
                 positive.add_records(with_held(batch), range);
             };
             if (Status s = pass(region, reaching_some(region, few), room, add_positive); !s) return s.error();
@@ -300,7 +300,7 @@ class Engine {
             std::span<const PageRef> rest = pages;
             do {
                 std::span<std::byte> records = room;
-                const Result<Batch> batch = load(rest, region.cells, records);
+                const Result<RecordBatch> batch = load(rest, region.cells, records);
                 if (!batch) return batch.error();
                 range = {range.end, rest.empty() ? page_order(run, 0) : rest.front().order};
                 add(*batch, range);
@@ -310,7 +310,7 @@ class Engine {
         return {};
     }
 
-    Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory) {
+    Result<RecordBatch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory) {
         ++counts_.batches;
         return loader_.load(pages, cells, memory, counting_);
     }

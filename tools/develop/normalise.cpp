@@ -5,7 +5,7 @@ namespace latent::develop {
 namespace {
 
 template <bool kCamera, bool kLight>
-std::size_t normalise(const SumRow& row, int lanes, int channels, float* out) {
+std::size_t normalise(const SumRow& row, int stride, int channels, float* out) {
     std::size_t few = 0;
     const double* camera = row.camera;
     const double* light = row.light;
@@ -23,8 +23,8 @@ std::size_t normalise(const SumRow& row, int lanes, int channels, float* out) {
             if constexpr (kLight) sum += light[c] * row.light_scale[i];
             out[c] = static_cast<float>(sum);
         }
-        if constexpr (kCamera) camera += lanes;
-        if constexpr (kLight) light += lanes;
+        if constexpr (kCamera) camera += stride;
+        if constexpr (kLight) light += stride;
     }
     return few;
 }
@@ -32,7 +32,7 @@ std::size_t normalise(const SumRow& row, int lanes, int channels, float* out) {
 template <bool kCamera, bool kLight>
 std::size_t normalise_any(const SumRow& row, int channels, float* out) {
     if (channels == 3) return normalise<kCamera, kLight>(row, 4, 3, out);  // the loop over channels unrolled
-    return normalise<kCamera, kLight>(row, row.lanes, channels, out);
+    return normalise<kCamera, kLight>(row, row.stride, channels, out);
 }
 
 }  // namespace

@@ -6,11 +6,11 @@
 
 namespace latent::develop {
 
-// Sums of one pixel after another, `lanes` each: sums of w s per channel, then (camera) of w c. Null: there are none.
+// Sums of one pixel after another, `stride` each: sums of w s per channel, then (camera) of w c. Null: there are none.
 struct SumRow {
     const double* camera;
     const double* light;
-    int lanes;
+    int stride;
     std::span<const double> least_weight;  // of each pixel
     std::span<const double> light_scale;
 };

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "tools/develop/batch.h"
 #include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
+#include "tools/develop/record_batch.h"
 #include "tools/develop/regions.h"
 #include "tools/develop/windows.h"
 
@@ -15,7 +15,7 @@ namespace latent::develop {
 
 class Pane {
  public:
-    Pane(const FilmGrid& grid, const FilterKernel& filter, int lanes, Classes classes);
+    Pane(const FilmGrid& grid, const FilterKernel& filter, int stride, Classes classes);
 
     std::uint64_t window_bytes() const { return window_bytes_; }  // that one cell takes
     std::uint64_t bytes(const PixelRect& cells) const {
@@ -24,15 +24,15 @@ class Pane {
 
     void begin(const PixelRect& cells, std::span<std::byte> memory);
     // Adds the records of the pages in `range`, cell by cell, those of one cell in the order of their pages.
-    void add_records(std::span<const Batch* const> batches, const PageRange& range);
+    void add_records(std::span<const RecordBatch* const> batches, const PageRange& range);
     const Windows& windows() const { return windows_; }
 
  private:
-    void add_to_cell(std::size_t cell, std::span<const Batch* const> batches, const PageRange& range);
+    void add_to_cell(std::size_t cell, std::span<const RecordBatch* const> batches, const PageRange& range);
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    int lanes_;
+    int stride_;
     Classes classes_;
     std::uint64_t window_bytes_;
     std::span<std::byte> memory_;

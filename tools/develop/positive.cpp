@@ -13,17 +13,17 @@ namespace {
 
 constexpr std::int64_t kLongestStrip = 64;  // pixels of a patch, in both directions
 
-std::size_t size_of(const PixelRect& pixels, int lanes) {
-    return static_cast<std::size_t>(pixels.width() * pixels.height()) * static_cast<std::size_t>(lanes);
+std::size_t size_of(const PixelRect& pixels, int stride) {
+    return static_cast<std::size_t>(pixels.width() * pixels.height()) * static_cast<std::size_t>(stride);
 }
 
 // Of two arrays of sums over rectangles, the part that lies in `pixels`: visit(of from, of to, doubles) for each row.
 template <class From, class To, class Visit>
-void for_rows(const PixelRect& pixels, int lanes, const PixelRect& from_rect, From* from, const PixelRect& to_rect, To* to,
+void for_rows(const PixelRect& pixels, int stride, const PixelRect& from_rect, From* from, const PixelRect& to_rect, To* to,
               const Visit& visit) {
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
-        visit(from + ((y - from_rect.y0) * from_rect.width() + pixels.x0 - from_rect.x0) * lanes,
-              to + ((y - to_rect.y0) * to_rect.width() + pixels.x0 - to_rect.x0) * lanes, pixels.width() * lanes);
+        visit(from + ((y - from_rect.y0) * from_rect.width() + pixels.x0 - from_rect.x0) * stride,
+              to + ((y - to_rect.y0) * to_rect.width() + pixels.x0 - to_rect.x0) * stride, pixels.width() * stride);
     }
 }
 
@@ -46,39 +46,39 @@ void for_patches(const PixelRect& pixels, const Visit& visit) {
 }  // namespace
 
 void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const {
-    thread_local std::vector<Stretch> stretches;
+    thread_local std::vector<BatchSegments> found;
     thread_local std::vector<double> patch;
-    segments_in_order(batches_, {}, cell_x, cell_y, sampledb::RecordClass::kCamera, stretches);
-    if (stretches.empty()) return;
+    segments_in_order(batches_, {}, cell_x, cell_y, sampledb::RecordClass::kCamera, found);
+    if (found.empty()) return;
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(cell_x), static_cast<std::uint32_t>(cell_y));
     for_patches(pixels, [&](const PixelRect& part) {
         const PixelRect reach = patch_of(filter_, part);
-        patch.assign(size_of(reach, lanes_), 0.0);
-        for (const Stretch& stretch : stretches) {
-            splat_patch(filter_, lanes_, Weights::kPositive, stretch.batch->columns, stretch.segments,
+        patch.assign(size_of(reach, stride_), 0.0);
+        for (const BatchSegments& in_batch : found) {
+            splat_patch(filter_, stride_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
                         moved(part, -window.x0, -window.y0), patch.data());
         }
-        for_rows(part, lanes_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(), add_doubles);
+        for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(), add_doubles);
     });
 }
 
-PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, int lanes, const PixelRect& cells)
+PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, int stride, const PixelRect& cells)
     : grid_(grid),
       filter_(filter),
-      lanes_(lanes),
+      stride_(stride),
       cells_(cells),
       inner_(grid.inner_pixels(cells)),
       windows_(static_cast<std::size_t>(cells.width() * cells.height())) {}
 
-std::uint64_t PositiveWindows::bytes(const FilmGrid& grid, int lanes) {
+std::uint64_t PositiveWindows::bytes(const FilmGrid& grid, int stride) {
     const std::uint64_t pixels = static_cast<std::uint64_t>(grid.window_width() * grid.window_height());
-    return (pixels * static_cast<std::uint64_t>(lanes) * sizeof(double) + 63) / 64 * 64;
+    return (pixels * static_cast<std::uint64_t>(stride) * sizeof(double) + 63) / 64 * 64;
 }
 
-std::uint64_t PositiveWindows::border_bytes(const FilmGrid& grid, int lanes, const PixelRect& cells) {
+std::uint64_t PositiveWindows::border_bytes(const FilmGrid& grid, int stride, const PixelRect& cells) {
     const PixelRect inner = grid.inner_cells(cells);
     const std::int64_t inside = inner.empty() ? 0 : inner.width() * inner.height();
-    return static_cast<std::uint64_t>(cells.width() * cells.height() - inside) * bytes(grid, lanes);
+    return static_cast<std::uint64_t>(cells.width() * cells.height() - inside) * bytes(grid, stride);
 }
 
 PixelRect PositiveWindows::window(std::size_t cell) const {
@@ -88,13 +88,13 @@ PixelRect PositiveWindows::window(std::size_t cell) const {
 }
 
 void PositiveWindows::open_border(std::span<std::byte> memory) {
-    const std::uint64_t each = bytes(grid_, lanes_);
+    const std::uint64_t each = bytes(grid_, stride_);
     auto* at = memory.data();
     for (std::size_t cell = 0; cell < windows_.size(); ++cell) {
         const PixelRect pixels = window(cell);
         if (intersection(pixels, inner_) == pixels) continue;
         windows_[cell].sums = reinterpret_cast<double*>(at);
-        std::fill_n(windows_[cell].sums, size_of(pixels, lanes_), 0.0);
+        std::fill_n(windows_[cell].sums, size_of(pixels, stride_), 0.0);
         at += each;
     }
     assert(at <= memory.data() + memory.size());
@@ -102,7 +102,7 @@ void PositiveWindows::open_border(std::span<std::byte> memory) {
 
 std::uint64_t PositiveWindows::bytes_beside(std::span<const std::size_t> cells) const {
     const auto closed = std::ranges::count_if(cells, [&](std::size_t cell) { return !windows_[cell].sums; });
-    return static_cast<std::uint64_t>(closed) * bytes(grid_, lanes_);
+    return static_cast<std::uint64_t>(closed) * bytes(grid_, stride_);
 }
 
 void PositiveWindows::open(std::span<const std::size_t> cells, std::span<std::byte> memory) {
@@ -110,32 +110,32 @@ void PositiveWindows::open(std::span<const std::size_t> cells, std::span<std::by
     for (const std::size_t cell : cells) {
         if (!windows_[cell].sums) {
             windows_[cell].sums = reinterpret_cast<double*>(at);
-            at += bytes(grid_, lanes_);
+            at += bytes(grid_, stride_);
         }
         windows_[cell].whole = true;
-        std::fill_n(windows_[cell].sums, size_of(window(cell), lanes_), 0.0);
+        std::fill_n(windows_[cell].sums, size_of(window(cell), stride_), 0.0);
     }
     assert(at <= memory.data() + memory.size());
     only_whole_ = true;
 }
 
-void PositiveWindows::add_records(std::span<const Batch* const> batches, const PageRange& range) {
+void PositiveWindows::add_records(std::span<const RecordBatch* const> batches, const PageRange& range) {
     tbb::parallel_for(std::size_t{0}, windows_.size(), [&](std::size_t cell) {
         if (!windows_[cell].sums || windows_[cell].whole != only_whole_) return;
-        thread_local std::vector<Stretch> stretches;
+        thread_local std::vector<BatchSegments> found;
         const auto i = static_cast<std::int64_t>(cell);
         segments_in_order(batches, range, cells_.x0 + i % cells_.width(), cells_.y0 + i / cells_.width(),
-                          sampledb::RecordClass::kCamera, stretches);
-        if (!windows_[cell].whole) return add_to_border(cell, stretches);
-        for (const Stretch& stretch : stretches) {
-            splat(filter_, lanes_, Weights::kPositive, stretch.batch->columns, stretch.segments, windows_[cell].sums,
+                          sampledb::RecordClass::kCamera, found);
+        if (!windows_[cell].whole) return add_to_border(cell, found);
+        for (const BatchSegments& in_batch : found) {
+            splat(filter_, stride_, Weights::kPositive, in_batch.batch->columns, in_batch.segments, windows_[cell].sums,
                   static_cast<std::size_t>(window(cell).width()));
         }
     });
 }
 
 // The frame that surrounds `inner_`, each sum going on from where the batch before left it.
-void PositiveWindows::add_to_border(std::size_t cell, std::span<const Stretch> stretches) {
+void PositiveWindows::add_to_border(std::size_t cell, std::span<const BatchSegments> found) {
     const PixelRect all = window(cell), inside = intersection(all, inner_);
     PixelRect frame[] = {{all.x0, all.y0, all.x1, inside.y0},
                          {all.x0, inside.y1, all.x1, all.y1},
@@ -147,13 +147,13 @@ void PositiveWindows::add_to_border(std::size_t cell, std::span<const Stretch> s
     for (const PixelRect& strip : frame) {
         for_patches(strip, [&](const PixelRect& part) {
             const PixelRect reach = patch_of(filter_, part);
-            patch.assign(size_of(reach, lanes_), 0.0);
-            for_rows(part, lanes_, all, static_cast<const double*>(sums), reach, patch.data(), copy_doubles);
-            for (const Stretch& stretch : stretches) {
-                splat_patch(filter_, lanes_, Weights::kPositive, stretch.batch->columns, stretch.segments,
+            patch.assign(size_of(reach, stride_), 0.0);
+            for_rows(part, stride_, all, static_cast<const double*>(sums), reach, patch.data(), copy_doubles);
+            for (const BatchSegments& in_batch : found) {
+                splat_patch(filter_, stride_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
                             moved(part, -all.x0, -all.y0), patch.data());
             }
-            for_rows(part, lanes_, reach, static_cast<const double*>(patch.data()), all, sums, copy_doubles);
+            for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), all, sums, copy_doubles);
         });
     }
 }
@@ -162,7 +162,7 @@ void PositiveWindows::add(std::int64_t cell_x, std::int64_t cell_y, const PixelR
     const auto cell = static_cast<std::size_t>((cell_y - cells_.y0) * cells_.width() + (cell_x - cells_.x0));
     const Window& held = windows_[cell];
     assert(held.sums);
-    for_rows(pixels, lanes_, window(cell), static_cast<const double*>(held.sums), pixels, sums.data(), add_doubles);
+    for_rows(pixels, stride_, window(cell), static_cast<const double*>(held.sums), pixels, sums.data(), add_doubles);
 }
 
 }  // namespace latent::develop

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "tools/develop/batch.h"
 #include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
+#include "tools/develop/record_batch.h"
 
 namespace latent::develop {
 
@@ -23,25 +23,25 @@ class PositiveSums {
 // From records in memory, looked through again.
 class PositiveFromRecords final : public PositiveSums {
  public:
-    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, int lanes, std::span<const Batch* const> batches)
-        : grid_(grid), filter_(filter), lanes_(lanes), batches_(batches) {}
+    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, int stride, std::span<const RecordBatch* const> batches)
+        : grid_(grid), filter_(filter), stride_(stride), batches_(batches) {}
     void add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const override;
 
  private:
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    int lanes_;
-    std::span<const Batch* const> batches_;
+    int stride_;
+    std::span<const RecordBatch* const> batches_;
 };
 
 // From windows that are filled while records pass by in batches. Those of the cells at the pane's border hold the pixels that other
 // cells reach too; those of cells that were asked for hold all pixels.
 class PositiveWindows final : public PositiveSums {
  public:
-    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, int lanes, const PixelRect& cells);
+    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, int stride, const PixelRect& cells);
 
-    static std::uint64_t bytes(const FilmGrid& grid, int lanes);                                 // of one window
-    static std::uint64_t border_bytes(const FilmGrid& grid, int lanes, const PixelRect& cells);  // of those at a pane's border
+    static std::uint64_t bytes(const FilmGrid& grid, int stride);                                 // of one window
+    static std::uint64_t border_bytes(const FilmGrid& grid, int stride, const PixelRect& cells);  // of those at a pane's border
     void open_border(std::span<std::byte> memory);
     // Bytes that windows of `cells` (numbers in the pane, ascending) need beside those that are open.
     std::uint64_t bytes_beside(std::span<const std::size_t> cells) const;
@@ -49,7 +49,7 @@ class PositiveWindows final : public PositiveSums {
     void open(std::span<const std::size_t> cells, std::span<std::byte> memory);
 
     // Adds the records of the pages in `range` to the open windows.
-    void add_records(std::span<const Batch* const> batches, const PageRange& range);
+    void add_records(std::span<const RecordBatch* const> batches, const PageRange& range);
     void add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const override;
 
  private:
@@ -58,11 +58,11 @@ class PositiveWindows final : public PositiveSums {
         bool whole = false;  // all pixels
     };
     PixelRect window(std::size_t cell) const;
-    void add_to_border(std::size_t cell, std::span<const Stretch> stretches);
+    void add_to_border(std::size_t cell, std::span<const BatchSegments> found);
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    int lanes_;
+    int stride_;
     PixelRect cells_, inner_;  // pixels that no cell outside reaches
     std::vector<Window> windows_;
     bool only_whole_ = false;

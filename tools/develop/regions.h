@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sampledb/read/gathering.h"
-#include "tools/develop/batch.h"
 #include "tools/develop/film_grid.h"
+#include "tools/develop/record_batch.h"
 
 namespace latent::develop {
 

@@ -17,13 +17,13 @@ using Form = FilterKernel::Form;
 constexpr std::size_t kReadable = RecordColumns::kReadable;
 
 // What is known of the sums when this file is compiled; 0: only at run time.
-template <int kSideOrZero, int kLanesOrZero, Weights kWeightsUsed>
+template <int kSideOrZero, int kStrideOrZero, Weights kWeightsUsed>
 struct Shape {
     static constexpr int kSide = kSideOrZero;
     static constexpr Weights kWeights = kWeightsUsed;
-    int run_side, run_lanes;
+    int run_side, run_stride;
     int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
-    int lanes() const { return kLanesOrZero > 0 ? kLanesOrZero : run_lanes; }
+    int stride() const { return kStrideOrZero > 0 ? kStrideOrZero : run_stride; }
     // Weights are computed for so many pixels: a footprint of 2 x 2 fills a vector of four, others have room for the widest.
     std::size_t padded() const { return side() == 2 ? 4 : (static_cast<std::size_t>(side()) * side() + 15) / 16 * 16; }
     auto tag() const { return hn::CappedTag < float, kSideOrZero == 2 ? 4 : 16 > (); }
@@ -45,21 +45,21 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
                     double* HWY_RESTRICT window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
-    for (int lane = 0; lane < shape.lanes(); lane += static_cast<int>(hn::Lanes(d))) {
+    for (int lane = 0; lane < shape.stride(); lane += static_cast<int>(hn::Lanes(d))) {
         auto s = hn::PromoteTo(d, hn::LoadU(df, values + lane));
         if constexpr (Shape::kWeights == Weights::kUnitSum)
             s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side() * shape.side())));
         double* row = window + lane;
         const double* w = weights;
         const auto add_pixel = [&](int x) HWY_ATTR {
-            double* sums = row + x * shape.lanes();
+            double* sums = row + x * shape.stride();
             const auto before = hn::LoadU(d, sums), weight = hn::Set(d, w[x]);
             if constexpr (Shape::kWeights == Weights::kUnitSum)
                 hn::StoreU(hn::Add(hn::Mul(weight, s), before), d, sums);
             else
                 hn::StoreU(hn::MulAdd(weight, s, before), d, sums);
         };
-        for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.lanes(), w += shape.side()) {
+        for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.stride(), w += shape.side()) {
             if constexpr (Shape::kSide == 4) {
                 add_pixel(0);
                 add_pixel(1);
@@ -87,8 +87,8 @@ struct Block {
 // Fills blocks with the records of segments, one after another.
 class BlockReader {
  public:
-    BlockReader(const RecordColumns& records, std::span<const Segment> segments, std::size_t row_pixels, int lanes)
-        : records_(records), segments_(segments), row_pixels_(static_cast<std::uint32_t>(row_pixels)), lanes_(lanes) {}
+    BlockReader(const RecordColumns& records, std::span<const Segment> segments, std::size_t row_pixels, int stride)
+        : records_(records), segments_(segments), row_pixels_(static_cast<std::uint32_t>(row_pixels)), stride_(stride) {}
 
     // `shift`: added to positions, in units of 2^-24 pixels. False if there are no more records.
     bool read(std::uint32_t shift, Block& block) {
@@ -119,15 +119,15 @@ class BlockReader {
             hn::StoreU(hn::Mul(hn::ConvertTo(df, hn::BitCast(di, hn::And(y, fraction))), unit), df, block.gy + to);
             hn::StoreU(hn::Add(hn::Mul(hn::ShiftRight<24>(y), row), hn::ShiftRight<24>(x)), d, block.pixel + to);
         }
-        const float* values = records_.values + first * static_cast<std::size_t>(lanes_);
-        for (std::size_t i = 0; i < n; ++i, values += lanes_) block.values[block.count + i] = values;
+        const float* values = records_.values + first * static_cast<std::size_t>(stride_);
+        for (std::size_t i = 0; i < n; ++i, values += stride_) block.values[block.count + i] = values;
         block.count += n;
     }
 
     const RecordColumns& records_;
     std::span<const Segment> segments_;
     std::uint32_t row_pixels_;
-    int lanes_;
+    int stride_;
     std::uint32_t done_ = 0;  // of the first segment
 };
 
@@ -151,28 +151,29 @@ void splat_records(const Shape& shape, const FilterKernel& filter, const RecordC
             end_weights<kForm, Shape::kWeights == Weights::kPositive>(shape.tag(), filter, padded, begun + i % kRing * padded,
                                                                       weights + i % kRing * padded);
     };
-    for (BlockReader reader(records, segments, row_pixels, shape.lanes()); reader.read(0, block);) {
+    for (BlockReader reader(records, segments, row_pixels, shape.stride()); reader.read(0, block);) {
         for (std::size_t i = 0; i < 2 * kAhead; ++i) begin(i);
         for (std::size_t i = 0; i < kAhead; ++i) end(i);
         for (std::size_t i = 0; i < block.count; ++i) {
             begin(i + 2 * kAhead);
             end(i + kAhead);
             add(shape, weights + i % kRing * padded, block.values[i],
-                window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(shape.lanes()), row_pixels);
+                window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(shape.stride()), row_pixels);
         }
     }
 }
 
 // The box: each record counts for the pixel that it lies in, with weight 1, which is also the sum of its weights.
-void splat_box(int lanes, const RecordColumns& records, std::span<const Segment> segments, double* window, std::size_t row_pixels) {
+void splat_box(int stride, const RecordColumns& records, std::span<const Segment> segments, double* window,
+               std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
     constexpr std::uint32_t kHalf = 1 << 23;  // the first of the two pixels in reach has its centre at g = 0
     Block block;
-    for (BlockReader reader(records, segments, row_pixels, lanes); reader.read(kHalf, block);) {
+    for (BlockReader reader(records, segments, row_pixels, stride); reader.read(kHalf, block);) {
         for (std::size_t i = 0; i < block.count; ++i) {
-            double* const sums = window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(lanes);
-            for (int lane = 0; lane < lanes; lane += static_cast<int>(hn::Lanes(d))) {
+            double* const sums = window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(stride);
+            for (int lane = 0; lane < stride; lane += static_cast<int>(hn::Lanes(d))) {
                 const auto s = hn::PromoteTo(d, hn::LoadU(df, block.values[i] + lane));
                 hn::StoreU(hn::Add(hn::LoadU(d, sums + lane), s), d, sums + lane);
             }
@@ -180,7 +181,7 @@ void splat_box(int lanes, const RecordColumns& records, std::span<const Segment>
     }
 }
 
-void Splat(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
+void Splat(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
            double* window, std::size_t row_pixels) {
     const auto with_shape = [&](const auto& shape) {
         switch (filter.form) {
@@ -191,14 +192,14 @@ void Splat(const FilterKernel& filter, int lanes, Weights weights, const RecordC
             case Form::kSeparable:
                 return splat_records<Form::kSeparable>(shape, filter, records, segments, window, row_pixels);
             case Form::kBox:
-                return splat_box(shape.lanes(), records, segments, window, row_pixels);
+                return splat_box(shape.stride(), records, segments, window, row_pixels);
         }
     };
     const int side = filter.side();
     const auto with_size = [&]<Weights kWeights>() {
-        if (side == 4 && lanes == 4) return with_shape(Shape<4, 4, kWeights>{side, lanes});
-        if (side == 2 && lanes == 4) return with_shape(Shape<2, 4, kWeights>{side, lanes});
-        return with_shape(Shape<0, 0, kWeights>{side, lanes});
+        if (side == 4 && stride == 4) return with_shape(Shape<4, 4, kWeights>{side, stride});
+        if (side == 2 && stride == 4) return with_shape(Shape<2, 4, kWeights>{side, stride});
+        return with_shape(Shape<0, 0, kWeights>{side, stride});
     };
     switch (weights) {
         case Weights::kSigned:
@@ -251,12 +252,12 @@ namespace latent::develop {
 HWY_EXPORT(Splat);
 HWY_EXPORT(Choose);
 
-void splat(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
+void splat(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
            double* window, std::size_t row_pixels) {
-    HWY_DYNAMIC_DISPATCH(Splat)(filter, lanes, weights, records, segments, window, row_pixels);
+    HWY_DYNAMIC_DISPATCH(Splat)(filter, stride, weights, records, segments, window, row_pixels);
 }
 
-void splat_patch(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records,
+void splat_patch(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records,
                  std::span<const Segment> segments, const PixelRect& pixels, double* patch) {
     constexpr std::size_t kAtOnce = 256;
     thread_local std::vector<std::uint32_t> chosen, x, y;
@@ -270,10 +271,10 @@ void splat_patch(const FilterKernel& filter, int lanes, Weights weights, const R
             const std::size_t row = chosen[i];
             x[i] = records.x[row] - (static_cast<std::uint32_t>(places.x0) << 24);
             y[i] = records.y[row] - (static_cast<std::uint32_t>(places.y0) << 24);
-            values.insert(values.end(), records.values + row * lanes, records.values + (row + 1) * lanes);
+            values.insert(values.end(), records.values + row * stride, records.values + (row + 1) * stride);
         }
         const Segment all{0, 0, static_cast<std::uint32_t>(chosen.size())};
-        splat(filter, lanes, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
+        splat(filter, stride, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
               static_cast<std::size_t>(reach.width()));
         chosen.clear();
     };

@@ -19,10 +19,10 @@ struct RecordColumns {
     static constexpr std::size_t kReadable = 16;
     const std::uint32_t* x;  // FilmGrid::place_x, place_y
     const std::uint32_t* y;
-    const float* values;  // `lanes` per record: channel values, then the share (light records: 0), then zeros
+    const float* values;  // `stride` per record: channel values, then the share (light records: 0), then zeros
 };
 struct Segment {
-    std::uint64_t page;  // page_order (batch.h)
+    std::uint64_t page;  // page_order (record_batch.h)
     std::uint32_t first, count;
 };
 
@@ -32,15 +32,15 @@ enum class Weights : std::uint8_t {
     kUnitSum,   // the filter, scaled so that the weights of a record sum to one over the pixel lattice (light records)
 };
 
-// Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has `lanes` (a multiple of 4) sums
+// Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has `stride` (a multiple of 4) sums
 // of w s in float64, the last ones of w c.
-void splat(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
+void splat(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
            double* window, std::size_t row_pixels);
 
 // The same, of the records alone that reach one of `pixels` (of the window; at most 256 in a row). `patch`: rows of
 // patch_of(filter, pixels).width() pixels; those of `pixels` begin at its pixel (side - 1, side - 1) and get all that the records
 // give them.
-void splat_patch(const FilterKernel& filter, int lanes, Weights weights, const RecordColumns& records,
+void splat_patch(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records,
                  std::span<const Segment> segments, const PixelRect& pixels, double* patch);
 inline PixelRect patch_of(const FilterKernel& filter, const PixelRect& pixels) {
     const int margin = filter.side() - 1;

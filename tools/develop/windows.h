@@ -9,7 +9,7 @@
 
 namespace latent::develop {
 
-// Windows of its cells, in float64, `lanes` sums per pixel; null where a cell has no such records.
+// Windows of its cells, in float64, `stride` sums per pixel; null where a cell has no such records.
 struct Windows {
     PixelRect cells;
     struct Cell {

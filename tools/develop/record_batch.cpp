@@ -1,4 +1,4 @@
-#include "tools/develop/batch.h"
+#include "tools/develop/record_batch.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
@@ -44,23 +44,23 @@ std::size_t slot_count(const PixelRect& cells) { return 2 * static_cast<std::siz
 
 }  // namespace
 
-std::span<const Segment> Batch::segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const {
+std::span<const Segment> RecordBatch::segments(std::int64_t cell_x, std::int64_t cell_y, sampledb::RecordClass record_class) const {
     const std::size_t slot = slot_of(cells, cell_x, cell_y, record_class);
     return all_segments.subspan(begin[slot], begin[slot + 1] - begin[slot]);
 }
 
-void segments_in_order(std::span<const Batch* const> batches, const PageRange& range, std::int64_t cell_x, std::int64_t cell_y,
-                       sampledb::RecordClass record_class, std::vector<Stretch>& found) {
+void segments_in_order(std::span<const RecordBatch* const> batches, const PageRange& range, std::int64_t cell_x,
+                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<BatchSegments>& found) {
     found.clear();
-    thread_local std::vector<Stretch> rest;  // of each batch
+    thread_local std::vector<BatchSegments> rest;  // of each batch
     rest.clear();
-    for (const Batch* batch : batches) {
+    for (const RecordBatch* batch : batches) {
         const std::span<const Segment> all = batch->segments(cell_x, cell_y, record_class);
         const auto first = std::ranges::lower_bound(all, range.begin, {}, &Segment::page);
         const auto last = std::ranges::lower_bound(first, all.end(), range.end, {}, &Segment::page);
         if (first != last) rest.push_back({batch, {first, last}});
     }
-    const auto front = [](const Stretch& stretch) { return stretch.segments.front().page; };
+    const auto front = [](const BatchSegments& in_batch) { return in_batch.segments.front().page; };
     while (!rest.empty()) {
         const auto next = std::ranges::min_element(rest, {}, front);
         std::uint64_t end = range.end;  // where another batch goes on
@@ -102,7 +102,8 @@ struct Loader::Filling {
     std::atomic<std::uint32_t> row_count = 0, piece_count = 0;
 };
 
-Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory, bool counting) {
+Result<RecordBatch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory,
+                                 bool counting) {
     const std::uint64_t room = memory.size() - index_bytes(cells);
     std::uint64_t rows = 0, pieces = 0, bytes = 0;
     std::size_t taken = 0;
@@ -121,7 +122,7 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
     auto* const last = reinterpret_cast<SlotRows*>(free.data() + free.size());
     Filling filling{cells,
                     counting,
-                    take<float>(free, rows * lanes_).data(),
+                    take<float>(free, rows * stride_).data(),
                     take<std::uint32_t>(free, rows).data(),
                     take<std::uint32_t>(free, rows).data(),
                     last};
@@ -131,7 +132,7 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
     // Pages may have had rows elsewhere: the columns close up.
     free = memory.first(static_cast<std::size_t>(reinterpret_cast<std::byte*>(last) - memory.data()));
     const std::uint32_t row_count = filling.row_count;
-    const std::span<float> values = take<float>(free, row_count * lanes_);
+    const std::span<float> values = take<float>(free, row_count * stride_);
     const std::span<std::uint32_t> x = take<std::uint32_t>(free, row_count), y = take<std::uint32_t>(free, row_count);
     std::copy_n(filling.x, row_count, x.data());
     std::copy_n(filling.y, row_count, y.data());
@@ -153,7 +154,7 @@ Result<Batch> Loader::load(std::span<const PageRef>& pages, const PixelRect& cel
     }
     memory = memory.subspan(static_cast<std::size_t>(free.data() - memory.data()));
     pages = pages.subspan(taken);
-    return Batch{cells, {x.data(), y.data(), values.data()}, begin, segments};
+    return RecordBatch{cells, {x.data(), y.data(), values.data()}, begin, segments};
 }
 
 // In parallel, begun in their order: so those that are read soon are announced to the system, and are on their way.
@@ -216,7 +217,7 @@ void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const F
     place_rows(grid_.place_x(rows.cell_x), std::span(page.u).subspan(rows.first, rows.count), filling.x + to);
     place_rows(grid_.place_y(rows.cell_y), std::span(page.v).subspan(rows.first, rows.count), filling.y + to);
     const std::uint64_t not_finite =
-        channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * lanes_);
+        channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * stride_);
     if (not_finite > 0 && filling.counting) {
         const bool camera = page.record_class == sampledb::RecordClass::kCamera;
         (camera ? counts_.camera_not_finite : counts_.light_not_finite) += not_finite;

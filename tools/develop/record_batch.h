@@ -1,4 +1,4 @@
-// tools/develop/batch.h: decoded records of many pages, sorted into cells. docs/developing.md, "Batches".
+// tools/develop/record_batch.h: decoded records of many pages, sorted into cells. docs/developing.md, "Record batches".
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ struct PageRef {
 };
 
 // Records that lie in `cells`. The arrays lie in memory that the loader was lent.
-struct Batch {
+struct RecordBatch {
     PixelRect cells;
     RecordColumns columns;
     std::span<const std::uint32_t> begin;  // of each cell's segments, camera and light; one more at the end
@@ -37,13 +37,13 @@ struct Batch {
 struct PageRange {
     std::uint64_t begin = 0, end = ~std::uint64_t{0};
 };
-struct Stretch {
-    const Batch* batch;
+struct BatchSegments {
+    const RecordBatch* batch;
     std::span<const Segment> segments;
 };
 // The segments of a cell and class, of pages in `range`, that several batches have: in the order of their pages.
-void segments_in_order(std::span<const Batch* const> batches, const PageRange& range, std::int64_t cell_x, std::int64_t cell_y,
-                       sampledb::RecordClass record_class, std::vector<Stretch>& found);
+void segments_in_order(std::span<const RecordBatch* const> batches, const PageRange& range, std::int64_t cell_x,
+                       std::int64_t cell_y, sampledb::RecordClass record_class, std::vector<BatchSegments>& found);
 
 struct DecodeCounts {
     std::atomic<std::uint64_t> pages = 0, bytes = 0;                   // decoded, repeats included
@@ -55,7 +55,7 @@ struct DecodeCounts {
 class Loader {
  public:
     Loader(const sampledb::Gathering& gathering, const FilmGrid& grid, const Channels& channels)
-        : gathering_(gathering), grid_(grid), channels_(channels), lanes_(static_cast<std::size_t>(channels.lanes())) {}
+        : gathering_(gathering), grid_(grid), channels_(channels), stride_(static_cast<std::size_t>(channels.stride())) {}
 
     // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
@@ -63,7 +63,7 @@ class Loader {
 
     // Takes as many pages as fit off the front of `pages` (there must be room for one), and what their records need off the front
     // of `memory`. `counting`: their records have not been counted before.
-    Result<Batch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory, bool counting);
+    Result<RecordBatch> load(std::span<const PageRef>& pages, const PixelRect& cells, std::span<std::byte>& memory, bool counting);
 
     const DecodeCounts& counts() const { return counts_; }
 
@@ -81,12 +81,12 @@ class Loader {
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
     void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
-    std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + lanes_ * sizeof(float); }
+    std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + stride_ * sizeof(float); }
 
     const sampledb::Gathering& gathering_;
     const FilmGrid& grid_;
     const Channels& channels_;
-    std::size_t lanes_;
+    std::size_t stride_;
     DecodeCounts counts_;
 };
 
