@@ -43,12 +43,14 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
     out.record = settings.record;
     out.positions = positions_of(settings.seed);
     out.seed = settings.seed;
+    const Resolution pixels = settings.resolution.value_or(Resolution{scene.film.width, scene.film.height});
+    out.textures = {settings.texture_cache, pixels.width, pixels.height};
     return out;
 }
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
-sampledb::JobId job_id(const Hash128& scene, const IntegratorSettings& settings, const sampledb::WavelengthDensity& density,
-                       const sampledb::Job& job) {
+sampledb::JobId job_id(const Hash128& scene, bool has_textures, const IntegratorSettings& settings,
+                       const sampledb::WavelengthDensity& density, const sampledb::Job& job) {
     Bytes bytes;
     ByteWriter writer(bytes);
     for (const std::uint64_t field :
@@ -59,6 +61,10 @@ sampledb::JobId job_id(const Hash128& scene, const IntegratorSettings& settings,
           static_cast<std::uint64_t>(job.kind), std::uint64_t{settings.batch}, std::uint64_t{job.precision},
           std::uint64_t{job.run_samples}, job.run_bytes}) {
         writer.put(field);
+    }
+    if (has_textures) {  // which are filtered by pixels
+        writer.put(std::uint64_t{settings.textures.width});
+        writer.put(std::uint64_t{settings.textures.height});
     }
     for (const sampledb::WavelengthDensity::Knot& knot : density.knots()) {
         writer.put(knot.lambda);
@@ -147,7 +153,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     job.light_paths_per_sample = out->integrator->light_paths_per_sample();
     job.run_samples = settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(out->raw_sample_bytes);
     job.positions = integrator_options.positions;
-    job.id = job_id(content, integrator_options, out->integrator->density(), job);
+    job.id = job_id(content, !description.textures.empty(), integrator_options, out->integrator->density(), job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 
     out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});

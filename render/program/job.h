@@ -36,9 +36,10 @@ struct RenderSettings {
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
     std::uint32_t wavelengths = 28;
     std::uint64_t seed = 0;
-    std::uint32_t precision = 9;    // mantissa bits of stored values; docs/format.md, "Rounding", says why
-    std::uint32_t run_samples = 0;  // 0: such that a run is near 64 MiB
-    std::string simd = "best";      // or a level of base/simd.h
+    std::uint32_t precision = 9;                             // mantissa bits of stored values; docs/format.md, "Rounding", says why
+    std::uint32_t run_samples = 0;                           // 0: such that a run is near 64 MiB
+    std::uint64_t texture_cache = std::uint64_t{256} << 20;  // bytes of decoded pictures
+    std::string simd = "best";                               // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
     std::optional<Resolution> resolution;

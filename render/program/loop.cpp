@@ -74,6 +74,7 @@ void trace_grains(const Integrator& integrator, sampledb::PartWriter& writer, Wo
             if (work.give_up()) return writer.give_up();
             integrator.trace(n, grain.records, faults);
         }
+        if (const Status sound = integrator.status(); !sound) return work.error().set(sound.error());
         const Status submitted = writer.submit(std::move(grain));
         if (!submitted && submitted.error().code == ErrorCode::kStopped) return;
         if (!submitted) return work.error().set(submitted.error());

@@ -50,9 +50,18 @@ void each_field(Of<MappingDescription> auto& mapping, Visit&& visit) {
 }
 
 template <class Visit>
+void each_field(Of<PictureDescription> auto& picture, Visit&& visit) {
+    auto& [path, content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert] = picture;
+    visit(content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert);
+    visit.label(path);
+}
+
+template <class Visit>
 void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
-    auto& [kind, is_spectrum, role, numbers, spectra, amount, mapping, location] = texture;
-    visit(kind, is_spectrum, role, numbers, spectra, amount, mapping);
+    auto& [kind, is_spectrum, role, numbers, spectra, amount, mapping, picture, is_solid, direction, octaves, roughness, scale,
+           variation, location] = texture;
+    visit(kind, is_spectrum, role, numbers, spectra, amount, mapping, picture, is_solid, direction, octaves, roughness, scale,
+          variation);
     visit.label(location);
 }
 

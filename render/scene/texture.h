@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/hash.h"
 #include "color/spectrum.h"
 #include "render/math/vec.h"
 #include "render/scene/source_location.h"
@@ -43,7 +44,36 @@ struct MappingDescription {
     Affined texture_from_world{};     // of places counted from SceneDescription::origin
 };
 
-enum class TextureKind : std::uint8_t { kConstant, kScale, kMix };
+enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kOctahedralSphere };
+enum class TextureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa };
+
+// A picture, which stays in its file.
+struct PictureDescription {
+    std::string path{};
+    Hash128 content{};  // of the file
+    TextureWrap wrap = TextureWrap::kRepeat;
+    TextureFilter filter = TextureFilter::kBilinear;
+    double max_anisotropy = 8;  // ewa
+    bool is_srgb = true;        // integers of the file; else x^gamma
+    double gamma = 1;
+    double scale = 1;
+    bool invert = false;  // 1 - scale x
+};
+
+enum class TextureKind : std::uint8_t {
+    kConstant,
+    kScale,
+    kMix,
+    kImage,
+    kCheckerboard,
+    kDots,
+    kBilerp,
+    kDirectionMix,
+    kFbm,
+    kWrinkled,
+    kWindy,
+    kMarble
+};
 
 // One of the kinds; each uses the fields that name it. Inputs of a float texture are `numbers`, of a spectrum texture `spectra`;
 // a texture that is used in two roles is two.
@@ -51,10 +81,17 @@ struct TextureDescription {
     TextureKind kind = TextureKind::kConstant;
     bool is_spectrum = false;
     SpectrumRole role = SpectrumRole::kReflectance;  // of a spectrum texture
-    std::array<FloatInput, 2> numbers{};             // constant, scale: the first; mix: both
-    std::array<SpectrumInput, 2> spectra{};          // the same
-    FloatInput amount{};                             // scale: the factor; mix: of the second
-    MappingDescription mapping{};
+    // constant, scale: the first; mix, checkerboard, directionmix: two; dots: inside, outside; bilerp: v00 v01 v10 v11
+    std::array<FloatInput, 4> numbers{};
+    std::array<SpectrumInput, 4> spectra{};
+    FloatInput amount{};                // scale: the factor; mix: of the second
+    MappingDescription mapping{};       // of those that depend on the place
+    PictureDescription picture{};       // image
+    bool is_solid = false;              // checkerboard: of cubes
+    Vec3d direction{0, 1, 0};           // directionmix: unit
+    std::uint32_t octaves = 8;          // fbm, wrinkled, marble
+    double roughness = 0.5;             // the same: weight of an octave over that before it
+    double scale = 1, variation = 0.2;  // marble
     SourceLocation location{};
 };
 

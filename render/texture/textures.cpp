@@ -1,14 +1,25 @@
 #include "render/texture/textures.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+
+#include "color/to_srgb.h"
 #include "render/texture/combine.h"
+#include "render/texture/image_texture.h"
+#include "render/texture/procedural.h"
 
 namespace latent::render {
 
 // Builds each texture after its inputs, which render/scene/check.h has found to form no circle.
 struct Textures::Builder {
     const SceneDescription& scene;
+    std::uint64_t cache_bytes;
     SpectrumLibrary& library;
     Textures& out;
+    std::map<std::tuple<std::string, bool, double>, Result<image::PictureInfo>> opened{};  // by path and encoding
+    std::vector<std::string> errors{};
 
     FloatSource source(const FloatInput& input) {
         if (input.is_textured()) build(input.texture);
@@ -18,21 +29,78 @@ struct Textures::Builder {
         if (input.is_textured()) build(input.texture);
         return out.source(input, library);
     }
-    FloatSource input_of(float, const TextureDescription& d, int i) { return source(d.numbers[i]); }
-    SpectrumSource input_of(const SampledSpectrum*, const TextureDescription& d, int i) { return source(d.spectra[i]); }
+    FloatSource input_of(float, const TextureDescription& d, std::size_t i) { return source(d.numbers[i]); }
+    SpectrumSource input_of(const SampledSpectrum*, const TextureDescription& d, std::size_t i) { return source(d.spectra[i]); }
+
+    // Of a file that several textures show, each with its own wrap and filter, one.
+    const Result<image::PictureInfo>& open(const PictureDescription& d) {
+        const auto [at, is_new] = opened.try_emplace({d.path, d.is_srgb, d.gamma}, Error{});
+        if (!is_new) return at->second;
+        if (!out.pictures_) {
+            Result<std::unique_ptr<image::Pictures>> created = image::Pictures::create(cache_bytes);
+            if (!created) {
+                if (errors.empty()) errors.push_back(created.error().message);
+                return at->second = created.error();
+            }
+            out.pictures_ = std::move(*created);
+        }
+        at->second = out.pictures_->open(d.path, {d.is_srgb, static_cast<float>(d.gamma)});
+        if (!at->second) errors.push_back(at->second.error().message);
+        return at->second;
+    }
+    std::unique_ptr<FloatTexture> make_image(float, const TextureDescription& d, const ImageLookup& image) {
+        (void)d;
+        return std::make_unique<FloatImage>(image);
+    }
+    std::unique_ptr<SpectrumTexture> make_image(const SampledSpectrum*, const TextureDescription& d, const ImageLookup& image) {
+        color::Matrix3 to_srgb;
+        if (image.info().chromaticities) {
+            const Result<color::Matrix3> matrix = color::srgb_from(*image.info().chromaticities);
+            if (matrix) to_srgb = *matrix;
+            if (!matrix) errors.push_back(fmt::format("{}: {}", d.picture.path, matrix.error().message));
+        }
+        return std::make_unique<SpectrumImage>(image, d.role, to_srgb);
+    }
+    std::unique_ptr<FloatTexture> make_noise(float, const TextureDescription& d) {
+        const NoiseKind kind = d.kind == TextureKind::kFbm        ? NoiseKind::kFbm
+                               : d.kind == TextureKind::kWrinkled ? NoiseKind::kWrinkled
+                                                                  : NoiseKind::kWindy;
+        return std::make_unique<Noise>(kind, d.mapping, static_cast<float>(d.roughness), static_cast<int>(d.octaves));
+    }
+    std::unique_ptr<SpectrumTexture> make_noise(const SampledSpectrum*, const TextureDescription& d) {
+        return std::make_unique<Marble>(d.mapping, static_cast<float>(d.roughness), static_cast<int>(d.octaves),
+                                        static_cast<float>(d.scale), static_cast<float>(d.variation));
+    }
 
     template <class Value>
     std::unique_ptr<Texture<Value>> make(const TextureDescription& d) {
-        const auto input = [&](int i) { return input_of(Value{}, d, i); };
+        const auto input = [&](std::size_t i) { return input_of(Value{}, d, i); };
         switch (d.kind) {
             case TextureKind::kConstant:
-                return std::make_unique<Constant<Value>>(input(0));
+                break;
             case TextureKind::kScale:
                 return std::make_unique<Scale<Value>>(input(0), source(d.amount));
             case TextureKind::kMix:
                 return std::make_unique<Mix<Value>>(input(0), input(1), source(d.amount));
+            case TextureKind::kImage:
+                if (const Result<image::PictureInfo>& info = open(d.picture))
+                    return make_image(Value{}, d, ImageLookup(d, *out.pictures_, *info));
+                break;
+            case TextureKind::kCheckerboard:
+                return std::make_unique<Checkerboard<Value>>(d.mapping, d.is_solid, input(0), input(1));
+            case TextureKind::kDots:
+                return std::make_unique<Dots<Value>>(d.mapping, input(0), input(1));
+            case TextureKind::kBilerp:
+                return std::make_unique<Bilerp<Value>>(d.mapping, input(0), input(1), input(2), input(3));
+            case TextureKind::kDirectionMix:
+                return std::make_unique<DirectionMix<Value>>(Vec3f(d.direction), input(0), input(1));
+            case TextureKind::kFbm:
+            case TextureKind::kWrinkled:
+            case TextureKind::kWindy:
+            case TextureKind::kMarble:
+                return make_noise(Value{}, d);
         }
-        __builtin_unreachable();
+        return std::make_unique<Constant<Value>>(input(0));
     }
     void build(std::uint32_t i) {
         const TextureDescription& d = scene.textures[i];
@@ -41,12 +109,13 @@ struct Textures::Builder {
     }
 };
 
-Result<Textures> Textures::build(const SceneDescription& scene, SpectrumLibrary& library) {
+Result<Textures> Textures::build(const SceneDescription& scene, std::uint64_t cache_bytes, SpectrumLibrary& library) {
     Textures out;
     out.floats_.resize(scene.textures.size());
     out.spectra_.resize(scene.textures.size());
-    Builder builder{scene, library, out};
+    Builder builder{scene, cache_bytes, library, out};
     for (std::uint32_t i = 0; i < scene.textures.size(); ++i) builder.build(i);
+    if (!builder.errors.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{}", fmt::join(builder.errors, "\n"))};
     return out;
 }
 

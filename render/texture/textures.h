@@ -5,15 +5,25 @@
 #include <vector>
 
 #include "base/result.h"
+#include "image/pictures.h"
 #include "render/scene/description.h"
 #include "render/texture/texture.h"
 
 namespace latent::render {
 
+struct TextureSettings {
+    std::uint64_t cache_bytes = std::uint64_t{256} << 20;  // of decoded pictures
+    std::uint32_t width = 0, height = 0;                   // pixels that footprints are shares of; 0: the scene's film
+};
+
 class Textures {
  public:
-    // Constant spectra go to `library`.
-    static Result<Textures> build(const SceneDescription& scene, SpectrumLibrary& library);
+    // Constant spectra go to `library`; of pictures, at most `cache_bytes` are kept in memory. Errors: those of image::Pictures,
+    // one line for each file.
+    static Result<Textures> build(const SceneDescription& scene, std::uint64_t cache_bytes, SpectrumLibrary& library);
+
+    // The first error of a picture that could not be read when it was needed: what has been rendered since is wrong.
+    Status status() const { return pictures_ ? pictures_->status() : Status{}; }
 
     // The parameter that `input` describes. Textures live as long as this.
     FloatSource source(const FloatInput& input) const;
@@ -22,6 +32,7 @@ class Textures {
  private:
     struct Builder;
 
+    std::unique_ptr<image::Pictures> pictures_;
     // Of each description, the one or the other.
     std::vector<std::unique_ptr<FloatTexture>> floats_;
     std::vector<std::unique_ptr<SpectrumTexture>> spectra_;

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string>
 
+#include "base/result.h"
 #include "render/scene/description.h"
+#include "render/texture/textures.h"
 #include "sampledb/data/film_position.h"
 #include "sampledb/data/record.h"
 #include "sampledb/data/wavelengths.h"
@@ -22,6 +24,7 @@ struct IntegratorSettings {
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
     sampledb::PositionSamplerSpec positions{};  // of film positions: sampledb::halton23(n, positions)
     std::uint64_t seed = 0;
+    TextureSettings textures{};
 };
 
 // Radiance that no light can have: each such record was stored as black.
@@ -44,6 +47,8 @@ class Integrator {
     // Of the wavelengths, from this scene's lights. Part of the job id; the headers of spectral jobs hold it.
     virtual const sampledb::WavelengthDensity& density() const = 0;
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
+    // An error: what has been traced since the last call without one is wrong. Any thread.
+    virtual Status status() const { return {}; }
 };
 
 }  // namespace latent::render

@@ -31,6 +31,7 @@ class Transport : public Integrator {
     void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const final;
     const sampledb::WavelengthDensity& density() const final { return density_; }
     std::uint32_t light_paths_per_sample() const override { return 0; }
+    Status status() const final { return world_->textures().status(); }
 
  protected:
     // Adds to `camera` what the camera sees at film point (u, v); may append light records.

@@ -6,12 +6,15 @@
 
 namespace latent::render {
 
-Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry) {
+Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry,
+                                            const TextureSettings& settings) {
     const Result<Camera> camera = Camera::make(scene.camera);
     if (!camera) return camera.error();
-    std::unique_ptr<World> world(new World(geometry, *camera, Footprint(scene.camera, scene.film.width, scene.film.height)));
+    std::unique_ptr<World> world(new World(geometry, *camera,
+                                           Footprint(scene.camera, settings.width > 0 ? settings.width : scene.film.width,
+                                                     settings.height > 0 ? settings.height : scene.film.height)));
 
-    Result<Textures> textures = Textures::build(scene, world->library_);
+    Result<Textures> textures = Textures::build(scene, settings.cache_bytes, world->library_);
     if (!textures) return textures.error();
     world->textures_ = std::move(*textures);
     for (const MaterialDescription& d : scene.materials) {

@@ -21,8 +21,10 @@ namespace latent::render {
 
 class World {
  public:
-    // The geometry must outlive the world. Errors: kUnsupported, kOutOfRange.
-    static Result<std::unique_ptr<World>> build(const SceneDescription& scene, const Geometry& geometry);
+    // The geometry must outlive the world. Errors: kUnsupported, kOutOfRange; those of Textures.
+    static Result<std::unique_ptr<World>> build(const SceneDescription& scene, const Geometry& geometry,
+                                                const TextureSettings& textures = {});
+    const Textures& textures() const { return textures_; }
 
     const Geometry& geometry() const { return *geometry_; }
     const Camera& camera() const { return camera_; }

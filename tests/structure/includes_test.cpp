@@ -23,6 +23,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"base", {}},
         {"color", {"base"}},
         {"image", {"base"}},
+        {"image/oiio", {"image"}},
 
         {"sampledb/data", {"base"}},
         {"sampledb/format", {"sampledb/data"}},
@@ -39,7 +40,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/camera", {"render/sampling", "render/scene"}},
         {"render/light", {"render/geometry", "render/bsdf", "render/camera"}},
         {"render/medium", {"render/light"}},
-        {"render/texture", {"render/sampling", "render/scene"}},
+        {"render/texture", {"render/sampling", "render/scene", "image"}},
         {"render/material", {"render/light", "render/texture"}},
         {"render/world", {"render/material", "render/medium"}},
         {"render/transport", {"render/world"}},

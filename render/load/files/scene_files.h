@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/hash.h"
 #include "base/result.h"
 
 namespace latent::render {
@@ -18,6 +19,8 @@ class SceneFiles {
     static Result<std::string> read_text(const std::filesystem::path& path);
     // The same of a file that the scene names.
     Result<std::string> read(const std::string& name) const { return read_text(resolve(name)); }
+    // Of the bytes of a file that stays on disk.
+    Result<Hash128> hash(const std::string& name) const;
 
  private:
     std::filesystem::path folder_;

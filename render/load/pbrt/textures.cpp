@@ -2,13 +2,33 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/scene/check.h"
 
 namespace latent::render {
 
 namespace {
 
-const color::Spectrum kZero = color::Spectrum::constant(0), kOne = color::Spectrum::constant(1);
+// One of a few words.
+template <class Value>
+Value choice(const ParameterList& list, std::string_view name, const std::string& otherwise,
+             const std::map<std::string, Value>& choices) {
+    const std::string word = list.string(name).value_or(otherwise);
+    const auto found = choices.find(word);
+    if (found != choices.end()) return found->second;
+    std::string words;
+    for (const auto& [known, value] : choices) words += (words.empty() ? "" : ", ") + known;
+    list.error(fmt::format("{}: \"{}\" is not one of {}", name, word, words));
+    return choices.at(otherwise);
+}
+
+Vec3d vector(const ParameterList& list, std::string_view name, const Vec3d& otherwise) {
+    const std::span<const double> values = list.array(name, "vector3", 3);
+    if (values.empty()) return otherwise;
+    if (values.size() > 3) list.error(fmt::format("{}: must be one vector", name));
+    return {values[0], values[1], values[2]};
+}
 
 }  // namespace
 
@@ -63,33 +83,133 @@ SpectrumInput SceneTextures::spectrum(const ParameterList& list, std::string_vie
     return find_spectrum(list, name, role).value_or(SpectrumInput(otherwise));
 }
 
+// The place of a texture is that of its directive; `is_solid`: a point of space, with nothing more to say about it.
+void SceneTextures::read_mapping(const ParameterList& list, const Affined& ctm, bool is_solid, MappingDescription& mapping) {
+    static const std::map<std::string, MappingKind> kKinds{{"uv", MappingKind::kUv},
+                                                           {"spherical", MappingKind::kSpherical},
+                                                           {"cylindrical", MappingKind::kCylindrical},
+                                                           {"planar", MappingKind::kPlanar}};
+    if (!is_solid) {
+        mapping.kind = choice(list, "mapping", "uv", kKinds);
+        if (mapping.kind == MappingKind::kUv) {
+            mapping.scale_u = list.number("uscale", 1);
+            mapping.scale_v = list.number("vscale", 1);
+        }
+        if (mapping.kind == MappingKind::kUv || mapping.kind == MappingKind::kPlanar) {
+            mapping.delta_u = list.number("udelta", 0);
+            mapping.delta_v = list.number("vdelta", 0);
+        }
+        if (mapping.kind == MappingKind::kUv) return;
+        if (mapping.kind == MappingKind::kPlanar) {
+            mapping.v1 = vector(list, "v1", mapping.v1);
+            mapping.v2 = vector(list, "v2", mapping.v2);
+        }
+    }
+    const std::optional<Affined> inverse = ctm.inverse();
+    if (!inverse) return list.error("Texture: the transformation is singular");
+    mapping.texture_from_world = *inverse;
+}
+
+void SceneTextures::read_picture(const ParameterList& list, PictureDescription& picture) {
+    static const std::map<std::string, TextureWrap> kWraps{{"repeat", TextureWrap::kRepeat},
+                                                           {"black", TextureWrap::kBlack},
+                                                           {"clamp", TextureWrap::kClamp},
+                                                           {"octahedralsphere", TextureWrap::kOctahedralSphere}};
+    static const std::map<std::string, TextureFilter> kFilters{{"point", TextureFilter::kPoint},
+                                                               {"bilinear", TextureFilter::kBilinear},
+                                                               {"trilinear", TextureFilter::kTrilinear},
+                                                               {"ewa", TextureFilter::kEwa},
+                                                               {"EWA", TextureFilter::kEwa}};
+    picture.wrap = choice(list, "wrap", "repeat", kWraps);
+    picture.filter = choice(list, "filter", "bilinear", kFilters);
+    const double anisotropy = list.number("maxanisotropy", 8, 1, 1e6);
+    if (picture.filter == TextureFilter::kEwa) picture.max_anisotropy = std::min(anisotropy, 64.0);
+    picture.scale = list.number("scale", 1);
+    picture.invert = list.flag("invert", false);
+    const std::string encoding = list.string("encoding").value_or("sRGB");
+    std::optional<double> gamma;
+    if (encoding == "linear") gamma = 1;
+    if (encoding.starts_with("gamma ")) gamma = parse_number(std::string_view(encoding).substr(6));
+    if (gamma && *gamma > 0 && *gamma <= 100) {
+        picture.gamma = *gamma;
+        picture.is_srgb = false;
+    } else if (encoding != "sRGB") {
+        list.error(fmt::format("encoding: \"{}\" is not supported (sRGB, linear, gamma X)", encoding));
+    }
+    const std::optional<std::string> name = list.string("filename");
+    if (!name) return list.error("filename: missing");
+    const Result<Hash128> content = files_.hash(*name);
+    if (!content) return list.error(content.error().message);
+    picture.path = files_.resolve(*name).string();
+    picture.content = *content;
+}
+
 TextureDescription SceneTextures::read(const Definition& definition, const Use& use) {
     const ParameterList list(definition.directive, definition.inherited, diagnostics_);
     spectra_.set_color_space(definition.color_space);
     TextureDescription texture{.is_spectrum = use.is_spectrum, .role = use.role, .location = definition.directive.where};
-    const auto input = [&](int i, std::string_view name, double otherwise) {
+    const auto input = [&](std::size_t i, std::string_view name, double otherwise) {
         if (use.is_spectrum) {
-            texture.spectra[i] = spectrum(list, name, use.role, otherwise == 0 ? kZero : kOne);
+            texture.spectra[i] = spectrum(list, name, use.role, color::Spectrum::constant(otherwise));
         } else {
             texture.numbers[i] = number(list, name, otherwise);
         }
     };
+    const auto mapping = [&](bool is_solid) { read_mapping(list, definition.ctm, is_solid, texture.mapping); };
     const std::string& kind = definition.directive.strings[2];
-    if (kind == "constant") {
-        texture.kind = TextureKind::kConstant;
+    const auto is = [&](std::string_view name, TextureKind which) {
+        if (kind == name) texture.kind = which;
+        return kind == name;
+    };
+    if (is("constant", TextureKind::kConstant)) {
         input(0, "value", 1);
-    } else if (kind == "scale") {
-        texture.kind = TextureKind::kScale;
+    } else if (is("scale", TextureKind::kScale)) {
         input(0, "tex", 1);
         texture.amount = number(list, "scale", 1);
-    } else if (kind == "mix") {
-        texture.kind = TextureKind::kMix;
+    } else if (is("mix", TextureKind::kMix)) {
         input(0, "tex1", 0);
         input(1, "tex2", 1);
         texture.amount = number(list, "amount", 0.5);
+    } else if (is("imagemap", TextureKind::kImage)) {
+        mapping(false);
+        read_picture(list, texture.picture);
+    } else if (is("checkerboard", TextureKind::kCheckerboard)) {
+        texture.is_solid = list.integer("dimension", 2, 2, 3) == 3;
+        input(0, "tex1", 1);
+        input(1, "tex2", 0);
+        mapping(texture.is_solid);
+    } else if (is("dots", TextureKind::kDots)) {
+        input(0, "inside", 1);
+        input(1, "outside", 0);
+        mapping(false);
+    } else if (is("bilerp", TextureKind::kBilerp)) {
+        input(0, "v00", 0);
+        input(1, "v01", 1);
+        input(2, "v10", 0);
+        input(3, "v11", 1);
+        mapping(false);
+    } else if (is("directionmix", TextureKind::kDirectionMix)) {
+        input(0, "tex1", 0);
+        input(1, "tex2", 1);
+        const Vec3d direction = definition.ctm.vector(vector(list, "dir", {0, 1, 0}));
+        if (!(length(direction) > 0)) list.error("dir: has no length");
+        texture.direction = normalize(direction);
+    } else if ((!use.is_spectrum && (is("fbm", TextureKind::kFbm) || is("wrinkled", TextureKind::kWrinkled))) ||
+               (use.is_spectrum && is("marble", TextureKind::kMarble))) {
+        texture.octaves = static_cast<std::uint32_t>(list.integer("octaves", 8, 0, 64));
+        texture.roughness = list.number("roughness", 0.5, 0, 1e3);
+        if (use.is_spectrum) {
+            texture.scale = list.number("scale", 1);
+            texture.variation = list.number("variation", 0.2);
+        }
+        mapping(true);
+    } else if (!use.is_spectrum && is("windy", TextureKind::kWindy)) {
+        mapping(true);
     } else {
-        list.error(fmt::format("Texture \"{}\": the class \"{}\" is not supported (constant, scale, mix)",
-                               definition.directive.strings[0], kind));
+        list.error(fmt::format(
+            "Texture \"{}\": there is no {} texture \"{}\" (constant, scale, mix, imagemap, checkerboard, dots, bilerp, "
+            "directionmix; float: fbm, wrinkled, windy; spectrum: marble)",
+            definition.directive.strings[0], definition.directive.strings[1], kind));
         return texture;
     }
     list.report_unused();

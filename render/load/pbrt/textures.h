@@ -54,6 +54,8 @@ class SceneTextures {
     };
     std::uint32_t use(const ParameterList& list, const Parameter& p, bool is_spectrum, SpectrumRole role);
     TextureDescription read(const Definition& definition, const Use& use);
+    void read_mapping(const ParameterList& list, const Affined& ctm, bool is_solid, MappingDescription& mapping);
+    void read_picture(const ParameterList& list, PictureDescription& picture);
 
     SceneDescription& scene_;
     SceneFiles& files_;

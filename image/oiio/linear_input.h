@@ -1,0 +1,44 @@
+// image/oiio/linear_input.h: a picture file as OpenImageIO's cache is to see it: linear floating-point values.
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "image/pictures.h"
+
+namespace latent::image {
+
+// OpenImageIO filters what a file holds, which is not light where integers are encoded. So the cache reads through this.
+class LinearInput final : public OIIO::ImageInput {
+ public:
+    // The file and its encoding are attributes of the configuration that the cache passes to `open`.
+    static OIIO::ImageSpec configuration(const std::string& path, const PictureEncoding& encoding);
+    static OIIO::ImageInput* create() { return new LinearInput; }
+
+    const char* format_name() const override { return "linear"; }
+    int supports(OIIO::string_view) const override { return 0; }
+    bool open(const std::string& name, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config) override;
+    bool open(const std::string& name, OIIO::ImageSpec& spec) override { return open(name, spec, {}); }
+    bool close() override;
+    int current_subimage() const override { return 0; }
+    int current_miplevel() const override { return level_; }
+    bool seek_subimage(int subimage, int miplevel) override;
+    bool read_native_scanline(int subimage, int miplevel, int y, int z, void* data) override;
+    bool read_native_scanlines(int subimage, int miplevel, int ybegin, int yend, int z, void* data) override;
+    bool read_native_tile(int subimage, int miplevel, int x, int y, int z, void* data) override;
+
+ private:
+    void take_spec();
+    bool finish(bool read, float* values, std::size_t pixels);
+
+    std::unique_ptr<OIIO::ImageInput> file_;
+    int level_ = 0;
+    bool is_encoded_ = false;
+    PictureEncoding encoding_;
+    std::vector<float> table_;  // of 8 bits
+};
+
+}  // namespace latent::image

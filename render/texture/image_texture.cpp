@@ -1,0 +1,107 @@
+#include "render/texture/image_texture.h"
+
+#include <algorithm>
+
+namespace latent::render {
+
+namespace {
+
+// The square of an octahedral map continues across its edges turned by half a turn.
+Vec2f wrapped_octahedron(Vec2f st) {
+    const auto fold = [](float x, float& other) {
+        if (x < 0) x = -x, other = 1 - other;
+        if (x > 1) x = 2 - x, other = 1 - other;
+        return x;
+    };
+    const auto near = [](float x) { return x - 2 * std::floor((x + 0.5f) / 2); };  // the map repeats with period 2
+    st = {near(st.x), near(st.y)};
+    st.x = fold(st.x, st.y);
+    st.y = fold(st.y, st.x);
+    return st;
+}
+
+image::PictureWrap wrap_of(TextureWrap wrap) {
+    switch (wrap) {
+        case TextureWrap::kRepeat:
+            return image::PictureWrap::kRepeat;
+        case TextureWrap::kBlack:
+            return image::PictureWrap::kBlack;
+        case TextureWrap::kClamp:
+        case TextureWrap::kOctahedralSphere:
+            break;
+    }
+    return image::PictureWrap::kClamp;
+}
+
+image::PictureFilter filter_of(TextureFilter filter) {
+    switch (filter) {
+        case TextureFilter::kPoint:
+            return image::PictureFilter::kPoint;
+        case TextureFilter::kBilinear:
+            return image::PictureFilter::kBilinear;
+        case TextureFilter::kTrilinear:
+            return image::PictureFilter::kTrilinear;
+        case TextureFilter::kEwa:
+            break;
+    }
+    return image::PictureFilter::kEwa;
+}
+
+}  // namespace
+
+ImageLookup::ImageLookup(const TextureDescription& d, const image::Pictures& pictures, const image::PictureInfo& info)
+    : mapping_(d.mapping),
+      pictures_(&pictures),
+      info_(info),
+      sampling_{wrap_of(d.picture.wrap), filter_of(d.picture.filter), static_cast<int>(d.picture.max_anisotropy)},
+      octahedral_(d.picture.wrap == TextureWrap::kOctahedralSphere),
+      invert_(d.picture.invert),
+      scale_(static_cast<float>(d.picture.scale)) {}
+
+std::array<float, 4> ImageLookup::at(const TexturePoint& point) const {
+    const TextureCoordinates c = mapping_(point);
+    std::array<float, 4> out;
+    Vec2f st{c.st.x, 1 - c.st.y};
+    if (octahedral_) st = wrapped_octahedron(st);
+    pictures_->lookup(info_.index, sampling_, st.x, st.y, {c.dstdx.x, -c.dstdx.y}, {c.dstdy.x, -c.dstdy.y}, out);
+    for (float& x : out) {
+        x = invert_ ? 1 - scale_ * x : scale_ * x;
+        x = x > 0 && x < kInfinity ? x : 0;
+    }
+    return out;
+}
+
+float FloatImage::at(const TexturePoint& point) const {
+    const std::array<float, 4> x = image_.at(point);
+    const image::PictureInfo& info = image_.info();
+    if (info.channels == 1) return x[0];
+    return info.is_opaque ? (x[0] + x[1] + x[2]) / 3 : x[3];
+}
+
+SpectrumImage::SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file)
+    : image_(image), role_(role), convert_(false), lattice_(image.info().channels == 1 ? nullptr : &color::RgbLattice::srgb()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            matrix_[i][j] = static_cast<float>(srgb_from_file.m[i][j]);
+            convert_ |= std::abs(matrix_[i][j] - (i == j ? 1 : 0)) > 1e-5f;
+        }
+    }
+}
+
+const SampledSpectrum* SpectrumImage::at(const TexturePoint& point) const {
+    const std::array<float, 4> x = image_.at(point);
+    SampledSpectrum& out = point.spectra->allocate();
+    if (lattice_ == nullptr) {
+        out = SampledSpectrum(role_ == SpectrumRole::kReflectance ? std::min(x[0], 1.0f) : x[0]);
+        return &out;
+    }
+    float rgb[3] = {x[0], x[1], x[2]};
+    if (convert_) {
+        for (std::size_t i = 0; i < 3; ++i)
+            rgb[i] = std::max(0.0f, matrix_[i][0] * x[0] + matrix_[i][1] * x[1] + matrix_[i][2] * x[2]);
+    }
+    spectrum_of_rgb(*lattice_, rgb, role_, point.spectra->wavelengths, out);
+    return &out;
+}
+
+}  // namespace latent::render

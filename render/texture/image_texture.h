@@ -1,0 +1,54 @@
+// render/texture/image_texture.h: textures that are pictures.
+#pragma once
+
+#include "color/tristimulus.h"
+#include "image/pictures.h"
+#include "render/texture/mapping.h"
+#include "render/texture/rgb_spectrum.h"
+
+namespace latent::render {
+
+// What both kinds of texture look up.
+class ImageLookup {
+ public:
+    // `pictures` outlives it.
+    ImageLookup(const TextureDescription& description, const image::Pictures& pictures, const image::PictureInfo& info);
+
+    const image::PictureInfo& info() const { return info_; }
+    // scale x, or 1 - scale x, of each channel, not below 0.
+    std::array<float, 4> at(const TexturePoint& point) const;
+
+ private:
+    Mapping mapping_;
+    const image::Pictures* pictures_;
+    image::PictureInfo info_;
+    image::PictureSampling sampling_;
+    bool octahedral_, invert_;
+    float scale_;
+};
+
+// The mean of the channels, or alpha if it varies.
+class FloatImage final : public FloatTexture {
+ public:
+    explicit FloatImage(const ImageLookup& image) : image_(image) {}
+    float at(const TexturePoint& point) const override;
+
+ private:
+    ImageLookup image_;
+};
+
+// Colours are made spectral after filtering.
+class SpectrumImage final : public SpectrumTexture {
+ public:
+    SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file);
+    const SampledSpectrum* at(const TexturePoint& point) const override;
+
+ private:
+    ImageLookup image_;
+    SpectrumRole role_;
+    bool convert_;
+    float matrix_[3][3];
+    const color::RgbLattice* lattice_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,397 @@
+// Textures: values at points computed by hand, filters that keep means and edges, pictures that are missing or broken.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+
+#include "render/texture/footprint.h"
+#include "render/texture/noise.h"
+#include "render/texture/procedural.h"
+#include "render/texture/textures.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Folder;
+
+// Textures of a scene: "t" is a float texture, "s" a spectrum one.
+class TextureTest : public ::testing::Test {
+ protected:
+    // The exponent of a phong material is `t`, its Kd `s`; `more` defines them.
+    void load(const std::string& more, std::uint64_t cache_bytes = 1 << 20) {
+        const Result<LoadedScene> scene = load_scene(folder_.write("room.pbrt", "WorldBegin\n" + more + R"(
+Texture "s2" "spectrum" "constant"
+Texture "t2" "float" "constant"
+Material "phong" "texture exponent" "t" "texture Kd" "s"
+Shape "sphere"
+)"));
+        ASSERT_TRUE(scene) << scene.error().message;
+        scene_ = scene->description;
+        Result<Textures> textures = Textures::build(scene_, cache_bytes, library_);
+        ASSERT_TRUE(textures) << textures.error().message;
+        textures_.emplace(std::move(*textures));
+        const MaterialDescription& material = scene_.materials[scene_.shapes[0].material];
+        number_ = textures_->source(material.exponent);
+        spectrum_ = textures_->source(material.reflectance, library_);
+        spectra_.emplace(library_);
+        Wavelengths& w = spectra_->wavelengths;
+        w.k = kMaxWavelengths;
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+            w.below[i] = w.nearest[i] = 14 * i + 10;
+            w.fraction[i] = 0;
+            w.lambda_nm[i] = 370 + 14 * static_cast<float>(i);
+        }
+        spectra_->start_sample();
+        point_.spectra = &*spectra_;
+    }
+    void load_float(const std::string& t, std::uint64_t cache_bytes = 1 << 20) {
+        load("Texture \"t\" \"float\" " + t + "\nTexture \"s\" \"spectrum\" \"constant\"\n", cache_bytes);
+    }
+    void load_spectrum(const std::string& s) { load("Texture \"t\" \"float\" \"constant\"\nTexture \"s\" \"spectrum\" " + s + "\n"); }
+    float at(float u, float v, float width = 0) {
+        point_.uv = {u, v};
+        point_.duvdx = {width, 0};
+        point_.duvdy = {0, width};
+        return number_.at(point_);
+    }
+    float at(const Vec3f& p) {
+        point_.p = p;
+        return number_.at(point_);
+    }
+    const SampledSpectrum& spectrum_at(float u, float v) {
+        point_.uv = {u, v};
+        return spectrum_.at(point_);
+    }
+    // A grey picture of 8 bits.
+    void write_grey(const std::string& name, int width, int height, const std::vector<int>& values) const {
+        std::string bytes = fmt::format("P5\n{} {}\n255\n", width, height);
+        for (const int x : values) bytes += static_cast<char>(x);
+        folder_.write(name, bytes);
+    }
+
+    Folder folder_;
+    SceneDescription scene_;
+    SpectrumLibrary library_;
+    std::optional<Textures> textures_;
+    std::optional<SampledSpectra> spectra_;
+    FloatSource number_;
+    SpectrumSource spectrum_;
+    TexturePoint point_{};
+};
+
+TEST_F(TextureTest, ScaleMultipliesAndMixWeighs) {
+    load_float("\"mix\" \"float tex1\" 2 \"texture tex2\" \"five\" \"float amount\" .25\n"
+               "Texture \"five\" \"float\" \"scale\" \"float tex\" 10 \"float scale\" .5");
+    EXPECT_FLOAT_EQ(at(0, 0), 0.75f * 2 + 0.25f * 5);
+    load_spectrum("\"scale\" \"rgb tex\" [.5 .5 .5] \"float scale\" .5");
+    for (const float x : spectrum_at(0, 0).v) EXPECT_EQ(x, 0.25f);
+}
+
+TEST_F(TextureTest, MappingsLeadToWhereTheyShould) {
+    // A ramp along s, and one along t.
+    const auto ramp_s = [](const std::string& mapping) { return "\"bilerp\" \"float v10\" 1 \"float v01\" 0 " + mapping; };
+    const auto ramp_t = [](const std::string& mapping) { return "\"bilerp\" \"float v11\" 1 " + mapping; };
+    load_float(ramp_s("\"float uscale\" 3 \"float udelta\" .25"));
+    EXPECT_FLOAT_EQ(at(0.5f, 0.125f), 1.75f);
+    load_float(ramp_t("\"float vscale\" 2 \"float vdelta\" -1"));
+    EXPECT_FLOAT_EQ(at(0.5f, 0.125f), -0.75f);
+    // pbrt's spherical mapping: s is the angle from z over pi, t the angle about it over 2 pi.
+    load_float(ramp_s("\"string mapping\" \"spherical\""));
+    EXPECT_NEAR(at(Vec3f(0, 2, 2)), 0.25f, 1e-6);
+    EXPECT_NEAR(at(Vec3f(0, 0, -3)), 1, 1e-6);
+    load_float(ramp_t("\"string mapping\" \"spherical\""));
+    EXPECT_NEAR(at(Vec3f(0, 2, 2)), 0.25f, 1e-6);
+    EXPECT_NEAR(at(Vec3f(0, -2, 2)), 0.75f, 1e-6);
+    load_float(ramp_s("\"string mapping\" \"cylindrical\""));
+    EXPECT_NEAR(at(Vec3f(0, 2, 7)), 0.75f, 1e-6);
+    load_float(ramp_t("\"string mapping\" \"cylindrical\""));
+    EXPECT_NEAR(at(Vec3f(0, 2, 7)), 7, 1e-6);
+    load_float(ramp_s("\"string mapping\" \"planar\" \"vector3 v1\" [2 1 0] \"float udelta\" .5"));
+    EXPECT_NEAR(at(Vec3f(1, 3, 9)), 5.5f, 1e-6);
+    load_float(ramp_t("\"string mapping\" \"planar\" \"vector3 v2\" [0 0 .5]"));
+    EXPECT_NEAR(at(Vec3f(1, 3, 9)), 4.5f, 1e-6);
+}
+
+TEST_F(TextureTest, MappingsFollowTheTransformationAndTheOriginOfTheScene) {
+    load("Translate 10 0 0\nScale 2 2 2\nTexture \"t\" \"float\" \"bilerp\" \"float v10\" 1 \"float v01\" 0 \"string mapping\" "
+         "\"planar\"\nTexture \"s\" \"spectrum\" \"constant\"\nIdentity\nTranslate 100 0 0\n");
+    EXPECT_NE(scene_.origin, Vec3d());
+    EXPECT_NEAR(at(Vec3f(Vec3d(16, 0, 0) - scene_.origin)), 3, 1e-5);
+}
+
+TEST_F(TextureTest, BilerpMeetsItsCorners) {
+    load_float("\"bilerp\" \"float v00\" 1 \"float v01\" 2 \"float v10\" 3 \"float v11\" 4");
+    EXPECT_FLOAT_EQ(at(0, 0), 1);
+    EXPECT_FLOAT_EQ(at(0, 1), 2);
+    EXPECT_FLOAT_EQ(at(1, 0), 3);
+    EXPECT_FLOAT_EQ(at(1, 1), 4);
+    EXPECT_FLOAT_EQ(at(0.5f, 0.25f), 2.25f);
+}
+
+TEST_F(TextureTest, CheckerboardAlternates) {
+    load_float("\"checkerboard\" \"float tex1\" 3 \"float tex2\" 7 \"float uscale\" 4 \"float vscale\" 4");
+    EXPECT_EQ(at(0.1f, 0.1f), 3);
+    EXPECT_EQ(at(0.3f, 0.1f), 7);
+    EXPECT_EQ(at(0.3f, 0.3f), 3);
+    EXPECT_EQ(at(-0.1f, 0.1f), 7);
+    load_float("\"checkerboard\" \"integer dimension\" 3 \"float tex1\" 3 \"float tex2\" 7");
+    EXPECT_EQ(at(Vec3f(0.5f, 0.5f, 0.5f)), 3);
+    EXPECT_EQ(at(Vec3f(0.5f, 0.5f, -0.5f)), 7);
+    EXPECT_EQ(at(Vec3f(0.5f, 1.5f, -0.5f)), 3);
+}
+
+TEST_F(TextureTest, AFilteredCheckerboardIsItsMeanWhereItIsMinifiedAndSharpWhereItIsMagnified) {
+    load_float("\"checkerboard\" \"float tex1\" 1 \"float tex2\" 0");
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> uniform(0, 1000);
+    for (int i = 0; i < 1000; ++i) {
+        const float u = uniform(random), v = uniform(random);
+        EXPECT_NEAR(at(u, v, 10), 0.5f, 2e-3) << u << ' ' << v;   // 1 / (pi 1.5 10)^2 of either wave
+        EXPECT_NEAR(at(u, v, 1e4f), 0.5f, 1e-6);
+        // Nothing within the filter's reach: the cell's own value, exactly.
+        const float du = u - std::floor(u), dv = v - std::floor(v);
+        if (std::min({du, dv, 1 - du, 1 - dv}) < 0.02f) continue;
+        const bool first = (static_cast<int>(std::floor(u)) + static_cast<int>(std::floor(v))) % 2 == 0;
+        EXPECT_EQ(at(u, v, 0.01f), first ? 1 : 0) << u << ' ' << v;
+    }
+    // On an edge, half; far out, where a filter is narrower than the numbers there can say, still between both.
+    EXPECT_NEAR(at(3, 0.5f, 0.01f), 0.5f, 1e-6);
+    for (int i = 0; i < 1000; ++i) {
+        const float x = at(static_cast<float>(i), 0.5f, 1e-4f);
+        EXPECT_TRUE(x >= -1e-4f && x <= 1 + 1e-4f) << i << ' ' << x;
+    }
+}
+
+// The filtered checkerboard against the mean of many points under the triangle.
+TEST_F(TextureTest, AFilteredCheckerboardIsTheMeanUnderItsFilter) {
+    load_float("\"checkerboard\" \"float tex1\" 1 \"float tex2\" 0");
+    for (const float width : {0.1f, 0.4f, 1.0f}) {
+        for (const float u : {0.0f, 0.3f, 0.8f, 1.1f}) {
+            double sum = 0, weights = 0;
+            constexpr int kSteps = 2000;
+            for (int i = 0; i < kSteps; ++i) {
+                const double t = (i + 0.5) / kSteps * 2 - 1, weight = 1 - std::abs(t), x = u + 1.5 * t * width;
+                weights += weight;
+                sum += std::fmod(std::floor(x) + 100, 2) == 0 ? weight : 0;
+            }
+            point_.uv = {u, 0.5f};
+            point_.duvdx = {width, 0};
+            point_.duvdy = {};
+            EXPECT_NEAR(number_.at(point_), sum / weights, 1e-3) << width << ' ' << u;
+        }
+    }
+}
+
+TEST_F(TextureTest, DotsAreWhereTheirNoiseIs) {
+    load_float("\"dots\" \"float inside\" 1 \"float outside\" 0 \"float uscale\" 100 \"float vscale\" 100");
+    double sum = 0;
+    for (int i = 0; i < 200; ++i) {
+        for (int j = 0; j < 200; ++j) {
+            const float x = at((static_cast<float>(i) + 0.5f) / 200, (static_cast<float>(j) + 0.5f) / 200);
+            EXPECT_TRUE(x == 0 || x == 1);
+            sum += x;
+        }
+    }
+    EXPECT_NEAR(sum / 40000, 0.5 * std::numbers::pi * 0.35 * 0.35, 0.03);  // half of the cells have one
+}
+
+TEST_F(TextureTest, DirectionMixFollowsTheNormal) {
+    load_float("\"directionmix\" \"float tex1\" 2 \"float tex2\" 6 \"vector3 dir\" [0 0 3]");
+    point_.n = {0, 0, -1};
+    EXPECT_FLOAT_EQ(at(0, 0), 2);
+    point_.n = {1, 0, 0};
+    EXPECT_FLOAT_EQ(at(0, 0), 6);
+    point_.n = {0.8f, 0, 0.6f};
+    EXPECT_FLOAT_EQ(at(0, 0), 0.6f * 2 + 0.4f * 6);
+}
+
+TEST(TextureNoise, IsZeroAtWholePointsAndSmoothBetween) {
+    EXPECT_EQ(noise({3, -7, 12}), 0);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<float> uniform(-50, 50);
+    double sum = 0, squares = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3f p(uniform(random), uniform(random), uniform(random));
+        const float x = noise(p);
+        EXPECT_LE(std::abs(x), 1);
+        EXPECT_NEAR(noise(p + Vec3f(1e-3f, 0, 0)), x, 5e-3);
+        sum += x;
+        squares += x * x;
+    }
+    EXPECT_NEAR(sum / 20000, 0, 0.01);
+    EXPECT_GT(squares / 20000, 0.04);
+    // A footprint wider than everything leaves nothing to see, of turbulence its mean.
+    const SpacePoint wide{{0.3f, 0.2f, 0.7f}, {4, 0, 0}, {0, 4, 0}};
+    EXPECT_EQ(fractal_noise(wide, 0.5f, 8), 0);
+    EXPECT_NEAR(turbulence(wide, 0.5f, 8), 0.2f * (1 + 2 * (1 - std::pow(0.5f, 8.0f))), 1e-5);
+}
+
+TEST_F(TextureTest, NoiseTexturesAreFiniteEverywhere) {
+    for (const char* kind : {"fbm", "wrinkled", "windy"}) {
+        load_float(fmt::format("\"{}\"", kind));
+        EXPECT_NE(at(Vec3f(0.3f, 0.6f, 0.2f)), at(Vec3f(0.35f, 0.6f, 0.2f))) << kind;
+        for (const float far : {1e6f, 1e12f, 1e30f, INFINITY}) EXPECT_TRUE(std::isfinite(at(Vec3f(far, -far, 0)))) << kind << far;
+    }
+    load_spectrum("\"marble\"");
+    for (const float x : spectrum_at(0, 0).v) EXPECT_TRUE(x >= 0 && x <= 1);
+}
+
+TEST_F(TextureTest, APictureHasItsFirstRowAtTheTopAndItsTexelsCentred) {
+    write_grey("p.pgm", 2, 2, {0, 255, 51, 102});
+    load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string encoding\" \"linear\" \"string filter\" \"point\"");
+    EXPECT_NEAR(at(0.25f, 0.75f), 0, 1e-6);
+    EXPECT_NEAR(at(0.75f, 0.75f), 1, 1e-6);
+    EXPECT_NEAR(at(0.25f, 0.25f), 0.2f, 1e-6);
+    EXPECT_NEAR(at(0.75f, 0.25f), 0.4f, 1e-6);
+    load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string encoding\" \"linear\"");
+    EXPECT_NEAR(at(0.75f, 0.75f), 1, 1e-6);
+    EXPECT_NEAR(at(0.5f, 0.75f), 0.5f, 1e-6);
+    EXPECT_NEAR(at(0.5f, 0.5f), 0.4f, 1e-6);
+    EXPECT_NEAR(at(0.375f, 0.75f), 0.25f, 1e-2);
+}
+
+TEST_F(TextureTest, WrapsContinueAPictureBeyondItsEdges) {
+    write_grey("p.pgm", 2, 2, {0, 255, 51, 102});
+    const auto load_wrap = [&](const std::string& wrap) {
+        load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string encoding\" \"linear\" \"string filter\" \"point\" \"string wrap\" \"" +
+                   wrap + "\"");
+    };
+    load_wrap("repeat");
+    EXPECT_NEAR(at(1.75f, -0.25f), 1, 1e-6);
+    load_wrap("clamp");
+    EXPECT_NEAR(at(5.25f, -3), 0.4f, 1e-6);
+    load_wrap("black");
+    EXPECT_EQ(at(1.25f, 0.75f), 0);
+    EXPECT_NEAR(at(0.75f, 0.75f), 1, 1e-6);
+    load_wrap("octahedralsphere");
+    EXPECT_NEAR(at(1.25f, 0.75f), 0.4f, 1e-6);  // over the right edge: reflected there, and turned over
+    EXPECT_NEAR(at(0.75f, 0.75f), 1, 1e-6);
+}
+
+TEST_F(TextureTest, EncodingsScaleAndInvertMakeLinearValues) {
+    write_grey("p.pgm", 1, 1, {188});
+    const auto value = [&](const std::string& more) {
+        load_float("\"imagemap\" \"string filename\" \"p.pgm\" " + more);
+        return at(0.5f, 0.5f);
+    };
+    EXPECT_NEAR(value(""), 0.50289f, 1e-4);
+    EXPECT_NEAR(value("\"string encoding\" \"linear\""), 188 / 255.0f, 1e-6);
+    EXPECT_NEAR(value("\"string encoding\" \"gamma 2\""), 188 / 255.0f * 188 / 255.0f, 1e-5);
+    EXPECT_NEAR(value("\"string encoding\" \"linear\" \"float scale\" 2"), 376 / 255.0f, 1e-5);
+    EXPECT_NEAR(value("\"string encoding\" \"linear\" \"bool invert\" true"), 67 / 255.0f, 1e-6);
+    EXPECT_EQ(value("\"string encoding\" \"linear\" \"float scale\" 2 \"bool invert\" true"), 0);
+}
+
+// What is encoded is filtered as light: half black and half white is half as bright, not grey level 128.
+TEST_F(TextureTest, AMinifiedPictureIsTheMeanOfItsLight) {
+    std::vector<int> board;
+    for (int y = 0; y < 256; ++y) {
+        for (int x = 0; x < 256; ++x) board.push_back((x / 4 + y / 4) % 2 == 0 ? 255 : 0);
+    }
+    write_grey("p.pgm", 256, 256, board);
+    for (const char* filter : {"trilinear", "ewa", "bilinear", "point"}) {
+        load_float(fmt::format("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"{}\"", filter));
+        for (const float u : {0.1f, 0.35f, 0.8f}) EXPECT_NEAR(at(u, 0.3f, 0.5f), 0.5f, 1e-3) << filter;
+    }
+}
+
+TEST_F(TextureTest, AMagnifiedPictureIsNotBlurredMoreThanItsFilterSays) {
+    write_grey("p.pgm", 4, 1, {0, 0, 255, 255});
+    for (const char* filter : {"bilinear", "trilinear", "ewa"}) {
+        load_float(fmt::format("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"{}\" \"string wrap\" \"clamp\"", filter));
+        EXPECT_EQ(at(0.37f, 0.5f, 1e-3f), 0) << filter;
+        EXPECT_EQ(at(0.63f, 0.5f, 1e-3f), 1) << filter;
+        EXPECT_NEAR(at(0.5f, 0.5f, 1e-3f), 0.5f, 1e-2) << filter;
+    }
+}
+
+TEST_F(TextureTest, ColoursOfAPictureKeepTheirColour) {
+    folder_.write("p.ppm", std::string("P6\n2 1\n255\n") + "\xff\x80\x20\x80\x80\x80");
+    load_spectrum("\"imagemap\" \"string filename\" \"p.ppm\" \"string encoding\" \"linear\" \"string filter\" \"point\"");
+    const SampledSpectrum& grey = spectrum_at(0.75f, 0.5f);
+    for (const float x : grey.v) EXPECT_NEAR(x, 128 / 255.0f, 1e-5);
+    const SampledSpectrum& orange = spectrum_at(0.25f, 0.5f);
+    EXPECT_LT(orange.v[5], 0.2f);   // 440 nm
+    EXPECT_GT(orange.v[19], 0.9f);  // 636 nm
+    for (const float x : orange.v) EXPECT_TRUE(x >= 0 && x <= 1);
+}
+
+TEST_F(TextureTest, MemoryOfPicturesStaysBelowTheLimit) {
+    constexpr int kSize = 4096;
+    std::string bytes = fmt::format("P5\n{} {}\n255\n", kSize, kSize);  // 64 MiB as floats, 85 with its smaller sizes
+    for (int y = 0; y < kSize; ++y) bytes += std::string(kSize, static_cast<char>(y % 256));
+    folder_.write("p.pgm", bytes);
+    bytes = {};
+    load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"trilinear\"", 8 << 20);
+    const auto resident = [] {
+        std::ifstream statm("/proc/self/statm");
+        std::uint64_t size = 0, pages = 0;
+        statm >> size >> pages;
+        return pages * 4096;
+    };
+    at(0.5f, 0.5f);
+    const std::uint64_t before = resident();
+    for (int i = 0; i < 64; ++i) {
+        for (int j = 0; j < 64; ++j) at(static_cast<float>(j) / 64, static_cast<float>(i) / 64, 1e-4f);
+    }
+    EXPECT_LT(static_cast<double>(resident()) - static_cast<double>(before), 32 << 20);
+}
+
+TEST_F(TextureTest, AllMissingPicturesAreNamedAtOnceAndBrokenOnesByOneLineEach) {
+    const std::string text = R"(WorldBegin
+Texture "a" "spectrum" "imagemap" "string filename" "one.png"
+Texture "b" "float" "imagemap" "string filename" "two.png"
+Material "phong" "texture Kd" "a" "texture exponent" "b"
+Shape "plymesh" "string filename" "three.ply"
+)";
+    const std::string missing = load_scene(folder_.write("room.pbrt", text)).error().message;
+    for (const char* name : {"one.png", "two.png", "three.ply"}) EXPECT_THAT(missing, HasSubstr(name));
+
+    folder_.write("one.png", "this is no picture");
+    folder_.write("two.png", "");
+    folder_.write("three.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                               "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    const Result<LoadedScene> scene = load_scene(folder_.write("room.pbrt", text));
+    ASSERT_TRUE(scene) << scene.error().message;
+    const Result<Textures> textures = Textures::build(scene->description, 1 << 20, library_);
+    ASSERT_FALSE(textures);
+    const std::string& message = textures.error().message;
+    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
+    EXPECT_THAT(message, HasSubstr("one.png: cannot be read as a picture"));
+    EXPECT_THAT(message, HasSubstr("two.png: cannot be read as a picture"));
+}
+
+TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
+    folder_.write("p.pgm", "P5\n64 640\n255\n" + std::string(64 * 70, 'x'));
+    load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"bilinear\"");
+    at(0.5f, 0.05f);
+    ASSERT_FALSE(textures_->status());
+    EXPECT_THAT(textures_->status().error().message, HasSubstr("p.pgm: cannot be read as a picture"));
+}
+
+TEST(TextureFootprint, IsAQuarterOfAPixelSeenFromTheCamera) {
+    CameraDescription camera{.x0 = -1, .x1 = 1, .y0 = -1, .y1 = 1};
+    const Footprint footprint(camera, 200, 200);
+    Vec3f dx, dy;
+    footprint.at({0, 0, 10}, {0, 0, -1}, dx, dy);
+    EXPECT_NEAR(length(dx), 0.25 * 10 * 2 / 200, 1e-6);
+    EXPECT_NEAR(length(dy), 0.25 * 10 * 2 / 200, 1e-6);
+    EXPECT_NEAR(dot(dx, dy), 0, 1e-6);
+    const float c = 0.5f;  // seen at 60 degrees from the normal: twice as long along the plane of both
+    footprint.at({0, 0, 10}, {0, std::sqrt(1 - c * c), -c}, dx, dy);
+    EXPECT_NEAR(std::max(length(dx), length(dy)) / std::min(length(dx), length(dy)), 2, 1e-5);
+    EXPECT_NEAR(std::min(length(dx), length(dy)), 0.25 * 10 * 2 / 200, 1e-6);
+    // Behind the camera and at its centre it is small, and finite.
+    footprint.at({0, 0, -10}, {0, 0, -1}, dx, dy);
+    EXPECT_LE(length(dx), 0.25 * 10 * 2 / 200);
+    footprint.at({0, 0, 0}, {0, 0, -1}, dx, dy);
+    EXPECT_EQ(length(dx), 0);
+}
+
+}  // namespace
+}  // namespace latent::render
