@@ -5,7 +5,8 @@
 
 namespace latent::render {
 
-void spectrum_of_rgb(const color::RgbLattice& lattice, const float* rgb, SpectrumRole role, const Wavelengths& w, SampledSpectrum& out) {
+void spectrum_of_rgb(const color::RgbLattice& lattice, const float* rgb, SpectrumRole role, const Wavelengths& w,
+                     SampledSpectrum& out) {
     constexpr float kCentre = 595, kHalfWidth = 235;
     float scale = 1;
     if (role == SpectrumRole::kUnbounded) scale = 2 * std::max({rgb[0], rgb[1], rgb[2], 0.0f});

@@ -1,8 +1,7 @@
 // Textures: values at points computed by hand, filters that keep means and edges, pictures that are missing or broken.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <fmt/format.h>
 
 #include <cmath>
 #include <random>
@@ -16,8 +15,8 @@
 namespace latent::render {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::Folder;
+using ::testing::HasSubstr;
 
 // Textures of a scene: "t" is a float texture, "s" a spectrum one.
 class TextureTest : public ::testing::Test {
@@ -52,7 +51,9 @@ Shape "sphere"
     void load_float(const std::string& t, std::uint64_t cache_bytes = 1 << 20) {
         load("Texture \"t\" \"float\" " + t + "\nTexture \"s\" \"spectrum\" \"constant\"\n", cache_bytes);
     }
-    void load_spectrum(const std::string& s) { load("Texture \"t\" \"float\" \"constant\"\nTexture \"s\" \"spectrum\" " + s + "\n"); }
+    void load_spectrum(const std::string& s) {
+        load("Texture \"t\" \"float\" \"constant\"\nTexture \"s\" \"spectrum\" " + s + "\n");
+    }
     float at(float u, float v, float width = 0) {
         point_.uv = {u, v};
         point_.duvdx = {width, 0};
@@ -85,8 +86,9 @@ Shape "sphere"
 };
 
 TEST_F(TextureTest, ScaleMultipliesAndMixWeighs) {
-    load_float("\"mix\" \"float tex1\" 2 \"texture tex2\" \"five\" \"float amount\" .25\n"
-               "Texture \"five\" \"float\" \"scale\" \"float tex\" 10 \"float scale\" .5");
+    load_float(
+        "\"mix\" \"float tex1\" 2 \"texture tex2\" \"five\" \"float amount\" .25\n"
+        "Texture \"five\" \"float\" \"scale\" \"float tex\" 10 \"float scale\" .5");
     EXPECT_FLOAT_EQ(at(0, 0), 0.75f * 2 + 0.25f * 5);
     load_spectrum("\"scale\" \"rgb tex\" [.5 .5 .5] \"float scale\" .5");
     for (const float x : spectrum_at(0, 0).v) EXPECT_EQ(x, 0.25f);
@@ -118,8 +120,9 @@ TEST_F(TextureTest, MappingsLeadToWhereTheyShould) {
 }
 
 TEST_F(TextureTest, MappingsFollowTheTransformationAndTheOriginOfTheScene) {
-    load("Translate 10 0 0\nScale 2 2 2\nTexture \"t\" \"float\" \"bilerp\" \"float v10\" 1 \"float v01\" 0 \"string mapping\" "
-         "\"planar\"\nTexture \"s\" \"spectrum\" \"constant\"\nIdentity\nTranslate 100 0 0\n");
+    load(
+        "Translate 10 0 0\nScale 2 2 2\nTexture \"t\" \"float\" \"bilerp\" \"float v10\" 1 \"float v01\" 0 \"string mapping\" "
+        "\"planar\"\nTexture \"s\" \"spectrum\" \"constant\"\nIdentity\nTranslate 100 0 0\n");
     EXPECT_NE(scene_.origin, Vec3d());
     EXPECT_NEAR(at(Vec3f(Vec3d(16, 0, 0) - scene_.origin)), 3, 1e-5);
 }
@@ -151,7 +154,7 @@ TEST_F(TextureTest, AFilteredCheckerboardIsItsMeanWhereItIsMinifiedAndSharpWhere
     std::uniform_real_distribution<float> uniform(0, 1000);
     for (int i = 0; i < 1000; ++i) {
         const float u = uniform(random), v = uniform(random);
-        EXPECT_NEAR(at(u, v, 10), 0.5f, 2e-3) << u << ' ' << v;   // 1 / (pi 1.5 10)^2 of either wave
+        EXPECT_NEAR(at(u, v, 10), 0.5f, 2e-3) << u << ' ' << v;  // 1 / (pi 1.5 10)^2 of either wave
         EXPECT_NEAR(at(u, v, 1e4f), 0.5f, 1e-6);
         // Nothing within the filter's reach: the cell's own value, exactly.
         const float du = u - std::floor(u), dv = v - std::floor(v);
@@ -258,8 +261,10 @@ TEST_F(TextureTest, APictureHasItsFirstRowAtTheTopAndItsTexelsCentred) {
 TEST_F(TextureTest, WrapsContinueAPictureBeyondItsEdges) {
     write_grey("p.pgm", 2, 2, {0, 255, 51, 102});
     const auto load_wrap = [&](const std::string& wrap) {
-        load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string encoding\" \"linear\" \"string filter\" \"point\" \"string wrap\" \"" +
-                   wrap + "\"");
+        load_float(
+            "\"imagemap\" \"string filename\" \"p.pgm\" \"string encoding\" \"linear\" \"string filter\" \"point\" \"string wrap\" "
+            "\"" +
+            wrap + "\"");
     };
     load_wrap("repeat");
     EXPECT_NEAR(at(1.75f, -0.25f), 1, 1e-6);
@@ -303,7 +308,8 @@ TEST_F(TextureTest, AMinifiedPictureIsTheMeanOfItsLight) {
 TEST_F(TextureTest, AMagnifiedPictureIsNotBlurredMoreThanItsFilterSays) {
     write_grey("p.pgm", 4, 1, {0, 0, 255, 255});
     for (const char* filter : {"bilinear", "trilinear", "ewa"}) {
-        load_float(fmt::format("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"{}\" \"string wrap\" \"clamp\"", filter));
+        load_float(
+            fmt::format("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"{}\" \"string wrap\" \"clamp\"", filter));
         EXPECT_EQ(at(0.37f, 0.5f, 1e-3f), 0) << filter;
         EXPECT_EQ(at(0.63f, 0.5f, 1e-3f), 1) << filter;
         EXPECT_NEAR(at(0.5f, 0.5f, 1e-3f), 0.5f, 1e-2) << filter;
@@ -354,8 +360,9 @@ Shape "plymesh" "string filename" "three.ply"
 
     folder_.write("one.png", "this is no picture");
     folder_.write("two.png", "");
-    folder_.write("three.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-                               "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    folder_.write("three.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                  "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
     const Result<LoadedScene> scene = load_scene(folder_.write("room.pbrt", text));
     ASSERT_TRUE(scene) << scene.error().message;
     const Result<Textures> textures = Textures::build(scene->description, 1 << 20, library_);
