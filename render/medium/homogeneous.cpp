@@ -35,13 +35,13 @@ MediumStep HomogeneousMedium::multiply_transmittance(const Segment& segment, Sam
 
 float HomogeneousMedium::scattering_over_transmittance(const Vec3f&, float column, SampleState& sample) const {
     const SampledSpectrum& sigma_t = sample.spectra[sigma_t_];
-    float scattering = 0, passing = 0;
+    float scattering = 0, transmitted = 0;
     for (std::uint32_t i = 0; i < sample.k(); ++i) {
         const float transmittance = exp_of_negative(-sigma_t.v[i] * column);
         scattering += sigma_t.v[i] * transmittance;
-        passing += transmittance;
+        transmitted += transmittance;
     }
-    return scattering / passing;
+    return scattering / transmitted;
 }
 
 }  // namespace latent::render
