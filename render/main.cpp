@@ -53,7 +53,7 @@ int main(int argc, char** argv) try {
         ->default_str("60s");
     cli::add_duration(app, "--max-time", options.max_seconds,
                       "time limit; the render stops with exit status 75 and can be resumed");
-    cli::add_size(app, "--texture-cache", settings.texture_cache, "memory for decoded pictures of textures")->default_str("256M");
+    cli::add_size(app, "--texture-cache", settings.texture_cache, "memory limit for decoded textures")->default_str("256M");
     app.add_option("--simd", settings.simd,
                    "instruction set for ray tracing; best is the fastest available up to avx2. Samples are bit-identical only with "
                    "the same set")

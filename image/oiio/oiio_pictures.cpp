@@ -104,7 +104,7 @@ class OiioPictures final : public Pictures {
         if (!info) return info.error();
         WholePicture picture{*info};
         if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width || spec.height != spec.full_height)
-            return Error{ErrorCode::kUnsupported, fmt::format("{}: its data window is not its display window", path)};
+            return Error{ErrorCode::kUnsupported, fmt::format("{}: its data window differs from its display window", path)};
         picture.values.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
         if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.values.data()))
             return error_of(path, input.geterror());

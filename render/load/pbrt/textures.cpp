@@ -192,7 +192,7 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
         input(0, "tex1", 0);
         input(1, "tex2", 1);
         const Vec3d direction = definition.ctm.vector(vector(list, "dir", {0, 1, 0}));
-        if (!(length(direction) > 0)) list.error("dir: has no length");
+        if (!(length(direction) > 0)) list.error("dir: must not be 0");
         texture.direction = normalize(direction);
     } else if ((!use.is_spectrum && (is("fbm", TextureKind::kFbm) || is("wrinkled", TextureKind::kWrinkled))) ||
                (use.is_spectrum && is("marble", TextureKind::kMarble))) {
@@ -206,10 +206,10 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
     } else if (!use.is_spectrum && is("windy", TextureKind::kWindy)) {
         mapping(true);
     } else {
-        list.error(fmt::format(
-            "Texture \"{}\": there is no {} texture \"{}\" (constant, scale, mix, imagemap, checkerboard, dots, bilerp, "
-            "directionmix; float: fbm, wrinkled, windy; spectrum: marble)",
-            definition.directive.strings[0], definition.directive.strings[1], kind));
+        list.error(
+            fmt::format("Texture \"{}\": {} \"{}\" is not supported (constant, scale, mix, imagemap, checkerboard, dots, bilerp, "
+                        "directionmix; float only: fbm, wrinkled, windy; spectrum only: marble)",
+                        definition.directive.strings[0], definition.directive.strings[1], kind));
         return texture;
     }
     list.report_unused();
