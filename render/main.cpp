@@ -1,4 +1,4 @@
-// latent-render: a pbrt-v4 scene -> one part of raw samples. docs/rendering.md.
+// latent-render: a scene -> one part of raw samples. docs/rendering.md.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -19,8 +19,8 @@ int main(int argc, char** argv) try {
     cli::CommonOptions common;
     bool dry_run = false, ignore_space = false;
 
-    CLI::App app{"Render a pbrt-v4 scene into a .latent file of raw samples.", "latent-render"};
-    app.add_option("SCENE", settings.scene, "scene file (.pbrt)")->required();
+    CLI::App app{"Render a pbrt-v4, glTF or OBJ scene into a .latent file of raw samples.", "latent-render"};
+    app.add_option("SCENE", settings.scene, "scene file (.pbrt, .gltf, .glb, .obj)")->required();
     app.add_option("-o,--output", options.output, "file to write: one part of the job")->required()->check(cli::ends_in(".latent"));
     auto* spp = cli::add_positive_number(app, "--spp", settings.spp, "samples per pixel, at --resolution");
     cli::add_parsed(app, "--samples", settings.samples, parse_samples,

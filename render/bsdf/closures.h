@@ -7,6 +7,7 @@
 #include "render/bsdf/conductor.h"
 #include "render/bsdf/dielectric.h"
 #include "render/bsdf/diffuse.h"
+#include "render/bsdf/metallic_roughness.h"
 #include "render/bsdf/phong.h"
 #include "render/bsdf/thin_dielectric.h"
 
@@ -20,6 +21,7 @@ using AnyClosure = ClosureList<  //
     Phong,                       //
     Conductor,                   //
     Dielectric,                  //
-    ThinDielectric>;
+    ThinDielectric,              //
+    MetallicRoughness>;
 
 }  // namespace latent::render

@@ -38,6 +38,12 @@ inline SampledSpectrum fresnel_conductor(float c, const SampledSpectrum& eta, co
     });
 }
 
+// (1 - c)^5: how far Schlick's reflectance at cosine c has risen from that of straight incidence to that of grazing [Schlick94].
+inline float schlick_rise(float c) {
+    const float x = 1 - std::min(c, 1.0f), x2 = x * x;
+    return x2 * x2 * x;
+}
+
 // Direction that `w` (towards the light or the camera, on the side of unit normal n) is refracted to, `eta` the index of the other
 // side over that of w's side. False: total reflection.
 inline bool refract(const Vec3f& w, const Vec3f& n, float eta, Vec3f& out) {

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "render/load/foreign_format.h"
+#include "base/file.h"
+#include "render/load/gltf/gltf.h"
+#include "render/load/obj/obj.h"
 #include "render/load/pbrt/builder.h"
+#include "render/load/scene_format.h"
 
 namespace latent::render {
 
@@ -12,9 +15,13 @@ namespace {
 
 constexpr std::size_t kMaxIncludes = 64;  // one inside another
 
-class Loader {
+constexpr std::size_t kBeginning = 65536;  // bytes that a format is recognised by
+
+std::string all_of(const std::vector<std::string>& messages) { return fmt::format("{}", fmt::join(messages, "\n")); }
+
+class PbrtLoader {
  public:
-    Loader(const std::filesystem::path& path, bool replace_integrator)
+    PbrtLoader(const std::filesystem::path& path, bool replace_integrator)
         : path_(path),
           files_(path),
           diagnostics_(scene_.description.files),
@@ -23,8 +30,7 @@ class Loader {
     Result<LoadedScene> load() {
         if (const Status read = file(path_, 0); !read) return read.error();
         builder_.finish(end_);
-        if (!diagnostics_.errors().empty())
-            return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(diagnostics_.errors(), "\n"))};
+        if (!diagnostics_.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics_.errors())};
         scene_.warnings = diagnostics_.warnings();
         return std::move(scene_);
     }
@@ -69,14 +75,14 @@ class Loader {
     }
 
     static Error not_pbrt(const std::filesystem::path& path, std::string_view format) {
-        return {ErrorCode::kForeign, fmt::format("{}: not a pbrt-v4 scene, the only supported format: {}", path.string(),
-                                                 format.empty() ? "the file is empty" : format)};
+        return {ErrorCode::kForeign, fmt::format("{}: not a scene in a supported format (pbrt-v4, glTF 2.0, OBJ): {}",
+                                                 path.string(), format.empty() ? "the file is empty" : format)};
     }
 
     // Ends the loading at once; what was found before is told too.
     Error syntax_error(const ParseError& error) {
         diagnostics_.error(error.where, error.message);
-        return {ErrorCode::kCorrupt, fmt::format("{}", fmt::join(diagnostics_.errors(), "\n"))};
+        return {ErrorCode::kCorrupt, all_of(diagnostics_.errors())};
     }
 
     std::filesystem::path path_;
@@ -88,10 +94,44 @@ class Loader {
     bool begun_ = false;  // there was a directive
 };
 
+Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format) {
+    Result<std::string> bytes = SceneFiles::read_text(path);
+    if (!bytes) return bytes.error();
+    LoadedScene scene;
+    scene.description.files.push_back(path.string());
+    Diagnostics diagnostics(scene.description.files);
+    const SceneFiles files(path);
+    const ModelColors colors;
+    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(std::move(*bytes), path.string(), files, colors, diagnostics)
+                                                       : read_obj(*bytes, path.string(), files, colors, diagnostics);
+    if (!model) return model.error();
+    if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};
+    if (model->shapes.empty() && model->scene.instances.empty())
+        return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
+    complete(std::move(*model), colors.emission({1, 1, 1}), scene.description);
+    scene.warnings = diagnostics.warnings();
+    return scene;
+}
+
+// As much of a file as a format is recognised by.
+Result<std::string> beginning_of(const std::filesystem::path& path) {
+    const Result<File> file = File::open_read(path);
+    if (!file) return file.error();
+    std::string text(kBeginning, '\0');
+    const Result<std::size_t> size = file->read_some(0, std::as_writable_bytes(std::span(text)));
+    if (!size) return size.error();
+    text.resize(*size);
+    return text;
+}
+
 }  // namespace
 
 Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator) {
-    return Loader(path, replace_integrator).load();
+    const Result<std::string> beginning = beginning_of(path);
+    if (!beginning) return beginning.error();
+    const SceneFormat format = scene_format(path, *beginning);
+    if (format == SceneFormat::kPbrt) return PbrtLoader(path, replace_integrator).load();
+    return load_model(path, format);
 }
 
 }  // namespace latent::render

@@ -17,6 +17,10 @@ const SampledSpectrum& reflectance(const SpectrumSource& source, const TexturePo
     return out;
 }
 float at_least_zero(float x) { return x > 0 ? std::min(x, 1e6f) : 0; }
+float fraction(const FloatSource& source, const TexturePoint& point) {
+    const float x = source.at(point);
+    return x > 0 ? std::min(x, 1.0f) : 0;
+}
 // GGX alpha.
 float alpha(const FloatSource& source, bool remap, const TexturePoint& point) {
     if (source.texture == nullptr) return source.value;
@@ -64,7 +68,13 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
       k_(source(d.k, textures, library)),
       exponent_(source(d.exponent, textures)),
       alpha_x_(source(d.alpha_x, textures)),
-      alpha_y_(source(d.alpha_y, textures)) {}
+      alpha_y_(source(d.alpha_y, textures)),
+      roughness_(source(d.roughness, textures)),
+      metallic_(source(d.metallic, textures)),
+      coat_(source(d.coat, textures)),
+      coat_roughness_(source(d.coat_roughness, textures)),
+      f0_(d.f0),
+      f90_(d.f90) {}
 
 Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const {
     const float alpha_x = alpha(alpha_x_, remap_roughness_, point), alpha_y = alpha(alpha_y_, remap_roughness_, point);
@@ -83,6 +93,15 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
             return bsdf_of(Dielectric(eta_.at(point), dispersive_, kept, alpha_x, alpha_y));
         case MaterialKind::kThinDielectric:
             return bsdf_of(ThinDielectric(eta_.at(point), dispersive_, kept));
+        case MaterialKind::kMetallicRoughness: {
+            const float roughness = fraction(roughness_, point), coat_roughness = fraction(coat_roughness_, point);
+            return bsdf_of(MetallicRoughness(reflectance(reflectance_, point), {.metallic = fraction(metallic_, point),
+                                                                                .alpha = roughness * roughness,
+                                                                                .f0 = f0_,
+                                                                                .f90 = f90_,
+                                                                                .coat = fraction(coat_, point),
+                                                                                .coat_alpha = coat_roughness * coat_roughness}));
+        }
     }
     __builtin_unreachable();
 }

@@ -32,6 +32,8 @@ class Material {
     bool dispersive_, remap_roughness_;
     SpectrumSource reflectance_, specular_, eta_, k_;
     FloatSource exponent_, alpha_x_, alpha_y_;
+    FloatSource roughness_, metallic_, coat_, coat_roughness_;
+    float f0_, f90_;
 };
 
 }  // namespace latent::render

@@ -22,10 +22,10 @@ struct Reordered {
 template <class... Table>
 std::tuple<Reordered<typename std::remove_reference_t<Table>::value_type>...> reordered(const std::tuple<Table...>&);
 
-// Visits fields and renumbers the indices among them.
-class Renumbering {
+// Visits fields, renumbers the indices among them, and turns -0 into 0.
+class Canonical {
  public:
-    Renumbering(SceneDescription& scene, const ContentHashes& hashes) : scene_(scene), hashes_(hashes) {}
+    Canonical(SceneDescription& scene, const ContentHashes& hashes) : scene_(scene), hashes_(hashes) {}
 
     template <class... T>
     void operator()(T&... x) {
@@ -60,11 +60,15 @@ class Renumbering {
     }
     template <class T>
     void go_into(T& x) {
-        if constexpr (Listed<T, Renumbering>) each_field(x, *this);
+        if constexpr (std::is_floating_point_v<T>) {
+            if (x == 0) x = 0;
+        } else if constexpr (Listed<T, Canonical>) {
+            each_field(x, *this);
+        }
     }
     template <class T>
     void go_into(std::vector<T>& items) {
-        if constexpr (Listed<T, Renumbering>) {
+        if constexpr (Listed<T, Canonical>) {
             for (T& x : items) go_into(x);
         }
     }
@@ -93,9 +97,9 @@ class Renumbering {
 
 Hash128 make_canonical(SceneDescription& scene) {
     const ContentHashes hashes = content_hashes(scene);
-    Renumbering renumbering(scene, hashes);
-    each_field(scene, renumbering);
-    renumbering.finish();
+    Canonical canonical(scene, hashes);
+    each_field(scene, canonical);
+    canonical.finish();
     return hashes.scene;
 }
 

@@ -7,8 +7,8 @@
 namespace latent::render {
 
 // Entries of the tables (materials, media ...) that nothing uses go, equal ones become one, and the rest comes in the order of its
-// first use. Scenes with equal content hashes are equal after this, but for labels, so that all that is built of them is equal too.
-// Returns the content hash, which stays as it was.
+// first use; -0 is 0. Scenes with equal content hashes are equal after this, but for labels, so that all that is built of them is
+// equal too. Returns the content hash, which stays as it was.
 Hash128 make_canonical(SceneDescription& scene);
 
 }  // namespace latent::render

@@ -22,6 +22,12 @@ constexpr bool kIsFlat<Vec2<T>> = kIsFlat<T> && sizeof(Vec2<T>) == 2 * sizeof(T)
 template <class T>
 constexpr bool kIsFlat<Vec3<T>> = kIsFlat<T> && sizeof(Vec3<T>) == 3 * sizeof(T);
 
+// -0 is 0, as in the canonical description.
+template <class T>
+T canonical(T x) {
+    return x == 0 ? T{} : x;
+}
+
 // Feeds one hash with the fields that it visits.
 class ContentHasher {
  public:
@@ -46,7 +52,7 @@ class ContentHasher {
             put(static_cast<std::uint64_t>(x));
         } else if constexpr (std::is_arithmetic_v<T>) {
             std::byte bytes[sizeof(T)];
-            store_le(bytes, x);
+            store_le(bytes, canonical(x));
             hash_.update(bytes);
         } else {
             each_field(x, *this);

@@ -9,8 +9,9 @@
 
 namespace latent::render {
 
-// By content: numbers bit for bit, an index by the content of what it refers to. So definitions that nothing uses do not count, nor
-// does the order in which tables hold the others, nor whether two references lead to one entry or to two equal ones.
+// By content: numbers bit for bit (-0 is 0, but for those in long lists), an index by the content of what it refers to. So
+// definitions that nothing uses do not count, nor does the order in which tables hold the others, nor whether two references lead
+// to one entry or to two equal ones.
 struct ContentHashes {
     Hash128 scene;
     std::unordered_map<const void*, Hash128> entries{};  // of the tables' entries that are used, by address

@@ -38,12 +38,13 @@ struct CameraDescription {
     SourceLocation location{};
 };
 
-enum class MaterialKind : std::uint8_t { kDiffuse, kPhong, kConductor, kDielectric, kThinDielectric };
+enum class MaterialKind : std::uint8_t { kDiffuse, kPhong, kConductor, kDielectric, kThinDielectric, kMetallicRoughness };
 
 struct MaterialDescription {
     MaterialKind kind = MaterialKind::kDiffuse;
     std::string name{};               // of MakeNamedMaterial; else empty
-    SpectrumInput reflectance{};      // diffuse; phong: Kd; conductor: r, where a texture gives it
+    SpectrumInput reflectance{};      // diffuse; phong: Kd; conductor: r, where a texture gives it;
+                                      // metallic-roughness: base colour
     SpectrumInput specular{};         // phong: Ks
     FloatInput exponent{};            // phong
     SpectrumInput eta{}, k{};         // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
@@ -51,6 +52,10 @@ struct MaterialDescription {
     bool dispersive = false;          // eta of a dielectric or thindielectric varies with wavelength
     FloatInput alpha_x{}, alpha_y{};  // GGX alpha; 0: smooth
     bool remap_roughness = false;     // where a texture gives alpha, it gives alpha squared
+    // Metallic-roughness, isotropic: alpha is the square of roughness.
+    FloatInput roughness = 1, metallic = 0;
+    float f0 = 0.04f, f90 = 1;                // reflectance of the dielectric at straight and at grazing incidence
+    FloatInput coat = 0, coat_roughness = 0;  // share of the surface under a clear coat
     SourceLocation location{};
 };
 

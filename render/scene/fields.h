@@ -67,8 +67,10 @@ void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, location] = material;
-    visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness);
+    auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
+           f0, f90, coat, coat_roughness, location] = material;
+    visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic, f0,
+          f90, coat, coat_roughness);
     visit.label(name, location);
 }
 

@@ -81,14 +81,14 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
 TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
     using namespace std::string_literals;
     const auto is = [](const char* format) {
-        return HasSubstr(std::string("room.pbrt: not a pbrt-v4 scene, the only supported format: ") + format);
+        return HasSubstr(std::string("room.pbrt: not a scene in a supported format (pbrt-v4, glTF 2.0, OBJ): ") + format);
     };
     EXPECT_THAT(refusal("{ \"asset\": { \"version\": \"2.0\" } }"), is("this is a glTF scene"));
     EXPECT_THAT(refusal("\xef\xbb\xbf\n{\"scenes\": [], \"asset\": {}}"), is("this is a glTF scene"));
-    EXPECT_THAT(refusal("glTF\2\0\0\0"s), is("this is a binary glTF scene"));
+    EXPECT_THAT(refusal("glTF\2\0\0\0"s), is("this is a glTF scene; its name must end in .gltf or .glb"));
     EXPECT_THAT(refusal("#usda 1.0\ndef Xform \"x\" {}\n"), is("this is a USD scene"));
     EXPECT_THAT(refusal("#usda 1.0\n"), is("this is a USD scene"));
-    EXPECT_THAT(refusal("# a cube\n\nmtllib cube.mtl\nv 0 0 0\n"), is("this is a Wavefront OBJ scene"));
+    EXPECT_THAT(refusal("# a cube\n\nmtllib cube.mtl\nv 0 0 0\n"), is("this is a Wavefront OBJ scene; its name must end in .obj"));
     EXPECT_THAT(refusal("<?xml version=\"1.0\"?><scene/>"), is("this is XML"));
     EXPECT_THAT(refusal("\x1f\x8b\b\0\0"s), is("this is compressed by gzip"));
     EXPECT_THAT(refusal("\x89\0\1\2"s), is("this is a binary file"));

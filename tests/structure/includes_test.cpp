@@ -48,7 +48,10 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/load/mesh", {"render/scene"}},
         {"render/load/files", {"render/scene", "image"}},
         {"render/load/pbrt", {"render/load/files", "render/load/mesh"}},
-        {"render/load", {"render/load/pbrt"}},
+        {"render/load/model", {"render/load/files", "render/load/mesh"}},
+        {"render/load/gltf", {"render/load/model"}},
+        {"render/load/obj", {"render/load/model"}},
+        {"render/load", {"render/load/pbrt", "render/load/gltf", "render/load/obj"}},
         {"render/program", {"render/transport/bidirectional", "render/load", "sampledb/write"}},
         {"render/main.cpp", {"render/program"}},
 

@@ -89,6 +89,19 @@ inline std::vector<Example<ThinDielectric>> examples() {
             {.name = "dispersive pane", .scatters = ThinDielectric(values().varying, true, 9), .loses_nothing = true}};
 }
 
+template <>
+inline std::vector<Example<MetallicRoughness>> examples() {
+    const Values& v = values();
+    using M = MetallicRoughness;
+    return {{.name = "metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.3f})},
+            {.name = "plastic", .scatters = M(v.falling, {.alpha = 0.1f})},
+            {.name = "white clay", .scatters = M(v.white, {.alpha = 0.8f, .f0 = 0.2f})},
+            {.name = "blend", .scatters = M(v.rising, {.metallic = 0.4f, .alpha = 0.5f})},
+            {.name = "white under a coat", .scatters = M(v.white, {.alpha = 0.6f, .coat = 1, .coat_alpha = 0.1f})},
+            {.name = "blend, half coated, nothing at grazing",
+             .scatters = M(v.falling, {.metallic = 0.5f, .alpha = 0.4f, .f90 = 0, .coat = 0.5f, .coat_alpha = 0.3f})}};
+}
+
 // What typed tests run over.
 template <class List>
 struct TypesOf;

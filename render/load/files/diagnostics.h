@@ -20,6 +20,10 @@ class Diagnostics {
     // The picture is what it should be, but something was ignored.
     void warn(const SourceLocation& where, const std::string& message) { warnings_.push_back(place(where) + message); }
 
+    // The same of a place that is not a line and column: "room.gltf: /nodes/3".
+    void error(const std::string& place, const std::string& message) { errors_.push_back(place + ": " + message); }
+    void warn(const std::string& place, const std::string& message) { warnings_.push_back(place + ": " + message); }
+
     const std::vector<std::string>& errors() const { return errors_; }
     const std::vector<std::string>& warnings() const { return warnings_; }
 

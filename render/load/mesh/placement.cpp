@@ -1,7 +1,5 @@
 #include "render/load/mesh/placement.h"
 
-#include "render/scene/bounds.h"
-
 namespace latent::render {
 namespace {
 
@@ -39,16 +37,32 @@ ShapeDescription placed(LoadedShape loaded, const Vec3d& origin) {
     return std::move(loaded.shape);
 }
 
-}  // namespace
-
-void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>> objects, SceneDescription& scene) {
-    std::vector<Box> of_object(objects.size());
+std::vector<Box> boxes_of(const std::vector<std::vector<LoadedShape>>& objects) {
+    std::vector<Box> boxes(objects.size());
     for (std::size_t i = 0; i < objects.size(); ++i) {
-        for (const LoadedShape& shape : objects[i]) add(shape, of_object[i]);
+        for (const LoadedShape& shape : objects[i]) add(shape, boxes[i]);
     }
+    return boxes;
+}
+
+Box box_about(const std::vector<LoadedShape>& shapes, const std::vector<Box>& of_object,
+              const std::vector<InstanceDescription>& instances) {
     Box world;
     for (const LoadedShape& shape : shapes) add(shape, world);
-    for (const InstanceDescription& instance : scene.instances) add(instance.world_from_object, of_object[instance.object], world);
+    for (const InstanceDescription& instance : instances) add(instance.world_from_object, of_object[instance.object], world);
+    return world;
+}
+
+}  // namespace
+
+Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector<LoadedShape>>& objects,
+           const std::vector<InstanceDescription>& instances) {
+    return box_about(shapes, boxes_of(objects), instances);
+}
+
+void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>> objects, SceneDescription& scene) {
+    const std::vector<Box> of_object = boxes_of(objects);
+    const Box world = box_about(shapes, of_object, scene.instances);
 
     const Vec3d& camera = scene.camera.world_from_camera.t;
     scene.origin = world.is_empty() ? camera : world.nearest(camera);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/scene/bounds.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -21,6 +22,10 @@ struct LoadedShape {
     ShapeDescription shape;            // without a mesh
     std::optional<LoadedMesh> mesh{};  // nothing: a quadric
 };
+
+// About all shapes of the world and all instances of objects.
+Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector<LoadedShape>>& objects,
+           const std::vector<InstanceDescription>& instances);
 
 // Gives the scene its shapes, and its objects theirs (one list for each), when all is read. Every place is counted
 // from SceneDescription::origin from then on: the camera's place, or the point nearest to it of the box about all shapes, if it is

@@ -1,6 +1,7 @@
-#include "render/load/foreign_format.h"
+#include "render/load/scene_format.h"
 
 #include <algorithm>
+#include <string>
 
 namespace latent::render {
 
@@ -10,7 +11,6 @@ struct Beginning {
     std::string_view bytes, format;
 };
 constexpr Beginning kBeginnings[] = {
-    {"glTF", "this is a binary glTF scene"},
     {"#usda ", "this is a USD scene"},
     {"PXR-USDC", "this is a USD scene"},
     {"PK\x03\x04", "this is a zip archive, as USDZ scenes are"},
@@ -37,19 +37,36 @@ std::string_view first_statement(std::string_view text) {
     }
 }
 
-}  // namespace
-
-std::string_view foreign_format(std::string_view text) {
+std::string_view without_mark(std::string_view text) {
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+    return text;
+}
+
+}  // namespace
+
+SceneFormat scene_format(const std::filesystem::path& path, std::string_view beginning) {
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    if (extension == ".pbrt") return SceneFormat::kPbrt;
+    if (extension == ".glb" || extension == ".gltf" || beginning.starts_with("glTF")) return SceneFormat::kGltf;
+    if (extension == ".obj") return SceneFormat::kObj;
+    const std::string_view statement = first_statement(without_mark(beginning));
+    if (statement.starts_with('{')) return SceneFormat::kGltf;
+    const auto begins = [statement](std::string_view word) { return statement.starts_with(word); };
+    return std::ranges::any_of(kObjWords, begins) ? SceneFormat::kObj : SceneFormat::kPbrt;
+}
+
+std::string_view foreign_format(std::string_view text) {
+    text = without_mark(text);
     for (const Beginning& beginning : kBeginnings) {
         if (text.starts_with(beginning.bytes)) return beginning.format;
     }
     const std::string_view statement = first_statement(text);
-    if (statement.starts_with('{'))
-        return text.find("\"asset\"") != text.npos ? "this is a glTF scene" : "this is JSON, as scenes of glTF are";
+    if (statement.starts_with('{') || text.starts_with("glTF")) return "this is a glTF scene; its name must end in .gltf or .glb";
     const auto begins = [statement](std::string_view word) { return statement.starts_with(word); };
-    if (std::ranges::any_of(kObjWords, begins)) return "this is a Wavefront OBJ scene";
+    if (std::ranges::any_of(kObjWords, begins)) return "this is a Wavefront OBJ scene; its name must end in .obj";
     if (text.find('\0') != text.npos) return "this is a binary file";
     return {};
 }

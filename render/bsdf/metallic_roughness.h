@@ -1,0 +1,48 @@
+// render/bsdf/metallic_roughness.h: a blend of a rough metal and of a diffuse body under a rough dielectric surface, and a clear
+// coat above both: glTF's material. docs/rendering.md, "Surfaces".
+#pragma once
+
+#include "render/bsdf/closure.h"
+#include "render/bsdf/microfacet.h"
+#include "render/bsdf/schlick_albedo.h"
+
+namespace latent::render {
+
+// Facets are GGX, reflectances Schlick's: of the metal from the base colour b to 1, of the dielectric from f0 to f90. With E(mu)
+// the albedo of the dielectric's facets [KelemenSzirmayKalos01], E_c that of the coat times its share:
+//   f = (1 - E_c(a)) (1 - E_c(b)) (metallic f_metal + (1 - metallic) (f_facets + b (1 - E(a)) (1 - E(b)) / (pi (1 - mean E))))
+//       + coat f_coat
+// Reciprocal; a white dielectric returns all it gets. The same from both sides.
+class MetallicRoughness {
+ public:
+    static constexpr bool kTransmits = false;
+
+    struct Parameters {
+        float metallic = 0, alpha = 1;
+        float f0 = 0.04f, f90 = 1;
+        float coat = 0, coat_alpha = 0;  // coat: the share of the surface that it covers
+    };
+    // Facets are never smoother than kMinAlpha: a mirror would leave the rest of the surface undrawn.
+    static constexpr float kMinAlpha = 0.002f;
+    MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters);
+
+    bool is_delta() const { return false; }
+    bool disperses(const Vec3f&, const Vec3f&) const { return false; }
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
+
+ private:
+    // Probabilities of the coat's and the surface's facets; the rest is diffuse. About their shares of what leaves towards wo.
+    struct Lobes {
+        float coat, facets;
+    };
+    Lobes lobes(const Vec3f& wo) const;
+
+    const SampledSpectrum* base_;
+    float brightest_, metallic_, f0_, f90_, coat_;
+    Microfacets facets_, coat_facets_;
+    SchlickAlbedo metal_albedo_, albedo_, coat_albedo_;  // of the brightest wavelength; of the dielectric; of the coat
+};
+
+}  // namespace latent::render

@@ -1,0 +1,21 @@
+// render/bsdf/schlick_albedo.h: how much of the light from one direction GGX facets with Schlick's reflectance return in all.
+// docs/rendering.md, "Surfaces".
+#pragma once
+
+namespace latent::render {
+
+//   F(c) = f0 + (f90 - f0) (1 - c)^5  [Schlick94],  E(mu) = integral of f |cos| over directions, mu the cosine of the given one
+// is linear in f0 and f90. Tabulated, linear in the root of mu and of alpha; good to about 0.002.
+class SchlickAlbedo {
+ public:
+    SchlickAlbedo(float f0, float f90, float alpha);
+    float operator()(float mu) const;
+    float mean() const { return mean_; }  // integral of 2 mu E(mu)
+
+ private:
+    float f0_, f90_, mean_;
+    int row_;  // of alphas, and how far it is to the next one
+    float fraction_;
+};
+
+}  // namespace latent::render

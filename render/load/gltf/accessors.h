@@ -1,0 +1,19 @@
+// render/load/gltf/accessors.h: numbers out of a glTF file's buffers, whatever their type and layout [glTF2 3.6].
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "render/load/gltf/document.h"
+
+namespace latent::render {
+
+// `index` holds an index into /accessors, of items of `components` numbers each: all of them, one item after another, normalised
+// integers as fractions of their range. Nothing, with an error at the accessor, if it is of another kind, leaves its buffer, or
+// holds what is not finite. Takes no more memory than the buffers hold numbers.
+std::optional<std::vector<float>> read_floats(const GltfDocument& document, const GltfValue& index, std::size_t components);
+// The same of single unsigned integers.
+std::optional<std::vector<std::uint32_t>> read_indices(const GltfDocument& document, const GltfValue& index);
+
+}  // namespace latent::render

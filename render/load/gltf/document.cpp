@@ -1,0 +1,164 @@
+#include "render/load/gltf/document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/bytes.h"
+#include "base/json.h"
+
+namespace latent::render {
+
+namespace {
+
+constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;  // types of chunks
+constexpr std::size_t kMostDepth = 64;                             // of JSON; the format needs about 10
+
+std::uint32_t u32(std::string_view bytes, std::size_t at) {
+    return load_le<std::uint32_t>(reinterpret_cast<const std::byte*>(bytes.data() + at));
+}
+
+struct Chunks {
+    std::string_view json, binary{};
+    bool has_binary = false;
+};
+
+Result<Chunks> chunks_of(std::string_view bytes) {
+    if (bytes.size() < kHeader + kChunkHeader)
+        return Error{ErrorCode::kTruncated, fmt::format("truncated: {} bytes", bytes.size())};
+    if (u32(bytes, 4) != 2)
+        return Error{ErrorCode::kUnsupported, fmt::format("version {} of binary glTF; only version 2 is supported", u32(bytes, 4))};
+    const std::size_t size = u32(bytes, 8);
+    if (size > bytes.size()) return Error{ErrorCode::kTruncated, fmt::format("truncated: {} of {} bytes", bytes.size(), size)};
+    bytes = bytes.substr(0, size);
+    Chunks chunks;
+    for (std::size_t at = kHeader, i = 0; at + kChunkHeader <= bytes.size(); ++i) {
+        const std::size_t length = u32(bytes, at), begin = at + kChunkHeader;
+        const std::uint32_t type = u32(bytes, at + 4);
+        if (length > bytes.size() - begin)
+            return Error{ErrorCode::kCorrupt, fmt::format("chunk {} is {} bytes long, beyond the end of the file", i, length)};
+        if (i == 0 && type != kJson) return Error{ErrorCode::kCorrupt, "the first chunk is not JSON"};
+        if (i == 0) chunks.json = bytes.substr(begin, length);
+        if (i == 1 && type == kBinary) {
+            chunks.binary = bytes.substr(begin, length);
+            chunks.has_binary = true;
+        }
+        at = begin + length;
+    }
+    return chunks;
+}
+
+int base64_digit(char c) {
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
+    return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
+}
+
+std::optional<std::string> from_base64(std::string_view text) {
+    while (text.ends_with('=')) text.remove_suffix(1);
+    std::string out;
+    out.reserve(text.size() / 4 * 3 + 2);
+    std::uint32_t bits = 0;
+    int count = 0;
+    for (const char c : text) {
+        const int digit = base64_digit(c);
+        if (digit < 0) return std::nullopt;
+        bits = bits << 6 | static_cast<std::uint32_t>(digit);
+        if ((count += 6) < 8) continue;
+        count -= 8;
+        out.push_back(static_cast<char>(bits >> count & 0xFF));
+    }
+    return out;
+}
+
+int hex_digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+}  // namespace
+
+std::optional<std::string> file_of_uri(std::string_view uri) {
+    const std::size_t colon = uri.find(':');
+    if (colon != uri.npos && uri.substr(0, colon).find('/') == uri.npos) return std::nullopt;
+    std::string name;
+    for (std::size_t i = 0; i < uri.size(); ++i) {
+        const bool escape = uri[i] == '%' && i + 2 < uri.size() && hex_digit(uri[i + 1]) >= 0 && hex_digit(uri[i + 2]) >= 0;
+        name.push_back(escape ? static_cast<char>(hex_digit(uri[i + 1]) * 16 + hex_digit(uri[i + 2])) : uri[i]);
+        if (escape) i += 2;
+    }
+    return name;
+}
+
+Result<GltfDocument> GltfDocument::read(std::string bytes, const std::string& name, const SceneFiles& files,
+                                        Diagnostics& diagnostics) {
+    GltfDocument document(name, files, diagnostics);
+    Chunks chunks{bytes};
+    if (bytes.starts_with("glTF")) {
+        const Result<Chunks> found = chunks_of(bytes);
+        if (!found) return found.error().at(name);
+        chunks = *found;
+    }
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (chunks.json.starts_with(kByteOrderMark)) chunks.json.remove_prefix(kByteOrderMark.size());
+    const Status is_object = check_json_object(chunks.json, kMostDepth);
+    try {
+        document.json_ = nlohmann::json::parse(chunks.json);
+    } catch (const nlohmann::json::parse_error& e) {
+        const std::string_view before = chunks.json.substr(0, e.byte);
+        const std::size_t line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n')),
+                          column = before.size() - (before.rfind('\n') + 1);
+        return Error{ErrorCode::kCorrupt, fmt::format("{}:{}:{}: not valid JSON", name, line, column)};
+    }
+    if (!is_object) return is_object.error().at(name);
+
+    const std::string version = document.root()["asset"]["version"].text("none");
+    if (!version.starts_with("2."))
+        return Error{ErrorCode::kUnsupported, fmt::format("{}: /asset/version: is {}; only glTF 2.0 is supported", name, version)};
+    document.read_buffers(chunks.binary, chunks.has_binary);
+    return document;
+}
+
+std::optional<std::string> GltfDocument::resource(const GltfValue& uri) const {
+    const std::string text = uri.text();
+    if (text.starts_with("data:")) {
+        const std::size_t comma = text.find(',');
+        const bool base64 = comma != text.npos && std::string_view(text).substr(0, comma).ends_with(";base64");
+        std::optional<std::string> bytes = base64 ? from_base64(std::string_view(text).substr(comma + 1)) : std::nullopt;
+        if (!bytes) uri.error("is not valid base64 data");
+        return bytes;
+    }
+    const std::optional<std::string> name = file_of_uri(text);
+    if (!name) {
+        uri.error(fmt::format("\"{}\" is not a file; nothing is loaded from a network", text.substr(0, 80)));
+        return std::nullopt;
+    }
+    Result<std::string> bytes = files_->read(*name);
+    if (bytes) return std::move(*bytes);
+    uri.error(bytes.error().message);
+    return std::nullopt;
+}
+
+void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
+    const GltfValue buffers = root()["buffers"];
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+        const GltfValue buffer = buffers[i];
+        std::optional<std::string> bytes;
+        if (buffer["uri"].exists()) {
+            bytes = resource(buffer["uri"]);
+        } else if (i == 0 && has_chunk) {
+            bytes = std::string(binary_chunk);
+        } else {
+            buffer.error("has no uri, and the file has no binary chunk");
+        }
+        const std::uint64_t declared = buffer["byteLength"].count(0);
+        if (bytes && bytes->size() < declared) buffer.error(fmt::format("is truncated: {} of {} bytes", bytes->size(), declared));
+        buffers_.push_back(std::move(bytes).value_or(""));
+    }
+}
+
+}  // namespace latent::render

@@ -1,0 +1,44 @@
+// render/load/gltf/document.h: the text and the binary buffers of a glTF 2.0 file, .gltf or .glb [glTF2].
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "render/load/files/diagnostics.h"
+#include "render/load/files/scene_files.h"
+#include "render/load/gltf/value.h"
+
+namespace latent::render {
+
+class GltfDocument {
+ public:
+    // Of the content of a file; `name` begins every message. Errors: kTruncated, kCorrupt, kUnsupported: nothing else can be read.
+    // What is wrong with or missing from its buffers goes to `diagnostics`. `files` and `diagnostics` outlive the document.
+    static Result<GltfDocument> read(std::string bytes, const std::string& name, const SceneFiles& files, Diagnostics& diagnostics);
+
+    GltfValue root() const { return {&json_, name_ + ": ", *diagnostics_}; }
+    // The bytes of /buffers/i; empty if there was an error.
+    const std::string& buffer(std::size_t i) const { return buffers_[i]; }
+    // What "uri" says, relative to the file: a "data:" URI or a file. Nothing, with an error, if it cannot be read.
+    std::optional<std::string> resource(const GltfValue& uri) const;
+    const SceneFiles& files() const { return *files_; }
+
+ private:
+    GltfDocument(std::string name, const SceneFiles& files, Diagnostics& diagnostics)
+        : name_(std::move(name)), files_(&files), diagnostics_(&diagnostics) {}
+    void read_buffers(std::string_view binary_chunk, bool has_chunk);
+
+    std::string name_;
+    const SceneFiles* files_;
+    Diagnostics* diagnostics_;
+    nlohmann::json json_;
+    std::vector<std::string> buffers_;
+};
+
+// The file that a relative URI names, its %-escapes resolved. Nothing if it has a scheme, such as "https:".
+std::optional<std::string> file_of_uri(std::string_view uri);
+
+}  // namespace latent::render

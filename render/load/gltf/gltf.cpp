@@ -1,0 +1,270 @@
+#include "render/load/gltf/gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/load/gltf/lights.h"
+#include "render/load/gltf/materials.h"
+#include "render/load/gltf/meshes.h"
+
+namespace latent::render {
+
+namespace {
+
+constexpr std::uint64_t kMostVertices = 1 << 30;  // of all primitives: a small file can name large ones many times
+
+Affined rotation(const std::array<double, 4>& q) {  // x y z w, of unit length
+    const double x = q[0], y = q[1], z = q[2], w = q[3];
+    return {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+            {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+            {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+            {}};
+}
+
+Affined local_transform(const GltfValue& node) {
+    if (node["matrix"].exists()) {
+        const std::array<double, 16> m =
+            node["matrix"].numbers(std::array<double, 16>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+        if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) node["matrix"].error("must be affine");
+        return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+    }
+    const std::array<double, 3> t = node["translation"].numbers(std::array<double, 3>{}),
+                                s = node["scale"].numbers(std::array<double, 3>{1, 1, 1});
+    std::array<double, 4> q = node["rotation"].numbers(std::array<double, 4>{0, 0, 0, 1});
+    const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(size > 0) || !std::isfinite(size)) node["rotation"].error("is not a rotation");
+    for (double& x : q) x /= size > 0 ? size : 1;
+    const Affined r = rotation(q);
+    return {r.x * s[0], r.y * s[1], r.z * s[2], {t[0], t[1], t[2]}};
+}
+
+bool is_finite(const Affined& m) {
+    return std::max({max_abs(m.x), max_abs(m.y), max_abs(m.z), max_abs(m.t)}) < static_cast<double>(kInfinity);
+}
+
+class GltfLoader {
+ public:
+    GltfLoader(const GltfDocument& document, const ModelColors& colors) : document_(document), colors_(colors) {}
+
+    Model load() {
+        check_extensions();
+        read_materials();
+        meshes_.resize(root()["meshes"].size());
+        walk_nodes();
+        // Meshes in the order of the nodes that place them; those that several nodes place become objects.
+        for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
+        for (const Placement& p : placements_) place(p);
+        if (!model_.has_camera && root()["cameras"].size() > 0) root()["cameras"].warn("no node of the scene has a camera");
+        if (root()["animations"].size() > 0) root()["animations"].warn("nothing moves: animations are ignored");
+        if (root()["skins"].size() > 0) root()["skins"].warn("skins are ignored: figures are in their rest pose");
+        return std::move(model_);
+    }
+
+ private:
+    struct Placement {
+        std::uint32_t node, mesh;
+        Affined world_from_node;
+    };
+    struct Mesh {
+        std::size_t uses = 0;
+        bool is_read = false;
+        std::vector<GltfPrimitive> primitives{};
+        std::uint32_t object = kNone;
+    };
+
+    GltfValue root() const { return document_.root(); }
+
+    void check_extensions() {
+        const GltfValue required = root()["extensionsRequired"], used = root()["extensionsUsed"];
+        std::vector<std::string> refused;
+        for (std::size_t i = 0; i < required.size(); ++i) {
+            refused.push_back(required[i].text());
+            if (!is_known_extension(refused.back())) required[i].error(fmt::format("{} is not supported", refused.back()));
+        }
+        for (std::size_t i = 0; i < used.size(); ++i) {
+            const std::string name = used[i].text();
+            if (!is_known_extension(name) && std::ranges::find(refused, name) == refused.end())
+                used[i].warn(fmt::format("{} is not supported, and ignored", name));
+        }
+    }
+
+    // Entry i is /materials/i, the last one the default material.
+    void read_materials() {
+        const GltfValue materials = root()["materials"];
+        for (std::size_t i = 0; i <= materials.size(); ++i) {
+            GltfMaterial material = read_material(document_, materials[i], colors_);
+            Used used{.uv_set = material.uv_set};
+            if (material.emission) {
+                used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
+                model_.scene.area_lights.push_back(std::move(*material.emission));
+            }
+            if (material.inside) {
+                used.inside = static_cast<std::uint32_t>(model_.scene.media.size());
+                model_.scene.media.push_back(std::move(*material.inside));
+            }
+            model_.scene.materials.push_back(std::move(material.surface));
+            used_.push_back(used);
+        }
+    }
+    std::uint32_t index_of(std::uint32_t material) const {
+        return material == kNone ? static_cast<std::uint32_t>(used_.size() - 1) : material;
+    }
+
+    // All nodes of the scene, parents first. Each has one parent at most, so none is reached twice.
+    void walk_nodes() {
+        const GltfValue nodes = root()["nodes"], scenes = root()["scenes"];
+        struct Open {
+            std::uint32_t node;
+            Affined world_from_parent;
+        };
+        std::vector<Open> open;
+        std::vector<bool> reached(nodes.size());
+        const auto add = [&](const GltfValue& list, const Affined& world_from_parent) {
+            for (std::size_t i = list.size(); i-- > 0;) {
+                const std::optional<std::uint32_t> node = list[i].index(nodes);
+                if (!node) continue;
+                if (reached[*node]) {
+                    list[i].error(fmt::format("node {} is reached twice; nodes must form a tree", *node));
+                } else {
+                    reached[*node] = true;
+                    open.push_back({*node, world_from_parent});
+                }
+            }
+        };
+        const std::uint32_t scene = root()["scene"].index(scenes).value_or(0);
+        if (scenes.size() == 0) root()["scenes"].error("there is no scene");
+        add(scenes[scene]["nodes"], {});
+        while (!open.empty()) {
+            const Open next = open.back();
+            open.pop_back();
+            const GltfValue node = nodes[next.node];
+            const Affined m = next.world_from_parent * local_transform(node);
+            if (!is_finite(m)) {
+                node.error("its transformation exceeds the range of single precision");
+                continue;
+            }
+            visit(node, next.node, m);
+            add(node["children"], m);
+        }
+    }
+
+    void visit(const GltfValue& node, std::uint32_t index, const Affined& m) {
+        const GltfValue light = node.extension("KHR_lights_punctual")["light"];
+        const bool is_singular = !m.inverse();
+        if (is_singular && (node["mesh"].exists() || node["camera"].exists() || light.exists()))
+            return node.warn("is scaled to nothing, and left out");
+        if (const auto mesh = node["mesh"].index(root()["meshes"])) placements_.push_back({index, *mesh, m});
+        if (const auto camera = node["camera"].index(root()["cameras"])) {
+            if (!model_.has_camera) {
+                read_camera(root()["cameras"][*camera], m, model_.scene);
+            } else {
+                node["camera"].warn("is ignored: the scene's first camera is used");
+            }
+            model_.has_camera = true;
+        }
+        const GltfValue lights = root().extension("KHR_lights_punctual")["lights"];
+        if (const auto i = light.index(lights)) model_.scene.lights.push_back(read_light(lights[*i], m, colors_));
+    }
+
+    void place(const Placement& p) {
+        Mesh& mesh = meshes_[p.mesh];
+        if (!mesh.is_read) read(p.mesh);
+        const bool once = mesh.uses == 1;
+        bool has_object = false;
+        for (GltfPrimitive& primitive : mesh.primitives) {
+            // Lights cannot be in objects.
+            const bool emits = used_[index_of(primitive.material)].area_light != kNone;
+            if (once || emits) {
+                if (!once && !count(primitive, root()["nodes"][p.node])) return;
+                LoadedShape shape = shape_of(primitive.material, once ? std::move(primitive.mesh) : LoadedMesh(primitive.mesh));
+                transform(shape, p.world_from_node);
+                if (!is_finite(shape)) root()["nodes"][p.node].error("its mesh exceeds the range of single precision");
+                model_.shapes.push_back(std::move(shape));
+            } else {
+                has_object = true;
+            }
+        }
+        if (!has_object) return;
+        const Affined inverse = p.world_from_node.inverse().value();
+        if (std::max({max_abs(inverse.x), max_abs(inverse.y), max_abs(inverse.z)}) > 1e15)
+            root()["nodes"][p.node].error("is too small to be traced in single precision");
+        if (mesh.object == kNone) {
+            mesh.object = static_cast<std::uint32_t>(model_.objects.size());
+            model_.scene.objects.emplace_back();
+            std::vector<LoadedShape>& shapes = model_.objects.emplace_back();
+            for (const GltfPrimitive& primitive : mesh.primitives) {
+                if (used_[index_of(primitive.material)].area_light != kNone) continue;
+                shapes.push_back(shape_of(primitive.material, LoadedMesh(primitive.mesh)));
+                transform(shapes.back(), {});
+            }
+        }
+        model_.scene.instances.push_back({.object = mesh.object, .world_from_object = p.world_from_node});
+    }
+
+    void read(std::uint32_t index) {
+        Mesh& mesh = meshes_[index];
+        mesh.is_read = true;
+        const GltfValue value = root()["meshes"][index];
+        mesh.primitives = read_mesh(document_, value, [this](std::uint32_t material) { return used_[index_of(material)].uv_set; });
+        for (const GltfPrimitive& primitive : mesh.primitives) {
+            if (!count(primitive, value)) return mesh.primitives.clear();
+        }
+    }
+    // False, with one error, when all that was counted is too much.
+    bool count(const GltfPrimitive& primitive, const GltfValue& value) {
+        if (vertices_ > kMostVertices) return false;
+        vertices_ += primitive.mesh.positions.size();
+        if (vertices_ > kMostVertices) value.error(fmt::format("with this, the scene has more than {} vertices", kMostVertices));
+        return vertices_ <= kMostVertices;
+    }
+
+    LoadedShape shape_of(std::uint32_t material, LoadedMesh mesh) const {
+        const Used& used = used_[index_of(material)];
+        LoadedShape out;
+        out.shape.material = index_of(material);
+        out.shape.area_light = used.area_light;
+        out.shape.inside_medium = used.inside;
+        out.mesh = std::move(mesh);
+        return out;
+    }
+
+    static void transform(LoadedShape& loaded, const Affined& m) {
+        loaded.shape.flip_normal = m.swaps_handedness();
+        for (Vec3d& p : loaded.mesh->positions) p = m.point(p);
+        for (Vec3f& n : loaded.mesh->normals) {
+            const Vec3d world = m.normal(Vec3d(n));
+            const double size = length(world);
+            n = size > 0 ? Vec3f(world / size) : Vec3f{};
+        }
+    }
+    static bool is_finite(const LoadedShape& loaded) {
+        return std::ranges::all_of(loaded.mesh->positions, [](const Vec3d& p) { return max_abs(Vec3f(p)) < kInfinity; });
+    }
+    static bool is_finite(const Affined& m) { return render::is_finite(m); }
+
+    // What shapes of a material carry.
+    struct Used {
+        std::uint32_t area_light = kNone, inside = kNone, uv_set = 0;
+    };
+
+    const GltfDocument& document_;
+    const ModelColors& colors_;
+    Model model_;
+    std::vector<Used> used_;
+    std::vector<Mesh> meshes_;
+    std::vector<Placement> placements_;
+    std::uint64_t vertices_ = 0;
+};
+
+}  // namespace
+
+Result<Model> read_gltf(std::string bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+                        Diagnostics& diagnostics) {
+    const Result<GltfDocument> document = GltfDocument::read(std::move(bytes), name, files, diagnostics);
+    if (!document) return document.error();
+    return GltfLoader(*document, colors).load();
+}
+
+}  // namespace latent::render

@@ -1,0 +1,19 @@
+// render/load/gltf/gltf.h: a glTF 2.0 file, .gltf or .glb, becomes a model [glTF2]. docs/scenes.md, "glTF".
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "render/load/files/diagnostics.h"
+#include "render/load/files/scene_files.h"
+#include "render/load/model/colors.h"
+#include "render/load/model/model.h"
+
+namespace latent::render {
+
+// Of the file's content; `name` begins every message. What is wrong goes to `diagnostics` as far as the file can be read on.
+// Errors: those of GltfDocument::read.
+Result<Model> read_gltf(std::string bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+                        Diagnostics& diagnostics);
+
+}  // namespace latent::render

@@ -1,0 +1,111 @@
+#include "render/load/gltf/materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace latent::render {
+
+namespace {
+
+constexpr std::string_view kKnownExtensions[] = {
+    "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",   "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit", "KHR_materials_volume",    "KHR_mesh_quantization",
+    "KHR_xmp_json_ld"};
+
+LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback) {
+    LinearRgb rgb = value.numbers(fallback);
+    for (double& x : rgb) {
+        if (x >= 0) continue;
+        value.error("must not be negative");
+        x = 0;
+    }
+    return rgb;
+}
+
+float fraction_of(const GltfValue& value, double fallback) { return static_cast<float>(value.number(fallback, 0, 1)); }
+
+void read_emission(const GltfValue& material, const ModelColors& colors, GltfMaterial& out) {
+    const LinearRgb rgb = rgb_of(material["emissiveFactor"], {0, 0, 0});
+    const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0, 1e30);
+    if (std::ranges::max(rgb) * strength == 0) return;
+    out.emission =
+        AreaLightDescription{.spectrum = colors.emission(rgb), .scale = strength, .two_sided = material["doubleSided"].flag(false)};
+}
+
+// Glass: thin without a thickness, else with a medium inside.
+void read_transmission(const GltfValue& material, const ModelColors& colors, double index, GltfMaterial& out) {
+    const GltfValue volume = material.extension("KHR_materials_volume");
+    const bool is_thin = !(volume["thicknessFactor"].number(0, 0, 1e30) > 0);
+    const float alpha = out.surface.roughness.value * out.surface.roughness.value;
+    out.surface = {.kind = is_thin ? MaterialKind::kThinDielectric : MaterialKind::kDielectric,
+                   .name = out.surface.name,
+                   .eta = color::Spectrum::constant(index)};
+    if (is_thin && alpha > 0) material.warn("thin glass is rendered without its roughness");
+    if (is_thin) return;
+    out.surface.alpha_x = out.surface.alpha_y = alpha;
+    const double distance = volume["attenuationDistance"].number(0, 0, 1e30);
+    const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
+    if (distance == 0 || std::ranges::min(tint) >= 1) return;
+    // What is left after `distance` is the attenuation colour: sigma = -ln(c) / distance.
+    const color::Spectrum left = colors.reflectance(tint);
+    const auto sigma = [&](double nm) { return -std::log(std::max(left(nm), 1e-6)) / distance; };
+    out.inside = MediumDescription{.sigma_a = color::Spectrum::from_function(sigma, color::Outside::kClamped),
+                                   .sigma_s = color::Spectrum::constant(0)};
+}
+
+}  // namespace
+
+GltfMaterial read_material(const GltfDocument&, const GltfValue& material, const ModelColors& colors) {
+    GltfMaterial out;
+    MaterialDescription& surface = out.surface;
+    surface.name = material["name"].text();
+    const GltfValue pbr = material["pbrMetallicRoughness"];
+    const std::array<double, 4> base = pbr["baseColorFactor"].numbers(std::array<double, 4>{1, 1, 1, 1});
+    surface.kind = MaterialKind::kMetallicRoughness;
+    surface.reflectance = colors.reflectance({base[0], base[1], base[2]});
+    surface.roughness = fraction_of(pbr["roughnessFactor"], 1);
+    surface.metallic = fraction_of(pbr["metallicFactor"], 1);
+
+    const GltfValue specular = material.extension("KHR_materials_specular"), coat = material.extension("KHR_materials_clearcoat"),
+                    transmission = material.extension("KHR_materials_transmission");
+    // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
+    const double index = material.extension("KHR_materials_ior")["ior"].number(1.5, 0, 1e3);
+    const double root = (index - 1) / (index + 1), weight = specular["specularFactor"].number(1, 0, 1);
+    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1});
+    const double bright = std::ranges::max(tint);
+    if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
+    surface.f0 = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
+    surface.f90 = static_cast<float>(weight);
+    surface.coat = fraction_of(coat["clearcoatFactor"], 0);
+    surface.coat_roughness = fraction_of(coat["clearcoatRoughnessFactor"], 0);
+
+    const double transmitted =
+        transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.metallic.value));
+    if (transmitted >= 0.5) {
+        if (transmitted < 1) transmission.warn("is rendered as glass that transmits everything");
+        if (base[0] != 1 || base[1] != 1 || base[2] != 1) pbr["baseColorFactor"].warn("does not tint what the material transmits");
+        read_transmission(material, colors, index > 0 ? index : 1.5, out);
+    } else if (transmitted > 0) {
+        transmission.warn("is ignored, since the material is mostly opaque");
+    }
+    const bool is_matt =
+        surface.kind == MaterialKind::kMetallicRoughness && weight == 0 && surface.metallic.value == 0 && surface.coat.value == 0;
+    if (is_matt || material.extension("KHR_materials_unlit").exists()) {
+        surface = {.name = surface.name, .reflectance = surface.reflectance};
+    }
+    if (material.extension("KHR_materials_unlit").exists()) material.warn("an unlit material is rendered as a matt one");
+    const std::string mode = material["alphaMode"].text("OPAQUE");
+    if (mode != "OPAQUE") material["alphaMode"].warn(fmt::format("{}: the material is rendered opaque", mode));
+    for (const std::string& name : material["extensions"].keys()) {
+        if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and ignored");
+    }
+    read_emission(material, colors, out);
+    return out;
+}
+
+bool is_known_extension(std::string_view name) { return std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions); }
+
+}  // namespace latent::render

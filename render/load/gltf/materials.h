@@ -1,0 +1,26 @@
+// render/load/gltf/materials.h: the materials of a glTF file [glTF2 3.9] and the extensions of them that are supported.
+// docs/scenes.md, "glTF".
+#pragma once
+
+#include <optional>
+
+#include "render/load/gltf/document.h"
+#include "render/load/model/colors.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+struct GltfMaterial {
+    MaterialDescription surface{};
+    std::optional<AreaLightDescription> emission{};
+    std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
+    std::uint32_t uv_set = 0;                   // of its textures
+};
+
+// /materials/N; the default material if there is no such value.
+GltfMaterial read_material(const GltfDocument& document, const GltfValue& material, const ModelColors& colors);
+
+// Whether the extension is one that the loader reads, or that changes no picture.
+bool is_known_extension(std::string_view name);
+
+}  // namespace latent::render

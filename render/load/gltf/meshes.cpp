@@ -1,0 +1,120 @@
+#include "render/load/gltf/meshes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "render/load/gltf/accessors.h"
+
+namespace latent::render {
+
+namespace {
+
+enum Mode : std::uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
+
+// Three indices per triangle, of vertices that are taken in order.
+std::vector<std::uint32_t> triangles_of(std::vector<std::uint32_t> order, std::uint64_t mode) {
+    if (mode == kTriangles || order.size() < 3) return order;
+    std::vector<std::uint32_t> out;
+    for (std::size_t i = 2; i < order.size(); ++i) {
+        if (mode == kFan) {
+            out.insert(out.end(), {order[i - 1], order[i], order[0]});
+        } else if (i % 2 == 0) {
+            out.insert(out.end(), {order[i - 2], order[i - 1], order[i]});
+        } else {
+            out.insert(out.end(), {order[i - 2], order[i], order[i - 1]});
+        }
+    }
+    return out;
+}
+
+// Leaves out vertices that no triangle uses: primitives of one mesh often share all of theirs.
+void keep_used_vertices(LoadedMesh& mesh) {
+    std::vector<std::uint32_t> moved(mesh.positions.size(), kNone);
+    for (const std::uint32_t i : mesh.indices) moved[i] = 0;
+    std::uint32_t used = 0;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+        if (moved[i] == kNone) continue;
+        mesh.positions[used] = mesh.positions[i];
+        if (!mesh.normals.empty()) mesh.normals[used] = mesh.normals[i];
+        if (!mesh.uvs.empty()) mesh.uvs[used] = mesh.uvs[i];
+        moved[i] = used++;
+    }
+    if (used == moved.size()) return;
+    mesh.positions.resize(used);
+    mesh.positions.shrink_to_fit();
+    if (!mesh.normals.empty()) mesh.normals.resize(used);
+    if (!mesh.uvs.empty()) mesh.uvs.resize(used);
+    for (std::uint32_t& i : mesh.indices) i = moved[i];
+}
+
+bool read_vertices(const GltfDocument& document, const GltfValue& attributes, std::uint32_t uv_set, LoadedMesh& mesh) {
+    const std::optional<std::vector<float>> p = read_floats(document, attributes["POSITION"], 3);
+    if (!p) return false;
+    for (std::size_t i = 0; i < p->size(); i += 3) mesh.positions.emplace_back((*p)[i], (*p)[i + 1], (*p)[i + 2]);
+    const auto per_vertex = [&](const GltfValue& attribute, std::size_t components) -> std::vector<float> {
+        if (!attribute.exists()) return {};
+        std::optional<std::vector<float>> x = read_floats(document, attribute, components);
+        if (!x) return {};
+        if (x->size() / components == mesh.positions.size()) return std::move(*x);
+        attribute.error(fmt::format("has {} items for {} vertices", x->size() / components, mesh.positions.size()));
+        return {};
+    };
+    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3),
+                             uv = per_vertex(attributes["TEXCOORD_" + std::to_string(uv_set)], 2);
+    for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(n[i], n[i + 1], n[i + 2]);
+    for (std::size_t i = 0; i < uv.size(); i += 2) mesh.uvs.push_back({uv[i], 1 - uv[i + 1]});
+    if (attributes["COLOR_0"].exists()) attributes["COLOR_0"].warn("colours of vertices are ignored");
+    return true;
+}
+
+}  // namespace
+
+std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
+                                     const std::function<std::uint32_t(std::uint32_t material)>& uv_set_of) {
+    std::vector<GltfPrimitive> out;
+    const GltfValue primitives = mesh["primitives"];
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+        const GltfValue primitive = primitives[i];
+        const std::uint64_t mode = primitive["mode"].count(kTriangles);
+        if (mode < kTriangles) {
+            primitive.warn("points and lines are ignored");
+            continue;
+        }
+        if (mode > kFan || !primitive["attributes"]["POSITION"].exists()) {
+            primitive.error(mode > kFan ? "its mode is unknown" : "has no POSITION");
+            continue;
+        }
+        GltfPrimitive read;
+        read.material = primitive["material"].index(document.root()["materials"]).value_or(kNone);
+        if (!read_vertices(document, primitive["attributes"], uv_set_of(read.material), read.mesh)) continue;
+        std::vector<std::uint32_t> order;
+        if (primitive["indices"].exists()) {
+            std::optional<std::vector<std::uint32_t>> indices = read_indices(document, primitive["indices"]);
+            if (!indices) continue;
+            order = std::move(*indices);
+        } else {
+            order.resize(read.mesh.positions.size());
+            std::iota(order.begin(), order.end(), 0u);
+        }
+        const auto wrong = std::ranges::find_if(order, [&](std::uint32_t v) { return v >= read.mesh.positions.size(); });
+        if (wrong != order.end()) {
+            primitive["indices"].error(
+                fmt::format("index {} is out of range; there are {} vertices", *wrong, read.mesh.positions.size()));
+            continue;
+        }
+        if (mode == kTriangles && order.size() % 3 != 0) {
+            primitive.error(fmt::format("has {} indices, which is no multiple of 3", order.size()));
+            continue;
+        }
+        read.mesh.indices = triangles_of(std::move(order), mode);
+        if (read.mesh.indices.size() < 3) continue;
+        keep_used_vertices(read.mesh);
+        out.push_back(std::move(read));
+    }
+    if (mesh["weights"].exists()) mesh.warn("its morph targets are ignored");
+    return out;
+}
+
+}  // namespace latent::render

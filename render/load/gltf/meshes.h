@@ -1,0 +1,23 @@
+// render/load/gltf/meshes.h: the triangles of a glTF file [glTF2 3.7.2].
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "render/load/gltf/document.h"
+#include "render/load/mesh/placement.h"
+
+namespace latent::render {
+
+// In the space of its mesh. Texture coordinates have v upwards, as pbrt's do.
+struct GltfPrimitive {
+    LoadedMesh mesh{};
+    std::uint32_t material = kNone;  // index into /materials
+};
+
+// The primitives of /meshes/N that have triangles. `uv_set_of(material)`: which TEXCOORD the textures of a material use.
+std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
+                                     const std::function<std::uint32_t(std::uint32_t material)>& uv_set_of);
+
+}  // namespace latent::render

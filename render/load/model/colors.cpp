@@ -1,0 +1,34 @@
+#include "render/load/model/colors.h"
+
+#include <algorithm>
+
+#include "color/named_spectra.h"
+#include "color/observer.h"
+
+namespace latent::render {
+
+namespace {
+
+color::Spectrum clamped(const std::function<double(double)>& f) {
+    return color::Spectrum::from_function(f, color::Outside::kClamped);
+}
+
+bool is_grey(const LinearRgb& rgb) { return rgb[0] == rgb[1] && rgb[1] == rgb[2]; }
+
+}  // namespace
+
+ModelColors::ModelColors()
+    : rgb_(color::RgbSpace::srgb(), color::illuminant_d65()),
+      white_(rgb_.illuminant().scaled(1 / color::photometric_sum(rgb_.illuminant()))) {}
+
+color::Spectrum ModelColors::reflectance(const LinearRgb& rgb) const {
+    if (is_grey(rgb)) return color::Spectrum::constant(std::clamp(rgb[0], 0.0, 1.0));
+    return clamped([s = rgb_.reflectance({rgb[0], rgb[1], rgb[2]})](double nm) { return s(static_cast<float>(nm)); });
+}
+
+color::Spectrum ModelColors::emission(const LinearRgb& rgb) const {
+    if (is_grey(rgb)) return clamped([&](double nm) { return rgb[0] * white_(nm); });
+    return clamped([&, s = rgb_.unbounded({rgb[0], rgb[1], rgb[2]})](double nm) { return s(static_cast<float>(nm)) * white_(nm); });
+}
+
+}  // namespace latent::render

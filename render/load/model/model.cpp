@@ -1,0 +1,58 @@
+#include "render/load/model/model.h"
+
+#include <algorithm>
+
+namespace latent::render {
+
+namespace {
+
+constexpr double kTowards[] = {0.45, 0.35, 0.82};  // from the model to the camera
+constexpr double kHalfHeight = 0.36397;            // of the window: tan 20 degrees
+constexpr double kMargin = 1.05;
+
+// A left-handed camera: x to the right in the picture where the world's is right-handed.
+Affined looking_along(const Vec3d& forward, const Vec3d& from) {
+    const Vec3d right = normalize(cross(forward, Vec3d(0, 1, 0)));
+    return {right, cross(right, forward), forward, from};
+}
+
+CameraDescription framing(const Box& box, const FilmDescription& film) {
+    CameraDescription camera;
+    camera.y1 = kHalfHeight;
+    camera.x1 = kHalfHeight * film.width / film.height;
+    camera.y0 = -camera.y1;
+    camera.x0 = -camera.x1;
+    const Vec3d middle = box.is_empty() ? Vec3d() : box.middle();
+    const Vec3d forward = -normalize(Vec3d(kTowards[0], kTowards[1], kTowards[2]));
+    camera.world_from_camera = looking_along(forward, middle);
+    const Affined& axes = camera.world_from_camera;
+    double distance = 0;
+    for (int corner = 0; corner < 8 && !box.is_empty(); ++corner) {
+        const Vec3d p =
+            Vec3d(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y, corner & 4 ? box.high.z : box.low.z) -
+            middle;
+        const double across = std::max(std::abs(dot(p, axes.x)) / camera.x1, std::abs(dot(p, axes.y)) / camera.y1);
+        distance = std::max(distance, kMargin * across - dot(p, axes.z));
+    }
+    camera.world_from_camera.t = middle - forward * (distance > 0 ? distance : 1);
+    return camera;
+}
+
+}  // namespace
+
+void complete(Model model, const color::Spectrum& white, SceneDescription& scene) {
+    const auto emits = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
+    if (!model.has_camera)
+        model.scene.camera = framing(box_of(model.shapes, model.objects, model.scene.instances), model.scene.film);
+    if (model.scene.lights.empty() && std::ranges::none_of(model.shapes, emits)) {
+        LightDescription sky;
+        sky.kind = LightKind::kInfinite;
+        sky.spectrum = white;
+        model.scene.lights.push_back(std::move(sky));
+    }
+    model.scene.files = std::move(scene.files);
+    scene = std::move(model.scene);
+    place(std::move(model.shapes), std::move(model.objects), scene);
+}
+
+}  // namespace latent::render

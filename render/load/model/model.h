@@ -1,0 +1,23 @@
+// render/load/model/model.h: a scene while it is loaded from a format that describes models: glTF, OBJ.
+#pragma once
+
+#include <vector>
+
+#include "render/load/mesh/placement.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+struct Model {
+    SceneDescription scene{};                         // without shapes
+    std::vector<LoadedShape> shapes{};                // of the world
+    std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
+    bool has_camera = false;
+};
+
+// Gives a model what it lacks and a picture needs, then its place (placement.h). Without a camera: one that looks at all of the
+// model, from the front (+z), the right and above, y up. Without a light: a white sky of radiance 1.
+// The scene keeps its list of files.
+void complete(Model model, const color::Spectrum& white, SceneDescription& scene);
+
+}  // namespace latent::render

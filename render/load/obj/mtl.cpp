@@ -1,0 +1,145 @@
+#include "render/load/obj/mtl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "render/load/obj/statements.h"
+
+namespace latent::render {
+
+namespace {
+
+// A newmtl block as it stands.
+struct Block {
+    std::string place, name;
+    LinearRgb kd{0.5, 0.5, 0.5}, ks{0, 0, 0}, ke{0, 0, 0};
+    double ns = 20, ni = 1.5, opacity = 1;
+    int illum = 2;
+    std::optional<double> roughness{}, metallic{};
+    double coat = 0, coat_roughness = 0;
+};
+
+constexpr std::string_view kIgnored[] = {"Ka", "Tf", "Ps", "aniso", "anisor", "sharpness", "xyz", "spectral"};
+
+LinearRgb rgb_of(const Statements& s) {
+    if (s.words().size() > 1 && (s.words()[1] == "spectral" || s.words()[1] == "xyz")) {
+        s.error(fmt::format("{}: only rgb values are supported", s.keyword()));
+        return {};
+    }
+    LinearRgb rgb;
+    for (std::size_t i = 0; i < 3; ++i) rgb[i] = s.number(s.words().size() > 3 ? i + 1 : 1);  // one number stands for all
+    for (double& x : rgb) {
+        if (x < 0) s.error(fmt::format("{}: must not be negative", s.keyword()));
+        x = std::max(x, 0.0);
+    }
+    return rgb;
+}
+
+double number_within(const Statements& s, double low, double high) {
+    const double x = s.number(1);
+    if (!(x >= low && x <= high)) s.error(fmt::format("{}: must be from {} to {}", s.keyword(), low, high));
+    return std::clamp(x, low, high);
+}
+
+// Which of the closures comes nearest. Transparency first, then what only metallic-roughness has, then mirrors, then Phong's lobe.
+MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& diagnostics) {
+    MtlMaterial out;
+    MaterialDescription& surface = out.surface;
+    surface.name = b.name;
+    const bool is_glass = b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || b.opacity < 0.5,
+               is_mirror = b.illum == 3 || b.illum == 5 || b.illum == 8;
+    if (is_glass) {
+        surface.kind = MaterialKind::kDielectric;
+        surface.eta = color::Spectrum::constant(b.ni);
+    } else if (b.roughness || b.metallic) {
+        const double root = (b.ni - 1) / (b.ni + 1);
+        surface.kind = MaterialKind::kMetallicRoughness;
+        surface.reflectance = colors.reflectance(b.kd);
+        surface.roughness = static_cast<float>(b.roughness.value_or(0.5));
+        surface.metallic = static_cast<float>(b.metallic.value_or(0));
+        surface.f0 = static_cast<float>(root * root);
+        surface.coat = static_cast<float>(b.coat);
+        surface.coat_roughness = static_cast<float>(b.coat_roughness);
+    } else if (is_mirror && std::ranges::max(b.ks) > 0) {
+        surface.kind = MaterialKind::kMetallicRoughness;
+        surface.reflectance = colors.reflectance(b.ks);
+        surface.metallic = 1;
+        surface.roughness = 0;
+    } else if (std::ranges::max(b.ks) > 0 && b.illum >= 2) {
+        double most = 0;
+        for (std::size_t i = 0; i < 3; ++i) most = std::max(most, b.kd[i] + b.ks[i]);
+        const double share = 1 / std::max(most, 1.0);
+        if (share < 1)
+            diagnostics.warn(b.place,
+                             fmt::format("{}: Kd + Ks exceeds 1; both are scaled by {:.3f} to conserve energy", b.name, share));
+        surface.kind = MaterialKind::kPhong;
+        surface.reflectance = colors.reflectance({b.kd[0] * share, b.kd[1] * share, b.kd[2] * share});
+        surface.specular = colors.reflectance({b.ks[0] * share, b.ks[1] * share, b.ks[2] * share});
+        surface.exponent = static_cast<float>(b.ns);
+    } else {
+        surface.reflectance = colors.reflectance(b.kd);
+    }
+    if (!is_glass && b.opacity < 1)
+        diagnostics.warn(b.place, fmt::format("{}: d {} is ignored: the material is mostly opaque", b.name, b.opacity));
+    if (std::ranges::max(b.ke) > 0) out.emission = AreaLightDescription{.spectrum = colors.emission(b.ke)};
+    return out;
+}
+
+void read_property(const Statements& s, Block& b) {
+    const std::string_view key = s.keyword();
+    if (key == "Kd") {
+        b.kd = rgb_of(s);
+    } else if (key == "Ks") {
+        b.ks = rgb_of(s);
+    } else if (key == "Ke") {
+        b.ke = rgb_of(s);
+    } else if (key == "Ns") {
+        b.ns = number_within(s, 0, 1e5);
+    } else if (key == "Ni") {
+        b.ni = number_within(s, 1e-3, 1e3);
+    } else if (key == "d") {
+        b.opacity = s.words().size() > 1 && s.words()[1] == "-halo" ? s.number(2) : number_within(s, 0, 1);
+    } else if (key == "Tr") {
+        b.opacity = 1 - number_within(s, 0, 1);
+    } else if (key == "illum") {
+        b.illum = static_cast<int>(number_within(s, 0, 10));
+    } else if (key == "Pr") {
+        b.roughness = number_within(s, 0, 1);
+    } else if (key == "Pm") {
+        b.metallic = number_within(s, 0, 1);
+    } else if (key == "Pc") {
+        b.coat = number_within(s, 0, 1);
+    } else if (key == "Pcr") {
+        b.coat_roughness = number_within(s, 0, 1);
+    } else if (key.starts_with("map_") || key.starts_with("bump") || key == "norm" || key == "disp" || key == "decal" ||
+               key == "refl") {
+        s.warn(fmt::format("{}: is ignored", key));
+    } else if (std::ranges::find(kIgnored, key) == std::end(kIgnored)) {
+        s.warn(fmt::format("{}: is unknown, and ignored", key));
+    }
+}
+
+}  // namespace
+
+void read_mtl(std::string_view text, const std::string& name, const ModelColors& colors, Diagnostics& diagnostics,
+              MtlMaterials& materials) {
+    Statements statements(text, name, diagnostics);
+    std::optional<Block> block;
+    const auto finish = [&] {
+        if (block) materials[block->name] = described(*block, colors, diagnostics);
+    };
+    while (statements.next()) {
+        if (statements.keyword() == "newmtl") {
+            finish();
+            block = Block{.place = statements.place(), .name = statements.rest()};
+        } else if (block) {
+            read_property(statements, *block);
+        } else {
+            statements.error(fmt::format("{}: comes before any newmtl", statements.keyword()));
+        }
+    }
+    finish();
+}
+
+}  // namespace latent::render

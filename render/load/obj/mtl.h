@@ -1,0 +1,25 @@
+// render/load/obj/mtl.h: the materials of an MTL file. docs/scenes.md, "OBJ".
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "render/load/files/diagnostics.h"
+#include "render/load/model/colors.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+struct MtlMaterial {
+    MaterialDescription surface{};
+    std::optional<AreaLightDescription> emission{};
+};
+using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
+
+// Of a file's text; `name` begins every message. A material that is there already is defined anew.
+void read_mtl(std::string_view text, const std::string& name, const ModelColors& colors, Diagnostics& diagnostics,
+              MtlMaterials& materials);
+
+}  // namespace latent::render

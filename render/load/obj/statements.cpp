@@ -1,0 +1,76 @@
+#include "render/load/obj/statements.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace latent::render {
+
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\f\v";
+
+// Takes one line off the front, without its end.
+std::string_view take_line(std::string_view& text) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+}
+
+}  // namespace
+
+bool Statements::next() {
+    while (!text_.empty()) {
+        line_ = next_line_++;
+        std::string_view line = take_line(text_);
+        if (line.ends_with('\\')) {
+            joined_.clear();
+            for (; line.ends_with('\\'); ++next_line_) {
+                joined_.append(line.substr(0, line.size() - 1)).push_back(' ');
+                line = text_.empty() ? std::string_view() : take_line(text_);
+            }
+            joined_ += line;
+            line = joined_;
+        }
+        line = line.substr(0, line.find('#'));
+        words_.clear();
+        for (std::size_t at = line.find_first_not_of(kBlank); at != line.npos; at = line.find_first_not_of(kBlank, at)) {
+            const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+            words_.push_back(line.substr(at, end - at));
+            at = end;
+        }
+        if (!words_.empty()) return true;
+    }
+    return false;
+}
+
+std::string Statements::rest() const {
+    if (words_.size() < 2) return "";
+    const char* const begin = words_[1].data();
+    return {begin, static_cast<std::size_t>(words_.back().data() + words_.back().size() - begin)};
+}
+
+double Statements::number(std::size_t i) const {
+    if (i >= words_.size()) {
+        error(fmt::format("{}: a number is missing", keyword()));
+        return 0;
+    }
+    std::string_view word = words_[i];
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double x = 0;
+    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), x);
+    if (fault == std::errc{} && end == word.data() + word.size() && std::isfinite(static_cast<float>(x))) return x;
+    error(fmt::format("{}: \"{}\" is not a finite number", keyword(), std::string(words_[i].substr(0, 40))));
+    return 0;
+}
+
+bool Statements::has_numbers(std::size_t count) const {
+    if (words_.size() > count) return true;
+    error(fmt::format("{}: must be followed by {} numbers", keyword(), count));
+    return false;
+}
+
+}  // namespace latent::render

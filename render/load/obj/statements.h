@@ -1,0 +1,46 @@
+// render/load/obj/statements.h: the lines of OBJ and MTL files: a keyword and what follows it [Wavefront].
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/load/files/diagnostics.h"
+
+namespace latent::render {
+
+// Goes through a text, which outlives it. Comments and empty lines are passed over; a backslash joins a line with the next.
+class Statements {
+ public:
+    // `name` begins every message.
+    Statements(std::string_view text, std::string name, Diagnostics& diagnostics)
+        : text_(text), name_(std::move(name)), diagnostics_(&diagnostics) {}
+
+    // The next statement becomes the current one. False: there is none.
+    bool next();
+    std::string_view keyword() const { return words_[0]; }
+    const std::vector<std::string_view>& words() const { return words_; }  // the keyword first
+    std::string rest() const;                                              // all after the keyword: names may hold spaces
+
+    // Word `i` as a finite number; an error if it is none.
+    double number(std::size_t i) const;
+    // `count` numbers after the keyword.
+    bool has_numbers(std::size_t count) const;
+
+    // "cube.obj:12": of the current statement.
+    std::string place() const { return name_ + ":" + std::to_string(line_); }
+    void error(const std::string& message) const { diagnostics_->error(place(), message); }
+    void warn(const std::string& message) const { diagnostics_->warn(place(), message); }
+
+ private:
+    std::string_view text_;
+    std::string name_;
+    Diagnostics* diagnostics_;
+    std::string joined_;  // a statement of several lines
+    std::vector<std::string_view> words_;
+    std::uint64_t line_ = 0, next_line_ = 1;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,345 @@
+// Scenes that are models: glTF and OBJ. What they describe is what the same scene in pbrt's format describes.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "base/json.h"
+#include "render/load/gltf/document.h"
+#include "render/load/obj/polygon.h"
+#include "render/scene/content_hash.h"
+#include "tests/render/models.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using testing::as_glb;
+using testing::Folder;
+using testing::GltfFile;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class Models : public ::testing::Test {
+ protected:
+    Result<LoadedScene> load(const std::string& name, const std::string& text) const {
+        return load_scene(folder_.write(name, text));
+    }
+    SceneDescription described(const std::string& name, const std::string& text) const {
+        const Result<LoadedScene> scene = load(name, text);
+        EXPECT_TRUE(scene) << scene.error().message;
+        return scene ? scene->description : SceneDescription{};
+    }
+    std::string refusal(const std::string& name, const std::string& text) const {
+        const Result<LoadedScene> scene = load(name, text);
+        if (!scene) return scene.error().message;
+        ADD_FAILURE() << name << " was accepted";
+        return "";
+    }
+    Folder folder_;
+};
+
+// A red quad and a lamp, the camera at the origin: z points out of the picture.
+const char* const kPbrt =
+    "Scale 1 1 -1\nFilm \"rgb\" \"integer xresolution\" 1280 \"integer yresolution\" 1280\nCamera \"perspective\" \"float fov\" "
+    "90\n"
+    "WorldBegin\nAttributeBegin\nTranslate 0 2 -1\nLightSource \"point\" \"rgb I\" [1 1 1] \"float scale\" 8\nAttributeEnd\n"
+    "Material \"diffuse\" \"rgb reflectance\" [.8 .2 .1]\n"
+    "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -3  1 -1 -3  1 1 -4  -1 1 -4] \"integer indices\" [0 1 2 0 2 3]\n";
+
+GltfFile quad_and_lamp() {
+    GltfFile file;
+    const Json position = file.add_floats({-1, -1, -3, 1, -1, -3, 1, 1, -4, -1, 1, -4}, "VEC3"),
+               indices = file.add_indices({0, 1, 2, 0, 2, 3});
+    file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {.8, .2, .1, 1}}, {"metallicFactor", 0}}},
+                               {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}}};
+    file.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}, {"material", 0}}}}}};
+    file.json["cameras"] = {
+        {{"type", "perspective"}, {"perspective", {{"yfov", 1.5707963267948966}, {"aspectRatio", 1}, {"znear", 0.1}}}}};
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 8}}};
+    file.json["nodes"] = {
+        {{"camera", 0}}, {{"mesh", 0}}, {{"translation", {0, 2, -1}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}};
+    file.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
+    return file;
+}
+
+TEST_F(Models, OneSceneIsTheSameInEveryFormat) {
+    const Hash128 pbrt = content_hash(described("room.pbrt", kPbrt));
+    const GltfFile file = quad_and_lamp();
+    EXPECT_EQ(content_hash(described("room.glb", as_glb(file))), pbrt);
+    EXPECT_EQ(content_hash(described("no_extension", as_glb(file))), pbrt);
+    folder_.write("data 1.bin", file.binary);
+    Json with_uri = file.json;
+    with_uri["buffers"] = {{{"byteLength", file.binary.size()}, {"uri", "data%201.bin"}}};
+    EXPECT_EQ(content_hash(described("room.gltf", with_uri.dump())), pbrt);
+    with_uri["buffers"][0]["uri"] = "data:application/octet-stream;base64," + testing::base64(file.binary);
+    EXPECT_EQ(content_hash(described("room.gltf", with_uri.dump(2))), pbrt);
+    EXPECT_EQ(described("room.glb", as_glb(file)).film.height, 1280u);
+}
+
+// OBJ has neither camera nor lamp: those that are made up are the same.
+TEST_F(Models, ObjAndGltfOfOneModelAreTheSame) {
+    GltfFile file = quad_and_lamp();
+    file.json["nodes"] = {{{"mesh", 0}}};
+    file.json["scenes"] = {{{"nodes", {0}}}};
+    folder_.write("red.mtl", "newmtl other\nKd 1 1 1\nnewmtl red one\nKd .8 .2 .1\n");
+    const std::string obj =
+        "mtllib red.mtl\no quad\nv -1 -1 -3\nv 1 -1 -3\nv 1 1 -4\nv -1 1 -4\nusemtl red one\ns off\nf 1 2 \\\n 3 # half\nf -4/ -2 "
+        "-1\n";
+    EXPECT_EQ(content_hash(described("room.obj", obj)), content_hash(described("room.glb", as_glb(file))));
+}
+
+TEST_F(Models, WithoutACameraAllOfTheModelIsInThePicture) {
+    for (const Vec3d& size : {Vec3d(1, 1, 1), Vec3d(100, 1, 1), Vec3d(0.01, 5, 0), Vec3d(2, 0, 900)}) {
+        std::string obj;
+        for (int corner = 0; corner < 8; ++corner)
+            obj +=
+                fmt::format("v {} {} {}\n", 50 + (corner & 1 ? size.x : 0), corner & 2 ? size.y : 0, corner & 4 ? size.z : -size.z);
+        const SceneDescription scene = described("box.obj", obj + "f 1 2 4\nf 5 8 6\nf 1 7 3\n");
+        const CameraDescription& camera = scene.camera;
+        const Affined from_world = camera.world_from_camera.inverse().value();
+        double widest = 0;
+        for (const Vec3f& p : scene.shapes[0].mesh->positions) {
+            const Vec3d seen = from_world.point(Vec3d(p));
+            EXPECT_GT(seen.z, 0);
+            const double across = std::max(std::abs(seen.x / seen.z / camera.x1), std::abs(seen.y / seen.z / camera.y1));
+            EXPECT_LE(across, 1);
+            widest = std::max(widest, across);
+        }
+        EXPECT_GT(widest, 0.3);
+        ASSERT_EQ(scene.lights.size(), 1u);
+        EXPECT_EQ(scene.lights[0].kind, LightKind::kInfinite);
+    }
+}
+
+TEST_F(Models, NodesPlaceWhatTheyHold) {
+    GltfFile file = quad_and_lamp();
+    // z up to y up, doubled, then moved: (x, y, z) -> (2 x, 2 z, -2 y) + (0, 0, 7).
+    const double half = std::sqrt(0.5);
+    file.json["nodes"] = {{{"translation", {0, 0, 7}}, {"children", {1}}},
+                          {{"rotation", {-half, 0, 0, half}}, {"scale", {2, 2, 2}}, {"mesh", 0}}};
+    file.json["scenes"] = {{{"nodes", {0}}}};
+    const SceneDescription scene = testing::in_world(described("room.glb", as_glb(file)));
+    const Vec3f& p = scene.shapes.at(0).mesh->positions.at(2);  // (1, 1, -4)
+    EXPECT_NEAR(p.x, 2, 1e-5);
+    EXPECT_NEAR(p.y, -8, 1e-5);
+    EXPECT_NEAR(p.z, 5, 1e-5);
+    EXPECT_FALSE(scene.shapes[0].flip_normal);
+    file.json["nodes"][1]["matrix"] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    EXPECT_TRUE(described("room.glb", as_glb(file)).shapes.at(0).flip_normal);  // a mirror keeps the front in front
+}
+
+TEST_F(Models, MeshesOfSeveralNodesBecomeInstancesAndLampsStayInTheWorld) {
+    GltfFile file = quad_and_lamp();
+    file.json["materials"].push_back(
+        {{"emissiveFactor", {1, .5, 0}}, {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 20}}}}}});
+    Json lamp = file.json["meshes"][0]["primitives"][0];
+    lamp["material"] = 1;
+    file.json["meshes"][0]["primitives"].push_back(lamp);
+    file.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {3, 0, 0}}}};
+    file.json["scenes"] = {{{"nodes", {0, 1}}}};
+    const SceneDescription scene = described("room.glb", as_glb(file));
+    EXPECT_EQ(scene.instances.size(), 2u);
+    ASSERT_EQ(scene.objects.size(), 1u);
+    EXPECT_EQ(scene.objects[0].shapes.size(), 1u);
+    ASSERT_EQ(scene.shapes.size(), 2u);
+    EXPECT_EQ(scene.area_lights.at(scene.shapes[0].area_light).scale, 20);
+    EXPECT_TRUE(scene.lights.empty());  // there is light: no sky
+}
+
+TEST_F(Models, StripsFansAndShortIndicesAreTriangles) {
+    GltfFile file;
+    const Json position = file.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}, "VEC3");
+    const auto indices_of = [&](const Json& extra) {
+        Json primitive = {{"attributes", {{"POSITION", position}}}};
+        primitive.update(extra);
+        file.json["meshes"] = {{{"primitives", {primitive}}}};
+        file.json["nodes"] = {{{"mesh", 0}}};
+        file.json["scenes"] = {{{"nodes", {0}}}};
+        return described("room.glb", as_glb(file)).shapes.at(0).mesh->indices;
+    };
+    using Indices = std::vector<std::uint32_t>;
+    EXPECT_EQ(indices_of({{"mode", 5}}), (Indices{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+    EXPECT_EQ(indices_of({{"mode", 6}}), (Indices{1, 2, 0, 2, 3, 0, 3, 4, 0}));
+    EXPECT_EQ(indices_of({{"indices", file.add_indices({4, 2, 3}, 5121)}}), (Indices{2, 0, 1}));  // unused vertices are left out
+    EXPECT_EQ(indices_of({{"indices", file.add_indices({0, 1, 2}, 5123)}}), (Indices{0, 1, 2}));
+}
+
+TEST_F(Models, SparseAndInterleavedAccessorsHoldWhatTheySay) {
+    GltfFile file;
+    const Json interleaved = file.add_floats({0, 0, 0, 9, 1, 0, 0, 9, 0, 1, 0, 9}, "VEC3", 16);
+    const Json change = file.add_floats({5, 6, 7}, "VEC3"), which = file.add_indices({2}, 5123);
+    Json& accessor = file.json["accessors"][interleaved.get<std::size_t>()];
+    accessor["count"] = 3;
+    accessor["sparse"] = {
+        {"count", 1},
+        {"indices", {{"bufferView", file.json["accessors"][which.get<std::size_t>()]["bufferView"]}, {"componentType", 5123}}},
+        {"values", {{"bufferView", file.json["accessors"][change.get<std::size_t>()]["bufferView"]}}}};
+    file.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", interleaved}}}}}}}};
+    file.json["nodes"] = {{{"mesh", 0}}};
+    file.json["scenes"] = {{{"nodes", {0}}}};
+    const SceneDescription scene = testing::in_world(described("room.glb", as_glb(file)));
+    EXPECT_EQ(scene.shapes.at(0).mesh->positions.at(1), Vec3f(1, 0, 0));
+    EXPECT_NEAR(scene.shapes.at(0).mesh->positions.at(2).y, 6, 1e-5);
+}
+
+TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
+    const auto material = [&](const Json& json) {
+        GltfFile file = quad_and_lamp();
+        file.json["materials"][0] = json;
+        return described("room.glb", as_glb(file));
+    };
+    const MaterialDescription plain = material(Json::object()).materials.at(0);
+    EXPECT_EQ(plain.kind, MaterialKind::kMetallicRoughness);
+    EXPECT_EQ(plain.metallic.value, 1);
+    EXPECT_EQ(plain.roughness.value, 1);
+    EXPECT_EQ(plain.reflectance.value(550), 1);
+    EXPECT_FLOAT_EQ(plain.f0, 0.04f);
+    const MaterialDescription coated =
+        material({{"pbrMetallicRoughness", {{"roughnessFactor", .5}, {"metallicFactor", .25}}},
+                  {"extensions",
+                   {{"KHR_materials_clearcoat", {{"clearcoatFactor", .75}, {"clearcoatRoughnessFactor", .5}}},
+                    {"KHR_materials_ior", {{"ior", 2}}}}}})
+            .materials.at(0);
+    EXPECT_FLOAT_EQ(coated.roughness.value, 0.5f);
+    EXPECT_FLOAT_EQ(coated.metallic.value, 0.25f);
+    EXPECT_FLOAT_EQ(coated.f0, 1 / 9.0f);
+    EXPECT_FLOAT_EQ(coated.coat.value, 0.75f);
+    EXPECT_FLOAT_EQ(coated.coat_roughness.value, 0.5f);
+    const Json clear = {{"transmissionFactor", 1}};
+    const SceneDescription pane = material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
+                                            {"extensions", {{"KHR_materials_transmission", clear}}}});
+    EXPECT_EQ(pane.materials.at(0).kind, MaterialKind::kThinDielectric);
+    const SceneDescription glass =
+        material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
+                  {"extensions",
+                   {{"KHR_materials_transmission", clear},
+                    {"KHR_materials_volume",
+                     {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {.25, .25, .25}}}}}}});
+    EXPECT_EQ(glass.materials.at(0).kind, MaterialKind::kDielectric);
+    const MediumDescription& inside = glass.media.at(glass.shapes.at(0).inside_medium);
+    EXPECT_NEAR(std::exp(-2 * inside.scale * inside.sigma_a(550)), 0.25, 1e-6);  // the attenuation colour after its distance
+    EXPECT_EQ(inside.sigma_s(550), 0);
+}
+
+TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
+    const auto material = [&](const std::string& mtl) {
+        folder_.write("m.mtl", "newmtl m\n" + mtl);
+        return described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").materials.back();
+    };
+    EXPECT_EQ(material("Kd .5 .5 .5\nKs .9 .9 .9\nillum 1\n").kind, MaterialKind::kDiffuse);
+    const MaterialDescription phong = material("Kd .5 .5 .5\nKs .25 .25 .25\nNs 40\n");
+    EXPECT_EQ(phong.kind, MaterialKind::kPhong);
+    EXPECT_EQ(phong.exponent.value, 40);
+    const MaterialDescription bright = material("Kd 1 1 1\nKs 1 1 1\n");
+    EXPECT_NEAR(bright.reflectance.value(500) + bright.specular.value(500), 1, 1e-9);
+    EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").metallic.value, 1);
+    const MaterialDescription glass = material("d 0.1\nNi 1.33\n");
+    EXPECT_EQ(glass.kind, MaterialKind::kDielectric);
+    EXPECT_NEAR(glass.eta.value(550), 1.33, 1e-12);
+    EXPECT_EQ(material("Tr 0.9\n").kind, MaterialKind::kDielectric);
+    EXPECT_FLOAT_EQ(material("Pr 0.5\nPm 0.25\n").metallic.value, 0.25f);
+}
+
+TEST_F(Models, ObjCornersAreSharedAndPolygonsAreCut) {
+    const SceneDescription scene = testing::in_world(described(
+        "m.obj",
+        "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 0.5 0\nv 0 2 0\nvn 0 0 1\nvt 0.25 0.75\nf 1/1/1 2/1/1 3/1/1 4/1/1 5/1/1\nf 1 2 3\n"));
+    ASSERT_EQ(scene.shapes.size(), 2u);  // with normals, and without
+    const MeshDescription& mesh = *scene.shapes[0].mesh;
+    EXPECT_EQ(mesh.indices.size(), 9u);
+    EXPECT_EQ(mesh.positions.size(), 5u);
+    EXPECT_EQ(mesh.uvs.at(0), (Vec2f{0.25f, 0.75f}));
+    double area = 0;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const Vec3f &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
+                    &c = mesh.positions[mesh.indices[i + 2]];
+        EXPECT_GT(cross(b - a, c - a).z, 0);  // none is turned over
+        area += 0.5 * static_cast<double>(cross(b - a, c - a).z);
+    }
+    EXPECT_NEAR(area, 4 - 1.5, 1e-5);  // the notch is not filled
+    EXPECT_TRUE(scene.shapes[1].mesh->normals.empty());
+}
+
+TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
+    const auto broken = [&](const std::string& pointer, const Json& value) {
+        GltfFile file = quad_and_lamp();
+        file.json[Json::json_pointer(pointer)] = value;
+        return refusal("room.glb", as_glb(file));
+    };
+    EXPECT_THAT(broken("/nodes/1/mesh", 7), HasSubstr("room.glb: /nodes/1/mesh: is not an index into /meshes, which has 1 items"));
+    EXPECT_THAT(broken("/accessors/0/count", 1000000000), HasSubstr("/accessors/0: its 1000000000 items leave"));
+    EXPECT_THAT(broken("/accessors/0/byteOffset", 1e15), HasSubstr("/accessors/0: its 4 items leave"));
+    EXPECT_THAT(broken("/bufferViews/0/byteLength", 4000), HasSubstr("/bufferViews/0: ends at byte"));
+    EXPECT_THAT(broken("/bufferViews/0/byteStride", 4), HasSubstr("/bufferViews/0/byteStride"));
+    EXPECT_THAT(broken("/nodes/1/children", {1}), HasSubstr("/nodes/1/children/0: node 1 is reached twice"));
+    EXPECT_THAT(broken("/nodes/1/rotation", {0, 0, 0, 0}), HasSubstr("/nodes/1/rotation: is not a rotation"));
+    EXPECT_THAT(broken("/nodes/1/matrix", {1, 2, 3}), HasSubstr("/nodes/1/matrix: must be an array of 16 numbers"));
+    EXPECT_THAT(broken("/asset/version", "1.0"), HasSubstr("only glTF 2.0 is supported"));
+    EXPECT_THAT(broken("/extensionsRequired", {"KHR_draco_mesh_compression"}),
+                HasSubstr("/extensionsRequired/0: KHR_draco_mesh_compression is not supported"));
+    EXPECT_THAT(broken("/materials/0/pbrMetallicRoughness/metallicFactor", "shiny"), HasSubstr("metallicFactor: must be a"));
+    EXPECT_THAT(broken("/meshes/0/primitives/0/attributes/POSITION", 1), HasSubstr("has 1 numbers to an item"));
+    EXPECT_THAT(broken("/scenes", Json::array()), HasSubstr("there is no scene"));
+    GltfFile file = quad_and_lamp();
+    file.binary[4 * 4 + 3] = '\x7f', file.binary[4 * 4 + 2] = '\xc0';  // y of vertex 1
+    EXPECT_THAT(refusal("room.glb", as_glb(file)), HasSubstr("/accessors/0: item 1 is not finite"));
+    EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\n  \"version\" 2}}"), HasSubstr("room.gltf:2:1"));
+
+    EXPECT_THAT(refusal("m.obj", "v 0 0 0\nv 1 0 nan\n"), HasSubstr("m.obj:2: v: \"nan\" is not a finite number"));
+    EXPECT_THAT(refusal("m.obj", "v 0 0 0\n\nf 1 2 3\n"), HasSubstr("m.obj:3: f: vertex 2 is out of range; there are 1 so far"));
+    EXPECT_THAT(refusal("m.obj", "v 0 0 0\nf 1 x 1\n"), HasSubstr("m.obj:2: f: \"x\" is not an index"));
+    EXPECT_THAT(refusal("m.obj", "usemtl gold\n"), HasSubstr("m.obj:1: usemtl: material \"gold\" is not defined"));
+    EXPECT_THAT(refusal("m.obj", "# nothing\n"), HasSubstr("m.obj: has no triangles"));
+}
+
+TEST_F(Models, AllMissingFilesAreNamedAtOnce) {
+    GltfFile file = quad_and_lamp();
+    file.json["buffers"] = {{{"byteLength", 84}, {"uri", "a.bin"}},
+                            {{"byteLength", 84}, {"uri", "b.bin"}},
+                            {{"byteLength", 8}, {"uri", "https://x.org/c.bin"}}};
+    const std::string message = refusal("room.gltf", file.json.dump());
+    for (const char* part :
+         {"/buffers/0/uri: ", "a.bin", "/buffers/1/uri: ", "b.bin", "/buffers/2/uri: \"https://x.org/c.bin\" is not a file"})
+        EXPECT_THAT(message, HasSubstr(part));
+    const std::string obj = refusal("m.obj", "mtllib a.mtl\nmtllib b.mtl\nusemtl x\nv 0 0 0\nf 1 1 1\n");
+    for (const char* part : {"m.obj:1: ", "a.mtl", "m.obj:2: ", "b.mtl"}) EXPECT_THAT(obj, HasSubstr(part));
+    EXPECT_THAT(obj, ::testing::Not(HasSubstr("usemtl")));  // what the missing file would have defined is not missed once more
+}
+
+// A binary file that is cut anywhere is one error, and so is a text.
+TEST_F(Models, TruncatedFilesAreOneError) {
+    const std::string glb = as_glb(quad_and_lamp());
+    for (std::size_t size = 4; size < glb.size(); size += 3) {
+        const std::string message = refusal("room.glb", glb.substr(0, size));
+        ASSERT_THAT(message, HasSubstr("room.glb")) << size;
+        ASSERT_THAT(message, HasSubstr("truncated")) << size;
+    }
+    const std::string json = quad_and_lamp().json.dump();
+    for (std::size_t size = 0; size < json.size(); size += 7) ASSERT_NE(refusal("room.gltf", json.substr(0, size)), "") << size;
+}
+
+// Any byte of the JSON or of the buffer may be anything: the file is read or refused.
+TEST_F(Models, DamagedFilesAreReadOrRefused) {
+    const std::string glb = as_glb(quad_and_lamp());
+    const std::string obj =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1e3 0\nvt 0 1\nvn 0 0 1\nusemtl a\nf 1/1/1 2/1/1 3/1/1 1/1/1\nf -1 -2 -3\n";
+    folder_.write("m.mtl", "newmtl a\nKd 1 0 0\n");
+    std::uint32_t random = 1;
+    std::size_t read = 0, refused = 0;
+    for (int i = 0; i < 1500; ++i) {
+        const bool is_glb = i % 2 == 0;
+        std::string bytes = is_glb ? glb : obj;
+        for (int changes = 0; changes < 1 + i % 3; ++changes) {
+            random = random * 1664525 + 1013904223;
+            const char put[] = {static_cast<char>(random >> 8), '9', '-', '"', ' ', '[', '0', '\n'};
+            bytes[(random >> 11) % bytes.size()] = put[(random >> 5) % 8];
+        }
+        const Result<LoadedScene> scene = load(is_glb ? "room.glb" : "room.obj", bytes);
+        ++(scene ? read : refused);
+        EXPECT_TRUE(scene || !scene.error().message.empty());
+    }
+    EXPECT_GT(read, 50u);
+    EXPECT_GT(refused, 50u);
+}
+
+}  // namespace
+}  // namespace latent::render
