@@ -2,6 +2,7 @@
 // needs, and weighs nothing. Usage: read_pages FILE.latent THREADS. Prints how many records it decoded, and checks that these are
 // all that the runs promise.
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <atomic>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/gathering.h"
 
 using namespace latent;
@@ -41,12 +43,17 @@ int main(int argc, char** argv) {
         for (const sampledb::PageInfo& page : **index) pages.emplace_back(run, page);
     }
     const sampledb::ColumnSet columns{.samples = false, .extra = false};
+    struct Worker {
+        sampledb::PageDecoder decoder;
+        sampledb::Page page;
+    };
+    tbb::enumerable_thread_specific<Worker> workers;
     std::atomic<std::uint64_t> decoded = 0, failed = 0;
     Threads(std::atoi(argv[2])).run([&] {
         tbb::parallel_for(std::size_t{0}, pages.size(), [&](std::size_t i) {
-            thread_local sampledb::Page page;
-            if (gathering.read_page(pages[i].first, pages[i].second, columns, page)) {
-                decoded += page.count;
+            Worker& worker = workers.local();
+            if (gathering.read_page(pages[i].first, pages[i].second, columns, worker.decoder, worker.page)) {
+                decoded += worker.page.count;
             } else {
                 ++failed;
             }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "color/observer.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/rounding.h"
 #include "sampledb/read/gathering.h"
 
@@ -63,13 +64,14 @@ Result<Samples> read(const char* name) {
     const Gathering& gathering = **opened;
     Job job = gathering.job();
     Samples samples;
+    PageDecoder decoder;
     Page page;
     for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
         const auto pages = gathering.pages(run);
         if (!pages) return pages.error();
         for (const PageInfo& info : **pages) {
             if (info.record_class != RecordClass::kCamera) continue;
-            if (Status s = gathering.read_page(run, info, ColumnSet{}, page); !s) return s.error();
+            if (Status s = gathering.read_page(run, info, ColumnSet{}, decoder, page); !s) return s.error();
             samples.u.insert(samples.u.end(), page.u.begin(), page.u.begin() + static_cast<std::ptrdiff_t>(page.count));
             samples.v.insert(samples.v.end(), page.v.begin(), page.v.begin() + static_cast<std::ptrdiff_t>(page.count));
             for (std::size_t i = 0; i < page.count; ++i) samples.share.push_back(page.unit_share ? 1 : page.share[i]);

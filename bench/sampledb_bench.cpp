@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <memory>
 
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/run_codec.h"
 #include "tests/support/synthetic.h"
 
@@ -67,19 +68,22 @@ void count(benchmark::State& state, const Input& input) {
 
 void encode(benchmark::State& state) {
     const Input& input = input_of(state);
+    const std::shared_ptr<const Records> records(std::shared_ptr<const Records>(), &input.records);  // not owned
+    RunBuilder builder;
     Bytes run;
-    for (auto _ : state) run = *encode_run(input.job, Coverage(input.range), input.records, std::move(run));
+    for (auto _ : state) run = *builder.build(input.job, Coverage(input.range), {records}, std::move(run));
     if (run != input.run) state.SkipWithError("another run");
     count(state, input);
 }
 
 void decode(benchmark::State& state) {
     const Input& input = input_of(state);
+    PageDecoder decoder;
     Page page;
     for (auto _ : state) {
         std::size_t records = 0;
         for (const PageInfo& info : input.index.pages) {
-            if (!decode_page(input.job, info, ByteSpan(input.run).subspan(info.offset, info.stored_size), ColumnSet{}, page))
+            if (!decoder.decode(input.job, info, ByteSpan(input.run).subspan(info.offset, info.stored_size), ColumnSet{}, page))
                 state.SkipWithError("unreadable");
             records += page.count;
         }

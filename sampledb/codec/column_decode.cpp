@@ -18,49 +18,12 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Buffers that every column of a thread uses again.
-struct Scratch {
-    std::array<Bytes, kMaxPlanes> plane;
-    std::vector<std::uint32_t> words;
-};
-thread_local Scratch scratch;
-
 std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded & 1)); }
 
 // Of differences that are counted in steps of 2^step.
 std::uint32_t unzigzag(std::uint32_t coded, unsigned step) { return unzigzag(coded) << step; }
 
 constexpr unsigned kMostStep = 22;
-
-// Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
-Status load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,
-                   std::size_t value_width) {
-    if (entry.planes.size() != first + value_width) return corrupt("a column with planes missing");
-    std::array<ByteSpan, kMaxPlanes> planes;
-    for (std::size_t p = 0; p < value_width; ++p) {
-        const PlaneEntry& plane = entry.planes[first + p];
-        const Result<ByteSpan> bytes =
-            decode_plane(plane, stored.first(plane.stored_size), values.size() / value_width, scratch.plane[p]);
-        if (!bytes) return bytes.error();
-        planes[p] = *bytes;
-        stored = stored.subspan(plane.stored_size);
-    }
-    join_planes(std::span(planes).first(value_width), values);
-    return {};
-}
-
-Status load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
-    if (entry.bits == 0) {
-        std::ranges::fill(values, 0);
-        return entry.planes.empty() ? Status{} : corrupt("a constant column with planes");
-    }
-    if (entry.planes.size() != 1) return corrupt("a packed column of several planes");
-    const Result<ByteSpan> packed =
-        decode_plane(entry.planes[0], entry.stored, packed_size(values.size(), entry.bits), scratch.plane[0]);
-    if (!packed) return packed.error();
-    unpack_bits(*packed, entry.bits, values);
-    return {};
-}
 
 Result<unsigned> step_of(const ColumnEntry& entry, bool stepped) {
     if (!stepped) return 0u;
@@ -75,7 +38,36 @@ Status unknown_transform(const ColumnEntry& entry) {
 
 }  // namespace
 
-Status decode_plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
+Status ColumnDecoder::load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,
+                                  std::size_t value_width) {
+    if (entry.planes.size() != first + value_width) return corrupt("a column with planes missing");
+    std::array<ByteSpan, kMaxPlanes> planes;
+    for (std::size_t p = 0; p < value_width; ++p) {
+        const PlaneEntry& plane = entry.planes[first + p];
+        const Result<ByteSpan> bytes =
+            planes_.decode(plane, stored.first(plane.stored_size), values.size() / value_width, plane_[p]);
+        if (!bytes) return bytes.error();
+        planes[p] = *bytes;
+        stored = stored.subspan(plane.stored_size);
+    }
+    join_planes(std::span(planes).first(value_width), values);
+    return {};
+}
+
+Status ColumnDecoder::load_packed(const ColumnEntry& entry, std::span<std::uint64_t> values) {
+    if (entry.bits == 0) {
+        std::ranges::fill(values, 0);
+        return entry.planes.empty() ? Status{} : corrupt("a constant column with planes");
+    }
+    if (entry.planes.size() != 1) return corrupt("a packed column of several planes");
+    const Result<ByteSpan> packed =
+        planes_.decode(entry.planes[0], entry.stored, packed_size(values.size(), entry.bits), plane_[0]);
+    if (!packed) return packed.error();
+    unpack_bits(*packed, entry.bits, values);
+    return {};
+}
+
+Status ColumnDecoder::plain(const ColumnEntry& entry, std::span<std::byte> values, std::size_t value_width) {
     if (values.empty()) return {};
     if (entry.transform == Transform::kPlanes) return load_planes(entry, 0, entry.stored, values, value_width);
     if (entry.transform != Transform::kPacked || entry.bits != 0 || !entry.planes.empty()) return unknown_transform(entry);
@@ -83,7 +75,7 @@ Status decode_plain(const ColumnEntry& entry, std::span<std::byte> values, std::
     return {};
 }
 
-Status decode_samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
+Status ColumnDecoder::samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
     if (entry.transform != Transform::kPacked && entry.transform != Transform::kLattice) return unknown_transform(entry);
     if (Status s = load_packed(entry, n); !s) return s;
     if (entry.transform == Transform::kPacked) {
@@ -99,13 +91,13 @@ Status decode_samples(const ColumnEntry& entry, std::span<std::uint64_t> n) {
     return {};
 }
 
-Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& bright) {
+Status ColumnDecoder::luminance(const ColumnEntry& entry, std::span<float> values, BrightRows& bright) {
     bright.known = entry.transform == Transform::kSparse;
-    if (!bright.known) return decode_plain(entry, std::as_writable_bytes(values), 4);
+    if (!bright.known) return plain(entry, std::as_writable_bytes(values), 4);
     if (entry.planes.empty()) return corrupt("a column with planes missing");
     const PlaneEntry& plane = entry.planes[0];
     const Result<ByteSpan> bitmap =
-        decode_plane(plane, entry.stored.first(plane.stored_size), (values.size() + 7) / 8, scratch.plane[0]);
+        planes_.decode(plane, entry.stored.first(plane.stored_size), (values.size() + 7) / 8, plane_[0]);
     if (!bitmap) return bitmap.error();
     bright.bitmap.assign(bitmap->begin(), bitmap->end());
     bright.count = 0;
@@ -120,16 +112,17 @@ Status decode_y(const ColumnEntry& entry, std::span<float> values, BrightRows& b
     return {};
 }
 
-Status decode_crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y, const BrightRows& bright) {
+Status ColumnDecoder::crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y,
+                              const BrightRows& bright) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
     const bool sparse = entry.transform == Transform::kSparseCross || entry.transform == Transform::kSteppedSparseCross;
     const bool stepped = entry.transform == Transform::kSteppedCross || entry.transform == Transform::kSteppedSparseCross;
-    if (entry.transform != Transform::kCross && !sparse && !stepped) return decode_plain(entry, bytes, 4);
+    if (entry.transform != Transform::kCross && !sparse && !stepped) return plain(entry, bytes, 4);
     const Result<unsigned> step = step_of(entry, stepped);
     if (!step) return step.error();
     if (sparse && !bright.known) return corrupt("a sparse column beside a y that is not");
     const std::size_t count = sparse ? bright.count : values.size();
-    const std::span<std::uint32_t> words = at_least(scratch.words, count + kExpandPadding).first(count);
+    const std::span<std::uint32_t> words = at_least(words_, count + kExpandPadding).first(count);
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
     if (sparse) {
         for (std::size_t i = 0; i < count; ++i) words[i] = bright.y[i] + unzigzag(words[i], *step);
@@ -177,13 +170,13 @@ void add_up(std::span<const std::uint32_t> words, std::size_t n, unsigned step, 
 
 }  // namespace
 
-Status decode_delta2(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
+Status ColumnDecoder::along_records(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
     const bool stepped = entry.transform == Transform::kSteppedDelta2;
-    if (entry.transform != Transform::kDelta2 && !stepped) return decode_plain(entry, bytes, 4);
+    if (entry.transform != Transform::kDelta2 && !stepped) return plain(entry, bytes, 4);
     const Result<unsigned> step = step_of(entry, stepped);
     if (!step) return step.error();
-    const std::span<std::uint32_t> words = at_least(scratch.words, values.size());
+    const std::span<std::uint32_t> words = at_least(words_, values.size());
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
     std::size_t at = 0;
     for (const std::uint16_t n : pairs) {

@@ -9,30 +9,27 @@ void keep_samples(const Coverage& coverage, Page& page) {
     for (std::size_t i = 0; i < page.count; ++i) {
         if (coverage.contains(page.sample[i])) rows.push_back(i);
     }
-    const auto keep = [&](auto& column) {
-        if (column.empty()) return;
-        for (std::size_t i = 0; i < rows.size(); ++i) column[i] = column[rows[i]];
-    };
-    if (!page.pairs.empty()) {
-        std::uint32_t at = 0;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const std::uint32_t from = page.first_pair[rows[i]];
-            page.first_pair[i] = at;
-            for (std::uint16_t pair = 0; pair < page.pairs[rows[i]]; ++pair, ++at) {
-                page.power[at] = page.power[from + pair];
-                if (!page.lambda_nm.empty()) page.lambda_nm[at] = page.lambda_nm[from + pair];
+    const auto keep = [&](Shape shape, auto& values) {
+        if (values.empty()) return;
+        auto* to = values.data();
+        for (const std::size_t row : rows) {
+            if (shape.rows == Rows::kRecords) {
+                copy_row(values.data(), row, shape.width, to);
+                to += shape.width;
+            } else {
+                const std::size_t first = page.first_pair[row], count = page.first_pair[row + 1] - first;
+                to = std::copy_n(values.data() + first, count, to);
             }
         }
-        std::fill(page.first_pair.begin() + static_cast<std::ptrdiff_t>(rows.size()), page.first_pair.end(), at);
-    }
-    keep(page.sample), keep(page.u), keep(page.v), keep(page.share), keep(page.x), keep(page.y), keep(page.z);
-    keep(page.pairs), keep(page.xi), keep(page.index);
-    for (ExtraColumn& column : page.extra) {
-        const std::size_t bytes = width(column.type);
-        for (std::size_t i = 0; i < rows.size() && !column.values.empty(); ++i) {
-            std::copy_n(column.values.begin() + static_cast<std::ptrdiff_t>(rows[i] * bytes), bytes,
-                        column.values.begin() + static_cast<std::ptrdiff_t>(i * bytes));
+    };
+    for_each_values(keep, page);
+    if (!page.first_pair.empty()) {
+        std::uint32_t at = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            page.first_pair[i] = at;
+            at += page.pairs[i];  // those of row i, by now
         }
+        std::fill(page.first_pair.begin() + static_cast<std::ptrdiff_t>(rows.size()), page.first_pair.end(), at);
     }
     page.count = rows.size();
 }

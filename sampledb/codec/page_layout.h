@@ -1,4 +1,4 @@
-// sampledb/codec/page_layout.h: what the encoder and the decoder of pages share: columns, transforms, the table at a page's front.
+// sampledb/codec/page_layout.h: what the encoder and the decoder of pages share: transforms, the table at a page's front.
 #pragma once
 
 #include <array>
@@ -17,22 +17,6 @@
 namespace latent::sampledb {
 
 static_assert(std::endian::native == std::endian::little, "columns are copied to and from disk as they stand in memory");
-
-enum class Column : std::uint8_t {
-    kSample = 1,
-    kU = 2,
-    kV = 3,
-    kShare = 4,
-    kX = 5,
-    kY = 6,
-    kZ = 7,
-    kPairs = 8,
-    kXi = 9,
-    kIndex = 10,
-    kPower = 11,
-    kLambda = 12,
-    kFirstExtra = 64,
-};
 
 enum class Transform : std::uint8_t {
     kPlanes = 0,         // the values' byte planes
@@ -62,10 +46,11 @@ struct ColumnEntry {
 };
 constexpr std::size_t kMaxPlanes = 8;
 
-// The columns of a page, in the order of its table.
-std::vector<Column> columns_of(const Job& job, RecordClass record_class);
+// The number of the job's extra column `i`.
+constexpr Column extra_number(std::size_t i) { return static_cast<Column>(static_cast<std::size_t>(Column::kFirstExtra) + i); }
 
-// Reads the table at the front of a page's stored bytes and finds those of each column. Errors: kCorrupt.
+// Reads the table at the front of a page's stored bytes and finds those of each column. What was in `table` lends its memory.
+// Errors: kCorrupt.
 Status read_table(const Job& job, const PageInfo& info, ByteSpan stored, std::vector<ColumnEntry>& table);
 
 // XXH3-64 over the hashes of the decoded columns.

@@ -9,7 +9,6 @@
 #include <bit>
 #include <cassert>
 #include <cstring>
-#include <memory>
 #include <new>
 #include <numeric>
 #include <span>
@@ -103,16 +102,14 @@ Context* made(Context* context) {
 
 // Level 1, but hasty about matches, which are few in planes like these: looked for at every fifth byte, and long enough not to be
 // chance. Literals are coded in spite of that, as zstd's own faster levels do not.
-struct Compressor {
-    Compressor() {
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, 1);
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, 6);
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_targetLength, 4);
-        ZSTD_CCtx_setParameter(context.get(), ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
-    }
-    std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context{made(ZSTD_createCCtx()), &ZSTD_freeCCtx};
-    Bytes buffer;
-};
+ZSTD_CCtx* make_compressor() {
+    ZSTD_CCtx* const context = made(ZSTD_createCCtx());
+    ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, 1);
+    ZSTD_CCtx_setParameter(context, ZSTD_c_minMatch, 6);
+    ZSTD_CCtx_setParameter(context, ZSTD_c_targetLength, 4);
+    ZSTD_CCtx_setParameter(context, ZSTD_c_literalCompressionMode, ZSTD_ps_enable);
+    return context;
+}
 
 // Eight numbers of `bits` bits, 1..7, packed from the low bit on -> one in each byte of a word: halves are moved apart until each
 // has its own byte.
@@ -255,7 +252,15 @@ Status decode_dictionary(ByteSpan stored, std::size_t size, std::byte* plane) {
 
 }  // namespace
 
-PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
+std::size_t PlaneEncoder::compress(ByteSpan plane) {
+    if (!zstd_) zstd_ = {make_compressor(), &ZSTD_freeCCtx};
+    const std::size_t bound = ZSTD_compressBound(plane.size());
+    if (buffer_.size() < bound) buffer_.resize(bound);
+    const std::size_t size = unless_out_of_memory(ZSTD_compress2(zstd_.get(), buffer_.data(), bound, plane.data(), plane.size()));
+    return ZSTD_isError(size) || size >= plane.size() - plane.size() / 64 ? 0 : size;
+}
+
+PlaneEntry PlaneEncoder::encode(ByteSpan plane, Bytes& out) {
     assert(!plane.empty());
     const std::size_t begin = out.size();
     const auto entry = [&](PlaneCodec codec) { return PlaneEntry{codec, static_cast<std::uint32_t>(out.size() - begin)}; };
@@ -266,23 +271,25 @@ PlaneEntry encode_plane(ByteSpan plane, Bytes& out) {
     if (plane.size() >= kMinCompressed) {
         const Sample sample = sample_of(plane);
         if (encode_dictionary(plane, sample, out)) return entry(PlaneCodec::kDictionary);
-        if (sample.would_shrink()) {
-            thread_local Compressor zstd;
-            const std::size_t bound = ZSTD_compressBound(plane.size());
-            if (zstd.buffer.size() < bound) zstd.buffer.resize(bound);
-            const std::size_t size =
-                unless_out_of_memory(ZSTD_compress2(zstd.context.get(), zstd.buffer.data(), bound, plane.data(), plane.size()));
-            if (!ZSTD_isError(size) && size < plane.size() - plane.size() / 64) {
-                out.insert(out.end(), zstd.buffer.begin(), zstd.buffer.begin() + static_cast<std::ptrdiff_t>(size));
-                return entry(PlaneCodec::kZstd);
-            }
+        if (const std::size_t size = sample.would_shrink() ? compress(plane) : 0; size > 0) {
+            out.insert(out.end(), buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
+            return entry(PlaneCodec::kZstd);
         }
     }
     out.insert(out.end(), plane.begin(), plane.end());
     return entry(PlaneCodec::kRaw);
 }
 
-Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch) {
+// Exactly one frame, and no skippable one, that fills the plane.
+bool PlaneDecoder::decompress(ByteSpan stored, std::span<std::byte> plane) {
+    if (stored.size() < 4 || load_le<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER) return false;
+    if (ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size()) return false;
+    if (!zstd_) zstd_ = {made(ZSTD_createDCtx()), &ZSTD_freeDCtx};
+    return unless_out_of_memory(ZSTD_decompressDCtx(zstd_.get(), plane.data(), plane.size(), stored.data(), stored.size())) ==
+           plane.size();
+}
+
+Result<ByteSpan> PlaneDecoder::decode(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch) {
     if (entry.codec == PlaneCodec::kRaw) {
         if (stored.size() != size) return corrupt("a raw plane of the wrong size");
         return stored;
@@ -294,18 +301,9 @@ Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t siz
             if (stored.size() != 1) return corrupt("a constant plane of several bytes");
             std::fill(plane.begin(), plane.end(), stored.front());
             break;
-        case PlaneCodec::kZstd: {
-            thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{made(ZSTD_createDCtx()),
-                                                                                            &ZSTD_freeDCtx};
-            // exactly one frame, and no skippable one
-            if (stored.size() < 4 || load_le<std::uint32_t>(stored.data()) != ZSTD_MAGICNUMBER ||
-                ZSTD_findFrameCompressedSize(stored.data(), stored.size()) != stored.size() ||
-                unless_out_of_memory(ZSTD_decompressDCtx(context.get(), plane.data(), size, stored.data(), stored.size())) !=
-                    size) {
-                return corrupt("a plane that zstd cannot decompress");
-            }
+        case PlaneCodec::kZstd:
+            if (!decompress(stored, plane)) return corrupt("a plane that zstd cannot decompress");
             break;
-        }
         default:
             if (Status s = decode_dictionary(stored, size, plane.data()); !s) return s.error();
     }

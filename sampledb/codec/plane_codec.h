@@ -1,10 +1,16 @@
 // sampledb/codec/plane_codec.h: how one byte plane is stored. docs/format.md, "Page".
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 
 #include "base/bytes.h"
 #include "base/result.h"
+
+struct ZSTD_CCtx_s;
+struct ZSTD_DCtx_s;
 
 namespace latent::sampledb {
 
@@ -19,9 +25,30 @@ struct PlaneEntry {
     static PlaneEntry from_word(std::uint32_t word) { return {static_cast<PlaneCodec>(word >> 30), word & 0x3FFFFFFF}; }
 };
 
-// Appends the plane to `out`, by a codec that makes it small at little cost to write and to read.
-PlaneEntry encode_plane(ByteSpan plane, Bytes& out);
-// The plane's `size` bytes: in `stored` itself where they stand there as they are, else decoded into `scratch`. Errors: kCorrupt.
-Result<ByteSpan> decode_plane(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch);
+// Both keep their memory from plane to plane; each serves one thread at a time.
+
+class PlaneEncoder {
+ public:
+    // Appends the plane to `out`, by a codec that makes it small at little cost to write and to read.
+    PlaneEntry encode(ByteSpan plane, Bytes& out);
+
+ private:
+    std::size_t compress(ByteSpan plane);  // into buffer_; 0 if zstd makes it no smaller
+
+    std::unique_ptr<ZSTD_CCtx_s, std::size_t (*)(ZSTD_CCtx_s*)> zstd_{nullptr, nullptr};  // made when it is first needed
+    Bytes buffer_;
+};
+
+class PlaneDecoder {
+ public:
+    // The plane's `size` bytes: in `stored` itself where they stand there as they are, else decoded into `scratch`. Errors:
+    // kCorrupt.
+    Result<ByteSpan> decode(PlaneEntry entry, ByteSpan stored, std::size_t size, Bytes& scratch);
+
+ private:
+    bool decompress(ByteSpan stored, std::span<std::byte> plane);
+
+    std::unique_ptr<ZSTD_DCtx_s, std::size_t (*)(ZSTD_DCtx_s*)> zstd_{nullptr, nullptr};  // made when it is first needed
+};
 
 }  // namespace latent::sampledb

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <numeric>
 
 #include "sampledb/data/z_order.h"
@@ -22,6 +21,11 @@ std::size_t leading_z(std::uint32_t u, std::uint32_t v) {
         return spread;
     }();
     return static_cast<std::size_t>(kSpread[v >> 28] << 1 | kSpread[u >> 28]);
+}
+
+template <class T>
+void append(const std::vector<T>& from, std::vector<T>& to) {
+    to.insert(to.end(), from.begin(), from.end());
 }
 
 }  // namespace
@@ -45,61 +49,66 @@ void RowSorter::begin(const Job& job, std::size_t rows) {
     next_chunk_.reserve(chunks);
     rows_.reserve(chunks * kChunk);
     if (!job.extra.empty()) sources_.reserve(chunks * kChunk);
-    power_.clear(), lambda_nm_.clear();
-    extra_.resize(job.extra.size());
-    for (std::vector<std::byte>& column : extra_) column.clear();
+    came_.extra.resize(job.extra.size());
+    for (std::size_t c = 0; c < job.extra.size(); ++c) came_.extra[c].type = job.extra[c].type;
+    for_each_values([](Shape, auto& values) { values.clear(); }, came_);
+}
+
+template <class F>
+void RowSorter::with_layout(F&& f) const {
+    if (job_->kind == RecordKind::kXyz) {
+        f.template operator()<RecordKind::kXyz, false>();
+    } else if (job_->density.empty()) {
+        f.template operator()<RecordKind::kSpectral, false>();
+    } else {
+        f.template operator()<RecordKind::kSpectral, true>();
+    }
 }
 
 // A block of rows, one column after another: columns tend to begin at the same place of a memory page, and eight of them read in
 // step would push each other out of the cache.
+template <RecordKind kind, bool density>
 void RowSorter::load_rows(const Records& piece, std::span<const std::uint32_t> by_sample, std::size_t first,
                           std::span<Row> rows) const {
-    const auto load = [&](const auto& column, auto at) {
+    const auto load = [&](const auto& column, std::size_t offset) {
         if (by_sample.empty()) {
-            for (std::size_t i = 0; i < rows.size(); ++i) std::invoke(at, rows[i]) = column[first + i];
+            for (std::size_t i = 0; i < rows.size(); ++i) rows[i].set(offset, column[first + i]);
         } else {
-            for (std::size_t i = 0; i < rows.size(); ++i) std::invoke(at, rows[i]) = column[by_sample[first + i]];
+            for (std::size_t i = 0; i < rows.size(); ++i) rows[i].set(offset, column[by_sample[first + i]]);
         }
     };
-    load(piece.sample, &Row::sample);
-    load(piece.u, &Row::u);
-    load(piece.v, &Row::v);
-    load(piece.share, &Row::share);
-    if (job_->kind == RecordKind::kXyz) {
-        load(piece.x, [](Row& row) -> float& { return row.xyz.x; });
-        load(piece.y, [](Row& row) -> float& { return row.xyz.y; });
-        load(piece.z, [](Row& row) -> float& { return row.xyz.z; });
-        return;
-    }
-    load(piece.pairs, [](Row& row) -> std::uint16_t& { return row.spectral.pairs; });
-    load(first_pair_, [](Row& row) -> std::uint32_t& { return row.spectral.first_pair; });
-    if (job_->density.empty()) return;
-    load(piece.xi, [](Row& row) -> std::uint32_t& { return row.spectral.xi; });
-    load(piece.index, [](Row& row) -> std::uint16_t& { return row.spectral.index; });
+    for_each_column([&](auto column) {
+        constexpr auto spec = column.spec;
+        if constexpr (spec.rows == Rows::kRecords && is_present(spec.presence, kind, density, RecordClass::kCamera))
+            load(piece.*spec.values, row_offset(kind, spec.number));
+    });
+    if constexpr (kind == RecordKind::kSpectral) load(first_pair_, Row::kFirstPair);
 }
 
 void RowSorter::add(const Records& piece) {
     const std::vector<std::uint32_t> by_sample = order_by_sample(piece);
     const std::uint32_t rows_before = static_cast<std::uint32_t>(count_[0] + count_[1]);
     first_pair_.resize(piece.pairs.size());
-    std::exclusive_scan(piece.pairs.begin(), piece.pairs.end(), first_pair_.begin(), static_cast<std::uint32_t>(power_.size()));
-    power_.insert(power_.end(), piece.power.begin(), piece.power.end());
-    lambda_nm_.insert(lambda_nm_.end(), piece.lambda_nm.begin(), piece.lambda_nm.end());
-    for (std::size_t c = 0; c < extra_.size(); ++c) {
-        extra_[c].insert(extra_[c].end(), piece.extra[c].values.begin(), piece.extra[c].values.end());
-    }
+    std::exclusive_scan(piece.pairs.begin(), piece.pairs.end(), first_pair_.begin(),
+                        static_cast<std::uint32_t>(came_.power.size()));
+    for_each_column([&](auto column) {
+        constexpr auto spec = column.spec;
+        if constexpr (spec.rows == Rows::kPairs) append(piece.*spec.values, came_.*spec.values);
+    });
+    for (std::size_t c = 0; c < came_.extra.size(); ++c) append(piece.extra[c].values, came_.extra[c].values);
 
     std::array<Row, kBlock> block;
     for (std::size_t first = 0; first < piece.size(); first += kBlock) {
         const std::size_t n = std::min(kBlock, piece.size() - first);
-        load_rows(piece, by_sample, first, std::span(block).first(n));
+        with_layout(
+            [&]<RecordKind kind, bool density>() { load_rows<kind, density>(piece, by_sample, first, std::span(block).first(n)); });
         for (std::size_t i = 0; i < n; ++i) {
             const std::size_t row = by_sample.empty() ? first + i : by_sample[first + i];
             const std::size_t record_class = static_cast<std::size_t>(piece.record_class[row]);
-            const std::uint32_t place = place_for(record_class * kBuckets + leading_z(block[i].u, block[i].v));
+            const std::uint32_t place = place_for(record_class * kBuckets + leading_z(block[i].u(), block[i].v()));
             __builtin_prefetch(&rows_[place] + 2, 1);  // the next line of this bucket
             rows_[place] = block[i];
-            if (!extra_.empty()) sources_[place] = rows_before + static_cast<std::uint32_t>(row);
+            if (!came_.extra.empty()) sources_[place] = rows_before + static_cast<std::uint32_t>(row);
             ++count_[record_class];
         }
     }
@@ -132,7 +141,7 @@ void RowSorter::sort_bucket(const Bucket& bucket) {
         std::uint32_t place = chunk * kChunk;
         for (std::size_t i = first; i < end; ++i, ++place) {
             __builtin_prefetch(&rows_[next_chunk * kChunk + (i - first)]);
-            const std::uint32_t z = z_prefix(rows_[place].u, rows_[place].v);
+            const std::uint32_t z = z_prefix(rows_[place].u(), rows_[place].v());
             from[i] = std::uint64_t{z} << 32 | place;
             for (int pass = 0; pass < kPasses; ++pass) ++next[pass][z >> 8 * pass & 0xFF];
         }
@@ -162,48 +171,47 @@ std::span<const std::uint32_t> RowSorter::z(RecordClass record_class, std::size_
     return std::span(z_).subspan(begin - first_rank_, end - begin);
 }
 
-void RowSorter::gather(RecordClass record_class, std::size_t begin, std::size_t end, Page& page) const {
-    const std::span<const std::uint32_t> rows(order_.data() + (first_row(record_class) + begin - first_rank_), end - begin);
-    const std::size_t n = rows.size();
-    const bool xyz = job_->kind == RecordKind::kXyz;
-    page.record_class = record_class;
-    page.count = n;
-    page.sample.resize(n), page.u.resize(n), page.v.resize(n), page.share.resize(n);
-    page.x.resize(xyz ? n : 0), page.y.resize(xyz ? n : 0), page.z.resize(xyz ? n : 0);
-    page.xi.resize(xyz ? 0 : n), page.pairs.resize(xyz ? 0 : n), page.index.resize(xyz ? 0 : n);
-    page.power.clear(), page.lambda_nm.clear();
-    page.unit_share = true;
+template <RecordKind kind, bool density>
+void RowSorter::gather_rows(std::span<const std::uint32_t> places, Page& page) const {
+    const std::size_t n = places.size();
+    for_each_column([&](auto column) {
+        constexpr auto spec = column.spec;
+        constexpr bool present = is_present(spec.presence, kind, density, RecordClass::kCamera);
+        (page.*spec.values).resize(present && spec.rows == Rows::kRecords ? n : 0);
+    });
+    bool unit_share = true;
     for (std::size_t i = 0; i < n; ++i) {
-        if (i + kAhead < n) __builtin_prefetch(&rows_[rows[i + kAhead]]);
-        const Row& row = rows_[rows[i]];
-        page.sample[i] = row.sample;
-        page.u[i] = row.u;
-        page.v[i] = row.v;
-        page.share[i] = row.share;
-        page.unit_share &= row.share == 1;
-        if (xyz) {
-            page.x[i] = row.xyz.x;
-            page.y[i] = row.xyz.y;
-            page.z[i] = row.xyz.z;
-            continue;
-        }
-        page.xi[i] = row.spectral.xi;
-        page.pairs[i] = row.spectral.pairs;
-        page.index[i] = row.spectral.index;
-        const auto take = [&row](const std::vector<float>& from, std::vector<float>& to) {
-            if (from.empty()) return;
-            const auto first = from.begin() + row.spectral.first_pair;
-            to.insert(to.end(), first, first + row.spectral.pairs);
-        };
-        take(power_, page.power);
-        take(lambda_nm_, page.lambda_nm);
+        if (i + kAhead < n) __builtin_prefetch(&rows_[places[i + kAhead]]);
+        const Row& row = rows_[places[i]];
+        for_each_column([&](auto column) {
+            constexpr auto spec = column.spec;
+            if constexpr (!is_present(spec.presence, kind, density, RecordClass::kCamera)) {
+                return;
+            } else if constexpr (spec.rows == Rows::kRecords) {
+                constexpr std::size_t offset = row_offset(kind, spec.number);
+                (page.*spec.values)[i] = row.template get<typename decltype(column)::Value>(offset);
+            } else {
+                const auto first = (came_.*spec.values).begin() + row.template get<std::uint32_t>(Row::kFirstPair);
+                (page.*spec.values).insert((page.*spec.values).end(), first, first + page.pairs[i]);
+            }
+        });
+        unit_share &= page.share[i] == 1;
     }
-    page.extra.resize(job_->extra.size());
+    page.unit_share = unit_share;
+}
+
+void RowSorter::gather(RecordClass record_class, std::size_t begin, std::size_t end, Page& page) const {
+    const std::span<const std::uint32_t> places(order_.data() + (first_row(record_class) + begin - first_rank_), end - begin);
+    page.record_class = record_class;
+    page.count = places.size();
+    with_layout([&]<RecordKind kind, bool density>() { gather_rows<kind, density>(places, page); });
+    page.extra.resize(came_.extra.size());
     for (std::size_t c = 0; c < page.extra.size(); ++c) {
-        const std::size_t bytes = width(job_->extra[c].type);
-        const std::vector<std::byte>& from = extra_[c];
-        page.extra[c].values.resize(n * bytes);
-        for (std::size_t i = 0; i < n; ++i) std::copy_n(&from[sources_[rows[i]] * bytes], bytes, &page.extra[c].values[i * bytes]);
+        const ExtraColumn& from = came_.extra[c];
+        const std::size_t bytes = width(from.type);
+        page.extra[c].values.resize(places.size() * bytes);
+        for (std::size_t i = 0; i < places.size(); ++i)
+            copy_row(from.values.data(), sources_[places[i]], bytes, &page.extra[c].values[i * bytes]);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,40 @@ namespace latent::sampledb {
 
 // Row numbers in ascending order of sample, rows of one sample as they came; empty if they are in that order already.
 std::vector<std::uint32_t> order_by_sample(const Records& records);
+
+// Where column `number` of the table begins in a SorterRow, behind those before it that the kind of the job has.
+constexpr std::size_t row_offset(RecordKind kind, Column number) {
+    std::size_t offset = 0;
+    for_each_column([&](auto column) {
+        const bool before = column.spec.number < number && column.spec.rows == Rows::kRecords &&
+                            is_present(column.spec.presence, kind, true, RecordClass::kCamera);
+        if (before) offset += sizeof(typename decltype(column)::Value);
+    });
+    return offset;
+}
+
+// The columns of a record side by side, half a cache line: fetching a row in sorted order costs one miss, not eight.
+struct alignas(32) SorterRow {
+    std::array<std::byte, 32> bytes;
+
+    template <class T>
+    T get(std::size_t offset) const {
+        T value;
+        std::memcpy(&value, &bytes[offset], sizeof(T));
+        return value;
+    }
+    template <class T>
+    void set(std::size_t offset, T value) {
+        std::memcpy(&bytes[offset], &value, sizeof(T));
+    }
+
+    static constexpr std::size_t kU = row_offset(RecordKind::kXyz, Column::kU), kV = row_offset(RecordKind::kXyz, Column::kV);
+    static constexpr std::size_t kFirstPair = row_offset(RecordKind::kSpectral, Column::kFirstExtra);  // where its pairs begin: u32
+    std::uint32_t u() const { return get<std::uint32_t>(kU); }
+    std::uint32_t v() const { return get<std::uint32_t>(kV); }
+};
+static_assert(row_offset(RecordKind::kXyz, Column::kFirstExtra) <= sizeof(SorterRow));
+static_assert(SorterRow::kFirstPair + sizeof(std::uint32_t) <= sizeof(SorterRow));
 
 // Sorts the rows of one run after another; its memory (about 35 bytes per record) is kept for the next.
 class RowSorter {
@@ -33,24 +68,6 @@ class RowSorter {
     void gather(RecordClass record_class, std::size_t begin, std::size_t end, Page& page) const;
 
  private:
-    // The fixed columns of a record side by side, half a cache line: fetching a row in sorted order costs one miss, not eight.
-    struct Row {
-        std::uint64_t sample;
-        std::uint32_t u, v;
-        float share;
-        union {
-            struct {
-                float x, y, z;
-            } xyz;
-            struct {
-                std::uint32_t xi;
-                std::uint16_t pairs, index;
-                std::uint32_t first_pair;  // in power_
-            } spectral;
-        };
-    };
-    static_assert(sizeof(Row) == 32);
-
     // Rows go to buckets by class and the leading bits of z. A bucket is a list of chunks. Low-discrepancy positions fill all
     // buckets at the same pace: a chunk is an odd number of cache lines, so that the ends of the buckets fall on different sets
     // of the cache.
@@ -63,7 +80,15 @@ class RowSorter {
         std::uint32_t first_chunk = 0, last_chunk = 0;
     };
 
+    using Row = SorterRow;
+
+    // Calls f<kind, density>() with those of the job.
+    template <class F>
+    void with_layout(F&& f) const;
+    template <RecordKind kind, bool density>
     void load_rows(const Records& piece, std::span<const std::uint32_t> by_sample, std::size_t first, std::span<Row> rows) const;
+    template <RecordKind kind, bool density>
+    void gather_rows(std::span<const std::uint32_t> places, Page& page) const;
     std::uint32_t place_for(std::size_t bucket);
     void sort_bucket(const Bucket& bucket);
 
@@ -75,10 +100,9 @@ class RowSorter {
     std::uint32_t chunks_ = 0;                    // in use
     BigBuffer<std::uint32_t> next_chunk_;         // of the same bucket
     BigBuffer<Row> rows_;                         // by chunk
-    BigBuffer<std::uint32_t> sources_;            // of each row, in extra_; only if there are extra columns
-    std::vector<float> power_, lambda_nm_;        // as they came
-    std::vector<std::vector<std::byte>> extra_;
-    std::vector<std::uint32_t> first_pair_;  // of a piece
+    BigBuffer<std::uint32_t> sources_;            // of each row, in came_.extra; only if there are extra columns
+    Columns came_;                                // columns of pairs, and extra ones, as they came
+    std::vector<std::uint32_t> first_pair_;       // of a piece
 
     std::size_t sorted_buckets_ = 0;            // buckets before this one are in order
     std::size_t first_rank_ = 0;                // of what follows

@@ -7,9 +7,8 @@
 #include <cassert>
 #include <numeric>
 
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/rounding.h"
-#include "sampledb/codec/row_sorter.h"
 
 namespace latent::sampledb {
 
@@ -39,14 +38,14 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
     const auto refuse = [&](std::size_t row, const char* why) {
         return Error{ErrorCode::kOutOfRange, fmt::format("sample {}: {}", r.sample[row], why)};
     };
-    const bool xyz = job.kind == RecordKind::kXyz;
     const bool density = !job.density.empty();
     const std::uint64_t pair_sum = std::accumulate(r.pairs.begin(), r.pairs.end(), std::uint64_t{0});
-    bool columns_fit = r.record_class.size() == n && r.u.size() == n && r.v.size() == n && r.share.size() == n &&
-                       r.x.size() == (xyz ? n : 0) && r.y.size() == r.x.size() && r.z.size() == r.x.size() &&
-                       r.pairs.size() == (xyz ? 0 : n) && r.xi.size() == (density ? n : 0) && r.index.size() == r.xi.size() &&
-                       r.power.size() == pair_sum && r.lambda_nm.size() == (xyz || density ? 0 : pair_sum) &&
-                       r.extra.size() == job.extra.size();
+    bool columns_fit = r.record_class.size() == n && r.extra.size() == job.extra.size();
+    for_each_column([&](auto column) {
+        const bool present = has_column(job, RecordClass::kCamera, column.spec.presence);
+        const std::size_t rows = column.spec.rows == Rows::kPairs ? pair_sum : n;
+        columns_fit &= (r.*column.spec.values).size() == (present ? rows : 0);
+    });
     for (std::size_t i = 0; columns_fit && i < r.extra.size(); ++i)
         columns_fit = r.extra[i].values.size() == n * width(job.extra[i].type);
     if (!columns_fit) return Error{ErrorCode::kOutOfRange, "records without the columns that the job asks for"};
@@ -86,13 +85,11 @@ std::size_t page_end(std::span<const std::uint32_t> z, std::size_t begin, std::s
                                     z.begin());
 }
 
-RunEncoder::RunEncoder(const Job& job, const Coverage& coverage) : job_(job) {
+RunEncoder::RunEncoder(const Job& job, const Coverage& coverage) {
     assert(!coverage.empty());
     header_.job = job.id;
     index_.coverage = coverage;
 }
-
-void RunEncoder::add_page(const Page& page, Bytes& out) { add_page(encode_page(job_, page, out)); }
 
 RunEncoder::Tail RunEncoder::finish() {
     Bytes index = encode_run_index(index_, header_);
@@ -100,22 +97,21 @@ RunEncoder::Tail RunEncoder::finish() {
 }
 
 Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records& records, Bytes memory) {
-    return encode_run(job, coverage, {std::shared_ptr<const Records>(std::shared_ptr<const Records>(), &records)},
-                      std::move(memory));
+    return RunBuilder().build(job, coverage, {std::shared_ptr<const Records>(std::shared_ptr<const Records>(), &records)},
+                              std::move(memory));
 }
 
-Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces, Bytes memory) {
+Result<Bytes> RunBuilder::build(const Job& job, const Coverage& coverage, Pieces pieces, Bytes memory) {
     if (coverage.empty()) return Error{ErrorCode::kOutOfRange, "a run that covers no sample"};
     if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run of too many intervals"};
     std::uint64_t records = 0, pairs = 0, raw_bytes = 0;
     for (const auto& piece : pieces) records += piece->size(), pairs += piece->power.size(), raw_bytes += piece->raw_bytes();
     if (std::max(records, pairs) > kMostRecords) return Error{ErrorCode::kOutOfRange, "more than 2^31 records or pairs in a run"};
 
-    thread_local RowSorter rows;
-    rows.begin(job, records);
+    rows_.begin(job, records);
     for (std::shared_ptr<const Records>& piece : pieces) {
         if (Status s = check_records(job, coverage, *piece); !s) return s.error();
-        rows.add(*piece);
+        rows_.add(*piece);
         piece.reset();
     }
     const std::size_t most = max_page_records(job);
@@ -124,14 +120,13 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces
     run.clear();
     if (run.capacity() < raw_bytes + kBlock) run.reserve(raw_bytes + raw_bytes / 4 + kBlock);  // untouched, it costs nothing
     run.resize(kRunHeaderSize);
-    Page page;
     for (const RecordClass record_class : {RecordClass::kCamera, RecordClass::kLight}) {
-        for (std::size_t begin = 0, end = 0; begin < rows.count(record_class); begin = end) {
+        for (std::size_t begin = 0, end = 0; begin < rows_.count(record_class); begin = end) {
             const std::size_t before = begin > 0 ? 1 : 0;
-            end = begin - before + page_end(rows.z(record_class, begin - before, before + most + 1), before, most);
-            rows.gather(record_class, begin, end, page);
-            round_values(job, page);
-            encoder.add_page(page, run);
+            end = begin - before + page_end(rows_.z(record_class, begin - before, before + most + 1), before, most);
+            rows_.gather(record_class, begin, end, page_);
+            round_values(job, page_);
+            encoder.add_page(encoder_.encode(job, page_, run));
         }
     }
     const RunEncoder::Tail tail = encoder.finish();
@@ -143,37 +138,15 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, Pieces pieces
 
 namespace {
 
-void append_page(const Job& job, const Page& page, Records& records) {
-    const auto add = [](auto& to, const auto& from, std::size_t count) {
-        to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
-    };
-    const std::size_t n = page.count;
-    add(records.sample, page.sample, n);
+void append_page(const Page& page, Records& records) {
+    const std::size_t n = page.count, pairs = page.first_pair.empty() ? 0 : page.first_pair[n];
     records.record_class.insert(records.record_class.end(), n, page.record_class);
-    add(records.u, page.u, n);
-    add(records.v, page.v, n);
-    if (page.record_class == RecordClass::kLight || page.unit_share) {
-        records.share.insert(records.share.end(), n, page.unit_share ? 1.0f : 0.0f);
-    } else {
-        add(records.share, page.share, n);
-    }
-    if (job.kind == RecordKind::kXyz) {
-        add(records.x, page.x, n);
-        add(records.y, page.y, n);
-        add(records.z, page.z, n);
-    } else {
-        const std::size_t pairs = page.first_pair[n];
-        add(records.pairs, page.pairs, n);
-        add(records.power, page.power, pairs);
-        if (job.density.empty()) {
-            add(records.lambda_nm, page.lambda_nm, pairs);
-        } else {
-            add(records.xi, page.xi, n);
-            add(records.index, page.index, n);
-        }
-    }
-    for (std::size_t i = 0; i < job.extra.size(); ++i)
-        add(records.extra[i].values, page.extra[i].values, n * width(job.extra[i].type));
+    const auto append = [&](Shape shape, auto& to, const auto& values) {
+        const std::size_t size = values.empty() ? 0 : shape.rows == Rows::kPairs ? pairs : n * shape.width;
+        to.insert(to.end(), values.begin(), values.begin() + static_cast<std::ptrdiff_t>(size));
+    };
+    for_each_values(append, records, page);
+    records.share.resize(records.size(), page.unit_share ? 1.0f : 0.0f);  // where the page has none
 }
 
 }  // namespace
@@ -187,13 +160,15 @@ Result<DecodedRun> decode_run(const Job& job, ByteSpan bytes) {
     if (!index) return index.error();
 
     Records canonical;
-    for (const ExtraColumnSpec& column : job.extra) canonical.extra.push_back({column.name, column.type, {}});
+    canonical.extra = extra_columns(job);
+    PageDecoder decoder;
     Page page;
     for (std::size_t i = 0; i < index->pages.size(); ++i) {
         const PageInfo& info = index->pages[i];
         const ByteSpan stored = bytes.subspan(info.offset, info.stored_size);
-        if (Status s = decode_page(job, info, stored, ColumnSet{}, page, true); !s) return s.error().at(fmt::format("page {}", i));
-        append_page(job, page, canonical);
+        if (Status s = decoder.decode(job, info, stored, ColumnSet{}, page, true); !s)
+            return s.error().at(fmt::format("page {}", i));
+        append_page(page, canonical);
     }
     DecodedRun run{*header, index->coverage, {}};
     const std::vector<std::uint32_t> by_sample = order_by_sample(canonical);

@@ -12,16 +12,18 @@ std::size_t max_page_records(const Job& job) {
     return job.kind == RecordKind::kXyz ? kMost : std::clamp<std::size_t>(kMaxPairsPerPage / job.batch, kLeast, kMost);
 }
 
+std::vector<ExtraColumn> extra_columns(const Job& job) {
+    std::vector<ExtraColumn> columns;
+    for (const ExtraColumnSpec& column : job.extra) columns.push_back({column.name, column.type, {}});
+    return columns;
+}
+
 std::uint64_t decoded_page_size(const Job& job, RecordClass record_class, std::uint64_t records, std::uint64_t pairs) {
-    std::uint64_t row = 8 + 4 + 4;
-    std::uint64_t pair = 0;
-    if (record_class == RecordClass::kCamera) row += 4;
-    if (job.kind == RecordKind::kXyz) {
-        row += 12;
-    } else {
-        row += job.density.empty() ? 2 : 2 + 4 + 2;
-        pair = job.density.empty() ? 8 : 4;
-    }
+    std::uint64_t row = 0, pair = 0;
+    for_each_column([&](auto column) {
+        if (!has_column(job, record_class, column.spec.presence)) return;
+        (column.spec.rows == Rows::kPairs ? pair : row) += sizeof(typename decltype(column)::Value);
+    });
     for (const ExtraColumnSpec& column : job.extra) row += width(column.type);
     return records * row + pairs * pair;
 }

@@ -31,33 +31,23 @@ struct PageInfo {
     std::uint64_t content_hash;  // XXH3-64 over the hashes of its decoded columns
 };
 
-// Which columns a reader needs; the others stay empty and cost nothing.
-struct ColumnSet {
-    bool samples = true;
-    bool positions = true;
-    bool values = true;  // x,y,z or pairs, power, xi, index, lambda_nm
-    bool share = true;
-    bool extra = true;
-};
-
 // Decoded columns of one page; `Page` objects are reused, so decoding allocates only when a page is larger than any before.
 // Columns have `count` rows (and kPadding readable rows after them, for SIMD loads).
-struct Page {
+struct Page : Columns {
     static constexpr std::size_t kPadding = 16;
     RecordClass record_class = RecordClass::kCamera;
     std::size_t count = 0;
-    std::vector<std::uint64_t> sample;
-    std::vector<std::uint32_t> u, v;
-    bool unit_share = true;  // every share is 1: `share` is empty
-    std::vector<float> share;
-    std::vector<float> x, y, z;
-    std::vector<std::uint16_t> pairs;       // spectral, as in Records
-    std::vector<std::uint32_t> first_pair;  // where each record's pairs begin in `power`
-    std::vector<std::uint32_t> xi;
-    std::vector<std::uint16_t> index;
-    std::vector<float> power, lambda_nm;
-    std::vector<ExtraColumn> extra;
+    bool unit_share = true;                 // every share is 1: `share` is empty
+    std::vector<std::uint32_t> first_pair;  // spectral: where each record's pairs begin in `power`; one more at the end
 };
+
+// Whether pages of this class, in files of this job, have a column.
+inline bool has_column(const Job& job, RecordClass record_class, Presence presence) {
+    return is_present(presence, job.kind, !job.density.empty(), record_class);
+}
+
+// A job's extra columns, without values.
+std::vector<ExtraColumn> extra_columns(const Job& job);
 
 // The most records that a page of this job holds.
 std::size_t max_page_records(const Job& job);

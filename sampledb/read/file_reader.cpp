@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/hash.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/footer_reader.h"
 #include "sampledb/read/run_walk.h"
 
@@ -172,14 +172,14 @@ Status walk(const ByteSource& source, std::uint64_t begin, std::uint64_t end, co
 
 // A page, the `number`th of its run, as the level asks. `coverage`: of its run.
 Status verify_page(const ByteSource& source, const PageInfo& info, std::size_t number, const Coverage& coverage, const Job& job,
-                   VerifyLevel level, Page& page) {
+                   VerifyLevel level, PageDecoder& decoder, Page& page) {
     const Result<Bytes> stored = read_up_to(source, info.offset, info.stored_size);
     if (!stored) return stored.error();
     const auto corrupt = [&](std::string_view what) {
         return Error{ErrorCode::kCorrupt, fmt::format("page {}: {}", number, what)};
     };
     if (level != VerifyLevel::kFull) return hash64(*stored) == info.stored_hash ? Status{} : corrupt("checksum mismatch");
-    if (Status s = decode_page(job, info, *stored, ColumnSet{}, page, true); !s)
+    if (Status s = decoder.decode(job, info, *stored, ColumnSet{}, page, true); !s)
         return s.error().at(fmt::format("page {}", number));
     const int shift = 32 - info.node.level;
     for (std::size_t row = 0; row < page.count; ++row) {
@@ -258,12 +258,15 @@ Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, 
         return Status{};
     });
     if (!coverage) return coverage.error();
+    PageDecoder decoder;
     Page page;
     if (!last) return {};
-    if (level == VerifyLevel::kQuick) return verify_page(source, *last, run.header.page_count - 1, *coverage, job, level, page);
+    if (level == VerifyLevel::kQuick)
+        return verify_page(source, *last, run.header.page_count - 1, *coverage, job, level, decoder, page);
     std::size_t number = 0;
-    const Result<Coverage> again = scan_run_index(
-        source, run, job, [&](const PageInfo& info) { return verify_page(source, info, number++, *coverage, job, level, page); });
+    const Result<Coverage> again = scan_run_index(source, run, job, [&](const PageInfo& info) {
+        return verify_page(source, info, number++, *coverage, job, level, decoder, page);
+    });
     return again ? Status{} : Status(again.error());
 }
 
@@ -299,13 +302,12 @@ Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level
     return FoundFile{std::make_shared<const FileSource>(std::move(*source)), std::move(*contents)};
 }
 
-Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, Page& page) {
-    thread_local Bytes stored;
-    if (stored.size() < info.stored_size) stored.resize(info.stored_size);
-    const std::span<std::byte> bytes = std::span(stored).first(info.stored_size);
+Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, PageDecoder& decoder,
+                 Page& page) {
+    const std::span<std::byte> stored = decoder.stored(info.stored_size);
     const auto place = [&] { return fmt::format("page at byte {}", info.offset); };
-    if (Status s = source.read(info.offset, bytes); !s) return s.error().at(place());
-    if (Status s = decode_page(job, info, bytes, columns, page); !s) return s.error().at(place());
+    if (Status s = source.read(info.offset, stored); !s) return s.error().at(place());
+    if (Status s = decoder.decode(job, info, stored, columns, page); !s) return s.error().at(place());
     return {};
 }
 

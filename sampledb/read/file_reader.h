@@ -15,6 +15,8 @@
 
 namespace latent::sampledb {
 
+class PageDecoder;
+
 // How closely a run is looked at before it is believed.
 enum class VerifyLevel : std::uint8_t {
     kHeaders,  // header only; from a footer: the footer's copy of it
@@ -69,6 +71,7 @@ Result<Coverage> run_coverage(const ByteSource& source, const RunInfo& run, cons
 Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, VerifyLevel level);
 
 // Decodes the columns asked for; stored checksum and derived columns verified. Errors: kCorrupt, kTruncated, kUnsupported, kIo.
-Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, Page& page);
+Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, PageDecoder& decoder,
+                 Page& page);
 
 }  // namespace latent::sampledb

@@ -39,7 +39,8 @@ class OpenGathering final : public Gathering {
     const Coverage& coverage() const override { return coverage_; }
     const GatherReport& report() const override { return report_; }
     Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const override;
-    Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const override;
+    Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
+                     Page& page) const override;
     void will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const override;
     std::uint64_t bytes_read() const override { return bytes_read_; }
     std::uint64_t list_memory() const override { return list_memory_; }
@@ -152,13 +153,14 @@ Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::s
     return std::shared_ptr<const std::vector<PageInfo>>(pages);
 }
 
-Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const {
+Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
+                                Page& page) const {
     const SelectedRun& selected = runs_[run];
     const Result<std::shared_ptr<const FileSource>> from = source(selected.file);
     if (!from) return from.error();
     ColumnSet needed = columns;
     needed.samples |= selected.cut;
-    if (Status s = sampledb::read_page(**from, info, job_, needed, page); !s) return s.error().at(place(selected));
+    if (Status s = sampledb::read_page(**from, info, job_, needed, decoder, page); !s) return s.error().at(place(selected));
     bytes_read_ += info.stored_size;
     if (selected.cut) keep_samples(selected.coverage, page);
     return {};

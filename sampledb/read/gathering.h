@@ -85,7 +85,8 @@ class Gathering {
 
     // Decodes a page into `page`, checksums verified. Errors: kCorrupt, kTruncated, kIo, with file, run and page named.
     // `cut` runs are already filtered to the sample range.
-    virtual Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, Page& page) const = 0;
+    virtual Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
+                             Page& page) const = 0;
 
     // Pages first .. last of a run (their infos, ascending by offset) are read soon: they may be on their way.
     virtual void will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const = 0;

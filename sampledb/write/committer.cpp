@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "sampledb/codec/run_codec.h"
 
 namespace latent::sampledb {
 
@@ -117,7 +116,7 @@ Status Committer::commit(std::vector<GrainPtr> grains, std::uint64_t end, std::u
         const Records* const records = &grain->records;
         pieces.emplace_back(std::move(grain), records);
     }
-    Result<Bytes> run = encode_run(job_, coverage, std::move(pieces), std::move(encoded_));
+    Result<Bytes> run = builder_.build(job_, coverage, std::move(pieces), std::move(encoded_));
     if (!run) return run.error();
     encoded_ = std::move(*run);
     if (Status s = publisher_.append(encoded_); !s) return s;

@@ -9,6 +9,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
+#include "sampledb/codec/run_codec.h"
 #include "sampledb/data/coverage.h"
 #include "sampledb/data/job.h"
 #include "sampledb/write/checkpoint_clock.h"
@@ -58,6 +59,7 @@ class Committer {
     RunAssembler assembler_;
     std::vector<GrainWindow::Submitted> unsaved_;  // taken from the window, in no run on disk
     CheckpointClock clock_;
+    RunBuilder builder_;
     Bytes encoded_;  // the run that was written last; its memory serves the next
 
     mutable std::mutex mutex_;  // guards these

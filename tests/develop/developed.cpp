@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 
 namespace latent::develop {
 
 Status MemoryGathering::read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
-                                  sampledb::Page& page) const {
-    return sampledb::decode_page(job_, info, ByteSpan(bytes_[run]).subspan(info.offset, info.stored_size), columns, page);
+                                  sampledb::PageDecoder& decoder, sampledb::Page& page) const {
+    return decoder.decode(job_, info, ByteSpan(bytes_[run]).subspan(info.offset, info.stored_size), columns, page);
 }
 
 MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {

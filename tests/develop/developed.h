@@ -46,7 +46,7 @@ class MemoryGathering : public sampledb::Gathering {
     const sampledb::GatherReport& report() const override { return report_; }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override { return pages_[run]; }
     Status read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
-                     sampledb::Page& page) const override;
+                     sampledb::PageDecoder& decoder, sampledb::Page& page) const override;
     void will_read(std::size_t, const sampledb::PageInfo&, const sampledb::PageInfo&) const override {}
     std::uint64_t bytes_read() const override { return 0; }
 

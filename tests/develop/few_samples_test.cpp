@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "sampledb/codec/page_decoder.h"
 #include "tests/develop/developed.h"
 
 namespace latent::develop {
@@ -112,9 +113,10 @@ TEST(FewSamples, AreWeighedAlikeWhereverPanesMeet) {
 TEST(FewSamples, AgreeWithTheDefinition) {
     const MemoryGathering gathering = make_gathering(1, 1 << 16, {{0.3, 0.3, 0.6, 0.5}});
     Records records;
+    sampledb::PageDecoder decoder;
     for (const sampledb::PageInfo& info : **gathering.pages(0)) {
         sampledb::Page page;
-        ASSERT_TRUE(gathering.read_page(0, info, {}, page));
+        ASSERT_TRUE(gathering.read_page(0, info, {}, decoder, page));
         for (std::size_t i = 0; i < page.count; ++i) {
             records.record_class.push_back(page.record_class);
             records.sample.push_back(page.sample[i]);

@@ -4,7 +4,8 @@
 #include <algorithm>
 
 #include "base/hash.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
+#include "sampledb/codec/page_encoder.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/format/file_format.h"
 #include "tests/support/synthetic.h"
@@ -81,7 +82,7 @@ struct StoredPage {
         page.count = 2;
         page.sample = {4, 9}, page.u = {1, 2}, page.v = {3, 4}, page.share = {1, 1};
         page.x = {1, 2}, page.y = {3, 5}, page.z = {7, 11};
-        info = encode_page(job, page, bytes);
+        info = PageEncoder().encode(job, page, bytes);
         std::size_t entry = 4;
         while (bytes[entry] != std::byte{7}) entry += 24 + 4 * std::to_integer<std::size_t>(bytes[entry + 3]);
         transform_of_z = entry + 1;
@@ -95,11 +96,11 @@ TEST(Extensions, ATransformThatIsNotKnownCostsItsColumnOnly) {
         stored.bytes[stored.transform_of_z] = static_cast<std::byte>(transform);
         stored.info.stored_hash = hash64(stored.bytes);
         Page page;
-        const Status all = decode_page(job, stored.info, stored.bytes, ColumnSet{}, page);
+        const Status all = PageDecoder().decode(job, stored.info, stored.bytes, ColumnSet{}, page);
         ASSERT_FALSE(all);
         EXPECT_EQ(all.error().code, ErrorCode::kUnsupported);
         EXPECT_NE(all.error().message.find("transform " + std::to_string(transform)), std::string::npos);
-        const Status others = decode_page(job, stored.info, stored.bytes, ColumnSet{.values = false}, page);
+        const Status others = PageDecoder().decode(job, stored.info, stored.bytes, ColumnSet{.values = false}, page);
         ASSERT_TRUE(others) << others.error().message;
         EXPECT_EQ(page.sample[1], 9u);
         EXPECT_EQ(page.v[1], 4u);

@@ -10,6 +10,7 @@
 #include <map>
 #include <thread>
 
+#include "sampledb/codec/page_decoder.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 
@@ -242,12 +243,13 @@ struct Sums {
 
 Sums read_all(const Gathering& g) {
     Sums sums;
+    PageDecoder decoder;
     Page page;
     for (std::size_t run = 0; run < g.runs().size(); ++run) {
         const auto pages = g.pages(run);
         EXPECT_TRUE(pages);
         for (const PageInfo& info : **pages) {
-            EXPECT_TRUE(g.read_page(run, info, ColumnSet{}, page));
+            EXPECT_TRUE(g.read_page(run, info, ColumnSet{}, decoder, page));
             sums.records += page.count;
             for (std::size_t i = 0; i < page.count; ++i) {
                 sums.samples += page.sample[i];
@@ -281,10 +283,11 @@ TEST_F(GatheringTest, ASliceReadsExactlyItsSamples) {
         EXPECT_EQ(read_all(**g), wanted);
 
         // every column keeps to its record
+        PageDecoder decoder;
         Page page;
         for (std::size_t run = 0; run < 2; ++run) {
             for (const PageInfo& info : **(*g)->pages(run)) {
-                ASSERT_TRUE((*g)->read_page(run, info, {}, page));
+                ASSERT_TRUE((*g)->read_page(run, info, {}, decoder, page));
                 for (std::size_t i = 0; i < page.count; ++i) {
                     const Records one =
                         synthetic::make_records(job, {page.sample[i], page.sample[i] + 1}, {.light_per_sample = 0.4});

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/file_reader.h"
 #include "tests/faults/process.h"
 #include "tests/support/paths.h"
@@ -18,6 +19,7 @@ const fs::path kGolden = latent::testing::in_tree("tests/golden");
 // Hash over the decoded values of all columns of all pages, as docs/format.md defines it for a column.
 Hash128 decoded_hash(const ByteSource& source, const FileContents& file) {
     Hasher128 hasher;
+    PageDecoder decoder;
     Page page;
     const auto add = [&](const auto& column, std::size_t rows) {
         if (!column.empty()) hasher.update(std::as_bytes(std::span(column)).first(rows * sizeof(column[0])));
@@ -26,7 +28,7 @@ Hash128 decoded_hash(const ByteSource& source, const FileContents& file) {
         const Result<RunIndex> index = read_run_index(source, run, file.header.job);
         EXPECT_TRUE(index);
         for (const PageInfo& info : index->pages) {
-            const Status read = read_page(source, info, file.header.job, ColumnSet{}, page);
+            const Status read = read_page(source, info, file.header.job, ColumnSet{}, decoder, page);
             EXPECT_TRUE(read) << read.error().message;
             add(page.sample, page.count), add(page.u, page.count), add(page.v, page.count), add(page.share, page.count);
             if (file.header.job.kind == RecordKind::kXyz) {

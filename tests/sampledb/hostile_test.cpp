@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/column_decode.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/read/file_reader.h"
 #include "tests/support/synthetic.h"
@@ -277,6 +277,7 @@ TEST(Hostile, BitmapsThatMisleadAreRefused) {
         for (std::size_t p = 0; p < planes; ++p) entry.planes.push_back({PlaneCodec::kConstant, 1});
         return entry;
     };
+    ColumnDecoder decoder;
     BrightRows bright;
     const auto y = [&](unsigned rows, std::size_t planes = 4, std::size_t bitmap = 2) {
         const Bytes stored = {static_cast<std::byte>(rows),
@@ -286,7 +287,7 @@ TEST(Hostile, BitmapsThatMisleadAreRefused) {
                               std::byte{3},
                               std::byte{4}};
         std::vector<float> values(kRows);
-        return decode_y(column(Transform::kSparse, stored, bitmap, planes), values, bright);
+        return decoder.luminance(column(Transform::kSparse, stored, bitmap, planes), values, bright);
     };
     EXPECT_TRUE(y(0x0FFF));
     EXPECT_TRUE(y(0x0001));
@@ -299,14 +300,15 @@ TEST(Hostile, BitmapsThatMisleadAreRefused) {
     std::vector<float> values(kRows), of_y(kRows);
     const ColumnEntry x = column(Transform::kSparseCross, differences, 0, 4);
     ASSERT_TRUE(y(0x0801));
-    EXPECT_TRUE(decode_crossed(x, values, of_y, bright));
+    EXPECT_TRUE(decoder.crossed(x, values, of_y, bright));
     EXPECT_EQ(std::ranges::count(values, 0.0f), static_cast<std::ptrdiff_t>(kRows) - 2);
     const ColumnEntry constant{.column = Column::kY, .transform = Transform::kPacked};
-    ASSERT_TRUE(decode_y(constant, values, bright));  // a y that names no rows
-    EXPECT_FALSE(decode_crossed(x, values, of_y, bright));
+    ASSERT_TRUE(decoder.luminance(constant, values, bright));  // a y that names no rows
+    EXPECT_FALSE(decoder.crossed(x, values, of_y, bright));
 }
 
 TEST(Hostile, StepsOfImpossibleSizeAreRefused) {
+    ColumnDecoder decoder;
     const Bytes stored(4);
     std::vector<float> values(5), y(5);
     const std::vector<std::uint16_t> pairs = {2, 3};
@@ -316,9 +318,9 @@ TEST(Hostile, StepsOfImpossibleSizeAreRefused) {
         const bool possible = bits >= 1 && bits <= 22;
         entry.bits = static_cast<std::uint8_t>(bits);
         entry.transform = Transform::kSteppedCross;
-        EXPECT_EQ(bool(decode_crossed(entry, values, y, {})), possible) << bits;
+        EXPECT_EQ(bool(decoder.crossed(entry, values, y, {})), possible) << bits;
         entry.transform = Transform::kSteppedDelta2;
-        EXPECT_EQ(bool(decode_delta2(entry, values, pairs)), possible) << bits;
+        EXPECT_EQ(bool(decoder.along_records(entry, values, pairs)), possible) << bits;
     }
 }
 

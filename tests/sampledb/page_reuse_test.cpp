@@ -1,6 +1,7 @@
 // A page that was used before, for whatever job, decodes as a new one: nothing of what it held is left.
 #include <gtest/gtest.h>
 
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/page_filter.h"
 #include "sampledb/read/file_reader.h"
 #include "tests/support/synthetic.h"
@@ -74,6 +75,7 @@ void expect_same(const Page& used, const Page& fresh) {
 TEST(PageReuse, APageThatWasUsedDecodesAsANewOneWhateverItHeld) {
     const ColumnSet all, values{.samples = true, .positions = false, .share = false, .extra = false},
         positions{.samples = false, .values = false};
+    PageDecoder decoder;
     for (const Job& first : jobs()) {
         for (const Job& second : jobs()) {
             const Pages before(first, 20), after(second, 3000);  // few rows, then more
@@ -82,9 +84,10 @@ TEST(PageReuse, APageThatWasUsedDecodesAsANewOneWhateverItHeld) {
                     Page used;
                     for (const PageInfo& info : after.infos) {
                         Page fresh;
-                        ASSERT_TRUE(read_page(before.source, held, first, all, used));
-                        ASSERT_TRUE(read_page(after.source, info, second, columns, used));
-                        ASSERT_TRUE(read_page(after.source, info, second, columns, fresh));
+                        ASSERT_TRUE(read_page(before.source, held, first, all, decoder, used));
+                        ASSERT_TRUE(read_page(after.source, info, second, columns, decoder, used));
+                        PageDecoder new_decoder;
+                        ASSERT_TRUE(read_page(after.source, info, second, columns, new_decoder, fresh));
                         expect_same(used, fresh);
                         if (!columns.samples) continue;
                         keep_samples(Coverage(SampleRange{1, 2500}), used);
@@ -99,20 +102,21 @@ TEST(PageReuse, APageThatWasUsedDecodesAsANewOneWhateverItHeld) {
 
 TEST(PageReuse, APageThatCannotBeDecodedHoldsNothing) {
     Pages pages(make_job(RecordKind::kSpectral), 500);
+    PageDecoder decoder;
     Page page;
     for (std::size_t at = 0; at < pages.infos[0].stored_size; at += 37) {
-        ASSERT_TRUE(read_page(pages.source, pages.infos[0], pages.job, ColumnSet{}, page));
+        ASSERT_TRUE(read_page(pages.source, pages.infos[0], pages.job, ColumnSet{}, decoder, page));
         ASSERT_GT(page.count, 0u);
         std::byte& byte = pages.file.bytes[pages.infos[0].offset + at];
         byte ^= std::byte{1};
-        EXPECT_FALSE(read_page(pages.source, pages.infos[0], pages.job, ColumnSet{}, page));
+        EXPECT_FALSE(read_page(pages.source, pages.infos[0], pages.job, ColumnSet{}, decoder, page));
         byte ^= std::byte{1};
         expect_same(page, Page{});
     }
     PageInfo other = pages.infos[0];  // as another job's: a decode that begins, and fails
     const Job xyz = make_job(RecordKind::kXyz);
-    ASSERT_TRUE(read_page(pages.source, pages.infos[0], pages.job, ColumnSet{}, page));
-    EXPECT_FALSE(read_page(pages.source, other, xyz, ColumnSet{}, page));
+    ASSERT_TRUE(read_page(pages.source, pages.infos[0], pages.job, ColumnSet{}, decoder, page));
+    EXPECT_FALSE(read_page(pages.source, other, xyz, ColumnSet{}, decoder, page));
     expect_same(page, Page{});
 }
 

@@ -14,10 +14,10 @@ namespace {
 TEST(PlaneCodec, EveryCodecComesBackAndIsUsedWhereItPays) {
     const auto codec_of = [](const Bytes& plane) {
         Bytes stored, scratch;
-        const PlaneEntry entry = encode_plane(plane, stored);
+        const PlaneEntry entry = PlaneEncoder().encode(plane, stored);
         EXPECT_EQ(entry.stored_size, stored.size());
         EXPECT_EQ(PlaneEntry::from_word(entry.word()).codec, entry.codec);
-        const Result<ByteSpan> back = decode_plane(entry, stored, plane.size(), scratch);
+        const Result<ByteSpan> back = PlaneDecoder().decode(entry, stored, plane.size(), scratch);
         EXPECT_TRUE(back && std::ranges::equal(*back, plane));
         EXPECT_LE(stored.size(), plane.size());
         return entry.codec;
@@ -54,10 +54,10 @@ TEST(PlaneCodec, StoredPlanesThatMisleadAreRefused) {
     Bytes plane = noise(5000, 4, 3);
     std::ranges::sort(plane);
     Bytes frame, scratch;
-    const PlaneEntry entry = encode_plane(plane, frame);
+    const PlaneEntry entry = PlaneEncoder().encode(plane, frame);
     ASSERT_EQ(entry.codec, PlaneCodec::kZstd);
     const auto refused = [&](PlaneCodec codec, const Bytes& stored, std::size_t size) {
-        return !decode_plane({codec, static_cast<std::uint32_t>(stored.size())}, stored, size, scratch);
+        return !PlaneDecoder().decode({codec, static_cast<std::uint32_t>(stored.size())}, stored, size, scratch);
     };
     EXPECT_FALSE(refused(PlaneCodec::kZstd, frame, 5000));
     EXPECT_TRUE(refused(PlaneCodec::kZstd, frame, 4999));  // decodes to more than the column holds
@@ -86,7 +86,7 @@ TEST(PlaneCodec, StoredPlanesThatMisleadAreRefused) {
     EXPECT_TRUE(refused(PlaneCodec::kConstant, Bytes(2), 100));
 
     Bytes dictionary;
-    ASSERT_EQ(encode_plane(noise(5000, 4, 3), dictionary).codec, PlaneCodec::kDictionary);
+    ASSERT_EQ(PlaneEncoder().encode(noise(5000, 4, 3), dictionary).codec, PlaneCodec::kDictionary);
     EXPECT_EQ(dictionary.size(), 1u + 4 + 5000 / 8 * 2);
     EXPECT_FALSE(refused(PlaneCodec::kDictionary, dictionary, 5000));
     EXPECT_FALSE(refused(PlaneCodec::kDictionary, dictionary, 4993));  // as many groups of eight

@@ -200,7 +200,7 @@ TEST(Rounding, GrainsTheirOrderAndTheBoundariesOfRunsHaveNoSay) {
         };
         const Coverage all(SampleRange{0, 4096});
         const DecodedRun whole = *decode_run(job, *encode_run(job, all, *piece(0, 4096)));
-        EXPECT_EQ(decode_run(job, *encode_run(job, all, Pieces{piece(0, 1000), piece(1000, 1001), piece(1001, 4096)}))
+        EXPECT_EQ(decode_run(job, *RunBuilder().build(job, all, {piece(0, 1000), piece(1000, 1001), piece(1001, 4096)}))
                       ->header.content_hash,
                   whole.header.content_hash);
         Records together;

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/data/z_order.h"
 #include "tests/support/synthetic.h"
 
@@ -284,10 +284,11 @@ TEST(Pages, AreNodesOfTheFilmThatHoldAllTheirRecords) {
         const RunHeader header = *decode_run_header(run);
         const Result<RunIndex> index = decode_run_index(ByteSpan(run).subspan(header.index_offset()), header, job);
         ASSERT_TRUE(index);
+        PageDecoder decoder;
         Page page;
         std::uint32_t last_z = 0;
         for (const PageInfo& info : index->pages) {
-            ASSERT_TRUE(decode_page(job, info, ByteSpan(run).subspan(info.offset, info.stored_size), ColumnSet{}, page, true));
+            ASSERT_TRUE(decoder.decode(job, info, ByteSpan(run).subspan(info.offset, info.stored_size), ColumnSet{}, page, true));
             EXPECT_LE(page.count, max_page_records(job));
             for (std::size_t i = 0; i < page.count; ++i) {
                 const int shift = 32 - info.node.level;
@@ -306,17 +307,18 @@ TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {
         const RunHeader header = *decode_run_header(run);
         const Result<RunIndex> index = decode_run_index(ByteSpan(run).subspan(header.index_offset()), header, job);
         ASSERT_TRUE(index);
+        PageDecoder decoder;
         Page all, some;
         for (const PageInfo& info : index->pages) {
             const ByteSpan stored = ByteSpan(run).subspan(info.offset, info.stored_size);
-            ASSERT_TRUE(decode_page(job, info, stored, ColumnSet{}, all));
+            ASSERT_TRUE(decoder.decode(job, info, stored, ColumnSet{}, all));
             for (unsigned wanted = 0; wanted < 32; ++wanted) {
                 const ColumnSet columns{.samples = (wanted & 1) != 0,
                                         .positions = (wanted & 2) != 0,
                                         .values = (wanted & 4) != 0,
                                         .share = (wanted & 8) != 0,
                                         .extra = (wanted & 16) != 0};
-                ASSERT_TRUE(decode_page(job, info, stored, columns, some));
+                ASSERT_TRUE(decoder.decode(job, info, stored, columns, some));
                 const auto expect = [&](bool is_wanted, const auto& column, const auto& of_all, std::size_t count) {
                     const std::size_t expected = is_wanted && !of_all.empty() ? count : 0;
                     ASSERT_TRUE(expected == 0 ? column.empty() : column.size() >= count);

@@ -10,7 +10,7 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/column_decode.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_encoder.h"
 #include "sampledb/codec/page_layout.h"
 #include "sampledb/codec/planes.h"
 #include "sampledb/codec/rounding.h"
@@ -168,7 +168,7 @@ void check_square(const Vector& vector) {
     page.sample.resize(page.count), page.share.resize(page.count);
     page.x.resize(page.count), page.y.resize(page.count), page.z.resize(page.count);
     Bytes stored;
-    const FilmNode node = encode_page(job, page, stored).node;
+    const FilmNode node = PageEncoder().encode(job, page, stored).node;
     EXPECT_EQ((std::vector<std::uint32_t>{node.level, node.x, node.y}), vector.decimal<std::uint32_t>("level x y"));
 }
 
@@ -180,7 +180,7 @@ void check_planes(const Vector& vector) {
     }
     Bytes values(expected.size());
     const ColumnEntry entry = column(vector, Transform::kPlanes, stored);
-    ASSERT_TRUE(decode_plain(entry, values, value_width));
+    ASSERT_TRUE(ColumnDecoder().plain(entry, values, value_width));
     EXPECT_EQ(values, expected);
     Bytes planes(values.size());
     split_planes(values, value_width, planes);
@@ -194,7 +194,7 @@ void check_packed(const Vector& vector) {
     entry.base = vector.one<std::uint64_t>("base", 16);
     if (vector.fields.contains("s")) entry.lattice_bits = vector.one<std::uint8_t>("s");
     std::vector<std::uint64_t> values(vector.fields.at("values").size());
-    ASSERT_TRUE(decode_samples(entry, values));
+    ASSERT_TRUE(ColumnDecoder().samples(entry, values));
     EXPECT_EQ(values, vector.hex<std::uint64_t>("values"));
 }
 
@@ -211,7 +211,7 @@ void check_cross(const Vector& vector) {
     std::vector<float> x(y.size());
     ColumnEntry entry = column(vector, Transform::kCross, stored);
     set_step(vector, Transform::kSteppedCross, entry);
-    ASSERT_TRUE(decode_crossed(entry, x, y, {}));
+    ASSERT_TRUE(ColumnDecoder().crossed(entry, x, y, {}));
     EXPECT_EQ(bits(x), vector.hex<std::uint32_t>("x"));
 }
 
@@ -220,7 +220,7 @@ void check_delta2(const Vector& vector) {
     std::vector<float> values(vector.fields.at("values").size());
     ColumnEntry entry = column(vector, Transform::kDelta2, stored);
     set_step(vector, Transform::kSteppedDelta2, entry);
-    ASSERT_TRUE(decode_delta2(entry, values, vector.decimal<std::uint16_t>("pairs")));
+    ASSERT_TRUE(ColumnDecoder().along_records(entry, values, vector.decimal<std::uint16_t>("pairs")));
     EXPECT_EQ(bits(values), vector.hex<std::uint32_t>("values"));
 }
 
@@ -228,9 +228,9 @@ void check_sparse(const Vector& vector) {
     Bytes stored_x, stored_y;
     std::vector<float> x(vector.fields.at("x").size()), y(x.size());
     BrightRows bright;
-    ASSERT_TRUE(decode_y(column(vector, Transform::kSparse, stored_y, {"bitmap"}, "y "), y, bright));
+    ASSERT_TRUE(ColumnDecoder().luminance(column(vector, Transform::kSparse, stored_y, {"bitmap"}, "y "), y, bright));
     EXPECT_EQ(bits(y), vector.hex<std::uint32_t>("y"));
-    ASSERT_TRUE(decode_crossed(column(vector, Transform::kSparseCross, stored_x, {}, "x "), x, y, bright));
+    ASSERT_TRUE(ColumnDecoder().crossed(column(vector, Transform::kSparseCross, stored_x, {}, "x "), x, y, bright));
     EXPECT_EQ(bits(x), vector.hex<std::uint32_t>("x"));
 }
 
@@ -238,7 +238,7 @@ void check_codec(const Vector& vector) {
     const Bytes expected = vector.bytes("plane"), stored = vector.bytes("stored");
     Bytes scratch;
     const PlaneEntry entry{static_cast<PlaneCodec>(vector.one<int>("codec")), static_cast<std::uint32_t>(stored.size())};
-    const Result<ByteSpan> plane = decode_plane(entry, stored, expected.size(), scratch);
+    const Result<ByteSpan> plane = PlaneDecoder().decode(entry, stored, expected.size(), scratch);
     ASSERT_TRUE(plane) << plane.error().message;
     EXPECT_TRUE(std::ranges::equal(*plane, expected));
 }

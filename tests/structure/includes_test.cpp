@@ -151,7 +151,7 @@ TEST(Structure, AReversedArrowIsCaught) {
     EXPECT_EQ(wrong("tools/develop/develop.cpp", "sampledb/write/part_writer.h"), 1u);
     EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/light/light.h"), 1u);
     EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/geometry/geometry.h"), 1u);  // side by side
-    EXPECT_EQ(wrong("sampledb/format/run_frame.cpp", "sampledb/codec/page_codec.h"), 1u);
+    EXPECT_EQ(wrong("sampledb/format/run_frame.cpp", "sampledb/codec/page_decoder.h"), 1u);
     EXPECT_EQ(wrong("render/world/world.h", "render/world.h"), 1u);  // in no room
     EXPECT_EQ(wrong("sampledb/data/page.h", "base/result.h"), 0u);
     EXPECT_EQ(wrong("render/world/world.h", "render/math/vec.h"), 0u);

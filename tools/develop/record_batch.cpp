@@ -225,9 +225,10 @@ void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const F
 }
 
 Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const SlotRows>& kept) {
-    thread_local sampledb::Page page;
-    thread_local std::vector<CellRows> cells;
-    if (Status s = gathering_.read_page(ref.run, ref.info, channels_.columns(), page); !s) return s;
+    Worker& worker = workers_.local();
+    sampledb::Page& page = worker.page;
+    std::vector<CellRows>& cells = worker.cells;
+    if (Status s = gathering_.read_page(ref.run, ref.info, channels_.columns(), worker.decoder, page); !s) return s;
     ++counts_.pages;
     counts_.bytes += ref.info.stored_size;
     find_cells(page, cells);

@@ -1,11 +1,14 @@
 // tools/develop/record_batch.h: decoded records of many pages, sorted into cells. docs/developing.md, "Record batches".
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/gathering.h"
 #include "tools/develop/channels.h"
 #include "tools/develop/film_grid.h"
@@ -75,6 +78,11 @@ class Loader {
         std::uint32_t slot, first, count;
     };
     struct Filling;
+    struct Worker {  // what a thread keeps from page to page
+        sampledb::PageDecoder decoder;
+        sampledb::Page page;
+        std::vector<CellRows> cells;
+    };
 
     std::uint64_t pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     Status load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept);
@@ -88,6 +96,7 @@ class Loader {
     const Channels& channels_;
     std::size_t stride_;
     DecodeCounts counts_;
+    tbb::enumerable_thread_specific<Worker> workers_;
 };
 
 }  // namespace latent::develop

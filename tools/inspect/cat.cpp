@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <iterator>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include "base/bytes.h"
 #include "base/json.h"
 #include "base/printable.h"
+#include "sampledb/codec/page_decoder.h"
 #include "tools/inspect/damage.h"
 
 namespace latent::inspect {
@@ -22,36 +24,32 @@ namespace {
 constexpr std::size_t kFlushBytes = std::size_t{1} << 16;
 
 // A float in as few digits as bring it back exactly; JSON has no NaN or infinity: they become null.
-template <std::floating_point Float>
-void put_value(std::string& line, Float value, bool json) {
-    if (json && !std::isfinite(value)) {
-        line += "null";
-    } else {
-        fmt::format_to(std::back_inserter(line), "{}", value);
+template <class T>
+void put_value(std::string& line, T value, bool json) {
+    if constexpr (std::is_floating_point_v<T>) {
+        if (json && !std::isfinite(value)) {
+            line += "null";
+            return;
+        }
     }
+    fmt::format_to(std::back_inserter(line), "{}", value);
 }
 
 void put_extra(std::string& line, const ExtraColumn& column, std::size_t row, bool json) {
     const std::byte* at = column.values.data() + row * width(column.type);
     switch (column.type) {
         case ColumnType::kU8:
-            line += std::to_string(load_le<std::uint8_t>(at));
-            break;
+            return put_value(line, load_le<std::uint8_t>(at), json);
         case ColumnType::kU16:
-            line += std::to_string(load_le<std::uint16_t>(at));
-            break;
+            return put_value(line, load_le<std::uint16_t>(at), json);
         case ColumnType::kU32:
-            line += std::to_string(load_le<std::uint32_t>(at));
-            break;
+            return put_value(line, load_le<std::uint32_t>(at), json);
         case ColumnType::kU64:
-            line += std::to_string(load_le<std::uint64_t>(at));
-            break;
+            return put_value(line, load_le<std::uint64_t>(at), json);
         case ColumnType::kF32:
-            put_value(line, load_le<float>(at), json);
-            break;
+            return put_value(line, load_le<float>(at), json);
         case ColumnType::kF64:
-            put_value(line, load_le<double>(at), json);
-            break;
+            return put_value(line, load_le<double>(at), json);
     }
 }
 
@@ -64,87 +62,99 @@ std::string csv_field(const std::string& name) {
     return field + '"';
 }
 
-// Lines of text from decoded pages. Columns: sample, class, u, v, share; then x, y, z, or the wavelengths and their values, joined
-// by spaces in CSV; then the job's extra columns; one that is named like another is "extra.NAME".
+// Columns that say how the wavelengths of a record are stored: its pairs are printed in their place.
+constexpr bool is_spectral(Presence presence) {
+    return presence == Presence::kSpectral || presence == Presence::kDensity || presence == Presence::kNoDensity;
+}
+
+// Lines of text from decoded pages. Columns: as in the table, the class behind the sample; in spectral jobs wavelengths and their
+// values, joined by spaces in CSV; then the job's extra columns; one that is named like another is "extra.NAME".
 class LineWriter {
  public:
     LineWriter(const Job& job, TextFormat format) : job_(job), json_(format == TextFormat::kJsonLines), lambda_(kMaxPairs) {
-        std::vector<std::string> names = {"sample", "class", "u", "v", "share"};
-        const std::vector<std::string> values =
-            job.kind == RecordKind::kXyz ? std::vector<std::string>{"x", "y", "z"} : std::vector<std::string>{"lambda_nm", "power"};
-        names.insert(names.end(), values.begin(), values.end());
-        const std::size_t own = names.size();
+        for_each_column([&](auto column) {
+            constexpr auto spec = column.spec;
+            if (!has_column(job, RecordClass::kCamera, spec.presence)) return;
+            if constexpr (spec.number == Column::kPairs) {
+                names_.insert(names_.end(), {"lambda_nm", "power"});
+            } else if constexpr (!is_spectral(spec.presence)) {
+                names_.push_back(spec.name);
+            }
+            if constexpr (spec.number == Column::kSample) names_.push_back("class");
+        });
         for (const ExtraColumnSpec& column : job.extra) {
             std::string name = column.name;
-            while (std::ranges::find(names, name) != names.end()) name.insert(0, "extra.");
-            names.push_back(std::move(name));
+            while (std::ranges::find(names_, name) != names_.end()) name.insert(0, "extra.");
+            names_.push_back(std::move(name));
         }
-        for (std::size_t i = own; i < names.size(); ++i) {
-            extra_names_.push_back(json_ ? fmt::format(",{}:", json_text(nlohmann::json(names[i]), -1)) : ",");
+        for (const std::string& name : names_) {
+            const char* const before = before_.empty() ? (json_ ? "{" : "") : ",";
+            before_.push_back(json_ ? fmt::format("{}{}:", before, json_text(nlohmann::json(name), -1)) : before);
         }
         if (json_) return;
-        for (const std::string& name : names) heading_ += (heading_.empty() ? "" : ",") + csv_field(name);
+        for (const std::string& name : names_) heading_ += (heading_.empty() ? "" : ",") + csv_field(name);
         heading_ += '\n';
     }
 
     const std::string& heading() const { return heading_; }  // empty in JSON
 
     void put(std::string& line, const Page& page, std::size_t row) {
-        const bool camera = page.record_class == RecordClass::kCamera;
-        const float share = !camera ? 0.0f : page.unit_share ? 1.0f : page.share[row];
-        const char* const name = camera ? "camera" : "light";
-        const double u = page.u[row] * 0x1p-32, v = page.v[row] * 0x1p-32;
-        if (json_) {
-            fmt::format_to(std::back_inserter(line), R"({{"sample":{},"class":"{}","u":{},"v":{},"share":)", page.sample[row], name,
-                           u, v);
-        } else {
-            fmt::format_to(std::back_inserter(line), "{},{},{},{},", page.sample[row], name, u, v);
-        }
-        put_value(line, share, json_);
-        if (job_.kind == RecordKind::kXyz) {
-            put_named(line, "x", page.x[row]);
-            put_named(line, "y", page.y[row]);
-            put_named(line, "z", page.z[row]);
-        } else {
-            put_pairs(line, page, row);
-        }
-        for (std::size_t i = 0; i < page.extra.size(); ++i) {
-            line += extra_names_[i];
-            put_extra(line, page.extra[i], row, json_);
-        }
+        auto before = before_.begin();
+        const auto next = [&]() -> std::string& { return line += *before++; };
+        for_each_column([&](auto column) {
+            constexpr auto spec = column.spec;
+            if (!has_column(job_, RecordClass::kCamera, spec.presence)) return;
+            if constexpr (spec.number == Column::kPairs) {
+                put_list(next(), wavelengths(page, row));
+                put_list(next(), powers(page, row));
+            } else if constexpr (spec.number == Column::kShare) {
+                put_value(next(), share_of(page, row), json_);
+            } else if constexpr (spec.coding == Coding::kPosition) {
+                put_value(next(), (page.*spec.values)[row] * 0x1p-32, json_);
+            } else if constexpr (!is_spectral(spec.presence)) {
+                put_value(next(), (page.*spec.values)[row], json_);
+            }
+            if constexpr (spec.number == Column::kSample) put_class(next(), page.record_class);
+        });
+        for (const ExtraColumn& column : page.extra) put_extra(next(), column, row, json_);
         line += json_ ? "}\n" : "\n";
     }
 
  private:
-    void put_named(std::string& line, const char* name, float value) {
-        line += json_ ? fmt::format(",\"{}\":", name) : ",";
-        put_value(line, value, json_);
+    static float share_of(const Page& page, std::size_t row) {
+        return page.record_class == RecordClass::kLight ? 0.0f : page.unit_share ? 1.0f : page.share[row];
     }
-    void put_pairs(std::string& line, const Page& page, std::size_t row) {
+    void put_class(std::string& line, RecordClass record_class) const {
+        const char* const name = record_class == RecordClass::kCamera ? "camera" : "light";
+        line += json_ ? fmt::format("\"{}\"", name) : name;
+    }
+    void put_list(std::string& line, std::span<const float> values) const {
+        if (json_) line += '[';
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (i > 0) line += json_ ? ',' : ' ';
+            put_value(line, values[i], json_);
+        }
+        if (json_) line += ']';
+    }
+    static std::span<const float> powers(const Page& page, std::size_t row) {
+        return {page.power.data() + page.first_pair[row], page.pairs[row]};
+    }
+    std::span<const float> wavelengths(const Page& page, std::size_t row) {
         const std::uint16_t n = page.pairs[row];
-        const std::span<const float> power(page.power.data() + page.first_pair[row], n);
-        std::span<const float> lambda(lambda_.data(), n);
-        if (job_.density.empty()) {
-            lambda = std::span(page.lambda_nm.data() + page.first_pair[row], n);
-        } else if (n == job_.batch) {
+        if (job_.density.empty()) return {page.lambda_nm.data() + page.first_pair[row], n};
+        if (n == job_.batch) {
             job_.density.batch(page.xi[row], std::span(lambda_).first(n));
         } else if (n == 1) {
             lambda_[0] = job_.density.wavelength(page.xi[row], page.index[row], job_.batch);
         }
-        for (const auto& [name, values] : {std::pair("lambda_nm", lambda), std::pair("power", power)}) {
-            line += json_ ? fmt::format(",\"{}\":[", name) : ",";
-            for (std::size_t i = 0; i < values.size(); ++i) {
-                if (i > 0) line += json_ ? ',' : ' ';
-                put_value(line, values[i], json_);
-            }
-            if (json_) line += ']';
-        }
+        return {lambda_.data(), n};
     }
 
     const Job& job_;
     const bool json_;
+    std::vector<std::string> names_;
+    std::vector<std::string> before_;  // what stands before the value of each
     std::string heading_;
-    std::vector<std::string> extra_names_;  // what stands before the value of each
     std::vector<float> lambda_;
 };
 
@@ -175,6 +185,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
         return {};
     };
     const std::array<double, 4> region = options.region.value_or(std::array<double, 4>{0, 0, 1, 1});
+    PageDecoder decoder;
     Page page;
     GatherReport report = gathering.report();
     // Damage costs the page or the run that it is in.
@@ -194,7 +205,7 @@ Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
         for (const PageInfo& info : **pages) {
             if (left == 0) break;
             if (!touches(info.node, region)) continue;
-            if (Status s = gathering.read_page(run, info, ColumnSet{}, page); !s) {
+            if (Status s = gathering.read_page(run, info, ColumnSet{}, decoder, page); !s) {
                 if (left_out(run, s.error())) continue;
                 return s.error();
             }

@@ -9,7 +9,7 @@
 #include "base/json.h"
 #include "base/printable.h"
 #include "base/size.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
 #include "sampledb/read/provenance.h"

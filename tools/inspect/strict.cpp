@@ -9,7 +9,7 @@
 
 #include "base/json.h"
 #include "base/printable.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/rounding.h"
 #include "sampledb/data/grain.h"
 #include "sampledb/read/provenance.h"
@@ -28,13 +28,10 @@ bool is_utf8(const std::string& text) {
     return back.get<std::string>() == text;  // where it is not, U+FFFD stands
 }
 
-// Of a run's columns in memory. docs/format.md, "Canonical runs".
+// Of a run's columns in memory: those of a page, and the class of each record. docs/format.md, "Canonical runs".
 std::uint64_t raw_bytes(const Job& job, const RunHeader& run) {
-    const bool density = !job.density.empty();
-    std::uint64_t row = 8 + 1 + 4 + 4 + 4;
-    row += job.kind == RecordKind::kXyz ? 12 : density ? 2 + 4 + 2 : 2;
-    for (const ExtraColumnSpec& column : job.extra) row += width(column.type);
-    return (run.camera_records + run.light_records) * row + run.pair_count * (density ? 4 : 8);
+    const std::uint64_t records = run.camera_records + run.light_records;
+    return records * sizeof(RecordClass) + decoded_page_size(job, RecordClass::kCamera, records, run.pair_count);
 }
 
 // Every value is one that rounding to the job's precision leaves as it is, whatever the random number.
@@ -91,13 +88,14 @@ Result<Violations> check_run_strictly(const ByteSource& source, std::size_t numb
     Violations violations;
     OrderCheck order(job, number, violations);
     ShareCheck shares(index->coverage, number, violations);
+    PageDecoder decoder;
     Page page;
     Bytes stored;
     for (std::size_t i = 0; i < index->pages.size(); ++i) {
         const PageInfo& info = index->pages[i];
         stored.resize(info.stored_size);
         if (Status s = source.read(info.offset, stored); !s) return s.error();
-        if (Status s = decode_page(job, info, stored, ColumnSet{}, page); !s) return s.error().at(fmt::format("page {}", i));
+        if (Status s = decoder.decode(job, info, stored, ColumnSet{}, page); !s) return s.error().at(fmt::format("page {}", i));
         if (Status s = check_page_strictly(job, info, stored, number, i, violations); !s) return s.error();
         check_precision(job, page, number, i, violations);
         order.add(info, i, page);
@@ -106,7 +104,8 @@ Result<Violations> check_run_strictly(const ByteSource& source, std::size_t numb
     order.finish();
     const auto read_shares = [&](std::size_t i, Page& into) {
         return index->pages[i].record_class == RecordClass::kCamera
-                   ? read_page(source, index->pages[i], job, ColumnSet{.positions = false, .values = false, .extra = false}, into)
+                   ? read_page(source, index->pages[i], job, ColumnSet{.positions = false, .values = false, .extra = false},
+                               decoder, into)
                    : Status{};
     };
     if (Status s = shares.finish(index->pages.size(), read_shares); !s) return s.error();

@@ -6,7 +6,7 @@
 #include <array>
 #include <bit>
 
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/page_layout.h"
 #include "sampledb/codec/planes.h"
 
@@ -89,7 +89,7 @@ class PageCheck {
             }
             const bool is_packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
             if (!is_packed) continue;
-            const Result<ByteSpan> bytes = decode_plane(plane, stored, size, scratch_);
+            const Result<ByteSpan> bytes = planes_.decode(plane, stored, size, scratch_);
             if (!bytes) return bytes.error();
             if (!padding_is_zero(*bytes, values_of(entry.column), entry.bits))
                 wrong(entry, place, "padding bits after the last number are set", "zero");
@@ -113,8 +113,12 @@ class PageCheck {
         if (!padding_is_zero(packed, size, bits)) wrong(entry, place, "padding bits after the last number are set", "zero");
     }
 
-    std::size_t values_of(Column column) const {
-        return column == Column::kPower || column == Column::kLambda ? info_.pair_count : info_.record_count;
+    std::size_t values_of(Column number) const {
+        std::size_t values = info_.record_count;
+        for_each_column([&](auto column) {
+            if (column.spec.number == number && column.spec.rows == Rows::kPairs) values = info_.pair_count;
+        });
+        return values;
     }
 
     std::size_t plane_size(const ColumnEntry& entry, std::size_t plane) {
@@ -139,7 +143,7 @@ class PageCheck {
         const auto y = std::ranges::find(table_, Column::kY, &ColumnEntry::column);
         const PlaneEntry& plane = y->planes[0];
         const Result<ByteSpan> bitmap =
-            decode_plane(plane, y->stored.first(plane.stored_size), (info_.record_count + std::size_t{7}) / 8, scratch_);
+            planes_.decode(plane, y->stored.first(plane.stored_size), (info_.record_count + std::size_t{7}) / 8, scratch_);
         bright_ = 0;
         if (!bitmap) return 0;
         for (const std::byte rows : *bitmap) bright_ += static_cast<std::size_t>(std::popcount(std::to_integer<unsigned>(rows)));
@@ -166,6 +170,7 @@ class PageCheck {
     std::vector<ColumnEntry> table_;
     std::vector<StoredColumn> columns_;
     std::size_t bright_ = kUnknown;
+    PlaneDecoder planes_;
     Bytes scratch_;
     std::vector<std::uint64_t> numbers_;
 };

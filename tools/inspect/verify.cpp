@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/size.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
 #include "sampledb/read/part_name.h"
@@ -46,10 +47,11 @@ std::uint64_t count_not_finite(const std::vector<float>& values, std::size_t cou
 
 // Values that are NaN or infinite in a run whose pages are known to decode.
 Result<std::uint64_t> not_finite_in(const ByteSource& source, const RunInfo& run, const Job& job) {
+    PageDecoder decoder;
     Page page;
     std::uint64_t found = 0;
     const Result<Coverage> scanned = scan_run_index(source, run, job, [&](const PageInfo& info) {
-        if (Status s = read_page(source, info, job, ColumnSet{}, page); !s) return s;
+        if (Status s = read_page(source, info, job, ColumnSet{}, decoder, page); !s) return s;
         for (const auto* column : {&page.x, &page.y, &page.z, &page.share}) found += count_not_finite(*column, page.count);
         found += count_not_finite(page.power, info.pair_count);
         return Status{};

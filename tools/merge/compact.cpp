@@ -1,5 +1,6 @@
 #include "tools/merge/compact.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
@@ -11,7 +12,8 @@
 #include <utility>
 
 #include "base/first_error.h"
-#include "sampledb/codec/page_codec.h"
+#include "sampledb/codec/page_decoder.h"
+#include "sampledb/codec/page_encoder.h"
 #include "sampledb/codec/run_codec.h"
 #include "tools/merge/compact_front.h"
 #include "tools/merge/compact_rows.h"
@@ -80,7 +82,7 @@ class ClassMerger {
           writer_(writer),
           table_(job_) {
         left_over_.record_class = record_class;
-        left_over_.extra.resize(job_.extra.size());
+        left_over_.extra = extra_columns(job_);
         for (std::size_t run = group.first; run < group.end; ++run) fronts_.emplace_back(gathering, run, record_class);
     }
 
@@ -106,7 +108,7 @@ class ClassMerger {
         FirstError error;
         for (const RunFront& front : fronts_) front.announce(budget_.ahead);
         tbb::parallel_for(std::size_t{0}, fronts_.size(), [&](std::size_t i) {
-            if (!error) error.keep(fronts_[i].decode(budget_.ahead));
+            if (!error) error.keep(fronts_[i].decode(budget_.ahead, workers_.local().decoder));
         });
         return error.status();
     }
@@ -159,9 +161,9 @@ class ClassMerger {
             return std::make_shared<Encoded>(Encoded{std::exchange(begin, end), end, {}, {}});
         };
         const auto make = [&](const Passed& encoded) {
-            thread_local Page page;
-            table_.gather(std::span(order_).subspan(encoded->begin, encoded->end - encoded->begin), page);
-            encoded->info = encode_page(job_, page, encoded->bytes);
+            Worker& worker = workers_.local();
+            table_.gather(std::span(order_).subspan(encoded->begin, encoded->end - encoded->begin), worker.page);
+            encoded->info = worker.encoder.encode(job_, worker.page, encoded->bytes);
             return encoded;
         };
         const auto write = [&](const Passed& encoded) {
@@ -186,9 +188,16 @@ class ClassMerger {
         lead_ = lead;
     }
 
+    struct Worker {
+        PageDecoder decoder;
+        Page page;
+        PageEncoder encoder;
+    };
+
     const Job& job_;
     const std::size_t most_;
     const Budget budget_;
+    tbb::enumerable_thread_specific<Worker> workers_;
     RunEncoder& encoder_;
     Writer& writer_;
     std::vector<RunFront> fronts_;

@@ -33,7 +33,7 @@ void RunFront::announce(std::size_t ahead) const {
     if (next_ < end) gathering_.will_read(run_, infos_[next_], infos_[end - 1]);
 }
 
-Status RunFront::decode(std::size_t ahead) {
+Status RunFront::decode(std::size_t ahead, PageDecoder& decoder) {
     for (; pages_.size() < ahead && next_ < infos_.size(); ++next_) {
         std::unique_ptr<DecodedPage> decoded;
         if (spare_.empty()) {
@@ -43,7 +43,7 @@ Status RunFront::decode(std::size_t ahead) {
             spare_.pop_back();
         }
         Page& page = decoded->page;
-        if (Status s = gathering_.read_page(run_, infos_[next_], ColumnSet{}, page); !s) return s;
+        if (Status s = gathering_.read_page(run_, infos_[next_], ColumnSet{}, decoder, page); !s) return s;
         decoded->used = 0;
         decoded->z.resize(page.count);
         for (std::size_t i = 0; i < page.count; ++i) decoded->z[i] = z_prefix(page.u[i], page.v[i]);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/gathering.h"
 
 namespace latent::merge {
@@ -32,7 +33,7 @@ class RunFront {
     Status open();
     // Pages to decode until `ahead` are there. `announce` tells the system, `decode` does it; the latter of several runs at a time.
     void announce(std::size_t ahead) const;
-    Status decode(std::size_t ahead);
+    Status decode(std::size_t ahead, sampledb::PageDecoder& decoder);
 
     bool complete() const { return next_ == infos_.size(); }  // every page that is left is decoded
     SortKey last() const { return pages_.back()->key(pages_.back()->page.count - 1); }

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <span>
 
-#include "sampledb/codec/page_codec.h"
 #include "sampledb/codec/run_codec.h"
+#include "sampledb/data/page.h"
 #include "tools/merge/compact.h"
 
 namespace latent::merge {

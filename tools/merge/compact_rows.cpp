@@ -1,6 +1,8 @@
 #include "tools/merge/compact_rows.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace latent::merge {
 
@@ -9,83 +11,65 @@ using namespace sampledb;
 namespace {
 
 template <class T>
-void gather_column(const std::vector<const T*>& from, std::span<const RowRef> rows, std::vector<T>& to) {
-    to.resize(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) to[i] = from[rows[i].page][rows[i].row];
-}
-
-template <class T>
-void append(std::vector<T>& to, const T* from, std::size_t count) {
-    to.insert(to.end(), from, from + count);
+void gather_column(const PageTable::Pointers& pages, std::span<const RowRef> rows, std::size_t width, std::vector<T>& to) {
+    to.resize(rows.size() * width);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        copy_row(static_cast<const T*>(pages[rows[i].page]), rows[i].row, width, &to[i * width]);
 }
 
 }  // namespace
 
 void PageTable::clear() {
-    for (auto* column : {&u_, &v_, &xi_}) column->clear();
-    for (auto* column : {&share_, &x_, &y_, &z_}) column->clear();
-    for (auto* column : {&counts_, &index_}) column->clear();
-    for (auto& column : extra_) column.clear();
-    sample_.clear();
-    pairs_.clear();
+    for (auto& column : columns_) column.clear();
+    first_pair_.clear();
+    unit_share_.clear();
 }
 
 std::uint32_t PageTable::add(const Page& page) {
     record_class_ = page.record_class;
-    sample_.push_back(page.sample.data());
-    u_.push_back(page.u.data());
-    v_.push_back(page.v.data());
-    share_.push_back(page.share.empty() ? nullptr : page.share.data());
-    x_.push_back(page.x.data());
-    y_.push_back(page.y.data());
-    z_.push_back(page.z.data());
-    counts_.push_back(page.pairs.data());
-    xi_.push_back(page.xi.data());
-    index_.push_back(page.index.data());
-    pairs_.push_back({page.first_pair.data(), page.power.data(), page.lambda_nm.empty() ? nullptr : page.lambda_nm.data()});
-    for (std::size_t i = 0; i < extra_.size(); ++i) extra_[i].push_back(page.extra[i].values.data());
-    return static_cast<std::uint32_t>(sample_.size() - 1);
+    auto column = columns_.begin();
+    for_each_values([&](Shape, const auto& values) { (column++)->push_back(values.data()); }, page);
+    first_pair_.push_back(page.first_pair.data());
+    unit_share_.push_back(page.unit_share);
+    return static_cast<std::uint32_t>(first_pair_.size() - 1);
+}
+
+void PageTable::gather_shares(const Pointers& pages, std::span<const RowRef> rows, std::vector<float>& share) const {
+    for (const RowRef& row : rows)
+        share.push_back(unit_share_[row.page] ? 1.0f : static_cast<const float*>(pages[row.page])[row.row]);
+}
+
+void PageTable::gather_pairs(const Pointers& pages, std::span<const RowRef> rows, std::span<const std::uint16_t> pairs,
+                             std::vector<float>& to) const {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const float* const from = static_cast<const float*>(pages[rows[i].page]) + first_pair_[rows[i].page][rows[i].row];
+        to.insert(to.end(), from, from + pairs[i]);
+    }
 }
 
 void PageTable::gather(std::span<const RowRef> rows, Page& page) const {
     page.record_class = record_class_;
     page.count = rows.size();
-    gather_column(sample_, rows, page.sample);
-    gather_column(u_, rows, page.u);
-    gather_column(v_, rows, page.v);
-    page.share.clear();
-    page.unit_share = true;
-    if (record_class_ == RecordClass::kCamera) {
-        for (const RowRef& row : rows) page.share.push_back(share_[row.page] ? share_[row.page][row.row] : 1.0f);
-        page.unit_share = std::ranges::all_of(page.share, [](float share) { return share == 1; });
-    }
-    if (job_.kind == RecordKind::kXyz) {
-        gather_column(x_, rows, page.x);
-        gather_column(y_, rows, page.y);
-        gather_column(z_, rows, page.z);
-    } else {
-        gather_column(counts_, rows, page.pairs);
-        page.power.clear(), page.lambda_nm.clear(), page.first_pair.clear();
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const Pairs& from = pairs_[rows[i].page];
-            const std::uint32_t first = from.first[rows[i].row];
-            page.first_pair.push_back(static_cast<std::uint32_t>(page.power.size()));
-            append(page.power, from.power + first, page.pairs[i]);
-            if (from.lambda_nm) append(page.lambda_nm, from.lambda_nm + first, page.pairs[i]);
+    for_each_column([&](auto column) {
+        constexpr auto spec = column.spec;
+        auto& to = page.*spec.values;
+        to.clear();
+        if (!has_column(job_, record_class_, spec.presence)) return;
+        if constexpr (spec.number == Column::kShare) {
+            gather_shares(columns_[column.place], rows, to);
+        } else if constexpr (spec.rows == Rows::kPairs) {
+            gather_pairs(columns_[column.place], rows, page.pairs, to);
+        } else {
+            gather_column(columns_[column.place], rows, 1, to);
         }
-        if (!job_.density.empty()) {
-            gather_column(xi_, rows, page.xi);
-            gather_column(index_, rows, page.index);
-        }
-    }
-    page.extra.resize(extra_.size());
-    for (std::size_t c = 0; c < extra_.size(); ++c) {
-        const std::size_t bytes = width(job_.extra[c].type);
-        std::vector<std::byte>& to = page.extra[c].values;
-        to.resize(rows.size() * bytes);
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            std::copy_n(extra_[c][rows[i].page] + rows[i].row * bytes, bytes, &to[i * bytes]);
-    }
+    });
+    if (page.extra.size() != job_.extra.size()) page.extra = extra_columns(job_);
+    for (std::size_t i = 0; i < page.extra.size(); ++i)
+        gather_column(columns_[kColumnCount + i], rows, width(page.extra[i].type), page.extra[i].values);
+    page.unit_share = std::ranges::all_of(page.share, [](float share) { return share == 1; });
+    page.first_pair.assign(page.pairs.empty() ? 0 : rows.size() + 1, 0);
+    if (!page.pairs.empty())
+        std::inclusive_scan(page.pairs.begin(), page.pairs.end(), page.first_pair.begin() + 1, std::plus<>(), std::uint32_t{0});
 }
 
 }  // namespace latent::merge

@@ -18,28 +18,24 @@ struct RowRef {
 // Decoded pages of one job and class. They stay where they are while the table is used.
 class PageTable {
  public:
-    explicit PageTable(const sampledb::Job& job) : job_(job), extra_(job.extra.size()) {}
+    explicit PageTable(const sampledb::Job& job) : job_(job), columns_(sampledb::kColumnCount + job.extra.size()) {}
+    using Pointers = std::vector<const void*>;  // where a column begins in each page
+
     void clear();
     std::uint32_t add(const sampledb::Page& page);  // its number
     // Fills `page` with rows, in their order. Thread-safe.
     void gather(std::span<const RowRef> rows, sampledb::Page& page) const;
 
  private:
-    struct Pairs {
-        const std::uint32_t* first;
-        const float* power;
-        const float* lambda_nm;  // null: derived
-    };
+    void gather_shares(const Pointers& pages, std::span<const RowRef> rows, std::vector<float>& share) const;
+    void gather_pairs(const Pointers& pages, std::span<const RowRef> rows, std::span<const std::uint16_t> pairs,
+                      std::vector<float>& to) const;
 
     const sampledb::Job& job_;
     sampledb::RecordClass record_class_ = sampledb::RecordClass::kCamera;
-    // Where the columns of each page begin.
-    std::vector<const std::uint64_t*> sample_;
-    std::vector<const std::uint32_t*> u_, v_, xi_;
-    std::vector<const float*> share_, x_, y_, z_;  // a share is null where all are 1
-    std::vector<const std::uint16_t*> counts_, index_;
-    std::vector<Pairs> pairs_;
-    std::vector<std::vector<const std::byte*>> extra_;
+    std::vector<Pointers> columns_;                 // the extra ones behind the others
+    std::vector<const std::uint32_t*> first_pair_;  // of each page
+    std::vector<bool> unit_share_;
 };
 
 }  // namespace latent::merge
