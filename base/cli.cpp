@@ -121,8 +121,8 @@ std::string in_plain_words(const CLI::ParseError& error) {
     if (const std::size_t colon = what.find(": "), choices = what.find(" not in {"); choices != what.npos && colon < choices) {
         std::string list = what.substr(choices + 9, what.size() - choices - 10);
         for (std::size_t at = 0; (at = list.find(',', at)) != list.npos; at += 2) list.replace(at, 1, ", ");
-        return fmt::format("{}: unknown choice '{}'; choose from {}", what.substr(0, colon), what.substr(colon + 2, choices - colon - 2),
-                           list);
+        return fmt::format("{}: unknown choice '{}'; choose from {}", what.substr(0, colon),
+                           what.substr(colon + 2, choices - colon - 2), list);
     }
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
     return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": given more than once");

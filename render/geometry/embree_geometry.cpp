@@ -207,7 +207,8 @@ SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const {
     const PlacedInstance& instance = instances_[id - shapes_.size()];
     const Affined& map = instance.world_from_object;
     const Vec3f ns(instance.object_from_world.normal(Vec3d(hit.ns)));
-    SurfaceCoordinates c = coordinates_at((*instance.shapes)[shape], primitive, uv, instance.object_from_world.point(Vec3d(hit.p)), ns);
+    SurfaceCoordinates c =
+        coordinates_at((*instance.shapes)[shape], primitive, uv, instance.object_from_world.point(Vec3d(hit.p)), ns);
     c.dpdu = Vec3f(map.vector(Vec3d(c.dpdu)));
     c.dpdv = Vec3f(map.vector(Vec3d(c.dpdv)));
     // n = m / |m|, m the image of the object's normal.

@@ -40,7 +40,7 @@ Status unknown_transform(const ColumnEntry& entry) {
 
 Status ColumnDecoder::load_planes(const ColumnEntry& entry, std::size_t first, ByteSpan stored, std::span<std::byte> values,
                                   std::size_t value_width) {
-    if (entry.planes.size() != first + value_width) return corrupt("a column with planes missing");
+    if (entry.planes.size() != first + value_width) return corrupt("a column without all of its planes");
     std::array<ByteSpan, kMaxPlanes> planes;
     for (std::size_t p = 0; p < value_width; ++p) {
         const PlaneEntry& plane = entry.planes[first + p];
@@ -59,7 +59,7 @@ Status ColumnDecoder::load_packed(const ColumnEntry& entry, std::span<std::uint6
         std::ranges::fill(values, 0);
         return entry.planes.empty() ? Status{} : corrupt("a constant column with planes");
     }
-    if (entry.planes.size() != 1) return corrupt("a packed column of several planes");
+    if (entry.planes.size() != 1) return corrupt("a packed column with several planes");
     const Result<ByteSpan> packed =
         planes_.decode(entry.planes[0], entry.stored, packed_size(values.size(), entry.bits), plane_[0]);
     if (!packed) return packed.error();
@@ -83,7 +83,7 @@ Status ColumnDecoder::samples(const ColumnEntry& entry, std::span<std::uint64_t>
         return {};
     }
     const unsigned s = entry.lattice_bits;
-    if (s == 0) return corrupt("a lattice of no bits");
+    if (s == 0) return corrupt("a lattice without bits");
     const std::uint64_t mask = (std::uint64_t{1} << s) - 1;
     const std::uint64_t high = entry.base & ~mask;
     const std::uint32_t f0 = reverse_bits(static_cast<std::uint32_t>(entry.base & mask));  // in its s high bits
@@ -94,7 +94,7 @@ Status ColumnDecoder::samples(const ColumnEntry& entry, std::span<std::uint64_t>
 Status ColumnDecoder::luminance(const ColumnEntry& entry, std::span<float> values, BrightRows& bright) {
     bright.known = entry.transform == Transform::kSparse;
     if (!bright.known) return plain(entry, std::as_writable_bytes(values), 4);
-    if (entry.planes.empty()) return corrupt("a column with planes missing");
+    if (entry.planes.empty()) return corrupt("a column without all of its planes");
     const PlaneEntry& plane = entry.planes[0];
     const Result<ByteSpan> bitmap =
         planes_.decode(plane, entry.stored.first(plane.stored_size), (values.size() + 7) / 8, plane_[0]);
@@ -104,7 +104,7 @@ Status ColumnDecoder::luminance(const ColumnEntry& entry, std::span<float> value
     for (const std::byte rows : bright.bitmap)
         bright.count += static_cast<std::size_t>(std::popcount(std::to_integer<unsigned>(rows)));
     if (bright.count == 0 || std::to_integer<unsigned>(bright.bitmap.back()) >> ((values.size() - 1) % 8 + 1) != 0) {
-        return corrupt("a bitmap that names no row, or one behind the last");
+        return corrupt("a bitmap with no row set, or with one beyond the last");
     }
     const std::span<std::uint32_t> y = at_least(bright.y, bright.count + kExpandPadding).first(bright.count);
     if (Status s = load_planes(entry, 1, entry.stored.subspan(plane.stored_size), std::as_writable_bytes(y), 4); !s) return s;
@@ -120,7 +120,7 @@ Status ColumnDecoder::crossed(const ColumnEntry& entry, std::span<float> values,
     if (entry.transform != Transform::kCross && !sparse && !stepped) return plain(entry, bytes, 4);
     const Result<unsigned> step = step_of(entry, stepped);
     if (!step) return step.error();
-    if (sparse && !bright.known) return corrupt("a sparse column beside a y that is not");
+    if (sparse && !bright.known) return corrupt("a sparse x or z beside a y that is not sparse");
     const std::size_t count = sparse ? bright.count : values.size();
     const std::span<std::uint32_t> words = at_least(words_, count + kExpandPadding).first(count);
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;

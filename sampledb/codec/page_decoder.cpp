@@ -81,7 +81,7 @@ class PageDecoder::Decoding {
     Status find_positions() {
         const bool no_u = entry_of(Column::kU).transform == Transform::kSampler;
         const bool no_v = entry_of(Column::kV).transform == Transform::kSampler;
-        if (no_u != no_v) return corrupt("half a position");
+        if (no_u != no_v) return corrupt("only one of u and v is derived");
         if (no_u && job_.positions.sampler == PositionSampler::kNone)
             return corrupt("positions left out in a job without a sampler");
         derived_ = no_u;
@@ -147,7 +147,7 @@ class PageDecoder::Decoding {
         for (std::size_t i = 0; i < page_.count; ++i) {
             const std::uint16_t n = page_.pairs[i];
             if (n > job_.batch || (!job_.density.empty() && n > 1 && n != job_.batch))
-                return corrupt("a record of a wrong number of pairs");
+                return corrupt("a record with a wrong number of pairs");
             first[i] = static_cast<std::uint32_t>(sum);
             sum += n;
         }

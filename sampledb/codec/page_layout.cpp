@@ -36,7 +36,7 @@ Status read_table(const Job& job, const PageInfo& info, ByteSpan stored, std::ve
     std::size_t count = job.extra.size();
     for_each_column([&](auto column) { count += has_column(job, info.record_class, column.spec.presence) ? 1 : 0; });
     ByteReader in(stored);
-    if (in.get<std::uint32_t>() != count) return corrupt("a page of other columns");
+    if (in.get<std::uint32_t>() != count) return corrupt("a page with other columns than its job has");
     table.resize(count);
     bool valid = true;
     auto entry = table.begin();

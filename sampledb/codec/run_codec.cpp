@@ -48,13 +48,13 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
     });
     for (std::size_t i = 0; columns_fit && i < r.extra.size(); ++i)
         columns_fit = r.extra[i].values.size() == n * width(job.extra[i].type);
-    if (!columns_fit) return Error{ErrorCode::kOutOfRange, "records without the columns that the job asks for"};
+    if (!columns_fit) return Error{ErrorCode::kOutOfRange, "records without all columns of the job"};
 
     const auto refused = [&](std::size_t i) -> const char* {
         if (r.record_class[i] > RecordClass::kLight) return "a record of unknown class";
         if (!coverage.contains(r.sample[i])) return "outside the run's coverage";
         if (r.record_class[i] == RecordClass::kCamera) return nullptr;
-        if (r.share[i] != 0) return "a light record with a share of the denominator";
+        if (r.share[i] != 0) return "a light record with a share";
         return job.light_paths_per_sample == 0 ? "a light record in a job that has no light paths" : nullptr;
     };
     if (!all_fit_at_once(job, coverage, r)) {
@@ -63,11 +63,12 @@ Status check_records(const Job& job, const Coverage& coverage, const Records& r)
         }
     }
     for (std::size_t i = 0; i < r.pairs.size(); ++i) {
-        if (r.pairs[i] > job.batch) return refuse(i, "more pairs than the job's batch");
+        if (r.pairs[i] > job.batch) return refuse(i, "more pairs than wavelengths per sample");
         if (!density) continue;
         if (r.pairs[i] > 1 && r.pairs[i] != job.batch) return refuse(i, "neither one wavelength nor the whole batch");
         const bool kept_alone = r.pairs[i] == 1 && job.batch > 1;
-        if (kept_alone ? r.index[i] >= job.batch : r.index[i] != kNoIndex) return refuse(i, "an index that does not fit its pairs");
+        if (kept_alone ? r.index[i] >= job.batch : r.index[i] != kNoIndex)
+            return refuse(i, "an index that contradicts the number of pairs");
     }
     return {};
 }
@@ -103,7 +104,7 @@ Result<Bytes> encode_run(const Job& job, const Coverage& coverage, const Records
 
 Result<Bytes> RunBuilder::build(const Job& job, const Coverage& coverage, Pieces pieces, Bytes memory) {
     if (coverage.empty()) return Error{ErrorCode::kOutOfRange, "a run that covers no sample"};
-    if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run of too many intervals"};
+    if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run with too many intervals"};
     std::uint64_t records = 0, pairs = 0, raw_bytes = 0;
     for (const auto& piece : pieces) records += piece->size(), pairs += piece->power.size(), raw_bytes += piece->raw_bytes();
     if (std::max(records, pairs) > kMostRecords) return Error{ErrorCode::kOutOfRange, "more than 2^31 records or pairs in a run"};
@@ -130,7 +131,7 @@ Result<Bytes> RunBuilder::build(const Job& job, const Coverage& coverage, Pieces
         }
     }
     const RunEncoder::Tail tail = encoder.finish();
-    if (tail.header.page_count > kMaxPagesPerRun) return Error{ErrorCode::kOutOfRange, "a run of too many pages"};
+    if (tail.header.page_count > kMaxPagesPerRun) return Error{ErrorCode::kOutOfRange, "a run with too many pages"};
     run.insert(run.end(), tail.index.begin(), tail.index.end());
     std::ranges::copy(encode_run_header(tail.header), run.begin());
     return run;

@@ -51,8 +51,7 @@ Result<HeaderCopy> read_header(const ByteSource& source, std::string& fault) {
 }
 
 std::string lost_run(const RunInfo& run, std::string_view why) {
-    return fmt::format("run at byte {}: {}; samples {}:{} lost", run.offset, why, run.header.samples.first,
-                       run.header.samples.end);
+    return fmt::format("run at byte {}: {}; samples {}:{} lost", run.offset, why, run.header.samples.first, run.header.samples.end);
 }
 
 // The footer that the file ends with; none if it does not, or if it is damaged. `end`: where it begins, as far as that is known.

@@ -212,8 +212,7 @@ TEST_F(Tool, NoSamplesAreNoPictureAndMissingOnesAreNamed) {
         const Outcome none = develop_samples(outside);
         EXPECT_EQ(develop_samples(outside, {"--crop", "0,0,9,9"}).err, none.err);
         EXPECT_EQ(none.status, 1) << none.err;
-        EXPECT_EQ(none.err,
-                  std::string("latent-develop: --samples ") + outside + ": the files hold only 4096:8192, 12288:16384\n");
+        EXPECT_EQ(none.err, std::string("latent-develop: --samples ") + outside + ": the files hold only 4096:8192, 12288:16384\n");
         EXPECT_FALSE(std::filesystem::exists(folder_ / "a.exr"));
     }
     const Outcome nothing = develop({empty, "-o", out("b.exr")});
