@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 
+#include "sampledb/codec/xyz_rows.h"
 #include "sampledb/data/z_order.h"
 
 namespace latent::sampledb {
@@ -70,6 +71,9 @@ void RowSorter::with_layout(F&& f) const {
 template <RecordKind kind, bool density>
 void RowSorter::load_rows(const Records& piece, std::span<const std::uint32_t> by_sample, std::size_t first,
                           std::span<Row> rows) const {
+    if constexpr (kind == RecordKind::kXyz) {
+        if (by_sample.empty()) return load_xyz_rows(piece, first, rows);
+    }
     const auto load = [&](const auto& column, std::size_t offset) {
         if (by_sample.empty()) {
             for (std::size_t i = 0; i < rows.size(); ++i) rows[i].set(offset, column[first + i]);
@@ -102,35 +106,36 @@ void RowSorter::add(const Records& piece) {
         const std::size_t n = std::min(kBlock, piece.size() - first);
         with_layout(
             [&]<RecordKind kind, bool density>() { load_rows<kind, density>(piece, by_sample, first, std::span(block).first(n)); });
+        std::size_t lights = 0;
         for (std::size_t i = 0; i < n; ++i) {
             const std::size_t row = by_sample.empty() ? first + i : by_sample[first + i];
             const std::size_t record_class = static_cast<std::size_t>(piece.record_class[row]);
-            const std::uint32_t place = place_for(record_class * kBuckets + leading_z(block[i].u(), block[i].v()));
+            Bucket& bucket = buckets_[record_class * kBuckets + leading_z(block[i].u(), block[i].v())];
+            if (bucket.next == bucket.end) add_chunk(bucket);
+            const std::uint32_t place = bucket.next++;
             __builtin_prefetch(&rows_[place] + 2, 1);  // the next line of this bucket
             rows_[place] = block[i];
             if (!came_.extra.empty()) sources_[place] = rows_before + static_cast<std::uint32_t>(row);
-            ++count_[record_class];
+            lights += record_class;
         }
+        count_[0] += n - lights;
+        count_[1] += lights;
     }
 }
 
-std::uint32_t RowSorter::place_for(std::size_t bucket_number) {
-    Bucket& bucket = buckets_[bucket_number];
-    if (bucket.next == bucket.end) {
-        (bucket.count == 0 ? bucket.first_chunk : next_chunk_[bucket.last_chunk]) = chunks_;
-        bucket.last_chunk = chunks_;
-        bucket.next = chunks_ * kChunk;
-        bucket.end = bucket.next + kChunk;
-        ++chunks_;
-    }
-    ++bucket.count;
-    return bucket.next++;
+void RowSorter::add_chunk(Bucket& bucket) {
+    (bucket.chunks++ == 0 ? bucket.first_chunk : next_chunk_[bucket.last_chunk]) = chunks_;
+    bucket.last_chunk = chunks_;
+    bucket.next = chunks_ * kChunk;
+    bucket.end = bucket.next + kChunk;
+    ++chunks_;
 }
 
 // Stable, by the bits of z that the bucket leaves open: three passes of 8 bits, the least significant first.
 void RowSorter::sort_bucket(const Bucket& bucket) {
     constexpr int kPasses = (32 - kBucketBits) / 8;
-    const std::size_t n = bucket.count;
+    const std::size_t n = bucket.count();
+    if (n == 0) return;
     if (keys_.size() < n) keys_.resize(n), sorted_.resize(n);
     std::span<std::uint64_t> from(keys_.data(), n), to(sorted_.data(), n);  // Z prefix above, place in rows_ below
     std::array<std::array<std::uint32_t, 256>, kPasses> next{};
@@ -147,14 +152,17 @@ void RowSorter::sort_bucket(const Bucket& bucket) {
         }
         chunk = next_chunk;
     }
-    for (int pass = 0; pass < kPasses && n > 1; ++pass) {
-        std::exclusive_scan(next[pass].begin(), next[pass].end(), next[pass].begin(), 0u);
+    for (auto& digits : next) std::exclusive_scan(digits.begin(), digits.end(), digits.begin(), 0u);
+    for (int pass = 0; pass + 1 < kPasses; ++pass) {
         for (const std::uint64_t key : from) to[next[pass][key >> (32 + 8 * pass) & 0xFF]++] = key;
         std::swap(from, to);
     }
+    const std::size_t sorted = z_.size();
+    z_.resize(sorted + n), order_.resize(sorted + n);
     for (const std::uint64_t key : from) {
-        z_.push_back(static_cast<std::uint32_t>(key >> 32));
-        order_.push_back(static_cast<std::uint32_t>(key));
+        const std::size_t rank = sorted + next[kPasses - 1][key >> (32 + 8 * (kPasses - 1)) & 0xFF]++;
+        z_[rank] = static_cast<std::uint32_t>(key >> 32);
+        order_[rank] = static_cast<std::uint32_t>(key);
     }
 }
 
@@ -179,6 +187,10 @@ void RowSorter::gather_rows(std::span<const std::uint32_t> places, Page& page) c
         constexpr bool present = is_present(spec.presence, kind, density, RecordClass::kCamera);
         (page.*spec.values).resize(present && spec.rows == Rows::kRecords ? n : 0);
     });
+    if constexpr (kind == RecordKind::kXyz) {
+        page.unit_share = gather_xyz_rows(rows_.data(), places, page);
+        return;
+    }
     bool unit_share = true;
     for (std::size_t i = 0; i < n; ++i) {
         if (i + kAhead < n) __builtin_prefetch(&rows_[places[i + kAhead]]);

@@ -4,11 +4,11 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
 #include "sampledb/codec/big_buffer.h"
+#include "sampledb/codec/sorter_row.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "sampledb/data/record.h"
@@ -17,40 +17,6 @@ namespace latent::sampledb {
 
 // Row numbers in ascending order of sample, rows of one sample as they came; empty if they are in that order already.
 std::vector<std::uint32_t> order_by_sample(const Records& records);
-
-// Where column `number` of the table begins in a SorterRow, behind those before it that the kind of the job has.
-constexpr std::size_t row_offset(RecordKind kind, Column number) {
-    std::size_t offset = 0;
-    for_each_column([&](auto column) {
-        const bool before = column.spec.number < number && column.spec.rows == Rows::kRecords &&
-                            is_present(column.spec.presence, kind, true, RecordClass::kCamera);
-        if (before) offset += sizeof(typename decltype(column)::Value);
-    });
-    return offset;
-}
-
-// The columns of a record side by side, half a cache line: fetching a row in sorted order costs one miss, not eight.
-struct alignas(32) SorterRow {
-    std::array<std::byte, 32> bytes;
-
-    template <class T>
-    T get(std::size_t offset) const {
-        T value;
-        std::memcpy(&value, &bytes[offset], sizeof(T));
-        return value;
-    }
-    template <class T>
-    void set(std::size_t offset, T value) {
-        std::memcpy(&bytes[offset], &value, sizeof(T));
-    }
-
-    static constexpr std::size_t kU = row_offset(RecordKind::kXyz, Column::kU), kV = row_offset(RecordKind::kXyz, Column::kV);
-    static constexpr std::size_t kFirstPair = row_offset(RecordKind::kSpectral, Column::kFirstExtra);  // where its pairs begin: u32
-    std::uint32_t u() const { return get<std::uint32_t>(kU); }
-    std::uint32_t v() const { return get<std::uint32_t>(kV); }
-};
-static_assert(row_offset(RecordKind::kXyz, Column::kFirstExtra) <= sizeof(SorterRow));
-static_assert(SorterRow::kFirstPair + sizeof(std::uint32_t) <= sizeof(SorterRow));
 
 // Sorts the rows of one run after another; its memory (about 35 bytes per record) is kept for the next.
 class RowSorter {
@@ -75,9 +41,9 @@ class RowSorter {
     static constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
     static constexpr std::uint32_t kChunk = 66;
     struct Bucket {
-        std::uint32_t count = 0;
         std::uint32_t next = 0, end = 0;  // places in rows_: of the next row, of the end of the last chunk
-        std::uint32_t first_chunk = 0, last_chunk = 0;
+        std::uint32_t chunks = 0, first_chunk = 0, last_chunk = 0;
+        std::size_t count() const { return std::size_t{chunks} * kChunk - (end - next); }
     };
 
     using Row = SorterRow;
@@ -89,7 +55,7 @@ class RowSorter {
     void load_rows(const Records& piece, std::span<const std::uint32_t> by_sample, std::size_t first, std::span<Row> rows) const;
     template <RecordKind kind, bool density>
     void gather_rows(std::span<const std::uint32_t> places, Page& page) const;
-    std::uint32_t place_for(std::size_t bucket);
+    void add_chunk(Bucket& bucket);
     void sort_bucket(const Bucket& bucket);
 
     std::size_t first_row(RecordClass record_class) const { return record_class == RecordClass::kCamera ? 0 : count_[0]; }
