@@ -78,6 +78,27 @@ TEST(Splat, SumsAreThoseOfTheDefinitionAndCutSegmentsChangeNone) {
     }
 }
 
+TEST(Splat, ThreeByThreePixelsGetTheVerySumsOfTheFourByFourAroundThem) {
+    const Records records = make_records(3000);
+    for (const char* name : {"quartic:-3,1.5", "quartic:-6,1.5", "quartic:-3,1.2", "gaussian:0.5,1.5"}) {
+        const Filter filter = *Filter::parse(name);
+        ASSERT_EQ(filter.kernel().covered, 3) << name;
+        FilterKernel wide = filter.kernel();
+        wide.covered = 4;
+        for (int k = 0; k < 16; ++k) {
+            wide.column[static_cast<std::size_t>(k)] = static_cast<float>(k % 4 - 1);
+            wide.row[static_cast<std::size_t>(k)] = static_cast<float>(k / 4 - 1);
+        }
+        for (const Weights weights : {Weights::kSigned, Weights::kPositive, Weights::kUnitSum}) {
+            const std::vector<double> window = window_of(filter, weights, records);
+            std::vector<double> expected(window.size());
+            splat(wide, kLanes, weights, records.columns(), records.segments, expected.data(), window_side(filter));
+            EXPECT_EQ(window, expected) << name << ' ' << static_cast<int>(weights);
+        }
+    }
+    EXPECT_EQ(Filter::parse("quartic:-3,1.51")->kernel().covered, 4);
+}
+
 TEST(Splat, APatchHasTheVerySumsOfTheWindow) {
     const Records records = make_records(3000);
     for (const char* name : kFilters) {

@@ -56,15 +56,26 @@ void tabulate(FilterKernel& kernel, double radius, const std::function<double(do
     kernel.has_negative_lobes = std::ranges::any_of(kernel.table_value, [](float w) { return w < 0; });
 }
 
-void lay_out_footprint(FilterKernel& kernel, double radius) {
-    kernel.reach = static_cast<int>(std::ceil(radius));
-    const int side = kernel.side();
+// Whether every weight at 1.5 pixels or more is zero, in the kernel's own arithmetic.
+bool ends_within_three_pixels(const FilterKernel& kernel) {
+    constexpr float kEdge2 = 1.5f * 1.5f;
+    if (kernel.form == FilterKernel::Form::kQuartic) return kEdge2 * kernel.inverse_radius2 >= 1;
+    return kernel.form == FilterKernel::Form::kTable && kEdge2 * kernel.table_scale >= FilterKernel::kTableSteps;
+}
+
+void lay_out_footprint(FilterKernel& kernel) {
+    if (kernel.reach == 2 && ends_within_three_pixels(kernel))
+        kernel.covered = 3;
+    else
+        kernel.covered = kernel.side();
+    const int side = kernel.covered;
+    const float first = 0.5f * static_cast<float>(2 - side);
     const int padded = (side * side + 15) / 16 * 16;
     kernel.column.assign(padded, 1000.0f);
     kernel.row.assign(padded, 1000.0f);
     for (int k = 0; k < side * side; ++k) {
-        kernel.column[k] = static_cast<float>(k % side - kernel.reach + 1);
-        kernel.row[k] = static_cast<float>(k / side - kernel.reach + 1);
+        kernel.column[k] = first + static_cast<float>(k % side);
+        kernel.row[k] = first + static_cast<float>(k / side);
     }
 }
 
@@ -118,7 +129,7 @@ Result<Filter> Filter::parse(std::string_view text) {
     if (!(radius > 0 && radius <= FilterKernel::kMaxReach)) {
         return usage(fmt::format("--filter {}: the radius R must be above 0 and at most {} pixels", text, FilterKernel::kMaxReach));
     }
-    lay_out_footprint(kernel, radius);
+    kernel.reach = static_cast<int>(std::ceil(radius));
     if (kind == "quartic") {
         kernel.s = static_cast<float>(p[0]);
         kernel.least_factor = kernel.has_negative_lobes ? std::numeric_limits<float>::lowest() : 0.0f;
@@ -145,6 +156,7 @@ Result<Filter> Filter::parse(std::string_view text) {
             std::ranges::copy(m.outer, kernel.outer);
         }
     }
+    lay_out_footprint(kernel);
 
     for (int a = 0; a <= 32; ++a) {
         for (int b = 0; b <= a; ++b) {  // record positions over one eighth of a pixel: the rest is symmetry

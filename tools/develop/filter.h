@@ -31,7 +31,11 @@ struct FilterKernel {
     float table_scale = 0;             // kTable: steps per pixel^2
     std::vector<float> table_value, table_step;  // kTable: w = value[i] + f step[i]
     float inner[4] = {}, outer[4] = {};          // kSeparable: cubics in d < 1 and in 2 - d <= 1, constant term first
-    std::vector<float> column, row;              // k - n + 1 of all 4 n^2 pixels of the footprint, padded with far pixels to 16
+
+    // A footprint of 4 x 4 pixels of which a row and a column always have weight 0 is covered as 3 x 3 pixels, for a record at
+    // (j + g - 1) with columns j - 1 .. j + 1, at the distances k - 1/2 - g. Sums are the same to the bit.
+    int covered = 4;                 // pixels along each side of what is added up: 2n, or 3 where n = 2 and R <= 1.5
+    std::vector<float> column, row;  // distances where g = 0, of all pixels that are covered, padded with far pixels to 16
 
     int side() const { return 2 * reach; }
 };

@@ -29,10 +29,14 @@ struct Shape {
     auto tag() const { return hn::CappedTag < float, kSideOrZero == 2 ? 4 : 16 > (); }
 };
 
-// 1 / sum of the weights, added in one order everywhere.
-HWY_INLINE double inverse_sum(const double* weights, int count) {
+// 1 / sum of the weights, added in one order everywhere; of 3 x 3 pixels in that of the 4 x 4 which they cover.
+HWY_INLINE double inverse_sum(const double* weights, int side) {
+    if (side == 3) {
+        const auto column = [&](int x) { return (weights[x] + weights[x + 3]) + weights[x + 6]; };
+        return 1.0 / ((column(0) + column(2)) + column(1));
+    }
     double part[4] = {};
-    for (int k = 0; k < count; k += 4) {  // footprints have 4 n^2 pixels
+    for (int k = 0; k < side * side; k += 4) {  // other footprints have 4 n^2 pixels
         for (int i = 0; i < 4; ++i) part[i] += weights[k + i];
     }
     return 1.0 / ((part[0] + part[2]) + (part[1] + part[3]));
@@ -47,8 +51,7 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
     const hn::Rebind<float, decltype(d)> df;
     for (int lane = 0; lane < shape.stride(); lane += static_cast<int>(hn::Lanes(d))) {
         auto s = hn::PromoteTo(d, hn::LoadU(df, values + lane));
-        if constexpr (Shape::kWeights == Weights::kUnitSum)
-            s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side() * shape.side())));
+        if constexpr (Shape::kWeights == Weights::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side())));
         double* row = window + lane;
         const double* w = weights;
         const auto add_pixel = [&](int x) HWY_ATTR {
@@ -65,6 +68,10 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
                 add_pixel(1);
                 add_pixel(2);
                 add_pixel(3);
+            } else if constexpr (Shape::kSide == 3) {
+                add_pixel(0);
+                add_pixel(1);
+                add_pixel(2);
             } else if constexpr (Shape::kSide == 2) {
                 add_pixel(0);
                 add_pixel(1);
@@ -74,6 +81,9 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
         }
     }
 }
+
+// Footprints of an odd number of pixels begin at the first pixel that is in reach of g, or the one after it: from g = 1/2 on.
+constexpr std::uint32_t kHalf = 1 << 23;
 
 // Some records of a cell: where their footprints begin, and what they hold.
 constexpr std::size_t kBlock = 64;
@@ -151,7 +161,8 @@ void splat_records(const Shape& shape, const FilterKernel& filter, const RecordC
             end_weights<kForm, Shape::kWeights == Weights::kPositive>(shape.tag(), filter, padded, begun + i % kRing * padded,
                                                                       weights + i % kRing * padded);
     };
-    for (BlockReader reader(records, segments, row_pixels, shape.stride()); reader.read(0, block);) {
+    const std::uint32_t shift = shape.side() == 3 ? kHalf : 0;
+    for (BlockReader reader(records, segments, row_pixels, shape.stride()); reader.read(shift, block);) {
         for (std::size_t i = 0; i < 2 * kAhead; ++i) begin(i);
         for (std::size_t i = 0; i < kAhead; ++i) end(i);
         for (std::size_t i = 0; i < block.count; ++i) {
@@ -168,7 +179,6 @@ void splat_box(int stride, const RecordColumns& records, std::span<const Segment
                std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
-    constexpr std::uint32_t kHalf = 1 << 23;  // the first of the two pixels in reach has its centre at g = 0
     Block block;
     for (BlockReader reader(records, segments, row_pixels, stride); reader.read(kHalf, block);) {
         for (std::size_t i = 0; i < block.count; ++i) {
@@ -195,9 +205,10 @@ void Splat(const FilterKernel& filter, int stride, Weights weights, const Record
                 return splat_box(shape.stride(), records, segments, window, row_pixels);
         }
     };
-    const int side = filter.side();
+    const int side = filter.covered;
     const auto with_size = [&]<Weights kWeights>() {
         if (side == 4 && stride == 4) return with_shape(Shape<4, 4, kWeights>{side, stride});
+        if (side == 3 && stride == 4) return with_shape(Shape<3, 4, kWeights>{side, stride});
         if (side == 2 && stride == 4) return with_shape(Shape<2, 4, kWeights>{side, stride});
         return with_shape(Shape<0, 0, kWeights>{side, stride});
     };
