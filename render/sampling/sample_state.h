@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "render/sampling/random.h"
 #include "render/sampling/sampler.h"
@@ -15,8 +16,12 @@ struct SampleState {
     SampleNumbers numbers;
     SampledSpectra& spectra;
     std::uint32_t kept;
-    Random random{0};
+    std::optional<Random> randoms{};  // begun when first asked: most samples need none
 
+    Uniform random() {
+        if (!randoms) randoms.emplace(numbers(Dimension::kRandom).bits);
+        return (*randoms)();
+    }
     std::uint32_t k() const { return spectra.wavelengths.k; }
 };
 

@@ -17,7 +17,7 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     spectra.start_sample();
     const SampleNumbers numbers{&sampler_, n};
     const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
-    SampleState sample{numbers, spectra, kept, Random(numbers(Dimension::kRandom).bits)};
+    SampleState sample{numbers, spectra, kept};
 
     const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
     Radiance camera;
