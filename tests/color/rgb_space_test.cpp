@@ -142,6 +142,22 @@ TEST(Adaptation, WhiteGoesToWhiteAndKeepsItsLuminance) {
     }
 }
 
+// The equal-energy white excites the cones of CAT16 equally, so adapting from it has the responses to the other white as
+// eigenvalues: their sum is the trace [Li17].
+TEST(Adaptation, Cat16ScalesTheConesOfItsPaper) {
+    const Chromaticity e{1.0 / 3, 1.0 / 3}, a{0.44758, 0.40745};
+    const Xyz white = xyz_from_chromaticity(a);
+    const Matrix3 matrix = *adaptation_matrix(e, a, Cones::kCat16);
+    const double responses = (0.401288 - 0.250268 - 0.002079) * white.x + (0.650173 + 1.204414 + 0.048952) * white.y +
+                             (-0.051461 + 0.045854 + 0.953127) * white.z;
+    EXPECT_NEAR(matrix.m[0][0] + matrix.m[1][1] + matrix.m[2][2], responses, 1e-12);
+    const auto adapted = matrix * std::array{1.0, 1.0, 1.0};
+    EXPECT_NEAR(adapted[0], white.x, 1e-12);
+    EXPECT_NEAR(adapted[1], 1, 1e-12);
+    EXPECT_NEAR(adapted[2], white.z, 1e-12);
+    EXPECT_EQ(cones_by_name("von-kries").error().code, ErrorCode::kUsage);
+}
+
 TEST(Adaptation, ImpossibleWhitesAreRefused) {
     const Chromaticity d65{0.3127, 0.3290};
     for (const Chromaticity bad : {Chromaticity{0.3, 0}, {0, 0.3}, {0.7, 0.4}, {std::nan(""), 0.3}, {0.02, 0.01}}) {

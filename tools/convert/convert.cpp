@@ -148,7 +148,12 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     if (!tone) return tone.error();
     const Result<color::Gamut> gamut = color::gamut_by_name(options.gamut);
     if (!gamut) return gamut.error();
-    const Result<color::Matrix3> adaptation = color::adaptation_matrix(source->white, display->white);
+    const Result<color::Cones> cones = color::cones_by_name(options.adapt);
+    if (!cones) return cones.error();
+    const Result<color::Chromaticity> white = options.white ? chromaticity_of(*options.white, *source) : source->white;
+    if (!white) return white.error();
+    const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->white, *cones);
+    if (!adaptation && options.white) return Error{ErrorCode::kUsage, adaptation.error().message}.at("--white");
     if (!adaptation) return adaptation.error().at(options.input.string());
     color::PrintSettings settings{options.sensitivity, *tone, *gamut, *adaptation * source->xyz_from_file};
 
@@ -165,7 +170,7 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     if (!print) return print.error();
 
     std::vector<std::unique_ptr<Sink>> sinks;
-    const Picture picture{source->area, image.display_window, settings.sigma};
+    const Picture picture{source->area, image.display_window, settings.sigma, *white};
     MemoryNeed need;
     for (const std::filesystem::path& path : options.outputs) {
         Result<std::unique_ptr<Sink>> sink = open_sink(path, picture, *display, options);
@@ -183,6 +188,8 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     report.profile = display->space.name;
     report.gamut = options.gamut;
     report.tone = options.tone;
+    report.white = *white;
+    report.adapt = options.adapt;
     if (Status s = print_all(*source, *plan, *print, sinks, progress, report.print); !s) return s.error();
     for (const auto& sink : sinks) {
         if (Status s = sink->finish(); !s) return s.error();

@@ -24,6 +24,12 @@ Profiles:
   FILE.icc                  profile with three primaries and one curve; it is
                             embedded unchanged
 
+Whites:
+  D65, D50, A, E, F1 to F12 standard illuminants
+  5200K                     daylight, or a blackbody below 4000K
+  x,y                       chromaticity
+  X,Y,WIDTH,HEIGHT          mean of these pixels, for example of a grey card
+
 Examples:
   latent-convert picture.exr -o picture.png
       print with the default settings
@@ -31,6 +37,8 @@ Examples:
       choose the sensitivity automatically, and report it
   latent-convert picture.exr -o p3.tif --bits 16 --profile display-p3 --stops -1
       print 16 bits for a wide-gamut display, one stop darker
+  latent-convert picture.exr -o lamplight.png --white A
+      print a scene lit by incandescent lamps without the orange cast
   latent-convert picture.exr -o wall.tif --tiles --pyramid
       write a tiled pyramid, as BigTIFF if needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M
@@ -71,6 +79,12 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     cli::add_parsed(app, "--luminance-row", options.luminance_row, luminances_of,
                     "luminances of red, green and blue; needed only if the matrix is singular")
         ->type_name("R,G,B");
+    cli::add_parsed(app, "--white", options.white, latent::convert::parse_white,
+                    "light of the scene that prints neutral; see below (default: the picture's own white)")
+        ->type_name("WHITE");
+    app.add_option("--adapt", options.adapt, "how colours are adapted from that white to the white of the display")
+        ->check(CLI::IsMember({"bradford", "cat16"}))
+        ->capture_default_str();
     cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
                            "bits per channel (default: 8, or float in EXR, where 16 means half float)");
     app.add_flag("--dither,!--no-dither", options.dither, "dither 8-bit output (default: on)");

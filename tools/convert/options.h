@@ -10,6 +10,7 @@
 
 #include "color/print.h"
 #include "image/rect.h"
+#include "tools/convert/white.h"
 
 namespace latent::convert {
 
@@ -26,6 +27,8 @@ struct ConvertOptions {
     std::string gamut = "luminance";
     std::string profile = "srgb";
     std::optional<std::array<double, 3>> luminance_row;
+    std::optional<White> white;      // printed neutral; unless given, the picture's own white
+    std::string adapt = "bradford";  // from that white to the display's
 
     Depth depth = Depth::kDefault;    // 8 for display files, float for EXR; only what the format holds is accepted
     bool dither = true;               // of 8 bits
@@ -48,7 +51,8 @@ struct ConvertOptions {
 struct ConvertReport {
     int width = 0, height = 0;
     double sigma = 1;
-    std::string profile, gamut, tone;
+    std::string profile, gamut, tone, adapt;
+    color::Chromaticity white;  // that was printed neutral
     color::PrintReport print;
     std::vector<std::string> outputs;
     double seconds = 0;

@@ -11,8 +11,10 @@ std::string to_text(const ConvertReport& r) {
         return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
     };
     std::string text = fmt::format(
-        "size           {} x {}\nsensitivity    {}\nprint          tone {}, gamut {}, {}\nout of gamut   {} pixels ({:.3f} %)\n",
-        r.width, r.height, r.sigma, r.tone, r.gamut, r.profile, r.print.out_of_gamut, share(r.print.out_of_gamut));
+        "size           {} x {}\nsensitivity    {}\nprint          tone {}, gamut {}, {}\nwhite          {}, {}\nout of gamut   {} "
+        "pixels ({:.3f} %)\n",
+        r.width, r.height, r.sigma, r.tone, r.gamut, r.profile, text_of(r.white), r.adapt, r.print.out_of_gamut,
+        share(r.print.out_of_gamut));
     const auto line = [&](const char* name, std::uint64_t count, const char* became) {
         if (count > 0) text += fmt::format("{:<15}{} pixels ({:.3f} %), {}\n", name, count, share(count), became);
     };
@@ -32,6 +34,8 @@ std::string to_json(const ConvertReport& r) {
                                       {"tone", r.tone},
                                       {"gamut", r.gamut},
                                       {"profile", r.profile},
+                                      {"white", {r.white.x, r.white.y}},
+                                      {"adaptation", r.adapt},
                                       {"pixels", r.print.pixels},
                                       {"out_of_gamut", r.print.out_of_gamut},
                                       {"clipped", r.print.clipped},

@@ -127,7 +127,9 @@ std::vector<std::pair<std::string, std::string>> texts(const Picture& picture, c
             {"Sensitivity", fmt::format("{}", picture.sigma)},
             {"Tone", options.tone},
             {"Gamut", options.gamut},
-            {"Profile", display.space.name}};
+            {"Profile", display.space.name},
+            {"White", text_of(picture.white)},
+            {"Adaptation", options.adapt}};
 }
 
 Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>> writer, const Picture& picture,

@@ -35,6 +35,7 @@ struct Picture {
     image::Rect area;            // coordinates of the display window
     image::Rect display_window;  // EXR keeps it
     double sigma = 1;
+    color::Chromaticity white;  // printed neutral
 };
 
 class Sink {
