@@ -60,13 +60,13 @@ class Phi3 {
     void operator()(std::span<const std::uint64_t> n, std::uint32_t shift, std::uint32_t* v) {
         const std::uint64_t q = n[0] / kPow16;
         std::array<std::uint32_t, kBlock> first, second;
-        bool shared = true;
+        std::uint64_t shared = ~std::uint64_t{0};  // the sign bit: every low part is below 3^16
         for (std::size_t i = 0; i < n.size(); ++i) {
             const std::uint64_t low = n[i] - q * kPow16;
-            shared &= low < kPow16;
+            shared &= (low - kPow16) & ~low;
             first[i] = static_cast<std::uint32_t>(low);
         }
-        if (!shared) {
+        if (shared >> 63 == 0) {
             for (std::size_t i = 0; i < n.size(); ++i) v[i] = phi3(n[i]) + shift;
             return;
         }
