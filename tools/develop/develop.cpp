@@ -1,6 +1,7 @@
 #include "tools/develop/develop.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -25,6 +26,7 @@ using sampledb::RecordClass;
 
 constexpr std::size_t kPagesAtOnce = 1 << 14;                 // references to pages of a region that streams
 constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
+constexpr std::uint64_t kLargePage = 2 << 20;                 // touching the slab costs a fault for each
 constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
 
 // Where all records are in memory, panes are no larger than this: their windows are still in the caches when they become pixels.
@@ -84,10 +86,12 @@ class Engine {
         counts_.page_bytes = plan->stored_bytes();
         if (const std::uint64_t least = plan->least_room(); slab_bytes_ < least)
             return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
-        slab_.reset(static_cast<std::byte*>(std::aligned_alloc(64, slab_bytes_)));
+        slab_.reset(
+            static_cast<std::byte*>(std::aligned_alloc(kLargePage, (slab_bytes_ + kLargePage - 1) / kLargePage * kLargePage)));
         if (!slab_)
             return Error{ErrorCode::kOutOfRange,
                          fmt::format("--memory {}: more than the system can provide", format_size(settings_.memory))};
+        ::madvise(slab_.get(), slab_bytes_ / kLargePage * kLargePage, MADV_HUGEPAGE);  // a hint: any answer will do
         progress_ = &progress;
         if (Status s = develop_node({}, {slab_.get(), slab_bytes_}, 0); !s) return s.error();
         if (progress) progress(1, "");
