@@ -59,6 +59,18 @@ double LuminanceHistogram::log_average(double p_low, double p_high) const {
     return weight > 0 ? std::exp2(sum / weight) : 0;
 }
 
+double LuminanceHistogram::percentile(double p, std::uint64_t dark) const {
+    const double rank = p * static_cast<double>(dark + count());
+    std::uint64_t below = dark;
+    if (static_cast<double>(below) >= rank) return 0;
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < kBinCount && static_cast<double>(below) < rank; ++i) {
+        if (bins_[i] > 0) last = i;
+        below += bins_[i];
+    }
+    return centre_of(last);
+}
+
 Result<double> auto_sigma(const LuminanceHistogram& histogram) {
     constexpr double kTrim = 0.01, kGrey = 0.18;
     const double average = histogram.log_average(kTrim, 1 - kTrim);

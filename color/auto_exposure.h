@@ -19,6 +19,9 @@ class LuminanceHistogram {
     std::uint64_t count() const;
     // exp of the mean log luminance of the pixels between two percentiles.
     double log_average(double p_low, double p_high) const;
+    // The luminance that a share `p` of the pixels does not exceed, to 0.8 %, where `dark` pixels more have none: 0 among these,
+    // and of an empty histogram.
+    double percentile(double p, std::uint64_t dark) const;
 
  private:
     std::vector<std::uint64_t> bins_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -40,6 +41,24 @@ TEST(LuminanceHistogram, OnlyPositiveFiniteValuesCount) {
                              std::numeric_limits<float>::denorm_min()});
     EXPECT_EQ(h.count(), 3U);
     EXPECT_NEAR(h.log_average(0.9, 1) / std::numeric_limits<float>::max(), 1, 0.016);
+}
+
+// A bin's centre is within half a bin of all its values: 1/128.
+TEST(LuminanceHistogram, PercentilesAreThoseOfTheSortedValues) {
+    std::vector<float> y = log_normal(10'000, -2, 4);
+    LuminanceHistogram h;
+    h.add(y);
+    std::ranges::sort(y);
+    for (const std::uint64_t dark : {0, 2500}) {
+        for (const double p : {0.0001, 0.01, 0.1, 0.21, 0.3, 0.5, 0.9, 0.99, 1.0}) {
+            const double rank = std::ceil(p * static_cast<double>(y.size() + dark)) - static_cast<double>(dark);
+            const double exact = rank < 1 ? 0 : static_cast<double>(y[static_cast<std::size_t>(rank) - 1]);
+            EXPECT_NEAR(h.percentile(p, dark), exact, exact / 128) << p << " " << dark;
+        }
+    }
+    EXPECT_EQ(h.percentile(0.2, 2500), 0);
+    EXPECT_EQ(LuminanceHistogram().percentile(0.5, 0), 0);
+    EXPECT_EQ(LuminanceHistogram().percentile(0.5, 10), 0);
 }
 
 TEST(LuminanceHistogram, SumsDoNotDependOnTheirOrder) {

@@ -16,6 +16,7 @@
 #include "color/auto_exposure.h"
 #include "tools/convert/bands.h"
 #include "tools/convert/display.h"
+#include "tools/convert/luminances.h"
 #include "tools/convert/sink.h"
 #include "tools/convert/source.h"
 
@@ -30,15 +31,6 @@ void tell(const Progress& progress, std::size_t done, std::size_t all, const cha
     if (progress) progress(static_cast<double>(done) / static_cast<double>(all), what);
 }
 
-// What one thread works in.
-struct Workbench {
-    image::ExrReader::Scratch scratch;
-    std::vector<float> planes;
-    color::PrintReport report;
-    color::LuminanceHistogram histogram;
-};
-using Workbenches = tbb::enumerable_thread_specific<Workbench>;
-
 // A block of the file's pixels, in the planes of one thread.
 struct Block {
     Rect area;
@@ -49,6 +41,22 @@ struct Block {
         return {planes[c] + static_cast<std::size_t>(y - area.y0) * width, width};
     }
 };
+
+// What one thread works in.
+struct Workbench {
+    image::ExrReader::Scratch scratch;
+    std::vector<float> planes, luminances;
+    color::PrintReport report;
+    Luminances seen;
+
+    // The luminances of a row of the block, until the next call.
+    std::span<const float> luminances_of(const std::array<double, 3>& y_row, const Block& block, int y) {
+        luminances.resize(static_cast<std::size_t>(block.area.width()));
+        adapted_luminances(y_row, block.row(0, y), block.row(1, y), block.row(2, y), luminances);
+        return luminances;
+    }
+};
+using Workbenches = tbb::enumerable_thread_specific<Workbench>;
 
 // Reads the blocks of a band side by side and hands each to `use`.
 template <class Use>
@@ -71,29 +79,28 @@ void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workb
 Result<double> find_sigma(const Source& source, const BandPlan& plan, const color::Matrix3& adapted_xyz, const Progress& progress) {
     Workbenches benches;
     FirstError error;
-    const std::array<double, 3>& y_row = adapted_xyz.m[1];
     for (std::size_t i = 0; i < plan.band_ends.size() && !error; ++i) {
         for_each_block(source, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
-            for (int y = block.area.y0; y < block.area.y1; ++y) {
-                const std::span<float> r = block.row(0, y), g = block.row(1, y), b = block.row(2, y);
-                for (std::size_t x = 0; x < r.size(); ++x) {
-                    g[x] = static_cast<float>(y_row[0] * static_cast<double>(r[x]) + y_row[1] * static_cast<double>(g[x]) +
-                                              y_row[2] * static_cast<double>(b[x]));
-                }
-                bench.histogram.add(g);
-            }
+            for (int y = block.area.y0; y < block.area.y1; ++y)
+                bench.seen.histogram.add(bench.luminances_of(adapted_xyz.m[1], block, y));
         });
         tell(progress, i + 1, plan.band_ends.size(), "measuring the light");
     }
     if (error) return error.status().error();
     color::LuminanceHistogram all;
-    for (const Workbench& bench : benches) all += bench.histogram;
+    for (const Workbench& bench : benches) all += bench.seen.histogram;
     return color::auto_sigma(all);
 }
 
+// What luminance is, and which of it can be printed.
+struct Metering {
+    std::array<double, 3> y_row;
+    PrintableRange range;
+};
+
 // Bands go through printing and encoding one after another; where memory allows, one is printed while the one before is encoded.
-Status print_all(const Source& source, const BandPlan& plan, const color::Print& print,
-                 const std::vector<std::unique_ptr<Sink>>& sinks, const Progress& progress, color::PrintReport& report) {
+Status print_all(const Source& source, const BandPlan& plan, const color::Print& print, const Metering& metering,
+                 const std::vector<std::unique_ptr<Sink>>& sinks, const Progress& progress, ConvertReport& report) {
     Workbenches benches;
     FirstError error;
     std::size_t next = 0, done = 0;
@@ -108,6 +115,7 @@ Status print_all(const Source& source, const BandPlan& plan, const color::Print&
         for (const auto& sink : sinks) bands->push_back(sink->new_band(area));
         for_each_block(source, plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
             for (int y = block.area.y0; y < block.area.y1; ++y) {
+                bench.seen.add(bench.luminances_of(metering.y_row, block, y), metering.range);
                 print.row(block.row(0, y), block.row(1, y), block.row(2, y), block.row(0, y), block.row(1, y), block.row(2, y),
                           bench.report);
             }
@@ -124,7 +132,15 @@ Status print_all(const Source& source, const BandPlan& plan, const color::Print&
     tbb::parallel_pipeline(plan.overlapped ? 2 : 1,
                            tbb::make_filter<void, std::shared_ptr<Bands>>(tbb::filter_mode::serial_in_order, print_band) &
                                tbb::make_filter<std::shared_ptr<Bands>, void>(tbb::filter_mode::serial_in_order, encode_band));
-    for (const Workbench& bench : benches) report += bench.report;
+    Luminances seen;
+    for (const Workbench& bench : benches) {
+        report.print += bench.report;
+        seen += bench.seen;
+    }
+    for (std::size_t i = 0; i < kPercentiles.size(); ++i)
+        report.luminance[i] = seen.histogram.percentile(kPercentiles[i] / 100.0, seen.dark);
+    report.black = seen.black;
+    report.burnt = seen.burnt;
     return error.status();
 }
 
@@ -190,7 +206,8 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     report.tone = options.tone;
     report.white = *white;
     report.adapt = options.adapt;
-    if (Status s = print_all(*source, *plan, *print, sinks, progress, report.print); !s) return s.error();
+    const Metering metering{settings.adaptation.m[1], printable_range(display->space.transfer, *tone, settings.sigma)};
+    if (Status s = print_all(*source, *plan, *print, metering, sinks, progress, report); !s) return s.error();
     for (const auto& sink : sinks) {
         if (Status s = sink->finish(); !s) return s.error();
     }

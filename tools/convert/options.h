@@ -48,12 +48,17 @@ struct ConvertOptions {
     bool replace = false;
 };
 
+// Of the pixels, in percent.
+inline constexpr std::array kPercentiles{1, 10, 50, 90, 99};
+
 struct ConvertReport {
     int width = 0, height = 0;
     double sigma = 1;
     std::string profile, gamut, tone, adapt;
     color::Chromaticity white;  // that was printed neutral
     color::PrintReport print;
+    std::array<double, kPercentiles.size()> luminance{};  // in the scene, at these percentiles; after adaptation
+    std::uint64_t black = 0, burnt = 0;                   // pixels whose grey would be code 0 or 255 of 8 bits
     std::vector<std::string> outputs;
     double seconds = 0;
 
