@@ -7,13 +7,25 @@
 namespace latent::render {
 
 MediumStep HomogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                                          SampledSpectrum& value, SampledSpectrum*) const {
+                                          SampledSpectrum& value, SampledSpectrum* emitted) const {
+    if (emitted != nullptr) add_emission(segment.length, sample, value, *emitted);
     const float sigma = sample.spectra[sigma_t_][u_wavelength.index(sample.k())];
     const float t = sigma > 0 ? -log_of_complement(u) / sigma : kInfinity;
     const bool scattered = t < segment.length;
     const MediumStep step = scattered ? scatter_at(segment, t, sample, value) : multiply_transmittance(segment, sample, value);
     value *= scattered || step.density > 0 ? 1 / step.density : 0;
     return step;
+}
+
+// The integral of sigma_a Le e^(-sigma_t t) over the whole segment.
+void HomogeneousMedium::add_emission(float length, SampleState& sample, const SampledSpectrum& value,
+                                     SampledSpectrum& emitted) const {
+    const SampledSpectrum &sigma_t = sample.spectra[sigma_t_], &emission = sample.spectra[emission_];
+    const float d = std::min(length, kFar);
+    emitted += value * emission * spectrum_of([&](std::uint32_t i) {
+                   const float depth = sigma_t.v[i] * d;
+                   return depth < 1e-3f ? d * (1 - 0.5f * depth) : (1 - exp_of_negative(-depth)) / sigma_t.v[i];
+               });
 }
 
 MediumStep HomogeneousMedium::scatter_at(const Segment&, float t, SampleState& sample, SampledSpectrum& value) const {

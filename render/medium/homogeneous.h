@@ -11,12 +11,12 @@ namespace latent::render {
 //   passing a length d       P(d) = 1/k sum e^(-sigma_t d)
 class HomogeneousMedium final : public Medium {
  public:
-    // Spectra of the scene's library [1/m].
-    HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, const PhaseFunction& phase)
-        : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s) {}
+    // Spectra of the scene's library [1/m]; `emission`: sigma_a times the emitted radiance, kNone: none.
+    HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, std::uint32_t emission, const PhaseFunction& phase)
+        : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s), emission_(emission) {}
 
     bool is_bounded() const override { return false; }
-    bool is_emissive() const override { return false; }
+    bool is_emissive() const override { return emission_ != kNone; }
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
                            SampledSpectrum* emitted) const override;
     MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const override;
@@ -24,7 +24,9 @@ class HomogeneousMedium final : public Medium {
     float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const override;
 
  private:
-    std::uint32_t sigma_t_, sigma_s_;
+    void add_emission(float length, SampleState& sample, const SampledSpectrum& value, SampledSpectrum& emitted) const;
+
+    std::uint32_t sigma_t_, sigma_s_, emission_;
 };
 
 }  // namespace latent::render

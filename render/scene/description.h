@@ -59,11 +59,14 @@ struct MaterialDescription {
     SourceLocation location{};
 };
 
-// Henyey-Greenstein. The spectra are scaled by the volume's density, which is 1 everywhere if it is uniform.
+// Henyey-Greenstein. sigma_a and sigma_s are scaled by the density of the volume, which is 1 everywhere if it is uniform; a spectral
+// volume replaces them.
 struct MediumDescription {
     std::string name{};
     color::Spectrum sigma_a{}, sigma_s{};  // 1/m, `scale` not applied
     double scale = 1, g = 0;
+    color::Spectrum Le{};  // radiance that absorbing matter emits
+    double Le_scale = 1;
     Volume volume{};
     // Not of a uniform volume: its place, and the box in its own space outside of which it is empty.
     Affined world_from_medium{};

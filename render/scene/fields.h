@@ -76,8 +76,8 @@ void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MediumDescription> auto& medium, Visit&& visit) {
-    auto& [name, sigma_a, sigma_s, scale, g, volume, world_from_medium, low, high, location] = medium;
-    visit(sigma_a, sigma_s, scale, g, volume, world_from_medium, low, high);
+    auto& [name, sigma_a, sigma_s, scale, g, Le, Le_scale, volume, world_from_medium, low, high, location] = medium;
+    visit(sigma_a, sigma_s, scale, g, Le, Le_scale, volume, world_from_medium, low, high);
     visit.label(name, location);
 }
 
@@ -86,8 +86,32 @@ void each_field(Of<UniformVolume> auto&, Visit&&) {}
 
 template <class Visit>
 void each_field(Of<GridVolume> auto& volume, Visit&& visit) {
-    auto& [density, density_from_medium] = volume;
-    visit(density, density_from_medium);
+    auto& [density, temperature, temperature_offset, temperature_scale, Le_scale] = volume;
+    visit(density, temperature, temperature_offset, temperature_scale, Le_scale);
+}
+
+template <class Visit>
+void each_field(Of<PlacedGrid> auto& placed, Visit&& visit) {
+    auto& [grid, grid_from_medium] = placed;
+    visit(grid, grid_from_medium);
+}
+
+template <class Visit>
+void each_field(Of<SpectralVolume> auto& volume, Visit&& visit) {
+    auto& [sigma_a, sigma_s, Le] = volume;
+    visit(sigma_a, sigma_s, Le);
+}
+
+template <class Visit>
+void each_field(Of<SpectralVoxels> auto& voxels, Visit&& visit) {
+    auto& [size, spectra] = voxels;
+    visit(size, spectra);
+}
+
+template <class Visit>
+void each_field(Of<CloudVolume> auto& volume, Visit&& visit) {
+    auto& [density, wispiness, frequency] = volume;
+    visit(density, wispiness, frequency);
 }
 
 template <class Visit>

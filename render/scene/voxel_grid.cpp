@@ -1,5 +1,8 @@
 #include "render/scene/voxel_grid.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace latent::render {
 
 namespace {
@@ -36,6 +39,13 @@ void VoxelGrid::set(std::uint32_t i, std::uint32_t j, std::uint32_t k, float val
     make_brick(i, j, k)[offset(i, j, k)] = value;
 }
 
+void VoxelGrid::fill_brick(std::uint32_t i, std::uint32_t j, std::uint32_t k, float value) {
+    const std::size_t count = values.size();
+    const bool again = count > 0 && std::all_of(values.end() - kBrick, values.end(), [&](float v) { return v == value; });
+    if (!again) values.resize(count + kBrick, value);
+    brick[brick_index(i, j, k)] = static_cast<std::uint32_t>(values.size() / kBrick - 1);
+}
+
 float VoxelGrid::operator()(const Vec3f& p) const {
     // Far outside everything is zero, and stays within what an integer holds.
     const auto cell = [](float x) { return std::floor(std::clamp(x, -2.0f, 0x1p30f)); };
@@ -55,6 +65,8 @@ float VoxelGrid::operator()(const Vec3f& p) const {
     const auto mix = [](float t, float a, float b) { return (1 - t) * a + t * b; };
     return mix(f.z, mix(f.y, mix(f.x, v[0], v[1]), mix(f.x, v[2], v[3])), mix(f.y, mix(f.x, v[4], v[5]), mix(f.x, v[6], v[7])));
 }
+
+float VoxelGrid::min_value() const { return values.empty() ? 0 : std::min(0.0f, *std::min_element(values.begin(), values.end())); }
 
 float VoxelGrid::max_between(const Vec3f& low, const Vec3f& high) const {
     const Range x = points_about(low.x, high.x, size[0]), y = points_about(low.y, high.y, size[1]),

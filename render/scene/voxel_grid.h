@@ -25,6 +25,8 @@ struct VoxelGrid {
     // Room for the brick that holds a voxel, zero at first.
     float* make_brick(std::uint32_t i, std::uint32_t j, std::uint32_t k);
     void set(std::uint32_t i, std::uint32_t j, std::uint32_t k, float value);
+    // All voxels of the brick; it takes the room of the last one that was filled with the same value.
+    void fill_brick(std::uint32_t i, std::uint32_t j, std::uint32_t k, float value);
 
     float at(std::int32_t i, std::int32_t j, std::int32_t k) const {
         const auto x = static_cast<std::uint32_t>(i), y = static_cast<std::uint32_t>(j), z = static_cast<std::uint32_t>(k);
@@ -33,6 +35,7 @@ struct VoxelGrid {
         return b == kEmpty ? 0 : values[std::size_t{b} * kBrick + offset(x, y, z)];
     }
     float operator()(const Vec3f& p) const;
+    float min_value() const;
     // The greatest value at a point of the box between two points.
     float max_between(const Vec3f& low, const Vec3f& high) const;
 

@@ -94,6 +94,7 @@ class Path {
     // One vertex more on the segment, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
     // the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and f / p in sample_light.
     void sample_point_light(const Medium& medium, std::uint32_t again) {
+        if (lights_.size() == 0) return;
         const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
         const PointSource* source = lights_[i].point_source();
         if (source == nullptr) return;
@@ -112,6 +113,7 @@ class Path {
     }
 
     void sample_light(const Scattering& scattering) {
+        if (lights_.size() == 0) return;  // media shine
         const std::uint32_t i = lights_.choose(number(Dimension::kLight));
         const Light& light = lights_[i];
         LightPoint point;

@@ -36,7 +36,9 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
     const SceneBall ball{geometry.center(), std::max(radius, 1e-6f)};
     world->lights_ = std::make_unique<LightSet>(scene, geometry, ball, world->library_);
-    if (world->lights_->size() == 0)
+    const bool glows =
+        std::any_of(world->media_.begin(), world->media_.end(), [](const auto& medium) { return medium->is_emissive(); });
+    if (world->lights_->size() == 0 && !glows)
         return Error{ErrorCode::kOutOfRange, "the scene has no light, so every picture would be black"};
     return world;
 }

@@ -132,6 +132,9 @@ SceneDescription everything(const Folder& folder) {
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [.1 .2 .3] "rgb sigma_s" [.3 .2 .1] "float g" .5
 MakeNamedMedium "mist" "string type" "homogeneous" "rgb sigma_a" [.1 .1 .3] "rgb sigma_s" [.3 .3 .1]
 MakeNamedMedium "dust" "string type" "uniformgrid" "integer nx" 2 "float density" [1 2]
+MakeNamedMedium "fire" "string type" "uniformgrid" "float density" 1 "float temperature" 300 "float Lescale" 2
+MakeNamedMedium "paint" "string type" "rgbgrid" "rgb sigma_a" [.1 .2 .3] "rgb Le" [1 1 2]
+MakeNamedMedium "cloud" "string type" "cloud"
 MediumInterface "fog" "fog"
 Camera "perspective" "float lensradius" .1
 WorldBegin
@@ -151,6 +154,10 @@ ObjectEnd
 ObjectBegin "b"
   MediumInterface "mist" "dust"
   Shape "sphere" "float radius" 2
+  MediumInterface "fire" "paint"
+  Shape "sphere" "float radius" 1
+  MediumInterface "cloud" ""
+  Shape "sphere" "float radius" .5
 ObjectEnd
 ObjectInstance "a"
 Translate 3 0 0

@@ -3,11 +3,13 @@
 #include <cmath>
 #include <random>
 
+#include "color/observer.h"
 #include "render/medium/grid.h"
 #include "render/medium/majorant_grid.h"
 #include "render/spectral/wavelength_density.h"
 #include "tests/transport/blocks.h"
 #include "tests/transport/numbers.h"
+#include "tests/transport/picture_mean.h"
 #include "tests/transport/world_builder.h"
 
 namespace latent::render::testing {
@@ -123,12 +125,12 @@ class Slab : public ::testing::Test {
     std::uint32_t sigma_t_ = library_.add(line(3, 0.1), Lookup::kNearestNm);
     std::uint32_t sigma_s_ = library_.add(line(2, 0.02), Lookup::kNearestNm);
     // 21 voxels along z, two across: the outer ones on the faces of the box.
-    GridVolume volume_{
-        grid_of({2, 2, 21}, [](std::uint32_t, std::uint32_t, std::uint32_t k) { return 0.5f + 0.1f * static_cast<float>(k); }),
-        Affined({0.0005, 0, 0}, {0, 0.0005, 0}, {0, 0, 10}, {0.5, 0.5, 0})};
+    GridVolume volume_{.density = {grid_of({2, 2, 21}, [](std::uint32_t, std::uint32_t,
+                                                          std::uint32_t k) { return 0.5f + 0.1f * static_cast<float>(k); }),
+                                   Affined({0.0005, 0, 0}, {0, 0.0005, 0}, {0, 0, 10}, {0.5, 0.5, 0})}};
     // The box of the medium is 2000 x 2000 x 2 of its units.
     Affined medium_from_unit_{{2000, 0, 0}, {0, 2000, 0}, {0, 0, 2}, {-1000, -1000, 0}};
-    GridMedium fog_{PhaseFunction{}, medium_from_unit_, medium_from_unit_.inverse().value(), sigma_t_, sigma_s_, volume_};
+    GridMedium fog_{PhaseFunction{}, medium_from_unit_, medium_from_unit_.inverse().value(), sigma_t_, sigma_s_, kNone, volume_};
     SampledSpectra spectra_{library_};
     SampleState sample_{{}, spectra_, 0, Random(77)};
     Segment segment_{{0, 0, static_cast<float>(kFrom)}, {0, 0, 0.5f}, static_cast<float>(kTo - kFrom)};
@@ -252,21 +254,75 @@ void expect_equal(const Estimate& a, const Estimate& b) {
     }
 }
 
+std::string repeated(const std::string& text, int count) {
+    std::string out;
+    for (int n = 0; n < count; ++n) out += text;
+    return out;
+}
+// A grid of 6 x 7 x 8 voxels, larger than the ball by more than half a voxel.
+const std::string kGrid = "\"integer nx\" 6 \"integer ny\" 7 \"integer nz\" 8 \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] ";
+
 TEST(GridMedium, AUniformGridIsAHomogeneousMedium) {
     constexpr const char* kSpectra =
         " \"spectrum sigma_s\" [360 2.5 830 1] \"spectrum sigma_a\" [360 0.1 830 0.6] \"float g\" 0.4\n";
-    std::string ones;
-    for (int n = 0; n < 6 * 7 * 8; ++n) ones += "1 ";
     const Scene homogeneous =
         scene_from(room(ball_of(std::string("MakeNamedMedium \"m\" \"string type\" \"homogeneous\"") + kSpectra)));
-    // Larger than the ball by more than half a voxel.
-    const Scene grid = scene_from(
-        room(ball_of("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 6 \"integer ny\" 7 \"integer nz\" 8 "
-                     "\"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] \"float density\" [" +
-                     ones + "]" + kSpectra)));
+    const Scene grid = scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" " + kGrid +
+                                               "\"float density\" [" + repeated("1 ", 6 * 7 * 8) + "]" + kSpectra)));
     const Estimate expected = picture_of(homogeneous, IntegratorKind::kPath, 4096);
     expect_equal(picture_of(grid, IntegratorKind::kPath, 4096), expected);
     expect_equal(picture_of(grid, IntegratorKind::kBdpt, 4096), expected);
+}
+
+TEST(GridMedium, AUniformGridOfColoursIsAHomogeneousMedium) {
+    const std::string scale = "\"float scale\" 2 \"float g\" -0.3\n";
+    const Scene homogeneous =
+        scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [0.5 1 2] "
+                                "\"rgb sigma_a\" [0.4 0.1 0.02] " +
+                                scale)));
+    const Scene grid = scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" " + kGrid + "\"rgb sigma_s\" [" +
+                                               repeated("0.5 1 2 ", 6 * 7 * 8) + "] \"rgb sigma_a\" [" +
+                                               repeated("0.4 0.1 0.02 ", 6 * 7 * 8) + "] " + scale)));
+    expect_equal(picture_of(grid, IntegratorKind::kPath, 4096), picture_of(homogeneous, IntegratorKind::kPath, 4096));
+}
+
+// Matter that scatters half and emits what it absorbs of Le: where one sees nothing else, one sees Le.
+TEST(GridMedium, InsideEmissiveMatterOneSeesItsRadiance) {
+    const auto inside = [](const std::string& medium) {
+        return "MakeNamedMedium \"m\" " + medium +
+               "\nMediumInterface \"m\" \"m\"\nLookAt 0 0 0  0 0 1  0 1 0\nCamera \"perspective\"\nIntegrator \"volpath\" "
+               "\"integer maxdepth\" 200\nWorldBegin\n";
+    };
+    const std::string grid =
+        "\"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 \"point3 p0\" [-100 -100 -100] \"point3 p1\" [100 100 100] ";
+    const std::string half = "\"spectrum sigma_s\" [360 .5 830 .9] \"spectrum sigma_a\" [360 .5 830 .9] ";
+    const color::Spectrum blackbody = color::Spectrum::blackbody(4000).value();
+    double luminance_sum = 0;
+    for (int nm = 360; nm <= 830; ++nm) luminance_sum += blackbody(nm) * color::Observer::cie1931().at(nm)[1];
+    struct Case {
+        std::string medium;
+        double y;
+    };
+    for (const Case& c :
+         {Case{"\"string type\" \"homogeneous\" " + half + "\"blackbody Le\" 3000 \"float Lescale\" 3", 3},
+          Case{"\"string type\" \"uniformgrid\" " + half + grid + "\"float density\" [" + repeated("1 ", 8) +
+                   "] \"rgb Le\" [1 1 1] \"float Lescale\" [" + repeated("2 ", 8) + "]",
+               2},
+          Case{"\"string type\" \"uniformgrid\" " + half + grid + "\"float density\" [" + repeated("1 ", 8) +
+                   "] \"float temperature\" [" + repeated("500 ", 8) +
+                   "] \"float temperatureoffset\" 100 \"float temperaturescale\" 10 ",
+               luminance_sum},
+          Case{"\"string type\" \"rgbgrid\" " + grid + "\"rgb sigma_a\" [" + repeated(".5 .6 .7 ", 8) + "] \"rgb sigma_s\" [" +
+                   repeated(".5 .6 .7 ", 8) + "] \"rgb Le\" [" + repeated("1 1 1 ", 8) + "] \"float Lescale\" .02",
+               0.02 * 106.856895}}) {
+        SCOPED_TRACE(c.medium);
+        const Scene scene = scene_from(inside(c.medium));
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = 0}, 4000);
+            EXPECT_NEAR(mean.xyz[1], c.y, 5 * mean.error[1] + 1e-3 * c.y);
+            EXPECT_LT(mean.error[1], 0.02 * c.y);
+        }
+    }
 }
 
 // A cloud of speckles, turned and squeezed, that is met from within and without.
@@ -286,6 +342,15 @@ TEST(GridMedium, PathAndBdptAgreeOnACloud) {
         density + "]\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
     expect_equal(picture_of(scene, IntegratorKind::kPath, 4096), picture_of(scene, IntegratorKind::kBdpt, 4096));
+}
+
+TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
+    const std::string medium =
+        "AttributeBegin\nTranslate -.6 -.6 -.6\nRotate 90 1 0 0\nScale 1.2 1.2 -1.2\nMakeNamedMedium \"m\" \"string type\" "
+        "\"cloud\" "
+        "\"rgb sigma_s\" [4 5 6] \"rgb sigma_a\" [.5 .3 .1] \"float density\" 2 \"float frequency\" 3\nAttributeEnd\n";
+    const Scene scene = scene_from(room(ball_of(medium)));
+    expect_equal(picture_of(scene, IntegratorKind::kPath, 1500), picture_of(scene, IntegratorKind::kBdpt, 1500));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class Steps : public ::testing::Test {
     SpectrumLibrary library_;
     std::uint32_t sigma_t_ = library_.add(line(4, 0.05), Lookup::kNearestNm);  // red light hardly is absorbed
     std::uint32_t sigma_s_ = library_.add(line(3, 0.02), Lookup::kNearestNm);
-    HomogeneousMedium fog_{sigma_t_, sigma_s_, PhaseFunction{}};
+    HomogeneousMedium fog_{sigma_t_, sigma_s_, kNone, PhaseFunction{}};
     SampledSpectra spectra_{library_};
     SampleState sample_{{}, spectra_, 0};
 };

@@ -15,7 +15,7 @@ namespace latent::render {
 namespace {
 
 // Parameters that would change everything that inherits them.
-constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfilename", "Le", "normalmap", "portal", "preset"};
+constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfilename", "normalmap", "portal", "preset"};
 
 }  // namespace
 
@@ -160,7 +160,7 @@ void SceneBuilder::add_medium(const Directive& d) {
     const std::optional<std::string> type = parameters.string("type");
     if (!type) parameters.error("MakeNamedMedium: \"string type\" is missing");
     MediumDescription read;
-    if (type) read = read_medium(*type, parameters, state_.ctm, spectra_);
+    if (type) read = read_medium(*type, parameters, state_.ctm, spectra_, files_);
     const std::uint32_t index = medium(d.strings[0], d.where);
     if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
     Named& named = media_.at(d.strings[0]);

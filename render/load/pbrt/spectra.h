@@ -25,12 +25,12 @@ class SceneSpectra {
     // An emission, normalised as AreaLightDescription says; the colour space's white if the parameter is not there.
     color::Spectrum emission(const ParameterList& list, std::string_view name);
     color::Spectrum white();  // normalised illuminant of the colour space
+    const color::RgbToSpectrum& rgb();
 
  private:
     std::optional<color::Spectrum> resolve(const ParameterList& list, const Parameter& p, SpectrumRole role);
     std::optional<color::Spectrum> from_pairs(const ParameterList& list, const Parameter& p, std::span<const double> pairs);
     std::optional<color::Spectrum> from_file(const ParameterList& list, const Parameter& p);
-    const color::RgbToSpectrum& rgb();
 
     SceneFiles& files_;
     std::string color_space_ = "srgb";

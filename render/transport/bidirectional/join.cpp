@@ -20,7 +20,7 @@ void Bidirectional::trace(double u, double v) {
 
 void Bidirectional::join_light(std::size_t i) {
     const SubpathVertex& z = camera_subpath_[i];
-    if (!z.connectible()) return;
+    if (!z.connectible() || lights_.size() == 0) return;
     const std::uint32_t chosen = lights_.choose(camera_number(i - 1, Dimension::kLight));
     const Light& light = lights_[chosen];
     LightPoint point;

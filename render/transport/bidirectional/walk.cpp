@@ -28,6 +28,8 @@ void Bidirectional::trace_camera(double u, double v) {
 }
 
 void Bidirectional::trace_light() {
+    light_subpath_.resize(1);
+    if (lights_.size() == 0) return;  // media shine
     start_light_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
     const Light& light = lights_[start_light_];
     LightRay ray;
