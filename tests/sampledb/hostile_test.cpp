@@ -154,7 +154,7 @@ TEST(Hostile, PageEntriesBeyondTheirCeilingsAreRefused) {
         f.seal_index();
         const Result<DecodedRun> decoded = decode_run(wide, f.run);
         ASSERT_FALSE(decoded);
-        EXPECT_NE(decoded.error().message.find("more records"), std::string::npos) << decoded.error().message;
+        EXPECT_NE(decoded.error().message.find("too many records"), std::string::npos) << decoded.error().message;
     }
 
     Forgery swapped(xyz, 20000);  // a light page before a camera page
