@@ -35,10 +35,14 @@ if(LATENT_WERROR)
   target_compile_options(latent_options INTERFACE -Werror)
 endif()
 
-# latent_library(NAME SOURCES a.cpp ... LINK latent_base ...): the library of one folder.
+# latent_library(NAME [SHAREABLE] SOURCES a.cpp ... LINK latent_base ...): the library of one folder. SHAREABLE: fit to be a part of a
+# shared library, which exports none of its names.
 function(latent_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "SHAREABLE" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
+  if(ARG_SHAREABLE)
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  endif()
   target_link_libraries(${name} PUBLIC latent_options ${ARG_LINK})
 endfunction()
 

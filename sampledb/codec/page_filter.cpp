@@ -9,6 +9,10 @@ void keep_samples(const Coverage& coverage, Page& page) {
     for (std::size_t i = 0; i < page.count; ++i) {
         if (coverage.contains(page.sample[i])) rows.push_back(i);
     }
+    keep_rows(rows, page);
+}
+
+void keep_rows(std::span<const std::size_t> rows, Page& page) {
     const auto keep = [&](Shape shape, auto& values) {
         if (values.empty()) return;
         auto* to = values.data();

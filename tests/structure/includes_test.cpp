@@ -30,6 +30,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"sampledb/codec", {"sampledb/format"}},
         {"sampledb/read", {"sampledb/codec"}},
         {"sampledb/write", {"sampledb/read"}},
+        {"sampledb/c", {"sampledb/write"}},
 
         {"render/math", {"base"}},
         {"render/spectral", {"color", "sampledb/data"}},

@@ -1,0 +1,174 @@
+// The writing half of latent.h: a PartWriter, its grains, and what callers may get wrong.
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+#include "base/json.h"
+#include "sampledb/c/abi.h"
+#include "sampledb/c/records.h"
+#include "sampledb/codec/record_check.h"
+#include "sampledb/data/limits.h"
+#include "sampledb/write/grain_queue.h"
+#include "sampledb/write/part_writer.h"
+#include "sampledb/write/run_assembler.h"
+
+using namespace latent;
+using namespace latent::sampledb;
+
+struct latent_writer {
+    latent_writer(Job its_job, SampleRange its_range, std::unique_ptr<PartWriter> its_part)
+        : job(std::move(its_job)),
+          range(its_range),
+          part(std::move(its_part)),
+          grains(part->missing()),
+          expected(part->missing()) {}
+
+    // Takes a grain off the list of those to come. Errors: kUsage (finished), kOutOfRange (not one of them).
+    Status expect(SampleRange grain) {
+        const std::lock_guard lock(mutex);
+        if (finished) return c::usage("the part is finished");
+        if (grain.empty() || !expected.contains(grain) || grain != grain_range(grain.first, range)) {
+            return Error{ErrorCode::kOutOfRange, "samples " + std::to_string(grain.first) + ":" + std::to_string(grain.end) +
+                                                     " are not a grain that is missing; latent_writer_next hands these out"};
+        }
+        expected.remove(grain);
+        return {};
+    }
+    void expect_again(SampleRange grain) {
+        const std::lock_guard lock(mutex);
+        expected.add(grain);
+    }
+
+    const Job job;
+    const SampleRange range;
+    const std::unique_ptr<PartWriter> part;
+    GrainQueue grains;
+    std::mutex mutex;   // of what follows
+    Coverage expected;  // missing, and not submitted
+    bool finished = false;
+};
+
+namespace {
+
+Result<PartOptions> part_options(const char* path, const latent_write_options* options) {
+    if (path == nullptr) return c::usage("path is null");
+    const Result<latent_write_options> given = c::taken(options, sizeof(latent_write_options), "options");
+    if (!given) return given.error();
+    PartOptions part;
+    part.path = path;
+    if (part.path.extension() != ".latent") return c::usage(std::string(path) + ": the name does not end in .latent");
+    part.range = {given->samples.first, given->samples.end};
+    if (part.range.empty()) return c::usage("options.samples is empty");
+    if (!std::isfinite(given->checkpoint_seconds) || given->checkpoint_seconds < 0) {
+        return Error{ErrorCode::kOutOfRange, "options.checkpoint_seconds is not a positive number"};
+    }
+    if (given->checkpoint_seconds > 0) part.checkpoint_seconds = given->checkpoint_seconds;
+    if (given->provenance != nullptr) {
+        part.provenance_json = given->provenance;
+        if (part.provenance_json.size() > kMaxProvenanceSize)
+            return Error{ErrorCode::kOutOfRange, "options.provenance is above 512 KiB"};
+        if (Status s = check_json_object(part.provenance_json, 32); !s) {
+            return Error{ErrorCode::kOutOfRange, "options.provenance is not a JSON object: " + s.error().message};
+        }
+    }
+    part.force = given->replace != 0;
+    return part;
+}
+
+}  // namespace
+
+latent_status latent_writer_open(const char* path, const latent_job* job, const latent_write_options* options,
+                                 latent_writer** writer, latent_error* error) {
+    return c::guarded(error, [&]() -> Status {
+        if (writer == nullptr) return c::usage("writer is null");
+        *writer = nullptr;
+        Result<Job> made = c::job_from(job);
+        if (!made) return made.error();
+        const Result<PartOptions> part = part_options(path, options);
+        if (!part) return part.error();
+        Result<std::unique_ptr<PartWriter>> opened = PartWriter::open(*part, *made);
+        if (!opened) return opened.error();
+        *writer = new latent_writer(std::move(*made), part->range, std::move(*opened));
+        return {};
+    });
+}
+
+size_t latent_writer_missing(const latent_writer* writer, latent_range* ranges, size_t capacity) {
+    if (writer == nullptr) return 0;
+    const std::span<const SampleRange> missing = writer->part->missing().ranges();
+    for (size_t i = 0; ranges != nullptr && i < std::min(capacity, missing.size()); ++i)
+        ranges[i] = {missing[i].first, missing[i].end};
+    return missing.size();
+}
+
+int latent_writer_next(latent_writer* writer, latent_range* grain) {
+    if (writer == nullptr || grain == nullptr) return 0;
+    const SampleRange next = writer->grains.next();
+    *grain = {next.first, next.end};
+    return next.empty() ? 0 : 1;
+}
+
+latent_status latent_writer_submit(latent_writer* writer, latent_range grain, const latent_records* records, latent_error* error) {
+    return c::guarded(error, [&]() -> Status {
+        if (writer == nullptr) return c::usage("writer is null");
+        const SampleRange range{grain.first, grain.end};
+        if (Status s = writer->expect(range); !s) return s;
+        const auto checked = [&]() -> Result<Records> {
+            Result<Records> made = c::records_from(writer->job, records);
+            if (!made) return made;
+            if (Status s = check_records(writer->job, Coverage(range), *made); !s) return s.error();
+            return made;
+        };
+        Result<Records> made = Error{};
+        try {
+            made = checked();
+        } catch (...) {
+            made = current_error();
+        }
+        if (!made) {
+            writer->expect_again(range);
+            return made.error();
+        }
+        return writer->part->submit({range, std::move(*made)});
+    });
+}
+
+latent_status latent_writer_checkpoint(latent_writer* writer, latent_error* error) {
+    return c::guarded(error, [&]() -> Status {
+        if (writer == nullptr) return c::usage("writer is null");
+        return writer->part->checkpoint();
+    });
+}
+
+void latent_writer_stop(latent_writer* writer) {
+    if (writer != nullptr) writer->part->give_up();
+}
+
+latent_status latent_writer_finish(latent_writer* writer, latent_error* error) {
+    return c::guarded(error, [&]() -> Status {
+        if (writer == nullptr) return c::usage("writer is null");
+        {
+            const std::lock_guard lock(writer->mutex);
+            if (writer->finished) return c::usage("the part is finished");
+            if (!writer->expected.empty() && !writer->part->published_elsewhere()) {
+                return c::usage("samples " + to_string(writer->expected) + " were not submitted");
+            }
+            writer->finished = true;
+        }
+        return writer->part->finish();
+    });
+}
+
+latent_status latent_writer_get_info(const latent_writer* writer, latent_writer_info* info, latent_error* error) {
+    return c::guarded(error, [&]() -> Status {
+        if (writer == nullptr) return c::usage("writer is null");
+        const WriterCounts counts = writer->part->counts();
+        const latent_writer_info value{sizeof value, counts.samples_committed, counts.bytes_written, counts.runs_written,
+                                       counts.checkpoints_written};
+        return c::give(value, info, sizeof(latent_writer_info), "info");
+    });
+}
+
+void latent_writer_close(latent_writer* writer) { delete writer; }
