@@ -108,6 +108,7 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
+    scene.embedded = std::move(model->embedded);
     complete(std::move(*model), colors.emission({1, 1, 1}), scene.description);
     scene.warnings = diagnostics.warnings();
     return scene;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file.h"
 #include "base/result.h"
 #include "render/scene/description.h"
 
@@ -12,6 +13,7 @@ namespace latent::render {
 
 struct LoadedScene {
     SceneDescription description;
+    std::vector<File> embedded{};       // pictures that textures find as long as these are open
     std::vector<std::string> warnings;  // "room.pbrt:3:1: ...": what was ignored; of a pbrt scene, the picture is right without it
 };
 

@@ -51,8 +51,8 @@ void each_field(Of<MappingDescription> auto& mapping, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<PictureDescription> auto& picture, Visit&& visit) {
-    auto& [path, content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert] = picture;
-    visit(content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert);
+    auto& [path, content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert, channel] = picture;
+    visit(content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert, channel);
     visit.label(path);
 }
 

@@ -57,7 +57,8 @@ struct PictureDescription {
     bool is_srgb = true;        // integers of the file; else x^gamma
     double gamma = 1;
     double scale = 1;
-    bool invert = false;  // 1 - scale x
+    bool invert = false;         // 1 - scale x
+    std::uint8_t channel = 255;  // that a number is; 255: their mean, or alpha if it varies
 };
 
 enum class TextureKind : std::uint8_t {

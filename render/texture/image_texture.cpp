@@ -75,6 +75,7 @@ float FloatImage::at(const TexturePoint& point) const {
     const std::array<float, 4> x = image_.at(point);
     const image::PictureInfo& info = image_.info();
     if (info.channels == 1) return x[0];
+    if (channel_ < info.channels) return x[channel_];
     return info.is_opaque ? (x[0] + x[1] + x[2]) / 3 : x[3];
 }
 

@@ -27,14 +27,15 @@ class ImageLookup {
     float scale_;
 };
 
-// The mean of the channels, or alpha if it varies.
+// One channel, or the mean of them, or alpha if it varies.
 class FloatImage final : public FloatTexture {
  public:
-    explicit FloatImage(const ImageLookup& image) : image_(image) {}
+    FloatImage(const ImageLookup& image, std::uint8_t channel) : image_(image), channel_(channel) {}
     float at(const TexturePoint& point) const override;
 
  private:
     ImageLookup image_;
+    std::uint8_t channel_;
 };
 
 // Colours are made spectral after filtering.

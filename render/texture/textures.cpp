@@ -49,8 +49,7 @@ struct Textures::Builder {
         return at->second;
     }
     std::unique_ptr<FloatTexture> make_image(float, const TextureDescription& d, const ImageLookup& image) {
-        (void)d;
-        return std::make_unique<FloatImage>(image);
+        return std::make_unique<FloatImage>(image, d.picture.channel);
     }
     std::unique_ptr<SpectrumTexture> make_image(const SampledSpectrum*, const TextureDescription& d, const ImageLookup& image) {
         color::Matrix3 to_srgb;

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "base/json.h"
-#include "render/load/gltf/document.h"
+#include "render/load/files/scene_files.h"
 #include "render/load/obj/polygon.h"
 #include "render/scene/content_hash.h"
 #include "tests/render/models.h"
@@ -218,6 +218,57 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     const MediumDescription& inside = glass.media.at(glass.shapes.at(0).inside_medium);
     EXPECT_NEAR(std::exp(-2 * inside.scale * inside.sigma_a(550)), 0.25, 1e-6);  // the attenuation colour after its distance
     EXPECT_EQ(inside.sigma_s(550), 0);
+}
+
+// A picture in the file's buffer is the picture beside it.
+TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
+    testing::write_exr(folder_ / "wood 1.exr", 2, 1, {0.5f, 0.25f, 0.125f, 1, 0, 0});
+    const std::string bytes = SceneFiles::read_text(folder_ / "wood 1.exr").value();
+    GltfFile file = quad_and_lamp();
+    const Json uv = file.add_floats({0, 0, 1, 0, 1, 1, 0, 1}, "VEC2");
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = uv;
+    file.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33071}}};
+    file.json["textures"] = {{{"source", 0}, {"sampler", 0}}};
+    const Json moved = {{"index", 0},
+                        {"texCoord", 1},
+                        {"extensions", {{"KHR_texture_transform", {{"offset", {0.25, 0.125}}, {"scale", {2, 0.5}}}}}}};
+    file.json["materials"][0] = {{"pbrMetallicRoughness",
+                                  {{"baseColorFactor", {.5, .5, .5, 1}},
+                                   {"baseColorTexture", moved},
+                                   {"metallicRoughnessTexture", moved},
+                                   {"roughnessFactor", 0.75}}}};
+    file.json["images"] = {{{"uri", "wood%201.exr"}}};
+    const Result<LoadedScene> beside = load("room.glb", as_glb(file));
+    ASSERT_TRUE(beside) << beside.error().message;
+    file.json["images"] = {{{"bufferView", file.add_bytes(bytes)}, {"mimeType", "image/x-exr"}}};
+    const Result<LoadedScene> inside = load("room.glb", as_glb(file));
+    ASSERT_TRUE(inside) << inside.error().message;
+    EXPECT_EQ(content_hash(inside->description), content_hash(beside->description));
+    EXPECT_EQ(SceneFiles::read_text(inside->description.textures.at(0).picture.path).value(), bytes);
+
+    const MaterialDescription& material = beside->description.materials.at(0);
+    const auto texture = [&](std::uint32_t i) { return beside->description.textures.at(i); };
+    const TextureDescription color = texture(material.reflectance.texture), roughness = texture(material.roughness.texture);
+    EXPECT_TRUE(color.is_spectrum && color.picture.is_srgb);
+    EXPECT_EQ(color.picture.scale, 0.5);
+    EXPECT_EQ(color.picture.wrap, TextureWrap::kClamp);
+    EXPECT_FALSE(roughness.is_spectrum || roughness.picture.is_srgb);
+    EXPECT_EQ(roughness.picture.channel, 1);  // green
+    EXPECT_EQ(roughness.picture.scale, 0.75);
+    EXPECT_EQ(texture(material.metallic.texture).picture.channel, 2);  // blue
+    // v = 0.25 from the top is 0.125 + 0.5 * 0.25 from the top of the picture.
+    EXPECT_NEAR(color.mapping.scale_v * (1 - 0.25) + color.mapping.delta_v, 1 - 0.25, 1e-12);
+    EXPECT_NEAR(color.mapping.scale_u * 0.125 + color.mapping.delta_u, 0.5, 1e-12);
+    EXPECT_EQ(beside->description.shapes.at(0).mesh->uvs.at(2).y, 0);
+
+    file.json["images"] = {{{"uri", "none.png"}}};
+    EXPECT_THAT(refusal("room.glb", as_glb(file)), HasSubstr("/images/0/uri: "));
+    folder_.write("m.mtl", "newmtl m\nKd .5 .5 .5\nmap_Kd wood 1.exr\n");
+    const std::string obj = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    const SceneDescription model = described("m.obj", obj);
+    EXPECT_EQ(model.textures.at(model.materials.at(model.shapes.at(0).material).reflectance.texture).picture.scale, 0.5);
+    folder_.write("m.mtl", "newmtl m\nmap_Kd none.png\n");
+    EXPECT_THAT(refusal("m.obj", obj), HasSubstr("m.mtl:2: "));
 }
 
 TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {

@@ -34,6 +34,12 @@ struct GltfFile {
         binary.resize((binary.size() + 3) / 4 * 4);
         return add(view, {{"componentType", type}, {"type", "SCALAR"}, {"count", values.size()}});
     }
+    // The index of the new buffer view.
+    std::size_t add_bytes(const std::string& bytes) {
+        json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", bytes.size()}});
+        binary += bytes;
+        return json["bufferViews"].size() - 1;
+    }
 
  private:
     template <class T>

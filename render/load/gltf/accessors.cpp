@@ -191,6 +191,15 @@ std::optional<std::vector<float>> read_floats(const GltfDocument& document, cons
     return std::nullopt;
 }
 
+std::optional<std::string> buffer_view(const GltfDocument& document, const GltfValue& index) {
+    const std::optional<std::uint32_t> v = index.index(document.root()["bufferViews"]);
+    if (!v) return std::nullopt;
+    const std::uint64_t length = document.root()["bufferViews"][*v]["byteLength"].count(0);
+    const std::optional<Items> items = items_of(document, index, index, 0, length, 1);
+    if (!items) return std::nullopt;
+    return std::string(reinterpret_cast<const char*>(items->first), length);
+}
+
 std::optional<std::vector<std::uint32_t>> read_indices(const GltfDocument& document, const GltfValue& index) {
     const std::optional<Accessor> a = accessor_of(document, index);
     if (!a) return std::nullopt;

@@ -16,4 +16,7 @@ std::optional<std::vector<float>> read_floats(const GltfDocument& document, cons
 // The same of single unsigned integers.
 std::optional<std::vector<std::uint32_t>> read_indices(const GltfDocument& document, const GltfValue& index);
 
+// The bytes of /bufferViews/N, whose index `index` holds. Nothing if it is not there or, with an error, leaves its buffer.
+std::optional<std::string> buffer_view(const GltfDocument& document, const GltfValue& index);
+
 }  // namespace latent::render

@@ -93,8 +93,9 @@ class GltfLoader {
     // Entry i is /materials/i, the last one the default material.
     void read_materials() {
         const GltfValue materials = root()["materials"];
+        GltfTextures textures(document_, model_.scene.textures);
         for (std::size_t i = 0; i <= materials.size(); ++i) {
-            GltfMaterial material = read_material(document_, materials[i], colors_);
+            GltfMaterial material = read_material(materials[i], colors_, textures);
             Used used{.uv_set = material.uv_set};
             if (material.emission) {
                 used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
@@ -107,6 +108,7 @@ class GltfLoader {
             model_.scene.materials.push_back(std::move(material.surface));
             used_.push_back(used);
         }
+        model_.embedded = textures.take_embedded();
     }
     std::uint32_t index_of(std::uint32_t material) const {
         return material == kNone ? static_cast<std::uint32_t>(used_.size() - 1) : material;

@@ -10,10 +10,10 @@ namespace latent::render {
 namespace {
 
 constexpr std::string_view kKnownExtensions[] = {
-    "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",   "KHR_materials_specular",  "KHR_materials_transmission",
-    "KHR_materials_unlit", "KHR_materials_volume",    "KHR_mesh_quantization",
-    "KHR_xmp_json_ld"};
+    "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
+    "KHR_texture_transform", "KHR_xmp_json_ld"};
 
 LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback) {
     LinearRgb rgb = value.numbers(fallback);
@@ -31,6 +31,8 @@ void read_emission(const GltfValue& material, const ModelColors& colors, GltfMat
     const LinearRgb rgb = rgb_of(material["emissiveFactor"], {0, 0, 0});
     const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0, 1e30);
     if (std::ranges::max(rgb) * strength == 0) return;
+    if (material["emissiveTexture"].exists())
+        return material["emissiveTexture"].warn("is not supported: the material does not emit");
     out.emission =
         AreaLightDescription{.spectrum = colors.emission(rgb), .scale = strength, .two_sided = material["doubleSided"].flag(false)};
 }
@@ -56,9 +58,33 @@ void read_transmission(const GltfValue& material, const ModelColors& colors, dou
                                    .sigma_s = color::Spectrum::constant(0)};
 }
 
+// Where a texture gives a value, the factor scales the texture.
+void read_textures(const GltfValue& material, const std::array<double, 4>& base, GltfTextures& textures, GltfMaterial& out) {
+    const GltfValue pbr = material["pbrMetallicRoughness"], color = pbr["baseColorTexture"],
+                    rough = pbr["metallicRoughnessTexture"], coat = material.extension("KHR_materials_clearcoat");
+    const double brightest = std::max({base[0], base[1], base[2]});
+    if (color.exists() && (base[0] != brightest || base[1] != brightest || base[2] != brightest))
+        pbr["baseColorFactor"].warn("only its brightest component scales the texture");
+    MaterialDescription& surface = out.surface;
+    surface.reflectance.texture = textures.color(color, brightest);
+    surface.roughness.texture = textures.number(rough, PictureChannel::kGreen, static_cast<double>(surface.roughness.value));
+    surface.metallic.texture = textures.number(rough, PictureChannel::kBlue, static_cast<double>(surface.metallic.value));
+    surface.coat.texture = textures.number(coat["clearcoatTexture"], PictureChannel::kRed, coat["clearcoatFactor"].number(0, 0, 1));
+    surface.coat_roughness.texture = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
+                                                     coat["clearcoatRoughnessFactor"].number(0, 0, 1));
+    out.uv_set = uv_set_of(color.exists() ? color : rough);
+    for (const GltfValue& info : {rough, coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"]}) {
+        if (info.exists() && uv_set_of(info) != out.uv_set)
+            info.warn("its texture coordinates are replaced by those of the first texture");
+    }
+    for (const char* ignored : {"normalTexture", "occlusionTexture"}) {
+        if (material[ignored].exists()) material[ignored].warn("is ignored");
+    }
+}
+
 }  // namespace
 
-GltfMaterial read_material(const GltfDocument&, const GltfValue& material, const ModelColors& colors) {
+GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures) {
     GltfMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = material["name"].text();
@@ -68,6 +94,8 @@ GltfMaterial read_material(const GltfDocument&, const GltfValue& material, const
     surface.reflectance = colors.reflectance({base[0], base[1], base[2]});
     surface.roughness = fraction_of(pbr["roughnessFactor"], 1);
     surface.metallic = fraction_of(pbr["metallicFactor"], 1);
+
+    read_textures(material, base, textures, out);
 
     const GltfValue specular = material.extension("KHR_materials_specular"), coat = material.extension("KHR_materials_clearcoat"),
                     transmission = material.extension("KHR_materials_transmission");

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "render/load/gltf/document.h"
+#include "render/load/gltf/textures.h"
 #include "render/load/model/colors.h"
 #include "render/scene/description.h"
 
@@ -18,7 +18,7 @@ struct GltfMaterial {
 };
 
 // /materials/N; the default material if there is no such value.
-GltfMaterial read_material(const GltfDocument& document, const GltfValue& material, const ModelColors& colors);
+GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures);
 
 // Whether the extension is one that the loader reads, or that changes no picture.
 bool is_known_extension(std::string_view name);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "base/file.h"
 #include "render/load/mesh/placement.h"
 #include "render/scene/description.h"
 
@@ -13,6 +14,7 @@ struct Model {
     std::vector<LoadedShape> shapes{};                // of the world
     std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
     bool has_camera = false;
+    std::vector<File> embedded{};  // pictures in the model's own file
 };
 
 // Gives a model what it lacks and a picture needs, then its place (placement.h). Without a camera: one that looks at all of the

@@ -18,6 +18,7 @@ struct Block {
     int illum = 2;
     std::optional<double> roughness{}, metallic{};
     double coat = 0, coat_roughness = 0;
+    std::uint32_t kd_texture = kNone;
 };
 
 constexpr std::string_view kIgnored[] = {"Ka", "Tf", "Ps", "aniso", "anisor", "sharpness", "xyz", "spectral"};
@@ -80,6 +81,8 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
     } else {
         surface.reflectance = colors.reflectance(b.kd);
     }
+    if (surface.kind != MaterialKind::kDielectric && !(is_mirror && surface.metallic.value == 1))
+        surface.reflectance.texture = b.kd_texture;
     if (!is_glass && b.opacity < 1)
         diagnostics.warn(b.place, fmt::format("{}: d {} is ignored: the material is mostly opaque", b.name, b.opacity));
     if (std::ranges::max(b.ke) > 0) out.emission = AreaLightDescription{.spectrum = colors.emission(b.ke)};
@@ -120,19 +123,47 @@ void read_property(const Statements& s, Block& b) {
     }
 }
 
+// "map_Kd -s 2 2 wood.png": the index of the texture, kNone with an error.
+std::uint32_t read_map(const Statements& s, const SceneFiles& files, std::vector<TextureDescription>& textures) {
+    if (s.words().size() < 2) {
+        s.error("map_Kd: the file is missing");
+        return kNone;
+    }
+    const bool has_options = s.words()[1].starts_with('-');
+    if (has_options) s.warn("map_Kd: its options are ignored");
+    const std::string name = has_options ? std::string(s.words().back()) : s.rest();
+    const Result<Hash128> content = files.hash(name);
+    if (!content) {
+        s.error(content.error().message);
+        return kNone;
+    }
+    TextureDescription texture{.kind = TextureKind::kImage, .is_spectrum = true};
+    texture.picture.path = files.resolve(name).string();
+    texture.picture.content = *content;
+    texture.picture.filter = TextureFilter::kTrilinear;
+    textures.push_back(std::move(texture));
+    return static_cast<std::uint32_t>(textures.size() - 1);
+}
+
 }  // namespace
 
-void read_mtl(std::string_view text, const std::string& name, const ModelColors& colors, Diagnostics& diagnostics,
-              MtlMaterials& materials) {
+void read_mtl(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+              Diagnostics& diagnostics, MtlMaterials& materials, std::vector<TextureDescription>& textures) {
     Statements statements(text, name, diagnostics);
     std::optional<Block> block;
     const auto finish = [&] {
-        if (block) materials[block->name] = described(*block, colors, diagnostics);
+        if (!block) return;
+        // The map is scaled by Kd; where that is black, the map is all there is.
+        const double scale = std::ranges::max(block->kd);
+        if (block->kd_texture != kNone) textures[block->kd_texture].picture.scale = scale > 0 ? scale : 1;
+        materials[block->name] = described(*block, colors, diagnostics);
     };
     while (statements.next()) {
         if (statements.keyword() == "newmtl") {
             finish();
             block = Block{.place = statements.place(), .name = statements.rest()};
+        } else if (block && statements.keyword() == "map_Kd") {
+            block->kd_texture = read_map(statements, files, textures);
         } else if (block) {
             read_property(statements, *block);
         } else {

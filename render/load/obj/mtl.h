@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "render/load/files/diagnostics.h"
+#include "render/load/files/scene_files.h"
 #include "render/load/model/colors.h"
 #include "render/scene/description.h"
 
@@ -18,8 +19,9 @@ struct MtlMaterial {
 };
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 
-// Of a file's text; `name` begins every message. A material that is there already is defined anew.
-void read_mtl(std::string_view text, const std::string& name, const ModelColors& colors, Diagnostics& diagnostics,
-              MtlMaterials& materials);
+// Of a file's text; `name` begins every message. A material that is there already is defined anew. Pictures become textures, which
+// materials refer to by index.
+void read_mtl(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+              Diagnostics& diagnostics, MtlMaterials& materials, std::vector<TextureDescription>& textures);
 
 }  // namespace latent::render

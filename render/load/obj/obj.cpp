@@ -94,7 +94,8 @@ class ObjReader {
     void read_library() {
         const std::string name = statements_.rest();
         const Result<std::string> text = files_.read(name);
-        if (text) return read_mtl(*text, files_.resolve(name).string(), colors_, diagnostics_, materials_);
+        if (text)
+            return read_mtl(*text, files_.resolve(name).string(), files_, colors_, diagnostics_, materials_, model_.scene.textures);
         statements_.error(text.error().message);
         is_complete_ = false;
     }
