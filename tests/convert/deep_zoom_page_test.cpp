@@ -105,6 +105,8 @@ TEST_F(DeepZoomPage, ZoomingInLoadsDeeperTilesAndShowsWhatACropPrints) {
     EXPECT_EQ(rows_unlike_tiles(jpeg, folder_ / "jpeg &1_files" / "12"), 0);
     EXPECT_LT(difference(jpeg, crop), 9);  // of noise at quality 90: steps of about 12 in Y and 20 in Cb and Cr, each over sqrt(12)
     EXPECT_EQ(more_facts["after"], 12) << more_facts;
+    EXPECT_EQ(facts["title"], "lossless");
+    EXPECT_EQ(more_facts["title"], "jpeg &1");
 }
 
 // Of a picture of one colour every pixel that it covers has that colour: no seam between tiles, no background at the window's
@@ -127,6 +129,11 @@ TEST_F(DeepZoomPage, MagnifiedItShowsNeitherSeamsNorBackground) {
     };
     const auto [inside, facts] =
         look("plain.html", {"350,256,1.5", "256,256,2", "300.3,256.7,2.7", "400,250,3.3", "512,256,8", "690,490,2", "690,490,8"});
+    // The navigator is in the corner; a click in its middle goes to the picture's, to within a pixel of the navigator: 700 / 160.
+    EXPECT_NEAR(facts["map"]["x"].get<double>() + facts["map"]["width"].get<double>(), 800, 10) << facts;
+    EXPECT_NEAR(facts["map"]["y"].get<double>() + facts["map"]["height"].get<double>(), 600, 10) << facts;
+    EXPECT_NEAR(facts["middle"][0].get<double>(), 350, 5) << facts;
+    EXPECT_NEAR(facts["middle"][1].get<double>(), 250, 5) << facts;
     for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(alike(inside[i], 800, 600), 800 * 600) << i;
     EXPECT_EQ(alike(inside[5], 420, 320), 420 * 320) << "pixel 690, 490 is in the middle, so the picture ends 10 pixels further";
     EXPECT_EQ(alike(inside[5], 800, 600), 420 * 320);

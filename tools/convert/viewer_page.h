@@ -7,10 +7,11 @@
 
 namespace latent::convert {
 
-// web/page.html with OpenSeadragon and its licence inside; "@PICTURE@" stands for the description of the pyramid.
+// web/page.html with OpenSeadragon and its licence inside; "@TITLE@" stands for the picture's name, "@PICTURE@" for the description
+// of the pyramid.
 extern const char* const kViewerPage;
 
-// The page of the pyramid `tiles` ("NAME_files/", beside the page).
-std::string viewer_page(const std::string& tiles, int width, int height, const image::DeepZoomOptions& options);
+// The page of the pyramid "NAME.dzi", whose tiles are in "NAME_files/" beside the page.
+std::string viewer_page(const std::string& name, int width, int height, const image::DeepZoomOptions& options);
 
 }  // namespace latent::convert

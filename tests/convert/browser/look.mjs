@@ -3,8 +3,9 @@
 //   1. opens the page and waits until it shows the whole picture;
 //   2. turns the wheel over the middle to zoom in;
 //   3. goes to each #X,Y,SCALE and saves what is seen there as FOLDER/seen-0.png (800 x 600), seen-1.png, ...
-// Prints one JSON object: the deepest level asked for before and after turning the wheel, tiles asked for, and the address left by
-// the wheel. Chromium is driven over its DevTools pipe; nothing but Node.js is needed.
+//   4. clicks into the middle of the navigator, which the views leave out.
+// Prints one JSON object: the deepest level asked for before and after turning the wheel, tiles asked for, the address left by the
+// wheel, the title, where the navigator is, and the pixel in the middle of the window after the click. Chromium is driven over its DevTools pipe; nothing but Node.js is needed.
 import { spawn } from "node:child_process";
 import { writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -72,13 +73,23 @@ try {
   const after = Math.max(...levels());
   const address = await evaluate("location.hash");
   await evaluate(`document.querySelector("nav").remove()`);
+  const title = await evaluate("document.title");
+  await evaluate(`viewer.navigator.element.style.visibility = "hidden"`);
   for (const [index, view] of views.entries()) {
     await evaluate(`location.hash = ${JSON.stringify("#" + view)}`);
     await settled();
     const { data } = await send("Page.captureScreenshot", { format: "png" });
     writeFileSync(join(folder, `seen-${index}.png`), Buffer.from(data, "base64"));
   }
-  console.log(JSON.stringify({ before, after, tiles: levels().length, address }));
+  await evaluate(`viewer.navigator.element.style.visibility = "visible"`);
+  const map = await evaluate(`(({ x, y, width, height }) => ({ x, y, width, height }))(viewer.navigator.element.getBoundingClientRect())`);
+  const place = { x: map.x + map.width / 2, y: map.y + map.height / 2, button: "left", clickCount: 1 };
+  await send("Input.dispatchMouseEvent", { type: "mouseMoved", x: place.x, y: place.y });
+  await send("Input.dispatchMouseEvent", { type: "mousePressed", ...place });
+  await send("Input.dispatchMouseEvent", { type: "mouseReleased", ...place });
+  await new Promise((later) => setTimeout(later, 2500));  // it glides there for 1.2 s
+  const middle = await evaluate(`(({ x, y }) => [x * picture.width, y * picture.width])(viewer.viewport.getCenter(true))`);
+  console.log(JSON.stringify({ before, after, tiles: levels().length, address, title, map, middle }));
   session = undefined;
   await send("Browser.close");
 } catch (error) {
