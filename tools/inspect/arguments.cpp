@@ -48,8 +48,13 @@ void add_cat_options(CLI::App& cat, CatOptions& options) {
         ->type_name("ID");
     cli::add_size(cat, "--memory", options.memory, "memory limit")->default_str("1G");
     cli::add_count(cat, "--limit", options.limit, "maximum number of records to print");
-    cli::add_choice<TextFormat>(cat, "--format", options.format, {{"csv", TextFormat::kCsv}, {"json", TextFormat::kJsonLines}},
-                                "CSV or one JSON object per line");
+    cli::add_choice<CatFormat>(cat, "--format", options.format,
+                               {{"csv", CatFormat::kCsv}, {"json", CatFormat::kJsonLines}, {"npy", CatFormat::kNpy}},
+                               "CSV, one JSON object per line, or a NumPy array");
+    cat.add_option("--columns", options.columns, "columns of a NumPy array, separated by commas (default: all)")
+        ->delimiter(',')
+        ->type_name("NAME,...")
+        ->allow_extra_args(false);
 }
 
 void add_gen_options(CLI::App& gen, GenOptions& options) {

@@ -1,4 +1,4 @@
-// tools/inspect/cat.h: records as text, one a line.
+// tools/inspect/cat.h: records as text, one a line, or as a NumPy array.
 #pragma once
 
 #include <array>
@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -14,11 +15,12 @@
 
 namespace latent::inspect {
 
-enum class TextFormat : std::uint8_t { kCsv, kJsonLines };
+enum class CatFormat : std::uint8_t { kCsv, kJsonLines, kNpy };
 
 struct CatOptions {
     std::vector<std::filesystem::path> inputs;
-    TextFormat format = TextFormat::kCsv;
+    CatFormat format = CatFormat::kCsv;
+    std::vector<std::string> columns;  // of npy, in this order; none: all
     std::optional<sampledb::SampleRange> samples;
     std::optional<sampledb::JobId> job;           // where folders hold several: this one
     std::optional<std::array<double, 4>> region;  // u0, v0, u1, v1 in [0,1]
@@ -27,8 +29,8 @@ struct CatOptions {
 };
 
 // Writes to `out`, in the order of the file: run by run, page by page. Positions are exact fractions of 2^32; wavelengths of jobs
-// with a density are written out. Pages that are damaged are left out and listed.
-// Errors: those of Gathering::open, kIo (reading failed, or `out` takes no more).
+// with a density are written out. Pages that are damaged are left out and listed. npy needs an empty file, to write its header
+// last. Errors: those of Gathering::open, kUsage (columns, npy into a pipe), kIo (reading failed, or `out` takes no more).
 Result<sampledb::GatherReport> cat(const CatOptions& options, std::FILE* out);
 
 }  // namespace latent::inspect

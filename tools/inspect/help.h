@@ -56,8 +56,14 @@ sample, class, u, v and share; then x, y, z, or the wavelengths in nm and their
 values, each separated by spaces; then the extra columns of the job, named
 extra.NAME if the name is taken.
 
+With --format npy, standard output must be a file. It becomes a structured array
+for numpy.load, with the same columns. class is 0 (camera) or 1 (light).
+lambda_nm and power have one value for each wavelength of a sample; records with
+fewer end in zeros.
+
 Examples:
   latent-inspect cat night.latent --limit 20
+  latent-inspect cat night.latent --format npy --columns u,v,y > night.npy
   latent-inspect cat night.latent --samples 0:1024 --format json
   latent-inspect cat night.latent --region 0.45,0.45,0.55,0.55 > middle.csv)";
 

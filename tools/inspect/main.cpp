@@ -78,7 +78,7 @@ int main(int argc, char** argv) try {
     recover->add_option("FILE", files, "damaged file; it is not changed")->required()->expected(1);
     recover->add_option("-o,--output", output, "file to write")->required()->check(cli::ends_in(".latent"));
 
-    CLI::App* cat = app.add_subcommand("cat", "Print records as text.")->footer(help::kCat);
+    CLI::App* cat = app.add_subcommand("cat", "Print records as text, or write them as a NumPy array.")->footer(help::kCat);
     add_cat_options(*cat, cat_options);
 
     CLI::App* gen = app.add_subcommand("gen", "Generate a synthetic file for tests.")->footer(help::kGen);
@@ -86,7 +86,7 @@ int main(int argc, char** argv) try {
 
     if (const auto done = cli::parse(app, argc, argv)) return *done;
     remove_temporaries_on_signals();
-    if (common.json) cat_options.format = TextFormat::kJsonLines;
+    if (common.json) cat_options.format = CatFormat::kJsonLines;
     if (*info) return run_info(files);
     using sampledb::VerifyLevel;
     if (*verify) {
