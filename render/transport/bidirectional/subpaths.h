@@ -55,6 +55,8 @@ struct Step {
     float mis_shorter = 0;  // MisPartial::shorter of the vertex that it will reach
     std::uint32_t medium = kNone;
     bool dispersed = false;
+    bool delta = false;      // d comes from a delta function, whatever else the vertex does
+    bool scattered = false;  // some vertex before was left in another way
     SampledSpectrum beta;
     SampledSpectrum throughput{1.0f};  // of the subpath, which decides whether it goes on
 };

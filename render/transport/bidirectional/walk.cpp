@@ -79,9 +79,12 @@ void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
             step.throughput *= 1 / survival;
             step.beta *= 1 / survival;
         }
-        step.mis_shorter = x.mis.end + mis_term(next.pdf_reverse * x.to_previous_area, path[i - 1].pdf_forward, x.mis.shorter);
+        step.mis_shorter =
+            (next.delta ? 0 : x.mis.end) + mis_term(next.pdf_reverse * x.to_previous_area, path[i - 1].pdf_forward, x.mis.shorter);
         step.d = next.wi;
         step.pdf = next.pdf;
+        step.delta = next.delta;
+        step.scattered = step.scattered || !next.delta;
         step.parallel = false;
         step.medium = x.medium_towards(next.wi);
     }
@@ -151,7 +154,7 @@ bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, co
     x.mis.shorter = step.mis_shorter;
     x.pdf_forward = density * step.pdf * x.cosine(step.d) / (step.parallel ? 1 : d2);
     x.to_previous_area = distance_pdf(previous, line) * (step.parallel ? 1 : previous.cosine(step.d) / d2);
-    x.mis.end = (i == 1 || previous.connectible()) && x.connectible() ? 1 : 0;
+    x.mis.end = !step.delta && x.connectible() ? 1 : 0;
     if (!from_camera && i == 1) x.mis.end *= light_point_ratio2(x, previous, step.d, d2);
     path.push_back(x);
     return true;
@@ -168,7 +171,7 @@ float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVer
 void Bidirectional::add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
                                  float pdf_reverse) {
     const SubpathVertex& last = camera_subpath_.back();
-    const bool connected = camera_subpath_.size() >= 2 && last.connectible();
+    const bool connected = camera_subpath_.size() >= 2 && !step.delta;
     const float sampled = connected ? mis_term(pdf_point, pdf_forward, 1) : 0;
     const float shorter = mis_term(pdf_ray, pdf_forward, mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter));
     value *= mis_weight(sampled + shorter);
@@ -205,10 +208,7 @@ void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& lin
 void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segment) {
     CameraPoint point;
     if (!world_.camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
-    if (lights_[start_light_].is_delta() &&
-        std::none_of(light_subpath_.begin() + 1, light_subpath_.end(), [](const SubpathVertex& y) { return y.connectible(); })) {
-        return;
-    }
+    if (lights_[start_light_].is_delta() && !step.scattered) return;
     SampledSpectrum value = step.beta;
     segment.length = point.distance;
     if (step.medium == kNone) {
@@ -222,7 +222,7 @@ void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segme
     const float cosine = abs_dot(point.w, world_.camera().axis());
     const float pdf_forward = step.pdf * line.transmittance * cosine / (step.parallel ? 1 : d2);
     const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
-    const float end = light_subpath_.size() >= 2 && last.connectible() ? 1 : 0;
+    const float end = light_subpath_.size() >= 2 && !step.delta ? 1 : 0;
     value *= point.jacobian / (area * cosine) *
              mis_weight(mis_term(1 / area, pdf_forward, end + mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter)));
     splat(point, value, step.dispersed);

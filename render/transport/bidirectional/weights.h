@@ -11,10 +11,10 @@ namespace latent::render {
 // subpath to the other one multiplies p by r_i = pdf_reverse(x_i) / pdf_forward(x_i), the densities of x_i as drawn from the other
 // side and from this one. So along one subpath
 //   S_i = r_i^2 (e_i + S_(i-1)),   S_(-1) = 0,
-// with e_i = 1 if the strategy that ends this subpath before x_i exists: both x_(i-1) and x_i can be connected; for i = 0, x_0
-// can be hit by chance. Only r_i and r_(i-1) of the vertex that is connected depend on the other subpath; the rest is a partial sum
-// that the subpath carries along [Georgiev12]. Directions of a delta function count with their probabilities in these ratios, and
-// never end a subpath.
+// with e_i = 1 if the strategy that ends this subpath before x_i exists: neither x_(i-1) nor x_i scatters this path by a delta
+// function; for i = 0, x_0 can be hit by chance. Only r_i and r_(i-1) of the vertex that is connected depend on the other subpath;
+// the rest is a partial sum that the subpath carries along [Georgiev12]. Directions of a delta function count with their
+// probabilities in these ratios, and never end a subpath.
 struct MisPartial {
     float end = 0;      // e_i; of a light's second vertex times the square of the ratio of its point's densities, sampled from
                         // here over sampled with its ray
