@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "render/bsdf/closure.h"
+#include "render/bsdf/coated.h"
 #include "render/bsdf/conductor.h"
 #include "render/bsdf/dielectric.h"
 #include "render/bsdf/diffuse.h"
@@ -22,6 +23,8 @@ using AnyClosure = ClosureList<  //
     Conductor,                   //
     Dielectric,                  //
     ThinDielectric,              //
-    MetallicRoughness>;
+    MetallicRoughness,           //
+    CoatedDiffuse,               //
+    CoatedConductor>;
 
 }  // namespace latent::render

@@ -1,7 +1,5 @@
 #include "render/bsdf/conductor.h"
 
-#include "render/bsdf/fresnel.h"
-
 namespace latent::render {
 
 void Conductor::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {

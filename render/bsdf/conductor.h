@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/bsdf/closure.h"
+#include "render/bsdf/fresnel.h"
 #include "render/bsdf/microfacet.h"
 
 namespace latent::render {
@@ -14,6 +15,9 @@ class Conductor {
     Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y)
         : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)) {}
 
+    const Microfacets& facets() const { return facets_; }
+    // Of a smooth surface, in one wavelength.
+    float reflectance(float c, std::uint32_t lane) const { return fresnel_conductor(c, (*eta_)[lane], (*k_)[lane]); }
     bool is_delta() const { return facets_.are_smooth(); }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;

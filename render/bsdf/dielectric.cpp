@@ -8,12 +8,6 @@ namespace {
 // Index of the side that w does not lie on over that of its side.
 float across(const Vec3f& w, float eta) { return w.z > 0 ? eta : 1 / eta; }
 
-// d omega_m / d omega_b of refraction: |b.m| / (b.m + a.m / eta)^2 [WMLT07].
-float refraction_jacobian(const Vec3f& a, const Vec3f& b, const Vec3f& m, float eta) {
-    const float denominator = dot(b, m) + dot(a, m) / eta;
-    return abs_dot(b, m) / (denominator * denominator);
-}
-
 }  // namespace
 
 SampledSpectrum Dielectric::reflectance(const Vec3f& w, float c) const {

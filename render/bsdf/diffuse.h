@@ -11,6 +11,7 @@ class Diffuse {
 
     explicit Diffuse(const SampledSpectrum& reflectance) : reflectance_(&reflectance) {}
 
+    const SampledSpectrum& reflectance() const { return *reflectance_; }
     bool is_delta() const { return false; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;

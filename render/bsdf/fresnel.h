@@ -20,22 +20,23 @@ inline float fresnel_dielectric(float c, float eta) {
     return 0.5f * (parallel * parallel + perpendicular * perpendicular);
 }
 
-// Conductor of complex index eta + i k, in each wavelength, at cosine c of the angle of incidence [Lagarde13]:
+// Conductor of complex index eta + i k at cosine c of the angle of incidence [Lagarde13]:
 //   2 a^2 = sqrt((eta^2 - k^2 - s^2)^2 + 4 eta^2 k^2) + eta^2 - k^2 - s^2,   s = sin, a^2 + b^2 = that square root
 //   R_perp = (a^2 + b^2 - 2 a c + c^2) / (a^2 + b^2 + 2 a c + c^2)
 //   R_par = R_perp (c^2 (a^2 + b^2) - 2 a c s^2 + s^4) / (c^2 (a^2 + b^2) + 2 a c s^2 + s^4)
-inline SampledSpectrum fresnel_conductor(float c, const SampledSpectrum& eta, const SampledSpectrum& k) {
+inline float fresnel_conductor(float c, float eta, float k) {
     const float c2 = c * c, s2 = std::max(0.0f, 1 - c2);
-    return spectrum_of([&](std::uint32_t i) {
-        const float n2 = eta.v[i] * eta.v[i], k2 = k.v[i] * k.v[i];
-        const float t = n2 - k2 - s2;
-        const float a2b2 = std::sqrt(t * t + 4 * n2 * k2);
-        const float a2 = 0.5f * (a2b2 + t);
-        const float a = std::sqrt(a2 > 0 ? a2 : 0.0f);
-        const float perpendicular = (a2b2 + c2 - 2 * a * c) / (a2b2 + c2 + 2 * a * c);
-        const float p = c2 * a2b2 + s2 * s2, q = 2 * a * c * s2;
-        return 0.5f * perpendicular * (1 + (p - q) / (p + q));
-    });
+    const float n2 = eta * eta, k2 = k * k;
+    const float t = n2 - k2 - s2;
+    const float a2b2 = std::sqrt(t * t + 4 * n2 * k2);
+    const float a2 = 0.5f * (a2b2 + t);
+    const float a = std::sqrt(a2 > 0 ? a2 : 0.0f);
+    const float perpendicular = (a2b2 + c2 - 2 * a * c) / (a2b2 + c2 + 2 * a * c);
+    const float p = c2 * a2b2 + s2 * s2, q = 2 * a * c * s2;
+    return 0.5f * perpendicular * (1 + (p - q) / (p + q));
+}
+inline SampledSpectrum fresnel_conductor(float c, const SampledSpectrum& eta, const SampledSpectrum& k) {
+    return spectrum_of([&](std::uint32_t i) { return fresnel_conductor(c, eta.v[i], k.v[i]); });
 }
 
 // (1 - c)^5: how far Schlick's reflectance at cosine c has risen from that of straight incidence to that of grazing [Schlick94].

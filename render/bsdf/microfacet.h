@@ -62,4 +62,10 @@ inline bool half_vector(const Vec3f& a, const Vec3f& b, float eta, Vec3f& m) {
     return dot(m, a) * a.z > 0 && dot(m, b) * b.z > 0;
 }
 
+// d omega_m / d omega_b of refraction: |b.m| / (b.m + a.m / eta)^2 [WMLT07].
+inline float refraction_jacobian(const Vec3f& a, const Vec3f& b, const Vec3f& m, float eta) {
+    const float denominator = dot(b, m) + dot(a, m) / eta;
+    return abs_dot(b, m) / (denominator * denominator);
+}
+
 }  // namespace latent::render

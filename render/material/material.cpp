@@ -3,48 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/material/values.h"
+
 namespace latent::render {
 namespace {
 
-// What a texture gives may be anything: each of these is the nearest value that makes sense, and of no number the least.
-
-// Within [0,1].
-const SampledSpectrum& reflectance(const SpectrumSource& source, const TexturePoint& point) {
-    const SampledSpectrum& given = source.at(point);
-    if (source.texture == nullptr) return given;
-    SampledSpectrum& out = point.spectra->allocate();
-    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = given.v[i] > 0 ? std::min(given.v[i], 1.0f) : 0;
-    return out;
-}
-float at_least_zero(float x) { return x > 0 ? std::min(x, 1e6f) : 0; }
-float fraction(const FloatSource& source, const TexturePoint& point) {
-    const float x = source.at(point);
-    return x > 0 ? std::min(x, 1.0f) : 0;
-}
-// GGX alpha.
-float alpha(const FloatSource& source, bool remap, const TexturePoint& point) {
-    if (source.texture == nullptr) return source.value;
-    const float roughness = at_least_zero(source.at(point));
-    return remap ? std::sqrt(roughness) : roughness;
-}
-// Of a conductor.
-const SampledSpectrum& index(const SpectrumSource& source, float least, const TexturePoint& point) {
-    const SampledSpectrum& given = source.at(point);
-    if (source.texture == nullptr) return given;
-    SampledSpectrum& out = point.spectra->allocate();
-    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = given.v[i] > least ? std::min(given.v[i], 1e6f) : least;
-    return out;
-}
-
 // The metal of eta = 1 that reflects r at normal incidence: R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
-Conductor metal_of(const SampledSpectrum& r, float alpha_x, float alpha_y, SampledSpectra& spectra) {
+struct Metal {
+    const SampledSpectrum &eta, &k;
+};
+Metal metal_of(const SampledSpectrum& r, SampledSpectra& spectra) {
     SampledSpectrum& eta = spectra.allocate() = SampledSpectrum(1.0f);
     SampledSpectrum& k = spectra.allocate();
     for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
         const float limited = std::min(r.v[i], 0.9999f);
         k.v[i] = 2 * std::sqrt(limited) / std::sqrt(1 - limited);
     }
-    return {eta, k, alpha_x, alpha_y};
+    return {eta, k};
 }
 
 }  // namespace
@@ -74,33 +49,54 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
       coat_(source(d.coat, textures)),
       coat_roughness_(source(d.coat_roughness, textures)),
       f0_(d.f0),
-      f90_(d.f90) {}
+      f90_(d.f90),
+      layer_(d.layer, textures, library) {
+    is_textured_ |= layer_.is_textured();
+}
 
 Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const {
     const float alpha_x = alpha(alpha_x_, remap_roughness_, point), alpha_y = alpha(alpha_y_, remap_roughness_, point);
-    const Frame frame = alpha_x == alpha_y ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu);
-    const auto bsdf_of = [&](const auto& closure) { return Bsdf(frame, hit.ng, closure); };
+    const auto bsdf_of = [&](bool isotropic, const auto& closure) {
+        return Bsdf(isotropic ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu), hit.ng, closure);
+    };
+    const auto plain = [&](const auto& closure) { return bsdf_of(alpha_x == alpha_y, closure); };
+    const auto metal = [&] {
+        return reflectance_.texture ? metal_of(reflectance(reflectance_, point), *point.spectra)
+                                    : Metal{within(eta_, 1e-3f, 1e6f, point), within(k_, 0, 1e6f, point)};
+    };
+    const auto coated = [&]<class Base>(const Base& base) {
+        const Layer layer = layer_.at(hit, point, kept);
+        const Microfacets& facets = layer.coat.facets;
+        return bsdf_of(alpha_x == alpha_y && facets.alpha_x == facets.alpha_y,
+                       Coated<Base>(point.spectra->store<typename Coated<Base>::State>({layer, base})));
+    };
     switch (kind_) {
         case MaterialKind::kDiffuse:
-            return bsdf_of(Diffuse(reflectance(reflectance_, point)));
+            return plain(Diffuse(reflectance(reflectance_, point)));
         case MaterialKind::kPhong:
-            return bsdf_of(
-                Phong(reflectance(reflectance_, point), reflectance(specular_, point), at_least_zero(exponent_.at(point))));
-        case MaterialKind::kConductor:
-            if (reflectance_.texture) return bsdf_of(metal_of(reflectance(reflectance_, point), alpha_x, alpha_y, *point.spectra));
-            return bsdf_of(Conductor(index(eta_, 1e-3f, point), index(k_, 0, point), alpha_x, alpha_y));
+            return plain(Phong(reflectance(reflectance_, point), reflectance(specular_, point), within(exponent_, 0, 1e6f, point)));
+        case MaterialKind::kConductor: {
+            const Metal m = metal();
+            return plain(Conductor(m.eta, m.k, alpha_x, alpha_y));
+        }
         case MaterialKind::kDielectric:
-            return bsdf_of(Dielectric(eta_.at(point), dispersive_, kept, alpha_x, alpha_y));
+            return plain(Dielectric(eta_.at(point), dispersive_, kept, alpha_x, alpha_y));
         case MaterialKind::kThinDielectric:
-            return bsdf_of(ThinDielectric(eta_.at(point), dispersive_, kept));
+            return plain(ThinDielectric(eta_.at(point), dispersive_, kept));
         case MaterialKind::kMetallicRoughness: {
             const float roughness = fraction(roughness_, point), coat_roughness = fraction(coat_roughness_, point);
-            return bsdf_of(MetallicRoughness(reflectance(reflectance_, point), {.metallic = fraction(metallic_, point),
-                                                                                .alpha = roughness * roughness,
-                                                                                .f0 = f0_,
-                                                                                .f90 = f90_,
-                                                                                .coat = fraction(coat_, point),
-                                                                                .coat_alpha = coat_roughness * coat_roughness}));
+            return plain(MetallicRoughness(reflectance(reflectance_, point), {.metallic = fraction(metallic_, point),
+                                                                              .alpha = roughness * roughness,
+                                                                              .f0 = f0_,
+                                                                              .f90 = f90_,
+                                                                              .coat = fraction(coat_, point),
+                                                                              .coat_alpha = coat_roughness * coat_roughness}));
+        }
+        case MaterialKind::kCoatedDiffuse:
+            return coated(Diffuse(reflectance(reflectance_, point)));
+        case MaterialKind::kCoatedConductor: {
+            const Metal m = metal();
+            return coated(Conductor(layer_.below(m.eta, *point.spectra), layer_.below(m.k, *point.spectra), alpha_x, alpha_y));
         }
     }
     __builtin_unreachable();

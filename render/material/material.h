@@ -5,6 +5,7 @@
 
 #include "render/bsdf/bsdf.h"
 #include "render/geometry/geometry.h"
+#include "render/material/layers.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
 #include "render/texture/textures.h"
@@ -34,6 +35,7 @@ class Material {
     FloatSource exponent_, alpha_x_, alpha_y_;
     FloatSource roughness_, metallic_, coat_, coat_roughness_;
     float f0_, f90_;
+    LayerSource layer_;
 };
 
 }  // namespace latent::render

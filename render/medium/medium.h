@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "render/bsdf/phase.h"
 #include "render/medium/march.h"
-#include "render/medium/phase.h"
 #include "render/sampling/sample_state.h"
 #include "render/spectral/sampled_spectrum.h"
 

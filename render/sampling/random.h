@@ -1,8 +1,10 @@
 // render/sampling/random.h: numbers without end for what no dimension can be reserved for, one after another.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
+#include "render/math/vec.h"
 #include "render/sampling/uniform.h"
 
 namespace latent::render {
@@ -12,6 +14,11 @@ inline std::uint64_t mix(std::uint64_t x) {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
     return x ^ (x >> 31);
+}
+
+inline std::uint64_t mix(std::uint64_t key, const Vec3f& v) {
+    const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x)}; };
+    return mix(mix(key + (bits(v.x) | bits(v.y) << 32)) + bits(v.z));
 }
 
 // [SplitMix64]: the mixed multiples of an odd number, from a point that the seed gives.

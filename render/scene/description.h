@@ -38,16 +38,38 @@ struct CameraDescription {
     SourceLocation location{};
 };
 
-enum class MaterialKind : std::uint8_t { kDiffuse, kPhong, kConductor, kDielectric, kThinDielectric, kMetallicRoughness };
+enum class MaterialKind : std::uint8_t {
+    kDiffuse,
+    kPhong,
+    kConductor,
+    kDielectric,
+    kThinDielectric,
+    kMetallicRoughness,
+    kCoatedDiffuse,
+    kCoatedConductor
+};
+
+// What lies on the base of a coateddiffuse or coatedconductor.
+struct LayerDescription {
+    color::Spectrum eta = color::Spectrum::constant(1.5);  // of the layer, over the air's
+    bool dispersive = false;                               // eta varies with wavelength
+    FloatInput alpha_x{}, alpha_y{};                       // of its surface
+    bool remap_roughness = false;                          // as a material's
+    FloatInput thickness = 0.01f;                          // in mean free paths
+    SpectrumInput albedo = color::Spectrum::constant(0);
+    FloatInput g{};
+    std::uint32_t max_depth = 10;  // scatterings and reflections within
+    std::uint32_t walks = 1;       // random walks that an evaluation is the mean of
+};
 
 struct MaterialDescription {
     MaterialKind kind = MaterialKind::kDiffuse;
     std::string name{};               // of MakeNamedMaterial; else empty
-    SpectrumInput reflectance{};      // diffuse; phong: Kd; conductor: r, where a texture gives it;
+    SpectrumInput reflectance{};      // diffuse, coateddiffuse; phong: Kd; metals: r, where a texture gives it;
                                       // metallic-roughness: base colour
     SpectrumInput specular{};         // phong: Ks
     FloatInput exponent{};            // phong
-    SpectrumInput eta{}, k{};         // conductor: both (a conductor given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
+    SpectrumInput eta{}, k{};         // metals: both (one given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
                                       // dielectric, thindielectric: eta, never a texture
     bool dispersive = false;          // eta of a dielectric or thindielectric varies with wavelength
     FloatInput alpha_x{}, alpha_y{};  // GGX alpha; 0: smooth
@@ -56,6 +78,7 @@ struct MaterialDescription {
     FloatInput roughness = 1, metallic = 0;
     float f0 = 0.04f, f90 = 1;                // reflectance of the dielectric at straight and at grazing incidence
     FloatInput coat = 0, coat_roughness = 0;  // share of the surface under a clear coat
+    LayerDescription layer{};                 // coateddiffuse, coatedconductor
     SourceLocation location{};
 };
 

@@ -66,11 +66,17 @@ void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
 }
 
 template <class Visit>
+void each_field(Of<LayerDescription> auto& layer, Visit&& visit) {
+    auto& [eta, dispersive, alpha_x, alpha_y, remap_roughness, thickness, albedo, g, max_depth, walks] = layer;
+    visit(eta, dispersive, alpha_x, alpha_y, remap_roughness, thickness, albedo, g, max_depth, walks);
+}
+
+template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
     auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
-           f0, f90, coat, coat_roughness, location] = material;
+           f0, f90, coat, coat_roughness, layer, location] = material;
     visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic, f0,
-          f90, coat, coat_roughness);
+          f90, coat, coat_roughness, layer);
     visit.label(name, location);
 }
 

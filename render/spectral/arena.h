@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <memory>
+#include <new>
+#include <type_traits>
 #include <vector>
 
 #include "render/spectral/sampled_spectrum.h"
@@ -18,6 +20,13 @@ class SpectrumArena {
         SampledSpectrum& value = blocks_[used_ / kBlock][used_ % kBlock];
         ++used_;
         return value;
+    }
+    // A copy of `value` in the room of one batch.
+    template <class T>
+    const T& store(const T& value) {
+        static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+        static_assert(sizeof(T) <= sizeof(SampledSpectrum) && alignof(T) <= alignof(SampledSpectrum));
+        return *new (&allocate()) T(value);
     }
     void clear() { used_ = 0; }
 

@@ -92,6 +92,10 @@ class SampledSpectra {
     }
     // Room for a value that no spectrum of the scene has, such as a reflectance that varies over a surface. Not initialised.
     SampledSpectrum& allocate() { return arena_.allocate(); }
+    template <class T>
+    const T& store(const T& value) {
+        return arena_.store(value);
+    }
 
  private:
     struct Evaluated {

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "render/bsdf/bsdf.h"
-#include "render/medium/phase.h"
+#include "render/bsdf/phase.h"
 
 namespace latent::render {
 

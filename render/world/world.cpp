@@ -19,7 +19,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     world->textures_ = std::move(*textures);
     for (const MaterialDescription& d : scene.materials) {
         world->materials_.emplace_back(d, world->textures_, world->library_);
-        world->has_dispersion_ |= d.dispersive;
+        world->has_dispersion_ |= d.dispersive || d.layer.dispersive;
     }
     for (const MediumDescription& d : scene.media) world->media_.push_back(make_medium(d, world->library_));
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {

@@ -218,7 +218,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
         for (const char* type : types) lines.push_back(kind + " \"" + type + "\"");
     };
     directives("Shape", {"curve", "cylinder", "loopsubdiv", "nurbs"});
-    directives("Material", {"coatedconductor", "coateddiffuse", "diffusetransmission", "hair", "measured", "mix", "subsurface"});
+    directives("Material", {"diffusetransmission", "hair", "measured", "mix", "subsurface"});
     directives("LightSource", {"goniometric", "projection"});
     directives("AreaLightSource", {"area"});
     directives("ColorSpace", {"aces2065-1"});

@@ -73,6 +73,16 @@ const std::vector<Option> kMaterials = {
      "Material \"dielectric\" \"spectrum eta\" \"glass-SF11\" \"float roughness\" 0.3 \"bool remaproughness\" false\n"},
     {"pane", "Material \"thindielectric\" \"float eta\" 1.5\n"},
     {"interface", "Material \"interface\"\n"},
+    {"coated diffuse", "Material \"coateddiffuse\" \"spectrum reflectance\" [360 0.7 830 0.4]\n"},
+    {"rough coated diffuse",
+     "Material \"coateddiffuse\" \"spectrum reflectance\" [360 0.7 830 0.4] \"float roughness\" 0.3 \"bool remaproughness\" "
+     "false\n"},
+    {"coated metal",
+     "Material \"coatedconductor\" \"float interface.roughness\" 0 \"float conductor.roughness\" 0.3 \"bool remaproughness\" false "
+     "\"spectrum interface.eta\" \"glass-SF11\"\n"},
+    {"milky coat",
+     "Material \"coatedconductor\" \"float interface.roughness\" 0.2 \"bool remaproughness\" false \"float thickness\" 0.5 "
+     "\"spectrum albedo\" [360 0.9 830 0.5] \"float g\" 0.4\n"},
     {"phong", "Material \"phong\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" 40\n"},
 };
 const std::vector<Option> kCameras = {
@@ -120,7 +130,8 @@ bool is_one_of(const char* name, std::initializer_list<const char*> names) {
 // No caustics that only a path from the light finds, no light from infinity through a medium without end.
 bool is_possible(const Design& d) {
     const bool delta_light = is_one_of(kLights[d[kLight]].name, {"point", "spot", "distant"});
-    const bool smooth = is_one_of(kMaterials[d[kMaterial]].name, {"mirror", "glass", "dispersive glass", "pane"});
+    const bool smooth =
+        is_one_of(kMaterials[d[kMaterial]].name, {"mirror", "glass", "dispersive glass", "pane", "coated diffuse", "coated metal"});
     const bool infinite =
         is_one_of(kLights[d[kLight]].name, {"distant", "image infinite", "shell", "infinite", "infinite and lines"});
     return !(delta_light && smooth) && !(infinite && d[kMedium] == kEverywhere);

@@ -102,6 +102,70 @@ inline std::vector<Example<MetallicRoughness>> examples() {
              .scatters = M(v.falling, {.metallic = 0.5f, .alpha = 0.4f, .f90 = 0, .coat = 0.5f, .coat_alpha = 0.3f})}};
 }
 
+// A layer under a coat of index 1.5; `alpha` of the coat.
+inline Layer layer_of(float alpha_x, float alpha_y, float thickness) {
+    return {.coat = {Microfacets::of_alpha(alpha_x, alpha_y), 1.5f}, .thickness = thickness, .key = 17};
+}
+inline Layer scattering(Layer layer, const SampledSpectrum& albedo, float g) {
+    layer.albedo = &albedo;
+    layer.g = g;
+    return layer;
+}
+inline Layer dispersive(Layer layer, std::uint32_t kept) {
+    layer.eta = &values().varying;
+    layer.coat.eta = values().varying[kept];
+    return layer;
+}
+inline Layer of_any_depth(Layer layer) {
+    layer.max_depth = 10'000;
+    return layer;
+}
+
+template <>
+inline std::vector<Example<CoatedDiffuse>> examples() {
+    const Values& v = values();
+    using State = CoatedDiffuse::State;
+    static const State smooth(layer_of(0, 0, 0.1f), Diffuse(v.rising)), lossless(of_any_depth(layer_of(0, 0, 0)), Diffuse(v.white)),
+        flint(dispersive(layer_of(0, 0, 0.01f), 5), Diffuse(v.falling)), rough(layer_of(0.3f, 0.3f, 0.01f), Diffuse(v.falling)),
+        stretched(layer_of(0.1f, 0.5f, 0.3f), Diffuse(v.grey)),
+        rough_flint(dispersive(layer_of(0.3f, 0.3f, 0.01f), 5), Diffuse(v.falling)),
+        milk(scattering(layer_of(0, 0, 1), v.falling, 0.4f), Diffuse(v.rising)),
+        white_milk(of_any_depth(scattering(layer_of(0, 0, 0.5f), v.white, -0.3f)), Diffuse(v.white)),
+        rough_milk(scattering(layer_of(0.4f, 0.4f, 2), v.grey, 0.7f), Diffuse(v.falling)),
+        uncoated({.coat = {Microfacets::of_alpha(0, 0), 1}, .thickness = 0.2f, .key = 17}, Diffuse(v.grey));
+    return {{.name = "smooth", .scatters = CoatedDiffuse(smooth)},
+            {.name = "smooth, lossless", .scatters = CoatedDiffuse(lossless), .loses_nothing = true},
+            {.name = "smooth, dispersive", .scatters = CoatedDiffuse(flint)},
+            {.name = "alpha 0.3", .scatters = CoatedDiffuse(rough)},
+            {.name = "alpha 0.1 x 0.5", .scatters = CoatedDiffuse(stretched)},
+            {.name = "alpha 0.3, dispersive", .scatters = CoatedDiffuse(rough_flint), .kept = 5},
+            {.name = "scattering", .scatters = CoatedDiffuse(milk)},
+            {.name = "scattering, lossless", .scatters = CoatedDiffuse(white_milk), .loses_nothing = true},
+            {.name = "alpha 0.4, scattering", .scatters = CoatedDiffuse(rough_milk)},
+            {.name = "no interface", .scatters = CoatedDiffuse(uncoated)}};
+}
+
+template <>
+inline std::vector<Example<CoatedConductor>> examples() {
+    const Values& v = values();
+    using State = CoatedConductor::State;
+    const auto metal = [&](float alpha_x, float alpha_y) { return Conductor(v.eta, v.k, alpha_x, alpha_y); };
+    static const State mirror(layer_of(0, 0, 0.01f), metal(0, 0)), flake(layer_of(0, 0, 0.01f), metal(0.3f, 0.3f)),
+        brushed(layer_of(0.1f, 0.1f, 0.05f), metal(0.2f, 0.5f)), frosted(layer_of(0.3f, 0.3f, 0.05f), metal(0, 0)),
+        flint(dispersive(layer_of(0, 0, 0.01f), 5), metal(0, 0)),
+        rough_flint(dispersive(layer_of(0, 0, 0.01f), 5), metal(0.4f, 0.4f)),
+        foggy(scattering(layer_of(0, 0, 0.7f), v.falling, 0.2f), metal(0, 0)),
+        paint(scattering(layer_of(0.2f, 0.2f, 0.7f), v.falling, 0.2f), metal(0.3f, 0.3f));
+    return {{.name = "mirror", .scatters = CoatedConductor(mirror)},
+            {.name = "smooth on alpha 0.3", .scatters = CoatedConductor(flake)},
+            {.name = "alpha 0.1 on alpha 0.2 x 0.5", .scatters = CoatedConductor(brushed)},
+            {.name = "alpha 0.3 on mirror", .scatters = CoatedConductor(frosted)},
+            {.name = "dispersive mirror", .scatters = CoatedConductor(flint)},
+            {.name = "dispersive on alpha 0.4", .scatters = CoatedConductor(rough_flint), .kept = 5},
+            {.name = "scattering on mirror", .scatters = CoatedConductor(foggy)},
+            {.name = "all rough, scattering", .scatters = CoatedConductor(paint)}};
+}
+
 // What typed tests run over.
 template <class List>
 struct TypesOf;
@@ -111,12 +175,15 @@ struct TypesOf<std::variant<C...>> {
     using WithPhase = ::testing::Types<PhaseFunction, C...>;
 };
 
-// The last part of a type's name.
+// A type's name without the namespaces: of Coated<Diffuse> "CoatedDiffuse".
 struct NameOf {
     template <class T>
     static std::string GetName(int) {
-        const std::string whole = ::testing::internal::GetTypeName<T>();
-        return whole.substr(whole.rfind(':') + 1);
+        std::string name = ::testing::internal::GetTypeName<T>();
+        for (const std::string scope = "latent::render::"; name.find(scope) != std::string::npos;)
+            name.erase(name.find(scope), scope.size());
+        std::erase_if(name, [](char c) { return c == '<' || c == '>'; });
+        return name;
     }
 };
 

@@ -85,7 +85,7 @@ TYPED_TEST(ClosureLaws, DirectionsFollowTheirDensity) {
                      BsdfSample s;
                      SampledSpectrum beta(1.0f);
                      const float lobe = u(), x = u(), y = u();
-                     if (!c.scattering.sample(wo, true, lobe, x, y, s, beta)) return std::nullopt;
+                     if (!c.scattering.sample(wo, true, lobe, x, y, s, beta) || s.delta) return std::nullopt;
                      return s.wi;
                  },
                  .pdf_omega = [&](const Vec3f& wi) { return static_cast<double>(c.scattering.pdf_omega(wo, wi)); },
@@ -105,7 +105,7 @@ TYPED_TEST(ClosureLaws, WeightsAreWhatEvaluationSays) {
             BsdfSample s;
             SampledSpectrum beta(1.0f), f(1.0f);
             const float lobe = u(), x = u(), y = u();
-            if (!c.scattering.sample(wo, from_camera, lobe, x, y, s, beta)) continue;
+            if (!c.scattering.sample(wo, from_camera, lobe, x, y, s, beta) || s.delta) continue;
             ASSERT_FLOAT_EQ(s.pdf, c.scattering.pdf_omega(wo, s.wi));
             ASSERT_FLOAT_EQ(s.pdf_reverse, c.scattering.pdf_omega(s.wi, wo));
             c.scattering.multiply_f_cos(from_camera ? wo : s.wi, from_camera ? s.wi : wo, f);
@@ -162,6 +162,40 @@ TYPED_TEST(ClosureLaws, SmoothLobesComeAsOftenAsTheySay) {
             EXPECT_NEAR(probability[0] + probability[1], 1, 1e-6);
             const double error = std::sqrt(kCount * probability[0] * (1 - probability[0]));
             EXPECT_LE(std::abs(counted[0] - kCount * probability[0]), 3.891 * error);  // the binomial's two tails of 1e-4
+        }
+    }
+}
+
+// Beside other directions, the one of a delta function comes as often as it says, mirrored, with the same weight both ways.
+TYPED_TEST(ClosureLaws, MirrorsAmongOtherDirectionsComeAsOftenAsTheySay) {
+    for (const Case& c : this->rough()) {
+        if (!(c.ns == kUp)) continue;
+        for (const Vec3f& wo : kDirections) {
+            SCOPED_TRACE(c.name);
+            Numbers u(17);
+            constexpr int kCount = 50'000;
+            int counted = 0;
+            BsdfSample mirrored{};
+            for (int n = 0; n < kCount; ++n) {
+                BsdfSample s;
+                SampledSpectrum beta(1.0f), back(1.0f);
+                const float lobe = u(), x = u(), y = u();
+                if (!c.scattering.sample(wo, n % 2 == 0, lobe, x, y, s, beta) || !s.delta) continue;
+                if (counted++ > 0) {
+                    ASSERT_NEAR(s.pdf, mirrored.pdf, 2e-6f * s.pdf);
+                    continue;
+                }
+                mirrored = s;
+                ASSERT_LT(length(s.wi - Vec3f{-wo.x, -wo.y, wo.z}), 1e-6f);
+                ASSERT_TRUE(c.scattering.sample(s.wi, n % 2 == 0, 0, x, y, s, back));
+                ASSERT_TRUE(s.delta);
+                ASSERT_NEAR(s.pdf, mirrored.pdf, 2e-6f * s.pdf);
+                ASSERT_NEAR(s.pdf_reverse, mirrored.pdf, 2e-6f * s.pdf);
+                for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) ASSERT_NEAR(beta[i], back[i], 1e-5f * beta[i]);
+            }
+            if (counted == 0) continue;
+            const double p = static_cast<double>(mirrored.pdf), error = std::sqrt(kCount * p * (1 - p));
+            EXPECT_LE(std::abs(counted - kCount * p), 3.891 * error);
         }
     }
 }

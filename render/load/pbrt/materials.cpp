@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "color/named_spectra.h"
@@ -10,25 +11,30 @@ namespace latent::render {
 
 namespace {
 
-// GGX alpha of "roughness", or of one axis where that is given; pbrt's remapping is alpha = sqrt(roughness).
-void read_roughness(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
+// GGX alpha of "roughness", or of one axis where that is given; pbrt's remapping is alpha = sqrt(roughness). The names follow
+// `prefix`, but for "remaproughness".
+void read_roughness(const ParameterList& list, const std::string& prefix, SceneTextures& textures, FloatInput& alpha_x,
+                    FloatInput& alpha_y, bool& remap_roughness) {
     const bool remap = list.flag("remaproughness", true);
-    const double roughness = list.number("roughness", 0, 0, 1e6);
-    const std::optional<std::uint32_t> texture = textures.find_texture(list, "roughness");
-    const auto axis = [&](std::string_view name) {
+    const double roughness = list.number(prefix + "roughness", 0, 0, 1e6);
+    const std::optional<std::uint32_t> texture = textures.find_texture(list, prefix + "roughness");
+    const auto axis = [&](const std::string& name) {
         const double own = list.number(name, roughness, 0, 1e6);
         const bool has_own = list.find(name, {"float", "integer"}) != nullptr;
         FloatInput alpha(static_cast<float>(remap ? std::sqrt(own) : own));
         alpha.texture = textures.find_texture(list, name).value_or(has_own ? kNone : texture.value_or(kNone));
         return alpha;
     };
-    material.alpha_x = axis("uroughness");
-    material.alpha_y = axis("vroughness");
-    material.remap_roughness = remap && (material.alpha_x.is_textured() || material.alpha_y.is_textured());
+    alpha_x = axis(prefix + "uroughness");
+    alpha_y = axis(prefix + "vroughness");
+    remap_roughness = remap && (alpha_x.is_textured() || alpha_y.is_textured());
+}
+void read_roughness(const ParameterList& list, const std::string& prefix, SceneTextures& textures, MaterialDescription& material) {
+    read_roughness(list, prefix, textures, material.alpha_x, material.alpha_y, material.remap_roughness);
 }
 
 // A refractive index is positive wherever we look.
-void check_index(const ParameterList& list, const SpectrumInput& input) {
+void check_index(const ParameterList& list, const std::string& name, const SpectrumInput& input) {
     if (input.is_textured()) return;
     const color::Spectrum& eta = input.value;
     bool positive = eta(color::kLambdaMin) > 0 && eta(color::kLambdaMax) > 0;
@@ -36,29 +42,32 @@ void check_index(const ParameterList& list, const SpectrumInput& input) {
         if (lambda >= color::kLambdaMin && lambda <= color::kLambdaMax) positive &= eta(lambda) > 0;
     }
     if (positive) return;
-    list.error("eta: must be positive from 360 to 830 nm (an inline spectrum is 0 outside its samples: give values at both ends)");
+    list.error(name +
+               ": must be positive from 360 to 830 nm (an inline spectrum is 0 outside its samples: give values at both ends)");
 }
 
-void read_dielectric_index(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
-    material.eta = color::Spectrum::constant(list.number("eta", 1.5, 1e-3, 1e3));
-    if (const auto eta = textures.find_value(list, "eta", SpectrumRole::kUnbounded)) material.eta = *eta;
-    check_index(list, material.eta);
-    const color::Spectrum& eta = material.eta.value;
+color::Spectrum read_dielectric_index(const ParameterList& list, const std::string& name, SceneTextures& textures,
+                                      bool& dispersive) {
+    color::Spectrum eta = color::Spectrum::constant(list.number(name, 1.5, 1e-3, 1e3));
+    if (const auto found = textures.find_value(list, name, SpectrumRole::kUnbounded)) eta = *found;
+    check_index(list, name, eta);
     const double first = eta(color::kLambdaMin);
-    for (double lambda = color::kLambdaMin; lambda <= color::kLambdaMax; ++lambda) material.dispersive |= eta(lambda) != first;
+    for (double lambda = color::kLambdaMin; lambda <= color::kLambdaMax; ++lambda) dispersive |= eta(lambda) != first;
+    return eta;
 }
 
-void read_conductor_index(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
+void read_conductor_index(const ParameterList& list, const std::string& prefix, SceneTextures& textures,
+                          MaterialDescription& material) {
     const auto reflectance = textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
-    const auto eta = textures.find_spectrum(list, "eta", SpectrumRole::kUnbounded),
-               k = textures.find_spectrum(list, "k", SpectrumRole::kUnbounded);
+    const auto eta = textures.find_spectrum(list, prefix + "eta", SpectrumRole::kUnbounded),
+               k = textures.find_spectrum(list, prefix + "k", SpectrumRole::kUnbounded);
     if (!reflectance) {
         material.eta = eta ? *eta : color::named_spectrum("metal-Cu-eta").value();
         material.k = k ? *k : color::named_spectrum("metal-Cu-k").value();
-        check_index(list, material.eta);
+        check_index(list, prefix + "eta", material.eta);
         return;
     }
-    if (eta || k) list.error("reflectance cannot be combined with eta and k");
+    if (eta || k) list.error(fmt::format("reflectance cannot be combined with {0}eta and {0}k", prefix));
     if (reflectance->is_textured()) {
         material.reflectance = *reflectance;
         return;
@@ -70,6 +79,24 @@ void read_conductor_index(const ParameterList& list, SceneTextures& textures, Ma
         return 2 * std::sqrt(r) / std::sqrt(1 - r);
     };
     material.k = color::Spectrum::from_function(k_of, color::Outside::kClamped);
+}
+
+SpectrumInput read_reflectance(const ParameterList& list, const std::string& name, SceneTextures& textures, double otherwise) {
+    SpectrumInput input = textures.spectrum(list, name, SpectrumRole::kReflectance, color::Spectrum::constant(otherwise));
+    if (!input.is_textured() && input.value.max_value() > 1) list.warn(name + ": exceeds 1, so the surface creates energy");
+    return input;
+}
+
+// The names of what belongs to its surface follow `prefix`.
+void read_layer(const ParameterList& list, const std::string& prefix, SceneTextures& textures, LayerDescription& layer) {
+    layer.eta = read_dielectric_index(list, prefix + "eta", textures, layer.dispersive);
+    read_roughness(list, prefix, textures, layer.alpha_x, layer.alpha_y, layer.remap_roughness);
+    layer.thickness = textures.number(list, "thickness", 0.01, 0, 1e6);
+    layer.albedo = read_reflectance(list, "albedo", textures, 0);
+    layer.g = textures.number(list, "g", 0, -1, 1);
+    layer.g.value = std::clamp(layer.g.value, -0.9999f, 0.9999f);
+    layer.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 10, 0, 1 << 30));
+    layer.walks = static_cast<std::uint32_t>(list.integer("nsamples", 1, 1, 100'000));
 }
 
 void read_phong(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
@@ -94,26 +121,35 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
     }
     if (type == "diffuse") {
         material.kind = MaterialKind::kDiffuse;
-        material.reflectance = textures.spectrum(list, "reflectance", SpectrumRole::kReflectance, color::Spectrum::constant(0.5));
-        if (!material.reflectance.is_textured() && material.reflectance.value.max_value() > 1)
-            list.warn("reflectance: exceeds 1, so the surface creates energy");
+        material.reflectance = read_reflectance(list, "reflectance", textures, 0.5);
     } else if (type == "phong") {
         material.kind = MaterialKind::kPhong;
         read_phong(list, textures, material);
     } else if (type == "conductor") {
         material.kind = MaterialKind::kConductor;
-        read_conductor_index(list, textures, material);
-        read_roughness(list, textures, material);
+        read_conductor_index(list, "", textures, material);
+        read_roughness(list, "", textures, material);
     } else if (type == "dielectric") {
         material.kind = MaterialKind::kDielectric;
-        read_dielectric_index(list, textures, material);
-        read_roughness(list, textures, material);
+        material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
+        read_roughness(list, "", textures, material);
     } else if (type == "thindielectric") {
         material.kind = MaterialKind::kThinDielectric;
-        read_dielectric_index(list, textures, material);
+        material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
+    } else if (type == "coateddiffuse") {
+        material.kind = MaterialKind::kCoatedDiffuse;
+        material.reflectance = read_reflectance(list, "reflectance", textures, 0.5);
+        read_layer(list, "", textures, material.layer);
+    } else if (type == "coatedconductor") {
+        material.kind = MaterialKind::kCoatedConductor;
+        read_conductor_index(list, "conductor.", textures, material);
+        read_roughness(list, "conductor.", textures, material);
+        read_layer(list, "interface.", textures, material.layer);
     } else {
-        list.error(fmt::format(
-            "Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, interface)", type));
+        list.error(
+            fmt::format("Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, coateddiffuse, "
+                        "coatedconductor, interface)",
+                        type));
         return std::nullopt;
     }
     list.report_unused();

@@ -1,4 +1,4 @@
-// render/medium/phase.h: the phase function of Henyey and Greenstein. docs/rendering.md, "Media".
+// render/bsdf/phase.h: the phase function of Henyey and Greenstein. docs/rendering.md, "Media".
 #pragma once
 
 #include "render/math/vec.h"

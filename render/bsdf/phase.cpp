@@ -1,4 +1,4 @@
-#include "render/medium/phase.h"
+#include "render/bsdf/phase.h"
 
 #include <algorithm>
 #include <cmath>
