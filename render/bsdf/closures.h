@@ -8,6 +8,7 @@
 #include "render/bsdf/conductor.h"
 #include "render/bsdf/dielectric.h"
 #include "render/bsdf/diffuse.h"
+#include "render/bsdf/diffuse_transmission.h"
 #include "render/bsdf/metallic_roughness.h"
 #include "render/bsdf/phong.h"
 #include "render/bsdf/thin_dielectric.h"
@@ -24,6 +25,7 @@ using AnyClosure = ClosureList<  //
     Dielectric,                  //
     ThinDielectric,              //
     MetallicRoughness,           //
+    DiffuseTransmission,         //
     CoatedDiffuse,               //
     CoatedConductor>;
 

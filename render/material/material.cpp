@@ -41,6 +41,7 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
       specular_(source(d.specular, textures, library)),
       eta_(source(d.eta, textures, library)),
       k_(source(d.k, textures, library)),
+      scale_(d.scale),
       exponent_(source(d.exponent, textures)),
       alpha_x_(source(d.alpha_x, textures)),
       alpha_y_(source(d.alpha_y, textures)),
@@ -92,6 +93,8 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
                                                                               .coat = fraction(coat_, point),
                                                                               .coat_alpha = coat_roughness * coat_roughness}));
         }
+        case MaterialKind::kDiffuseTransmission:
+            return plain(DiffuseTransmission(scaled(reflectance_, scale_, point), scaled(specular_, scale_, point)));
         case MaterialKind::kCoatedDiffuse:
             return coated(Diffuse(reflectance(reflectance_, point)));
         case MaterialKind::kCoatedConductor: {

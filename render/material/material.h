@@ -32,6 +32,7 @@ class Material {
     MaterialKind kind_;
     bool dispersive_, remap_roughness_;
     SpectrumSource reflectance_, specular_, eta_, k_;
+    float scale_;
     FloatSource exponent_, alpha_x_, alpha_y_;
     FloatSource roughness_, metallic_, coat_, coat_roughness_;
     float f0_, f90_;

@@ -26,6 +26,17 @@ inline float within(const FloatSource& source, float low, float high, const Text
 inline const SampledSpectrum& reflectance(const SpectrumSource& source, const TexturePoint& point) {
     return within(source, 0, 1, point);
 }
+// The nearest values within [0,1] to the multiple.
+inline const SampledSpectrum& scaled(const SpectrumSource& source, float factor, const TexturePoint& point) {
+    const SampledSpectrum& given = source.at(point);
+    if (source.texture == nullptr && factor == 1) return given;
+    SampledSpectrum& out = point.spectra->allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+        const float x = factor * given.v[i];
+        out.v[i] = x > 0 ? std::min(x, 1.0f) : 0;
+    }
+    return out;
+}
 // Within [0,1], constants too.
 inline float fraction(const FloatSource& source, const TexturePoint& point) {
     const float x = source.at(point);

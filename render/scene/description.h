@@ -45,6 +45,7 @@ enum class MaterialKind : std::uint8_t {
     kDielectric,
     kThinDielectric,
     kMetallicRoughness,
+    kDiffuseTransmission,
     kCoatedDiffuse,
     kCoatedConductor
 };
@@ -64,14 +65,15 @@ struct LayerDescription {
 
 struct MaterialDescription {
     MaterialKind kind = MaterialKind::kDiffuse;
-    std::string name{};               // of MakeNamedMaterial; else empty
-    SpectrumInput reflectance{};      // diffuse, coateddiffuse; phong: Kd; metals: r, where a texture gives it;
-                                      // metallic-roughness: base colour
-    SpectrumInput specular{};         // phong: Ks
-    FloatInput exponent{};            // phong
-    SpectrumInput eta{}, k{};         // metals: both (one given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
-                                      // dielectric, thindielectric: eta, never a texture
-    bool dispersive = false;          // eta of a dielectric or thindielectric varies with wavelength
+    std::string name{};           // of MakeNamedMaterial; else empty
+    SpectrumInput reflectance{};  // diffuse, coateddiffuse, diffusetransmission; phong: Kd; metals: r, where a texture gives it;
+                                  // metallic-roughness: base colour
+    SpectrumInput specular{};     // phong: Ks; diffusetransmission: what is transmitted
+    float scale = 1;              // diffusetransmission: of both
+    FloatInput exponent{};        // phong
+    SpectrumInput eta{}, k{};     // metals: both (one given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
+                                  // dielectric, thindielectric: eta, never a texture
+    bool dispersive = false;      // eta of a dielectric or thindielectric varies with wavelength
     FloatInput alpha_x{}, alpha_y{};  // GGX alpha; 0: smooth
     bool remap_roughness = false;     // where a texture gives alpha, it gives alpha squared
     // Metallic-roughness, isotropic: alpha is the square of roughness.

@@ -73,10 +73,10 @@ void each_field(Of<LayerDescription> auto& layer, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [kind, name, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
-           f0, f90, coat, coat_roughness, layer, location] = material;
-    visit(kind, reflectance, specular, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic, f0,
-          f90, coat, coat_roughness, layer);
+    auto& [kind, name, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness,
+           metallic, f0, f90, coat, coat_roughness, layer, location] = material;
+    visit(kind, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
+          f0, f90, coat, coat_roughness, layer);
     visit.label(name, location);
 }
 

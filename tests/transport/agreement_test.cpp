@@ -80,6 +80,8 @@ const std::vector<Option> kMaterials = {
     {"coated metal",
      "Material \"coatedconductor\" \"float interface.roughness\" 0 \"float conductor.roughness\" 0.3 \"bool remaproughness\" false "
      "\"spectrum interface.eta\" \"glass-SF11\"\n"},
+    {"leaf",
+     "Material \"diffusetransmission\" \"spectrum reflectance\" [360 0.2 830 0.3] \"spectrum transmittance\" [360 0.5 830 0.3]\n"},
     {"milky coat",
      "Material \"coatedconductor\" \"float interface.roughness\" 0.2 \"bool remaproughness\" false \"float thickness\" 0.5 "
      "\"spectrum albedo\" [360 0.9 830 0.5] \"float g\" 0.4\n"},

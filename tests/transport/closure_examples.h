@@ -23,11 +23,14 @@ struct Example {
 
 // Values in every wavelength that outlive the examples.
 struct Values {
-    SampledSpectrum black{0.0f}, grey{0.7f}, white{1.0f}, glass{1.5f}, rising, falling, varying, eta, k;
+    SampledSpectrum black{0.0f}, grey{0.7f}, white{1.0f}, glass{1.5f}, half{0.5f}, half_rising, half_falling, rising, falling,
+        varying, eta, k;
     Values() {
         for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
             rising[i] = 0.02f * static_cast<float>(i);
             falling[i] = 1 - rising[i];
+            half_rising[i] = 0.5f * rising[i];
+            half_falling[i] = 0.5f * falling[i];
             varying[i] = 1.7f + 0.003f * static_cast<float>(i);
             eta[i] = 0.3f + 0.04f * static_cast<float>(i);
             k[i] = 3.0f + 0.1f * static_cast<float>(i);
@@ -100,6 +103,15 @@ inline std::vector<Example<MetallicRoughness>> examples() {
             {.name = "white under a coat", .scatters = M(v.white, {.alpha = 0.6f, .coat = 1, .coat_alpha = 0.1f})},
             {.name = "blend, half coated, nothing at grazing",
              .scatters = M(v.falling, {.metallic = 0.5f, .alpha = 0.4f, .f90 = 0, .coat = 0.5f, .coat_alpha = 0.3f})}};
+}
+
+template <>
+inline std::vector<Example<DiffuseTransmission>> examples() {
+    const Values& v = values();
+    return {{.name = "leaf", .scatters = DiffuseTransmission(v.half_rising, v.half_falling)},
+            {.name = "lossless", .scatters = DiffuseTransmission(v.half, v.half), .loses_nothing = true},
+            {.name = "transmits alone", .scatters = DiffuseTransmission(v.black, v.grey)},
+            {.name = "reflects alone", .scatters = DiffuseTransmission(v.grey, v.black)}};
 }
 
 // A layer under a coat of index 1.5; `alpha` of the coat.

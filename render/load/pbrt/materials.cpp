@@ -99,16 +99,20 @@ void read_layer(const ParameterList& list, const std::string& prefix, SceneTextu
     layer.walks = static_cast<std::uint32_t>(list.integer("nsamples", 1, 1, 100'000));
 }
 
+// Whether `scale` times two constants exceed 1 together at some wavelength.
+bool makes_light(const SpectrumInput& a, const SpectrumInput& b, double scale) {
+    if (a.is_textured() || b.is_textured()) return false;
+    bool exceeds = false;
+    for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm) exceeds |= scale * (a.value(nm) + b.value(nm)) > 1 + 1e-9;
+    return exceeds;
+}
+
 void read_phong(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
     const color::Spectrum quarter = color::Spectrum::constant(0.25);
     material.reflectance = textures.spectrum(list, "Kd", SpectrumRole::kReflectance, quarter);
     material.specular = textures.spectrum(list, "Ks", SpectrumRole::kReflectance, quarter);
     material.exponent = textures.number(list, "exponent", 20, 0, 1e5);
-    if (material.reflectance.is_textured() || material.specular.is_textured()) return;
-    bool makes_light = false;
-    for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm)
-        makes_light |= material.reflectance.value(nm) + material.specular.value(nm) > 1 + 1e-9;
-    if (makes_light) list.warn("Kd + Ks: exceeds 1, so the surface creates energy");
+    if (makes_light(material.reflectance, material.specular, 1)) list.warn("Kd + Ks: exceeds 1, so the surface creates energy");
 }
 
 }  // namespace
@@ -136,6 +140,14 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
     } else if (type == "thindielectric") {
         material.kind = MaterialKind::kThinDielectric;
         material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
+    } else if (type == "diffusetransmission") {
+        material.kind = MaterialKind::kDiffuseTransmission;
+        const color::Spectrum quarter = color::Spectrum::constant(0.25);
+        material.reflectance = textures.spectrum(list, "reflectance", SpectrumRole::kReflectance, quarter);
+        material.specular = textures.spectrum(list, "transmittance", SpectrumRole::kReflectance, quarter);
+        material.scale = static_cast<float>(list.number("scale", 1, 0, 1e6));
+        if (makes_light(material.reflectance, material.specular, static_cast<double>(material.scale)))
+            list.warn("reflectance + transmittance: exceeds 1, so the surface creates energy");
     } else if (type == "coateddiffuse") {
         material.kind = MaterialKind::kCoatedDiffuse;
         material.reflectance = read_reflectance(list, "reflectance", textures, 0.5);
@@ -147,7 +159,8 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         read_layer(list, "interface.", textures, material.layer);
     } else {
         list.error(
-            fmt::format("Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, coateddiffuse, "
+            fmt::format("Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, "
+                        "diffusetransmission, coateddiffuse, "
                         "coatedconductor, interface)",
                         type));
         return std::nullopt;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/mesh/loop_subdivision.h"
 #include "render/load/mesh/ply.h"
 
 namespace latent::render {
@@ -134,6 +135,15 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         LoadedMesh mesh = read_mesh(list, 4);
         transform(mesh, ctm, reverse_orientation);
         add_patches(mesh, common, shapes);
+    } else if (type == "loopsubdiv") {
+        const auto levels = static_cast<std::uint32_t>(list.integer("levels", 3, 0, 14));
+        list.ignore({"scheme"}, "Loop's is the only one");
+        if (Result<LoadedMesh> mesh = subdivide(read_mesh(list, 3), levels)) {
+            transform(*mesh, ctm, reverse_orientation);
+            shapes.push_back({common, std::move(*mesh)});
+        } else {
+            list.error("loopsubdiv: " + mesh.error().message);
+        }
     } else if (type == "plymesh") {
         read_ply(list, ctm, reverse_orientation, common, files, shapes);
     } else if (type == "sphere" || type == "disk") {
@@ -151,7 +161,8 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         }
         shapes.push_back({common});
     } else {
-        list.error(fmt::format("Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, sphere, disk)", type));
+        list.error(
+            fmt::format("Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, loopsubdiv, sphere, disk)", type));
         return {};
     }
     if (!std::ranges::all_of(shapes, is_finite)) list.error("Shape: exceeds the range of single precision");

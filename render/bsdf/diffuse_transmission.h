@@ -1,0 +1,27 @@
+// render/bsdf/diffuse_transmission.h: Lambert's reflection and transmission, f = R / pi on one side and T / pi through to the
+// other. docs/rendering.md, "Surfaces".
+#pragma once
+
+#include "render/bsdf/closure.h"
+
+namespace latent::render {
+
+class DiffuseTransmission {
+ public:
+    static constexpr bool kTransmits = true;
+
+    DiffuseTransmission(const SampledSpectrum& reflectance, const SampledSpectrum& transmittance);
+
+    bool is_delta() const { return false; }
+    bool disperses(const Vec3f&, const Vec3f&) const { return false; }
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
+
+ private:
+    const SampledSpectrum* reflectance_;
+    const SampledSpectrum* transmittance_;
+    float reflection_probability_;
+};
+
+}  // namespace latent::render
