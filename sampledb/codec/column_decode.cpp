@@ -44,6 +44,11 @@ Status ColumnDecoder::load_planes(const ColumnEntry& entry, std::size_t first, B
     std::array<ByteSpan, kMaxPlanes> planes;
     for (std::size_t p = 0; p < value_width; ++p) {
         const PlaneEntry& plane = entry.planes[first + p];
+        if (plane.codec == PlaneCodec::kConstant && plane.stored_size == 1) {
+            planes[p] = stored.first(1);  // stands for all
+            stored = stored.subspan(1);
+            continue;
+        }
         const Result<ByteSpan> bytes =
             planes_.decode(plane, stored.first(plane.stored_size), values.size() / value_width, plane_[p]);
         if (!bytes) return bytes.error();
@@ -137,36 +142,91 @@ Status ColumnDecoder::crossed(const ColumnEntry& entry, std::span<float> values,
 
 namespace {
 
-// The `n` values of a record from its second differences. `words` and `values` go on with those of the records behind it: what is
-// written there is overwritten when their turn comes.
-void add_up(std::span<const std::uint32_t> words, std::size_t n, unsigned step, std::span<float> values) {
-    if (n == 0) return;
-    const hn::FixedTag<std::uint32_t, 4> d;
-    const hn::FixedTag<float, 4> floats;
-    const auto sums = [&](auto v) {  // of lanes 0..i
-        v = hn::Add(v, hn::ShiftLeftLanes<1>(d, v));
-        return hn::Add(v, hn::ShiftLeftLanes<2>(d, v));
-    };
-    auto before = hn::Set(d, words[0] << step), slope = hn::Zero(d);
-    values[0] = std::bit_cast<float>(words[0] << step);
-    std::size_t i = 1;
-    for (; i < n && i + 4 <= values.size(); i += 4) {
-        const auto coded = hn::LoadU(d, &words[i]);
-        const auto sign = hn::Sub(hn::Zero(d), hn::And(coded, hn::Set(d, 1)));
-        const auto differences = hn::ShiftLeftSame(hn::Xor(hn::ShiftRight<1>(coded), sign), static_cast<int>(step));
-        const auto slopes = hn::Add(sums(differences), slope);
-        const auto bits = hn::Add(sums(slopes), before);
-        hn::StoreU(hn::BitCast(floats, bits), floats, &values[i]);
-        slope = hn::Broadcast<3>(slopes);
-        before = hn::Broadcast<3>(bits);
+// The values of records from their second differences: those of four records of equal length at once, one record in each lane.
+class Sums {
+ public:
+    Sums(std::span<const std::uint32_t> words, unsigned step, std::span<float> values)
+        : words_(words.data()), step_(step), values_(values.data()) {}
+
+    // The next record, of n values.
+    void add(std::size_t n) {
+        if (n < 4) {
+            add_up_one(at_, n);
+        } else {
+            if (n != length_) finish();
+            length_ = n;
+            starts_[count_++] = at_;
+            if (count_ == 4) add_up_four();
+        }
+        at_ += n;
     }
-    std::uint32_t bits = hn::GetLane(before), difference = hn::GetLane(slope);
-    for (; i < n; ++i) {
-        difference += unzigzag(words[i], step);
-        bits += difference;
-        values[i] = std::bit_cast<float>(bits);
+    // Those that are fewer than four.
+    void finish() {
+        for (std::size_t i = 0; i < count_; ++i) add_up_one(starts_[i], length_);
+        count_ = 0;
     }
-}
+
+ private:
+    using Tag = hn::FixedTag<std::uint32_t, 4>;
+    using Lanes = hn::Vec<Tag>;
+
+    void add_up_one(std::size_t at, std::size_t n, std::size_t i = 0, std::uint32_t bits = 0, std::uint32_t slope = 0) const {
+        for (; i < n; ++i) {
+            slope = i == 0 ? 0 : slope + unzigzag(words_[at + i], step_);
+            bits = i == 0 ? words_[at] << step_ : bits + slope;
+            values_[at + i] = std::bit_cast<float>(bits);
+        }
+    }
+
+    static void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+        const Tag tag;
+        const hn::FixedTag<std::uint64_t, 2> two;
+        const auto ab = hn::BitCast(two, hn::InterleaveLower(tag, a, b)), cd = hn::BitCast(two, hn::InterleaveLower(tag, c, d));
+        const auto ab2 = hn::BitCast(two, hn::InterleaveUpper(tag, a, b)), cd2 = hn::BitCast(two, hn::InterleaveUpper(tag, c, d));
+        a = hn::BitCast(tag, hn::InterleaveLower(two, ab, cd)), b = hn::BitCast(tag, hn::InterleaveUpper(two, ab, cd));
+        c = hn::BitCast(tag, hn::InterleaveLower(two, ab2, cd2)), d = hn::BitCast(tag, hn::InterleaveUpper(two, ab2, cd2));
+    }
+
+    void add_up_four() {
+        const Tag tag;
+        const int step = static_cast<int>(step_);
+        auto bits = hn::Zero(tag), slope = hn::Zero(tag);
+        const auto next = [&](Lanes& coded) {
+            const auto sign = hn::Sub(hn::Zero(tag), hn::And(coded, hn::Set(tag, 1)));
+            slope = hn::Add(slope, hn::ShiftLeftSame(hn::Xor(hn::ShiftRight<1>(coded), sign), step));
+            coded = bits = hn::Add(bits, slope);
+        };
+        std::size_t i = 0;
+        for (; i + 4 <= length_; i += 4) {
+            const auto load = [&](std::size_t record) { return hn::LoadU(tag, words_ + starts_[record] + i); };
+            auto a = load(0), b = load(1), c = load(2), d = load(3);
+            transpose(a, b, c, d);
+            if (i == 0) {
+                a = bits = hn::ShiftLeftSame(a, step);
+            } else {
+                next(a);
+            }
+            next(b), next(c), next(d);
+            transpose(a, b, c, d);
+            const auto store = [&](std::size_t record, Lanes v) {
+                hn::StoreU(hn::BitCast(hn::FixedTag<float, 4>(), v), hn::FixedTag<float, 4>(), values_ + starts_[record] + i);
+            };
+            store(0, a), store(1, b), store(2, c), store(3, d);
+        }
+        std::array<std::uint32_t, 4> before, difference;
+        hn::StoreU(bits, tag, before.data());
+        hn::StoreU(slope, tag, difference.data());
+        for (std::size_t r = 0; r < 4 && i < length_; ++r) add_up_one(starts_[r], length_, i, before[r], difference[r]);
+        count_ = 0;
+    }
+
+    const std::uint32_t* words_;
+    unsigned step_;
+    float* values_;
+    std::size_t at_ = 0;
+    std::size_t length_ = 0, count_ = 0;  // of the records that wait
+    std::array<std::size_t, 4> starts_{};
+};
 
 }  // namespace
 
@@ -178,11 +238,9 @@ Status ColumnDecoder::along_records(const ColumnEntry& entry, std::span<float> v
     if (!step) return step.error();
     const std::span<std::uint32_t> words = at_least(words_, values.size());
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
-    std::size_t at = 0;
-    for (const std::uint16_t n : pairs) {
-        add_up(std::span<const std::uint32_t>(words).subspan(at), n, *step, values.subspan(at));
-        at += n;
-    }
+    Sums sums(words, *step, values);
+    for (const std::uint16_t n : pairs) sums.add(n);
+    sums.finish();
     return {};
 }
 

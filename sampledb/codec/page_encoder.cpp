@@ -75,7 +75,7 @@ void PageEncoder::store_planes(ByteSpan values, std::size_t value_width) {
     split_planes(values, value_width, planes);
     const std::size_t n = values.size() / value_width;
     for (std::size_t p = 0; p < value_width; ++p)
-        table_.back().planes.push_back(planes_.encode(planes.subspan(p * n, n), payload_));
+        table_.back().planes.push_back(planes_.encode(planes.subspan(p * n, n), payload_, choice_));
 }
 
 void PageEncoder::store_packed(std::span<const std::uint64_t> values, unsigned bits) {
@@ -83,7 +83,7 @@ void PageEncoder::store_packed(std::span<const std::uint64_t> values, unsigned b
     if (bits == 0) return;
     scratch_.clear();
     pack_bits(values, bits, scratch_);
-    table_.back().planes.push_back(planes_.encode(scratch_, payload_));
+    table_.back().planes.push_back(planes_.encode(scratch_, payload_, choice_));
 }
 
 void PageEncoder::encode_plain(Column number, ByteSpan values, std::size_t value_width) {
@@ -162,7 +162,7 @@ void PageEncoder::encode_luminance(std::span<const float> y) {
     if (!sparse_) return encode_plain(Column::kY, std::as_bytes(y), 4);
     begin_column(Column::kY, std::as_bytes(y), 4);  // never constant: some rows are black and some are not
     table_.back().transform = Transform::kSparse;
-    table_.back().planes.push_back(planes_.encode(bright_, payload_));
+    table_.back().planes.push_back(planes_.encode(bright_, payload_, choice_));
     const std::span<std::uint32_t> words = at_least(words_, y.size());
     std::memcpy(words.data(), y.data(), y.size_bytes());
     store_bright(words);
@@ -243,6 +243,9 @@ PageInfo PageEncoder::encode(const Job& job, const Page& page, Bytes& out) {
     table_.clear();
     payload_.clear();
     pair_count_ = 0;
+    // Of rounded X, Y, Z few bytes are left, and a third of the time to read them would go to the entropy coder.
+    const bool quick = job.kind == RecordKind::kXyz && job.precision < kFullPrecision;
+    choice_ = quick ? kQuickPlanes : kSmallPlanes;
     find_positions(job, page);
     if (job.kind == RecordKind::kXyz) {
         find_bright_rows(rows(page.y, page.count));

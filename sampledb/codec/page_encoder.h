@@ -46,6 +46,7 @@ class PageEncoder {
     bool derived_ = false;  // all of its records lie there
     bool sparse_ = false;   // only bright rows are worth storing
     std::size_t pair_count_ = 0;
+    PlaneChoice choice_ = kSmallPlanes;
     std::size_t bright_count_ = 0;      // as bright_ says
     Bytes bright_;                      // which rows of y are not zero
     std::vector<std::uint32_t> u_, v_;  // longer

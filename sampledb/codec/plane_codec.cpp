@@ -50,10 +50,14 @@ struct Sample {
     std::uint64_t values = 0;                 // that occur
     std::uint64_t information = 0;            // entropy times size
 
-    // Whether an entropy coder would save a sixteenth: less is worth neither the time to write nor that to read.
-    bool would_shrink() const { return information * 16 < 8 * kBit * size * 15; }
+    // Whether an entropy coder would save the least part that is worth the time to write and to read.
+    bool would_shrink(const PlaneChoice& choice) const {
+        return information * choice.least_gain < 8 * kBit * size * (choice.least_gain - 1);
+    }
     // Whether `bits` bits a value are nearly what an entropy coder would take.
-    bool fills(unsigned bits) const { return bits * kBit * size <= information + kBit * 3 / 4 * size; }
+    bool fills(unsigned bits, const PlaneChoice& choice) const {
+        return 4 * bits * kBit * size <= 4 * information + kBit * choice.most_waste * size;
+    }
 };
 
 Sample sample_of(ByteSpan plane) {
@@ -130,6 +134,13 @@ struct Eight {
     std::uint64_t ones, twos, fours;
 };
 
+// For TableLookupBytesOr0: bytes below 16 as they are, a high bit in the others.
+template <class V>
+V place_in_part(V bytes) {
+    const hn::DFromV<V> d;
+    return hn::And(hn::SaturatedAdd(bytes, hn::Set(d, 0x70)), hn::Set(d, 0x8F));
+}
+
 constexpr unsigned kMostDictionaryBits = 7;
 
 std::size_t dictionary_size(unsigned bits, std::size_t count) { return 1 + (std::size_t{1} << bits) + (count + 7) / 8 * bits; }
@@ -170,8 +181,8 @@ bool pack_plane(ByteSpan plane, const Dictionary& dictionary, unsigned bits, std
         const auto x = hn::LoadU(d, from);
         auto place = hn::Zero(d);
         for (std::size_t i = 0; i < part_count; ++i) {
-            const auto beyond = hn::SaturatedAdd(hn::Sub(x, hn::Set(d, parts[i])), hn::Set(d, 0x70));  // high bit: not in this part
-            place = hn::Or(place, hn::TableLookupBytesOr0(hn::LoadU(d, &dictionary.place[parts[i]]), beyond));
+            const auto in_part = place_in_part(hn::Sub(x, hn::Set(d, parts[i])));
+            place = hn::Or(place, hn::TableLookupBytesOr0(hn::LoadU(d, &dictionary.place[parts[i]]), in_part));
         }
         complete = hn::Min(complete, place);
         // Of each word, halves are moved together until its eight numbers touch.
@@ -196,10 +207,10 @@ bool pack_plane(ByteSpan plane, const Dictionary& dictionary, unsigned bits, std
 }
 
 // Appends the plane by its dictionary, if it has one of a size that suits the sample.
-bool encode_dictionary(ByteSpan plane, const Sample& sample, Bytes& out) {
+bool encode_dictionary(ByteSpan plane, const Sample& sample, const PlaneChoice& choice, Bytes& out) {
     const auto suits = [&](const Dictionary& dictionary) {
         const unsigned bits = dictionary.bits();
-        return bits <= kMostDictionaryBits && sample.fills(bits) &&
+        return bits <= kMostDictionaryBits && sample.fills(bits, choice) &&
                dictionary_size(bits, plane.size()) <= plane.size() - plane.size() / 16;
     };
     const std::size_t begin = out.size();
@@ -237,14 +248,30 @@ Status decode_dictionary(ByteSpan stored, std::size_t size, std::byte* plane) {
         std::copy_n(&packed[at], bits, word.data());
         store_le(plane + i, eight.spread(load_le<std::uint64_t>(word.data())));
     }
-    i = 0;
-    if (bits <= 4) {
+    const auto look_up = [&]<std::size_t parts>() {  // a part of the dictionary is as many values as a vector holds
         const hn::FixedTag<std::uint8_t, 16> d;
-        std::array<std::uint8_t, 16> table{};
+        std::array<std::uint8_t, 16 * parts> table{};
         std::memcpy(table.data(), values.data(), values.size());
-        const auto dictionary = hn::LoadU(d, table.data());
         auto* const bytes = reinterpret_cast<std::uint8_t*>(plane);
-        for (; i + 16 <= size; i += 16) hn::StoreU(hn::TableLookupBytes(dictionary, hn::LoadU(d, bytes + i)), d, bytes + i);
+        for (i = 0; i + 16 <= size; i += 16) {
+            const auto number = hn::LoadU(d, bytes + i);
+            auto found = hn::Zero(d);
+            for (std::size_t part = 0; part < parts; ++part) {
+                const auto place =
+                    parts == 1 ? number : place_in_part(hn::Sub(number, hn::Set(d, static_cast<std::uint8_t>(16 * part))));
+                found = hn::Or(found, hn::TableLookupBytesOr0(hn::LoadU(d, &table[16 * part]), place));
+            }
+            hn::StoreU(found, d, bytes + i);
+        }
+    };
+    if (bits <= 4) {
+        look_up.template operator()<1>();
+    } else if (bits == 5) {
+        look_up.template operator()<2>();
+    } else if (bits == 6) {
+        look_up.template operator()<4>();
+    } else {
+        look_up.template operator()<8>();
     }
     for (; i < size; ++i) plane[i] = values[std::to_integer<std::size_t>(plane[i])];
     return {};
@@ -260,7 +287,7 @@ std::size_t PlaneEncoder::compress(ByteSpan plane) {
     return ZSTD_isError(size) || size >= plane.size() - plane.size() / 64 ? 0 : size;
 }
 
-PlaneEntry PlaneEncoder::encode(ByteSpan plane, Bytes& out) {
+PlaneEntry PlaneEncoder::encode(ByteSpan plane, Bytes& out, const PlaneChoice& choice) {
     assert(!plane.empty());
     const std::size_t begin = out.size();
     const auto entry = [&](PlaneCodec codec) { return PlaneEntry{codec, static_cast<std::uint32_t>(out.size() - begin)}; };
@@ -270,8 +297,8 @@ PlaneEntry PlaneEncoder::encode(ByteSpan plane, Bytes& out) {
     }
     if (plane.size() >= kMinCompressed) {
         const Sample sample = sample_of(plane);
-        if (encode_dictionary(plane, sample, out)) return entry(PlaneCodec::kDictionary);
-        if (const std::size_t size = sample.would_shrink() ? compress(plane) : 0; size > 0) {
+        if (encode_dictionary(plane, sample, choice, out)) return entry(PlaneCodec::kDictionary);
+        if (const std::size_t size = sample.would_shrink(choice) ? compress(plane) : 0; size > 0) {
             out.insert(out.end(), buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
             return entry(PlaneCodec::kZstd);
         }

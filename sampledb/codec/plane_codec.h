@@ -25,12 +25,19 @@ struct PlaneEntry {
     static PlaneEntry from_word(std::uint32_t word) { return {static_cast<PlaneCodec>(word >> 30), word & 0x3FFFFFFF}; }
 };
 
+// What the encoder gives for speed. An entropy coder takes fewer bits than a dictionary, and much longer to read.
+struct PlaneChoice {
+    unsigned most_waste;  // of a dictionary, in quarter bits per value
+    unsigned least_gain;  // an entropy coder must save one part of so many
+};
+inline constexpr PlaneChoice kSmallPlanes{3, 16}, kQuickPlanes{10, 6};
+
 // Both keep their memory from plane to plane; each serves one thread at a time.
 
 class PlaneEncoder {
  public:
     // Appends the plane to `out`, by a codec that makes it small at little cost to write and to read.
-    PlaneEntry encode(ByteSpan plane, Bytes& out);
+    PlaneEntry encode(ByteSpan plane, Bytes& out, const PlaneChoice& choice = kSmallPlanes);
 
  private:
     std::size_t compress(ByteSpan plane);  // into buffer_; 0 if zstd makes it no smaller

@@ -68,19 +68,53 @@ void split_planes(ByteSpan values, std::size_t value_width, std::span<std::byte>
     }
 }
 
+namespace {
+
+// Values of four bytes from the front on, sixteen at a time; returns how many.
+std::size_t join_four(std::span<const ByteSpan> planes, std::span<std::byte> values) {
+    const hn::FixedTag<std::uint8_t, 16> d;
+    const hn::FixedTag<std::uint16_t, 8> d16;
+    const std::size_t n = values.size() / 4;
+    if (n < 16) return 0;
+    std::array<std::array<std::uint8_t, 16>, 4> repeated;
+    std::array<const std::uint8_t*, 4> from;
+    std::array<std::size_t, 4> step;
+    for (std::size_t p = 0; p < 4; ++p) {
+        const bool constant = planes[p].size() == 1;
+        repeated[p].fill(std::to_integer<std::uint8_t>(planes[p][0]));
+        from[p] = constant ? repeated[p].data() : u8(planes[p].data());
+        step[p] = constant ? 0 : 16;
+    }
+    const auto plane = [&](std::size_t p) {
+        const auto bytes = hn::LoadU(d, from[p]);
+        from[p] += step[p];
+        return bytes;
+    };
+    std::uint8_t* to = u8(values.data());
+    std::size_t i = 0;
+    if (step[2] == 0 && step[3] == 0) {  // of rounded values, and of differences
+        const auto high = hn::Set(d16, static_cast<std::uint16_t>(repeated[3][0] << 8 | repeated[2][0]));
+        for (; i + 16 <= n; i += 16, to += 64) {
+            const auto b0 = plane(0), b1 = plane(1);
+            const auto first = hn::BitCast(d16, hn::InterleaveLower(d, b0, b1)),
+                       last = hn::BitCast(d16, hn::InterleaveUpper(d, b0, b1));
+            hn::StoreU(hn::BitCast(d, hn::InterleaveLower(d16, first, high)), d, to);
+            hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(d16, first, high)), d, to + 16);
+            hn::StoreU(hn::BitCast(d, hn::InterleaveLower(d16, last, high)), d, to + 32);
+            hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(d16, last, high)), d, to + 48);
+        }
+    }
+    for (; i + 16 <= n; i += 16, to += 64) hn::StoreInterleaved4(plane(0), plane(1), plane(2), plane(3), d, to);
+    return i;
+}
+
+}  // namespace
+
 void join_planes(std::span<const ByteSpan> planes, std::span<std::byte> values) {
     const std::size_t value_width = planes.size();
     const std::size_t n = values.size() / value_width;
-    std::size_t i = 0;
-    if (value_width == 4) {
-        const Lanes d;
-        for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
-            const auto plane = [&](std::size_t p) { return hn::LoadU(d, u8(planes[p].data()) + i); };
-            hn::StoreInterleaved4(plane(0), plane(1), plane(2), plane(3), d, u8(values.data()) + 4 * i);
-        }
-    }
-    for (; i < n; ++i) {
-        for (std::size_t p = 0; p < value_width; ++p) values[i * value_width + p] = planes[p][i];
+    for (std::size_t i = value_width == 4 ? join_four(planes, values) : 0; i < n; ++i) {
+        for (std::size_t p = 0; p < value_width; ++p) values[i * value_width + p] = planes[p][planes[p].size() == 1 ? 0 : i];
     }
 }
 
@@ -115,6 +149,9 @@ void unpack_bits(ByteSpan packed, unsigned bits, std::span<std::uint64_t> values
         return value & mask;
     };
     std::size_t i = 0;
+    if (bits == 16) {  // sample numbers of large runs
+        for (; i < values.size(); ++i) values[i] = load_le<std::uint16_t>(&packed[2 * i]);
+    }
     if (bits <= 56 && packed.size() >= 8) {  // a value is within the eight bytes from its first on
         const std::size_t safe = std::min(values.size(), bits == 0 ? values.size() : (packed.size() - 8) * 8 / bits + 1);
         for (std::size_t at = 0; i < safe; ++i, at += bits) values[i] = load_le<std::uint64_t>(&packed[at / 8]) >> (at & 7) & mask;

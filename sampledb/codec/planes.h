@@ -10,7 +10,7 @@ namespace latent::sampledb {
 
 // Byte p of value i becomes byte i of plane p (bytes p n .. p n + n - 1 of `planes`). Widths 1, 2, 4, 8.
 void split_planes(ByteSpan values, std::size_t value_width, std::span<std::byte> planes);
-// The reverse; planes[p] is plane p.
+// The reverse; planes[p] is plane p, or one byte that stands for all of its bytes.
 void join_planes(std::span<const ByteSpan> planes, std::span<std::byte> values);
 
 // Values of `bits` bits each (0..64), one after another from the low bit of the first byte on.

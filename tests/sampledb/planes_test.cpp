@@ -30,6 +30,27 @@ TEST(Planes, JoinIsTheReverseOfSplit) {
     }
 }
 
+TEST(Planes, OneByteStandsForAPlaneOfEqualBytes) {
+    const Bytes byte = {std::byte{0x5A}};
+    for (const std::size_t width : {1u, 2u, 4u, 8u}) {
+        for (const std::size_t count : {2u, 15u, 16u, 17u, 100u}) {
+            for (unsigned constant = 0; constant < 1u << width; ++constant) {  // the planes that are
+                const Bytes planes = noise(width * count, 256, 1), whole(count, byte[0]);
+                std::array<ByteSpan, 8> parts, all;
+                for (std::size_t p = 0; p < width; ++p) {
+                    const bool equal = (constant >> p & 1) != 0;
+                    all[p] = equal ? ByteSpan(whole) : ByteSpan(planes).subspan(p * count, count);
+                    parts[p] = equal ? ByteSpan(byte) : all[p];
+                }
+                Bytes values(width * count), joined(width * count);
+                for (std::size_t i = 0; i < values.size(); ++i) values[i] = all[i % width][i / width];
+                join_planes(std::span(parts).first(width), joined);
+                EXPECT_TRUE(joined == values) << width << ' ' << count << ' ' << constant;
+            }
+        }
+    }
+}
+
 TEST(Planes, BitsComeBackAtEveryWidth) {
     std::mt19937_64 random(2);
     for (unsigned bits = 0; bits <= 64; ++bits) {
