@@ -84,8 +84,8 @@ struct MaterialDescription {
     SourceLocation location{};
 };
 
-// Henyey-Greenstein. sigma_a and sigma_s are scaled by the density of the volume, which is 1 everywhere if it is uniform; a spectral
-// volume replaces them.
+// Henyey-Greenstein. sigma_a and sigma_s are scaled by the density of the volume, which is 1 everywhere if it is uniform; a
+// spectral volume replaces them.
 struct MediumDescription {
     std::string name{};
     color::Spectrum sigma_a{}, sigma_s{};  // 1/m, `scale` not applied
