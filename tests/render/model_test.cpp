@@ -335,6 +335,8 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
     EXPECT_THAT(refusal("room.glb", as_glb(file)), HasSubstr("/accessors/0: item 1 is not finite"));
     EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\n  \"version\" 2}}"), HasSubstr("room.gltf:2:1"));
 
+    EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\"version\": 1e999}}"), HasSubstr("room.gltf: holds a number that exceeds"));
+
     EXPECT_THAT(refusal("m.obj", "v 0 0 0\nv 1 0 nan\n"), HasSubstr("m.obj:2: v: \"nan\" is not a finite number"));
     EXPECT_THAT(refusal("m.obj", "v 0 0 0\n\nf 1 2 3\n"), HasSubstr("m.obj:3: f: vertex 2 is out of range; there are 1 so far"));
     EXPECT_THAT(refusal("m.obj", "v 0 0 0\nf 1 x 1\n"), HasSubstr("m.obj:2: f: \"x\" is not an index"));

@@ -113,6 +113,8 @@ Result<GltfDocument> GltfDocument::read(std::string bytes, const std::string& na
         const std::size_t line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n')),
                           column = before.size() - (before.rfind('\n') + 1);
         return Error{ErrorCode::kCorrupt, fmt::format("{}:{}:{}: not valid JSON", name, line, column)};
+    } catch (const nlohmann::json::out_of_range&) {
+        return Error{ErrorCode::kCorrupt, name + ": holds a number that exceeds the range of double precision"};
     }
     if (!is_object) return is_object.error().at(name);
 
