@@ -82,7 +82,7 @@ class Canonical {
     }
     template <class... T>
     void go_into(std::variant<T...>& x) {
-        std::visit([this](auto& value) { go_into(value); }, x);
+        std::visit([this](auto& value) { this->go_into(value); }, x);
     }
     // What is shared is shared between scenes too: it stays as it is, and holds no indices.
     template <class T>

@@ -89,7 +89,7 @@ class ContentHasher {
     template <class... T>
     void put(const std::variant<T...>& x) {
         put(x.index());
-        std::visit([this](const auto& value) { put(value); }, x);
+        std::visit([this](const auto& value) { this->put(value); }, x);
     }
     template <class T>
     void put(const std::shared_ptr<T>& x) {
