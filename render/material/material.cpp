@@ -1,8 +1,10 @@
 #include "render/material/material.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "base/hash.h"
 #include "render/material/values.h"
 
 namespace latent::render {
@@ -51,8 +53,21 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
       coat_roughness_(source(d.coat_roughness, textures)),
       f0_(d.f0),
       f90_(d.f90),
-      layer_(d.layer, textures, library) {
-    is_textured_ |= layer_.is_textured();
+      layer_(d.layer, textures, library),
+      amount_(source(d.amount, textures)),
+      mixed_(d.mixed),
+      relief_(d, textures) {
+    is_textured_ |= layer_.is_textured() || is_mixture() || !relief_.is_flat();
+}
+
+std::uint32_t Material::chosen(const TexturePoint& point) const {
+    // No place is told from another one by less than its last bits, so this is as good as chance.
+    std::byte bytes[12];
+    store_le(bytes, std::bit_cast<std::uint32_t>(point.p.x));
+    store_le(bytes + 4, std::bit_cast<std::uint32_t>(point.p.y));
+    store_le(bytes + 8, std::bit_cast<std::uint32_t>(point.p.z));
+    const float u = static_cast<float>(hash64(bytes) >> 40) * 0x1p-24f;
+    return mixed_[u < amount_.at(point) ? 1 : 0];
 }
 
 Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const {
@@ -101,6 +116,8 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
             const Metal m = metal();
             return coated(Conductor(layer_.below(m.eta, *point.spectra), layer_.below(m.k, *point.spectra), alpha_x, alpha_y));
         }
+        case MaterialKind::kMix:
+            break;
     }
     __builtin_unreachable();
 }

@@ -1,11 +1,13 @@
 // render/material/material.h: what a surface is made of, evaluated where a path meets it. docs/rendering.md, "Surfaces".
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "render/bsdf/bsdf.h"
 #include "render/geometry/geometry.h"
 #include "render/material/layers.h"
+#include "render/material/relief.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
 #include "render/texture/textures.h"
@@ -24,6 +26,13 @@ class Material {
     // these stay at this sample: values that vary over the surface are allocated there.
     Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const;
 
+    // Of a mixture: the material at this point, one of two by a hash of the place, in the shares that it describes. So a mixture is
+    // one surface, whichever path comes there.
+    bool is_mixture() const { return kind_ == MaterialKind::kMix; }
+    std::uint32_t chosen(const TexturePoint& point) const;
+
+    const Relief& relief() const { return relief_; }
+
  private:
     FloatSource source(const FloatInput& input, const Textures& textures);
     SpectrumSource source(const SpectrumInput& input, const Textures& textures, SpectrumLibrary& library);
@@ -37,6 +46,9 @@ class Material {
     FloatSource roughness_, metallic_, coat_, coat_roughness_;
     float f0_, f90_;
     LayerSource layer_;
+    FloatSource amount_;
+    std::array<std::uint32_t, 2> mixed_;
+    Relief relief_;
 };
 
 }  // namespace latent::render

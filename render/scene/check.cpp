@@ -27,6 +27,38 @@ std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
     return inputs;
 }
 
+constexpr std::uint32_t kDeepest = 256;
+
+// How deep each of `count` things reaches that are made of each other, found from the bottom: each round settles those whose parts
+// are.
+struct Depths {
+    std::vector<std::uint32_t> depth;
+    std::vector<bool> settled;  // else it is made of itself, or of one that is
+};
+template <class PartsOf>
+Depths depths_of(std::size_t count, const PartsOf& parts_of) {
+    std::vector<std::vector<std::uint32_t>> users(count);
+    std::vector<std::size_t> open(count);
+    std::vector<std::uint32_t> ready;
+    Depths out{std::vector<std::uint32_t>(count, 1), std::vector<bool>(count, false)};
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::vector<std::uint32_t> parts = parts_of(i);
+        for (const std::uint32_t part : parts) users[part].push_back(i);
+        open[i] = parts.size();
+        if (parts.empty()) ready.push_back(i);
+    }
+    while (!ready.empty()) {
+        const std::uint32_t i = ready.back();
+        ready.pop_back();
+        out.settled[i] = true;
+        for (const std::uint32_t user : users[i]) {
+            out.depth[user] = std::max(out.depth[user], out.depth[i] + 1);
+            if (--open[user] == 0) ready.push_back(user);
+        }
+    }
+    return out;
+}
+
 }  // namespace
 
 Refusals check_camera(const CameraDescription& d) {
@@ -55,30 +87,27 @@ Refusals check_area_light(const ShapeDescription& shape) {
 }
 
 std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures) {
-    constexpr std::uint32_t kDeepest = 256;
-    // How deep a texture reaches, found from the bottom: each round settles those whose inputs are settled.
-    std::vector<std::vector<std::uint32_t>> users(textures.size());
-    std::vector<std::size_t> open(textures.size());
-    std::vector<std::uint32_t> depth(textures.size(), 1), ready;
     std::vector<std::pair<std::uint32_t, std::string>> refused;
+    const Depths depths = depths_of(textures.size(), [&](std::uint32_t i) { return inputs_of(textures[i]); });
     for (std::uint32_t i = 0; i < textures.size(); ++i) {
-        const std::vector<std::uint32_t> inputs = inputs_of(textures[i]);
-        for (const std::uint32_t input : inputs) users[input].push_back(i);
-        open[i] = inputs.size();
-        if (inputs.empty()) ready.push_back(i);
-    }
-    while (!ready.empty()) {
-        const std::uint32_t i = ready.back();
-        ready.pop_back();
-        if (depth[i] == kDeepest + 1)
+        if (!depths.settled[i]) refused.emplace_back(i, "Texture: is made of itself");
+        if (depths.depth[i] == kDeepest + 1)
             refused.emplace_back(i, fmt::format("Texture: more than {} textures, one made of the other", kDeepest));
-        for (const std::uint32_t user : users[i]) {
-            depth[user] = std::max(depth[user], depth[i] + 1);
-            if (--open[user] == 0) ready.push_back(user);
-        }
     }
-    for (std::uint32_t i = 0; i < textures.size(); ++i) {
-        if (open[i] > 0) refused.emplace_back(i, "Texture: is made of itself");
+    return refused;
+}
+
+std::vector<std::uint32_t> mixtures_of_themselves(const std::vector<MaterialDescription>& materials) {
+    const Depths depths = depths_of(materials.size(), [&](std::uint32_t i) {
+        std::vector<std::uint32_t> mixed;
+        for (const std::uint32_t m : materials[i].mixed) {
+            if (m != kNone) mixed.push_back(m);
+        }
+        return mixed;
+    });
+    std::vector<std::uint32_t> refused;
+    for (std::uint32_t i = 0; i < materials.size(); ++i) {
+        if (!depths.settled[i] || depths.depth[i] == kDeepest + 1) refused.push_back(i);
     }
     return refused;
 }

@@ -18,5 +18,7 @@ Refusals check_camera(const CameraDescription& camera);
 Refusals check_area_light(const ShapeDescription& shape);
 // Textures that are made of themselves, or of others more than 256 deep: index and reason.
 std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures);
+// Mixtures that are made of themselves, or more than 256 deep.
+std::vector<std::uint32_t> mixtures_of_themselves(const std::vector<MaterialDescription>& materials);
 
 }  // namespace latent::render

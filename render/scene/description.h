@@ -3,6 +3,7 @@
 // unless said otherwise.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -47,7 +48,8 @@ enum class MaterialKind : std::uint8_t {
     kMetallicRoughness,
     kDiffuseTransmission,
     kCoatedDiffuse,
-    kCoatedConductor
+    kCoatedConductor,
+    kMix
 };
 
 // What lies on the base of a coateddiffuse or coatedconductor.
@@ -78,9 +80,13 @@ struct MaterialDescription {
     bool remap_roughness = false;     // where a texture gives alpha, it gives alpha squared
     // Metallic-roughness, isotropic: alpha is the square of roughness.
     FloatInput roughness = 1, metallic = 0;
-    float f0 = 0.04f, f90 = 1;                // reflectance of the dielectric at straight and at grazing incidence
-    FloatInput coat = 0, coat_roughness = 0;  // share of the surface under a clear coat
-    LayerDescription layer{};                 // coateddiffuse, coatedconductor
+    float f0 = 0.04f, f90 = 1;                         // reflectance of the dielectric at straight and at grazing incidence
+    FloatInput coat = 0, coat_roughness = 0;           // share of the surface under a clear coat
+    LayerDescription layer{};                          // coateddiffuse, coatedconductor
+    FloatInput displacement{};                         // along the normal, by a texture alone
+    std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
+    std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials
+    FloatInput amount{};                               // mix: share of the second
     SourceLocation location{};
 };
 

@@ -74,9 +74,11 @@ void each_field(Of<LayerDescription> auto& layer, Visit&& visit) {
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
     auto& [kind, name, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness,
-           metallic, f0, f90, coat, coat_roughness, layer, location] = material;
+           metallic, f0, f90, coat, coat_roughness, layer, displacement, normal_map, mixed, amount, location] = material;
     visit(kind, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
-          f0, f90, coat, coat_roughness, layer);
+          f0, f90, coat, coat_roughness, layer, displacement, amount);
+    visit.template index<TextureDescription>(normal_map);
+    visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);
 }
 

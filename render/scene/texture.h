@@ -66,6 +66,7 @@ enum class TextureKind : std::uint8_t {
     kScale,
     kMix,
     kImage,
+    kNormalMap,  // a picture that is no number and no spectrum
     kCheckerboard,
     kDots,
     kBilerp,

@@ -7,7 +7,6 @@
 
 #include "color/to_srgb.h"
 #include "render/texture/combine.h"
-#include "render/texture/image_texture.h"
 #include "render/texture/procedural.h"
 
 namespace latent::render {
@@ -76,6 +75,7 @@ struct Textures::Builder {
         const auto input = [&](std::size_t i) { return input_of(Value{}, d, i); };
         switch (d.kind) {
             case TextureKind::kConstant:
+            case TextureKind::kNormalMap:
                 break;
             case TextureKind::kScale:
                 return std::make_unique<Scale<Value>>(input(0), source(d.amount));
@@ -103,6 +103,11 @@ struct Textures::Builder {
     }
     void build(std::uint32_t i) {
         const TextureDescription& d = scene.textures[i];
+        if (d.kind == TextureKind::kNormalMap) {
+            if (const Result<image::PictureInfo>& info = open(d.picture))
+                out.images_[i] = std::make_unique<ImageLookup>(d, *out.pictures_, *info);
+            return;
+        }
         if (d.is_spectrum && !out.spectra_[i]) out.spectra_[i] = make<const SampledSpectrum*>(d);
         if (!d.is_spectrum && !out.floats_[i]) out.floats_[i] = make<float>(d);
     }
@@ -112,6 +117,7 @@ Result<Textures> Textures::build(const SceneDescription& scene, std::uint64_t ca
     Textures out;
     out.floats_.resize(scene.textures.size());
     out.spectra_.resize(scene.textures.size());
+    out.images_.resize(scene.textures.size());
     Builder builder{scene, cache_bytes, library, out};
     for (std::uint32_t i = 0; i < scene.textures.size(); ++i) builder.build(i);
     if (!builder.errors.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{}", fmt::join(builder.errors, "\n"))};

@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "image/pictures.h"
 #include "render/scene/description.h"
+#include "render/texture/image_texture.h"
 #include "render/texture/texture.h"
 
 namespace latent::render {
@@ -28,14 +29,16 @@ class Textures {
     // The parameter that `input` describes. Textures live as long as this.
     FloatSource source(const FloatInput& input) const;
     SpectrumSource source(const SpectrumInput& input, SpectrumLibrary& library) const;
+    const ImageLookup& image(std::uint32_t texture) const { return *images_[texture]; }  // a normal map
 
  private:
     struct Builder;
 
     std::unique_ptr<image::Pictures> pictures_;
-    // Of each description, the one or the other.
+    // Of each description, one of these.
     std::vector<std::unique_ptr<FloatTexture>> floats_;
     std::vector<std::unique_ptr<SpectrumTexture>> spectra_;
+    std::vector<std::unique_ptr<ImageLookup>> images_;
 };
 
 }  // namespace latent::render

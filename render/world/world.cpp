@@ -43,8 +43,16 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     return world;
 }
 
-void World::fill_in(const SurfaceHit& hit, TexturePoint& point) const {
-    const SurfaceCoordinates c = geometry_->coordinates(hit);
+Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kept) const {
+    const SurfaceCoordinates coordinates = geometry_->coordinates(hit);
+    fill_in(hit, coordinates, point);
+    const Material* material = &materials_[hit.material];
+    while (material->is_mixture()) material = &materials_[material->chosen(point)];
+    material->relief().tilt(point, coordinates, hit);
+    return material->bsdf(hit, point, kept);
+}
+
+void World::fill_in(const SurfaceHit& hit, const SurfaceCoordinates& c, TexturePoint& point) const {
     point.p = hit.p;
     point.n = hit.ns;
     point.uv = c.uv;

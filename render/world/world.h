@@ -42,8 +42,7 @@ class World {
         const Material& material = materials_[hit.material];
         TexturePoint point;
         point.spectra = &spectra;
-        if (material.is_textured()) fill_in(hit, point);
-        return material.bsdf(hit, point, kept);
+        return material.is_textured() ? textured_bsdf(hit, point, kept) : material.bsdf(hit, point, kept);
     }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.
@@ -56,7 +55,8 @@ class World {
  private:
     World(const Geometry& geometry, const Camera& camera, const Footprint& footprint)
         : geometry_(&geometry), camera_(camera), footprint_(footprint) {}
-    void fill_in(const SurfaceHit& hit, TexturePoint& point) const;
+    Bsdf textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kept) const;
+    void fill_in(const SurfaceHit& hit, const SurfaceCoordinates& coordinates, TexturePoint& point) const;
     std::uint32_t find_medium_at_infinity() const;
     bool connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
                  LineOfSight& line) const;

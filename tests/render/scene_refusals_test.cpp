@@ -67,7 +67,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"AttributeEnd", "AttributeEnd has nothing to end"},
              Case{"Camera \"perspective\"", "must come before WorldBegin"},
              Case{"Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "projective"},
-             Case{"Transform [ 1 0 0 0  1 0 0 0  0 0 1 0  0 0 0 1 ]", "singular"},
+             Case{"Scale 1 0 1\nLightSource \"infinite\"", "singular"},
              Case{"Scale 1 0 1", "a factor is 0"},
              Case{"ObjectBegin \"o\"\nObjectEnd\nScale 1 1e-20 1\nObjectInstance \"o\"", "ObjectInstance: too small"},
              Case{"Rotate 3 0 0 0", "the axis is 0"},
@@ -133,14 +133,12 @@ TEST(SceneRefusals, NothingIsToldOnlyAfterTheRestIsMended) {
         "Shape \"plymesh\" \"string filename\" \"no.ply\"\n"
         "ObjectInstance \"o\"\n";
     const std::string message = refusal(text);
-    for (const char* line :
-         {":2:1: Camera: its transformation skews", ":2:1: Camera: \"lensradius\"", ":2:45: \"float fovv\"",
-          ":4:1: Material \"hair\" is not supported", ":6:1: an area light on a disk is not supported",
-          ":7:1: an area light on a patch that is not a parallelogram",
-          ":8:1: ", ":11:1: an area light on a sphere that is stretched", ":11:1: phimax",
-          ":13:1: MakeNamedMaterial: \"string type\"", ":14:1: MakeNamedMedium: \"string type\"",
-          ":15:1: LightSource \"projection\"", ":16:1: Scale: a factor is 0", ":17:1: Shape: the transformation is singular",
-          ":17:1: ", "no.ply", ":18:1: ObjectInstance: the transformation is singular"}) {
+    for (const char* line : {":2:1: Camera: its transformation skews", ":2:1: Camera: \"lensradius\"", ":2:45: \"float fovv\"",
+                             ":4:1: Material \"hair\" is not supported", ":6:1: an area light on a disk is not supported",
+                             ":7:1: an area light on a patch that is not a parallelogram",
+                             ":8:1: ", ":11:1: an area light on a sphere that is stretched", ":11:1: phimax",
+                             ":13:1: MakeNamedMaterial: \"string type\"", ":14:1: MakeNamedMedium: \"string type\"",
+                             ":15:1: LightSource \"projection\"", ":17:1: ", "no.ply"}) {
         EXPECT_THAT(message, HasSubstr(line));
     }
     EXPECT_THAT(message, ::testing::Not(HasSubstr("not defined anywhere")));  // it may be in no.pbrt
@@ -218,10 +216,9 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
         for (const char* type : types) lines.push_back(kind + " \"" + type + "\"");
     };
     directives("Shape", {"curve", "cylinder", "nurbs"});
-    directives("Material", {"hair", "measured", "mix", "subsurface"});
+    directives("Material", {"hair", "measured", "subsurface"});
     directives("LightSource", {"goniometric", "projection"});
     directives("AreaLightSource", {"area"});
-    directives("ColorSpace", {"aces2065-1"});
     lines.push_back("MakeNamedMedium \"m\" \"string type\" \"marsh\"");
 
     const auto parameters = [&](const std::string& directive, std::initializer_list<const char*> unsupported) {
@@ -232,7 +229,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     parameters("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Shape \"sphere\"", {"\"float phimax\" 180", "\"float zmin\" 0", "\"float zmax\" 0.5"});
     parameters("Shape \"disk\"", {"\"float phimax\" 90"});
-    parameters("Material \"diffuse\"", {"\"string normalmap\" \"n.png\"", "\"float sigma\" 20", "\"texture displacement\" \"t\""});
+    parameters("Material \"diffuse\"", {"\"float sigma\" 20"});
     parameters("Material \"dielectric\"", {"\"texture eta\" \"t\"", "\"rgb reflectance\" [ 1 1 1 ]"});
     parameters("AreaLightSource \"diffuse\"", {"\"string filename\" \"x.exr\""});
     parameters("LightSource \"infinite\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
@@ -241,7 +238,6 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
                {"\"string preset\" \"Apple\"", "\"float density\" 2"});
     parameters("Attribute \"shape\"", {"\"float alpha\" 0.5", "\"string emissionfilename\" \"x.exr\""});
     parameters("Attribute \"light\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
-    parameters("Attribute \"material\"", {"\"string normalmap\" \"n.png\""});
     parameters("Attribute \"medium\"", {"\"string preset\" \"Apple\""});
     parameters("Option", {"\"forcediffuse\" true", "\"disablepixeljitter\" true", "\"disablewavelengthjitter\" true", "\"new\" 1"});
     lines.push_back("ActiveTransform EndTime");

@@ -1,10 +1,45 @@
 #include "render/load/files/scene_files.h"
 
+#include <zlib.h>
+
+#include <algorithm>
+#include <string_view>
 #include <vector>
 
 #include "base/file.h"
 
 namespace latent::render {
+
+namespace {
+
+bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+
+// All members of a gzip file, one after the other. Errors: kCorrupt.
+Result<std::string> unpacked(const std::filesystem::path& path, std::string_view bytes) {
+    const auto broken = [&] { return Error{ErrorCode::kCorrupt, path.string() + ": is damaged: it cannot be unpacked (gzip)"}; };
+    std::string out;
+    while (!bytes.empty()) {
+        z_stream stream{};
+        if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return Error{ErrorCode::kNoMemory, "out of memory"};
+        int state = Z_OK;
+        while (state == Z_OK) {
+            std::vector<char> piece(std::size_t{1} << 18);
+            const std::size_t taken = std::min<std::size_t>(bytes.size(), std::size_t{1} << 30);
+            stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+            stream.avail_in = static_cast<uInt>(taken);
+            stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+            stream.avail_out = static_cast<uInt>(piece.size());
+            state = inflate(&stream, Z_NO_FLUSH);
+            out.append(piece.data(), piece.size() - stream.avail_out);
+            bytes.remove_prefix(taken - stream.avail_in);
+        }
+        inflateEnd(&stream);
+        if (state != Z_STREAM_END) return broken();
+    }
+    return out;
+}
+
+}  // namespace
 
 Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
     const Result<File> file = File::open_read(path);
@@ -13,6 +48,7 @@ Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
     if (!size) return size.error();
     std::string text(*size, '\0');
     if (const Status read = file->read_exact(0, std::as_writable_bytes(std::span(text))); !read) return read.error();
+    if (is_gzip(text)) return unpacked(path, text);
     return text;
 }
 

@@ -15,7 +15,7 @@ class SceneFiles {
     explicit SceneFiles(const std::filesystem::path& scene) : folder_(scene.parent_path()) {}
 
     std::filesystem::path resolve(const std::string& name) const { return folder_ / name; }
-    // The whole content of a regular file. Errors name the file.
+    // The whole content of a regular file, unpacked if it is gzip's. Errors name the file.
     static Result<std::string> read_text(const std::filesystem::path& path);
     // The same of a file that the scene names.
     Result<std::string> read(const std::string& name) const { return read_text(resolve(name)); }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
@@ -193,8 +194,13 @@ Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
     for (std::uint64_t i = 0; i < element.count; ++i) {
         for (std::size_t c = 0; c < row.size(); ++c) row[c] = body.value(element.properties[c].type);
         if (!body.ok()) return cut(element, i);
-        for (const double x : row) {
-            if (!std::isfinite(static_cast<float>(x))) return Error{ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i)};
+        const auto finite = [&](std::size_t c) { return std::isfinite(static_cast<float>(row[c])); };
+        if (!normal.empty() && !std::ranges::all_of(normal, finite)) {
+            ++mesh.lost_normals;
+            for (const std::size_t c : normal) row[c] = 0;
+        }
+        for (std::size_t c = 0; c < row.size(); ++c) {
+            if (!finite(c)) return Error{ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i)};
         }
         mesh.positions.emplace_back(row[xyz[0]], row[xyz[1]], row[xyz[2]]);
         if (!normal.empty()) mesh.normals.emplace_back(Vec3d(row[normal[0]], row[normal[1]], row[normal[2]]));

@@ -15,7 +15,7 @@ namespace latent::render {
 namespace {
 
 // Parameters that would change everything that inherits them.
-constexpr std::string_view kEverywhere[] = {"alpha", "displacement", "emissionfilename", "normalmap", "portal", "preset"};
+constexpr std::string_view kEverywhere[] = {"alpha", "emissionfilename", "portal", "preset"};
 
 }  // namespace
 
@@ -69,6 +69,7 @@ void SceneBuilder::apply(const Directive& d) {
     if (d.name == "ObjectBegin") return begin_object(d);
     if (d.name == "ObjectInstance") return add_instance(d);
     if (d.name == "LightSource") {
+        if (!state_.ctm.inverse()) diagnostics_.error(d.where, "LightSource: the transformation is singular");
         LightDescription light = read_light(d.strings[0], list(d, "light"), spectra_, files_);
         light.world_from_light = state_.ctm;
         light.medium = state_.outside_medium;
@@ -91,18 +92,14 @@ bool SceneBuilder::apply_state(const Directive& d) {
     } else if (d.name == "ReverseOrientation") {
         state_.reverse_orientation = !state_.reverse_orientation;
     } else if (d.name == "NamedMaterial") {
-        const Named& named = name(materials_, d.strings[0], d.where, scene_.materials.size());
-        if (named.index == scene_.materials.size()) {
-            scene_.materials.push_back({.name = d.strings[0], .location = d.where});
-            interface_.push_back(false);
-        }
-        state_.material = named.index;
+        state_.material = material(d.strings[0], d.where);
     } else if (d.name == "MediumInterface") {
         state_.inside_medium = medium(d.strings.front(), d.where);
         state_.outside_medium = medium(d.strings.back(), d.where);
     } else if (d.name == "ColorSpace") {
         if (!spectra_.set_color_space(d.strings[0])) {
-            diagnostics_.error(d.where, fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020)", d.strings[0]));
+            diagnostics_.error(d.where,
+                               fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020, aces2065-1)", d.strings[0]));
         } else {
             state_.color_space = d.strings[0];
         }
@@ -129,13 +126,36 @@ bool SceneBuilder::apply_state(const Directive& d) {
     return true;
 }
 
+std::uint32_t SceneBuilder::material(const std::string& text, const SourceLocation& where) {
+    const Named& named = name(materials_, text, where, scene_.materials.size());
+    if (named.index == scene_.materials.size()) {
+        scene_.materials.push_back({.name = text, .location = where});
+        interface_.push_back(false);
+    }
+    return named.index;
+}
+
+MaterialDescription SceneBuilder::read_mixture(const ParameterList& list) {
+    MaterialDescription mixture{.kind = MaterialKind::kMix, .location = list.directive().where};
+    mixture.amount = textures_.number(list, "amount", 0.5, 0, 1);
+    const Parameter* names = list.find("materials", {"string"});
+    if (names == nullptr || names->strings.size() != 2) {
+        list.error("materials: must be the names of two materials");
+    } else {
+        for (std::size_t i = 0; i < 2; ++i) mixture.mixed[i] = material(names->strings[i], names->where);
+        mixtures_.push_back({names->where, mixture.mixed});
+    }
+    list.report_unused();
+    return mixture;
+}
+
 void SceneBuilder::add_material(const Directive& d) {
     const ParameterList parameters = list(d, "material");
     const bool has_name = d.name == "MakeNamedMaterial";
     const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
     if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
     std::optional<MaterialDescription> material;
-    if (type) material = read_material(*type, parameters, textures_);
+    if (type) material = *type == "mix" ? read_mixture(parameters) : read_material(*type, parameters, textures_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
         Named& named = name(materials_, d.strings[0], d.where, index);
@@ -179,7 +199,10 @@ void SceneBuilder::add_area_light(const Directive& d) {
 
 void SceneBuilder::add_shape(const Directive& d) {
     const ParameterList parameters = list(d, "shape");
-    if (!state_.ctm.inverse()) parameters.error("Shape: the transformation is singular");
+    const bool is_mesh = d.strings[0] != "sphere" && d.strings[0] != "disk" && d.strings[0] != "cylinder";
+    if (!state_.ctm.inverse() && !is_mesh) {
+        return parameters.warn(fmt::format("Shape: ignored: the transformation is singular, so this {} is nowhere", d.strings[0]));
+    }
     if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
     for (LoadedShape& loaded : read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_)) {
         ShapeDescription& shape = loaded.shape;
@@ -216,7 +239,8 @@ void SceneBuilder::add_instance(const Directive& d) {
     if (object_ != kNone) diagnostics_.error(d.where, "ObjectInstance: must not be inside ObjectBegin");
     const std::optional<Affined> inverse = state_.ctm.inverse();
     if (!inverse) {
-        diagnostics_.error(d.where, "ObjectInstance: the transformation is singular");
+        object(d.strings[0], d.where);
+        return diagnostics_.warn(d.where, "ObjectInstance: ignored: the transformation is singular, so it is nowhere");
     } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
         diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
     }
@@ -236,6 +260,15 @@ void SceneBuilder::finish(const SourceLocation& end) {
         check(materials_, "material");
         check(media_, "medium");
         check(objects_, "object");
+    }
+    for (const auto& [where, mixed] : mixtures_) {
+        for (const std::uint32_t i : mixed) {
+            if (interface_[i]) diagnostics_.error(where, "materials: \"interface\" cannot be mixed");
+        }
+    }
+    if (diagnostics_.errors().empty()) {
+        for (const std::uint32_t i : mixtures_of_themselves(scene_.materials))
+            diagnostics_.error(scene_.materials[i].location, "Material \"mix\": is made of itself, or more than 256 deep");
     }
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];

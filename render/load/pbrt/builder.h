@@ -61,6 +61,8 @@ class SceneBuilder {
     bool apply_transform(const Directive& d);
     bool apply_option(const Directive& d);  // before WorldBegin
     bool apply_state(const Directive& d);
+    std::uint32_t material(const std::string& text, const SourceLocation& where);  // by name
+    MaterialDescription read_mixture(const ParameterList& list);
     void add_material(const Directive& d);
     void add_medium(const Directive& d);
     void add_area_light(const Directive& d);
@@ -84,6 +86,11 @@ class SceneBuilder {
     State camera_state_;
     std::map<std::string, Affined> coordinate_systems_;
     Names materials_, media_, objects_;
+    struct Mixture {
+        SourceLocation where;
+        std::array<std::uint32_t, 2> mixed;
+    };
+    std::vector<Mixture> mixtures_;
     std::vector<LoadedShape> shapes_;                                      // of the world
     std::vector<std::vector<LoadedShape>> object_shapes_;                  // of each object
     std::vector<bool> interface_;                                          // of each material: "interface"

@@ -165,6 +165,12 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
                         type));
         return std::nullopt;
     }
+    material.displacement.texture = textures.find_texture(list, "displacement").value_or(kNone);
+    material.normal_map = textures.normal_map(list);
+    if (material.displacement.is_textured() && material.normal_map != kNone) {
+        list.warn("normalmap: ignored, since there is a displacement");
+        material.normal_map = kNone;
+    }
     list.report_unused();
     return material;
 }

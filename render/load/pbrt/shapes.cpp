@@ -94,6 +94,8 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (!bytes) return list.error(bytes.error().message);
     Result<PlyMesh> ply = parse_ply(*bytes);
     if (!ply) return list.error(*name + ": " + ply.error().message);
+    if (ply->lost_normals > 0)
+        list.warn(fmt::format("{}: {} normals are not finite; the faces' own are used there", *name, ply->lost_normals));
     LoadedMesh mesh{.positions = std::move(ply->positions), .normals = std::move(ply->normals), .uvs = std::move(ply->uvs)};
     transform(mesh, ctm, reverse_orientation);
     if (!ply->quads.empty()) {

@@ -12,7 +12,10 @@ namespace latent::render {
 
 namespace {
 
-std::string space_of(const std::string& pbrt_name) { return pbrt_name == "dci-p3" ? "display-p3" : pbrt_name; }
+std::string space_of(const std::string& pbrt_name) {
+    if (pbrt_name == "aces2065-1") return "0.7347,0.2653,0,1,0.0001,-0.077,0.32168,0.33767";
+    return pbrt_name == "dci-p3" ? "display-p3" : pbrt_name;
+}
 
 color::Spectrum clamped(const std::function<double(double)>& f) {
     return color::Spectrum::from_function(f, color::Outside::kClamped);
@@ -23,7 +26,7 @@ bool is_grey(std::span<const double> rgb) { return rgb[0] == rgb[1] && rgb[1] ==
 }  // namespace
 
 bool SceneSpectra::set_color_space(const std::string& name) {
-    if (name != "srgb" && name != "dci-p3" && name != "rec2020") return false;
+    if (name != "srgb" && name != "dci-p3" && name != "rec2020" && name != "aces2065-1") return false;
     color_space_ = name;
     return true;
 }
@@ -32,7 +35,9 @@ const color::RgbToSpectrum& SceneSpectra::rgb() {
     const auto known = rgb_.find(color_space_);
     if (known != rgb_.end()) return known->second;
     const color::RgbSpace space = color::RgbSpace::parse(space_of(color_space_)).value();
-    return rgb_.emplace(color_space_, color::RgbToSpectrum(space, color::illuminant_d65())).first->second;
+    const color::Spectrum white =
+        color_space_ == "aces2065-1" ? color::named_spectrum("illum-acesD60").value() : color::illuminant_d65();
+    return rgb_.emplace(color_space_, color::RgbToSpectrum(space, white)).first->second;
 }
 
 color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }

@@ -17,7 +17,8 @@ class SceneSpectra {
  public:
     explicit SceneSpectra(SceneFiles& files) : files_(files) {}
 
-    // The colour space that rgb parameters are in: pbrt's "srgb", "dci-p3" or "rec2020". False if there is no such space.
+    // The colour space that rgb parameters are in: pbrt's "srgb", "dci-p3", "rec2020" or "aces2065-1". False if there is no such
+    // space.
     bool set_color_space(const std::string& name);
 
     // The spectrum of a parameter; nothing if it is not there or an error was reported.

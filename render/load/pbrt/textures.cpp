@@ -52,7 +52,7 @@ std::uint32_t SceneTextures::use(const ParameterList& list, const Parameter& p, 
     }
     const auto next = static_cast<std::uint32_t>(uses_.size());
     const auto [at, is_new] = used_.try_emplace({is_spectrum, role, p.strings[0]}, next);
-    if (is_new) uses_.push_back({is_spectrum, role, p.strings[0], p.where});
+    if (is_new) uses_.push_back({is_spectrum, role, p.strings[0], p.where, std::nullopt});
     return at->second;
 }
 
@@ -60,6 +60,18 @@ std::optional<std::uint32_t> SceneTextures::find_texture(const ParameterList& li
     const Parameter* p = list.find(name, {"texture"});
     if (p == nullptr) return std::nullopt;
     return use(list, *p, false, SpectrumRole::kUnbounded);
+}
+
+std::uint32_t SceneTextures::normal_map(const ParameterList& list) {
+    const std::optional<std::string> name = list.string("normalmap");
+    if (!name) return kNone;
+    PictureDescription picture{.is_srgb = false};
+    const Result<Hash128> content = files_.hash(*name);
+    if (!content) list.error(content.error().message);
+    picture.path = files_.resolve(*name).string();
+    picture.content = content.value_or(Hash128{});
+    uses_.push_back({false, SpectrumRole::kUnbounded, *name, list.directive().where, picture});
+    return static_cast<std::uint32_t>(uses_.size() - 1);
 }
 
 FloatInput SceneTextures::number(const ParameterList& list, std::string_view name, double otherwise, double low, double high) {
@@ -220,6 +232,10 @@ void SceneTextures::finish() {
     for (std::size_t i = 0; i < uses_.size(); ++i) {  // reading one may add to them
         const Use use = uses_[i];
         scene_.textures.emplace_back();
+        if (use.normal_map) {
+            scene_.textures[i] = {.kind = TextureKind::kNormalMap, .picture = *use.normal_map, .location = use.where};
+            continue;
+        }
         const auto found = definitions_.find({use.is_spectrum, use.name});
         if (found == definitions_.end()) {
             const bool other = definitions_.contains({!use.is_spectrum, use.name});

@@ -34,6 +34,7 @@ class SceneTextures {
     std::optional<color::Spectrum> find_value(const ParameterList& list, std::string_view name, SpectrumRole role) {
         return spectra_.find(list, name, role);  // where pbrt takes no texture
     }
+    std::uint32_t normal_map(const ParameterList& list);  // of "normalmap"; kNone if it is not there
     std::optional<std::uint32_t> find_texture(const ParameterList& list, std::string_view name);  // of numbers
 
     // After the last directive, unless a part of the scene is missing: reads the textures that were used, and what they use.
@@ -50,7 +51,8 @@ class SceneTextures {
         bool is_spectrum;
         SpectrumRole role;
         std::string name;
-        SourceLocation where;  // first
+        SourceLocation where;                            // first
+        std::optional<PictureDescription> normal_map{};  // no texture by name
     };
     std::uint32_t use(const ParameterList& list, const Parameter& p, bool is_spectrum, SpectrumRole role);
     TextureDescription read(const Definition& definition, const Use& use);

@@ -37,7 +37,6 @@ bool SceneBuilder::apply_transform(const Directive& d) {
     } else if (d.name == "Translate") {
         state_.ctm = state_.ctm * translation(vec(n));
     } else if (d.name == "Scale") {
-        if (n[0] == 0 || n[1] == 0 || n[2] == 0) diagnostics_.error(d.where, "Scale: a factor is 0");
         state_.ctm = state_.ctm * Affined({n[0], 0, 0}, {0, n[1], 0}, {0, 0, n[2]}, {0, 0, 0});
     } else if (d.name == "Rotate") {
         const Vec3d axis{n[1], n[2], n[3]};
@@ -58,7 +57,6 @@ bool SceneBuilder::apply_transform(const Directive& d) {
         const Affined map(vec(n), vec(std::span(n).subspan(4)), vec(std::span(n).subspan(8)), vec(std::span(n).subspan(12)));
         if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1)
             diagnostics_.error(d.where, d.name + ": projective transformations are not supported");
-        if (!map.inverse()) diagnostics_.error(d.where, d.name + ": the matrix is singular");
         state_.ctm = d.name == "Transform" ? map : state_.ctm * map;
     } else if (d.name == "CoordinateSystem") {
         coordinate_systems_[d.strings[0]] = state_.ctm;
