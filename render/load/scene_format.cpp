@@ -21,7 +21,6 @@ constexpr Beginning kBeginnings[] = {
     {"ply\r", "this is a PLY mesh, which a scene names in Shape \"plymesh\""},
     {"solid ", "this is an STL mesh"},
     {"<", "this is XML, as scenes of Mitsuba and COLLADA are"},
-    {"\x1f\x8b", "this is compressed by gzip"},
     {"\x28\xb5\x2f\xfd", "this is compressed by zstd"},
 };
 

@@ -34,13 +34,14 @@ class Mutation {
         (mutate(x), ...);
         counting_ = which_ == Which::kPicture;
     }
-    // To another entry, or to none. Of a texture: to the next one alone, so that none is made of itself.
+    // To another entry, or to none. Within a table of things that are made of each other: to the next one alone,
+    // so that none is made of itself.
     template <class T, class... I>
     void index(I&... i) {
         const auto next = [&](std::uint32_t& at) {
-            if (std::is_same_v<T, TextureDescription> && texture_ != kNone) {
-                if (at == kNone && texture_ + 1 == scene_.textures.size()) return;
-                if (is_turn()) at = at == kNone ? texture_ + 1 : kNone;
+            if (visited_ == &table<T>(scene_)) {
+                if (at == kNone && entry_ + 1 == table<T>(scene_).size()) return;
+                if (is_turn()) at = at == kNone ? entry_ + 1 : kNone;
                 return;
             }
             if (is_turn()) at = at == kNone ? 0 : at + 1 < table<T>(scene_).size() ? at + 1 : kNone;
@@ -54,11 +55,9 @@ class Mutation {
     bool is_turn() { return counting_ && leaf_++ == turn_; }
     template <class T>
     void mutate_each(std::vector<T>& entries) {
-        for (T& entry : entries) {
-            if (std::is_same_v<T, TextureDescription>) ++texture_;
-            each_field(entry, *this);
-        }
-        texture_ = kNone;
+        visited_ = &entries;
+        for (entry_ = 0; entry_ < entries.size(); ++entry_) each_field(entries[entry_], *this);
+        visited_ = nullptr;
     }
     template <class T>
     void mutate(T& x) {
@@ -122,7 +121,8 @@ class Mutation {
     Which which_;
     bool counting_;
     std::size_t turn_, leaf_ = 0;
-    std::uint32_t texture_ = kNone;  // that is being visited
+    const void* visited_ = nullptr;  // table
+    std::uint32_t entry_ = 0;        // of it
 };
 
 // A scene with everything: two used entries in every table, and each optional field given once and left out once.

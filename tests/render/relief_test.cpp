@@ -75,11 +75,11 @@ TEST(Relief, ANormalMapGivesNormalsInTheFrameOfUv) {
     EXPECT_NEAR(n.z, 0.8f, 0.01f);
 }
 
-// A closed white room whose walls are uneven: whatever leaves a wall comes from its shading normal's cosine, so the light subpaths'
-// correction counts for much here.
+// A closed room, its lamp out of sight, whose walls are uneven: whatever leaves a wall comes from its shading normal's cosine, so
+// the light subpaths' correction counts for much here.
 std::string room(const std::string& material) {
     return "LookAt 0 0 -2.5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 50\nWorldBegin\n"
-           "AttributeBegin\nTranslate 0 1.2 0\nAreaLightSource \"diffuse\" \"rgb L\" [9 9 9]\nMaterial \"diffuse\" \"rgb "
+           "AttributeBegin\nTranslate 0 2.2 0\nAreaLightSource \"diffuse\" \"rgb L\" [20 20 20]\nMaterial \"diffuse\" \"rgb "
            "reflectance\" [.1 .1 .1]\nShape \"sphere\" \"float radius\" .3\nAttributeEnd\n" +
            material +
            "AttributeBegin\nReverseOrientation\nShape \"sphere\" \"float radius\" 3\nAttributeEnd\n"

@@ -68,7 +68,6 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Camera \"perspective\"", "must come before WorldBegin"},
              Case{"Transform [ 1 0 0 1  0 1 0 0  0 0 1 0  0 0 0 1 ]", "projective"},
              Case{"Scale 1 0 1\nLightSource \"infinite\"", "singular"},
-             Case{"Scale 1 0 1", "a factor is 0"},
              Case{"ObjectBegin \"o\"\nObjectEnd\nScale 1 1e-20 1\nObjectInstance \"o\"", "ObjectInstance: too small"},
              Case{"Rotate 3 0 0 0", "the axis is 0"},
              Case{"LookAt 0 0 0  0 1 0  0 1 0", "parallel to up"},
@@ -99,7 +98,6 @@ TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
     EXPECT_THAT(refusal("#usda 1.0\n"), is("this is a USD scene"));
     EXPECT_THAT(refusal("# a cube\n\nmtllib cube.mtl\nv 0 0 0\n"), is("this is a Wavefront OBJ scene; its name must end in .obj"));
     EXPECT_THAT(refusal("<?xml version=\"1.0\"?><scene/>"), is("this is XML"));
-    EXPECT_THAT(refusal("\x1f\x8b\b\0\0"s), is("this is compressed by gzip"));
     EXPECT_THAT(refusal("\x89\0\1\2"s), is("this is a binary file"));
     EXPECT_THAT(refusal(""), is("the file is empty"));
     EXPECT_THAT(refusal("# only a comment\n"), is("the file is empty"));
