@@ -74,7 +74,7 @@ TEST(RgbSpace, DegenerateSpacesAreRefused) {
     // ACES AP0: blue lies below the line of purples.
     const RgbSpace ap0 = *RgbSpace::parse("0.7347,0.2653,0,1,0.0001,-0.077,0.32168,0.33767");
     EXPECT_NEAR(ap0.luminance_row[2], -0.072133, 5e-7);
-    EXPECT_THAT(ap0.check_luminance_row().error().message, HasSubstr("the blue primary has luminance -0.072133"));
+    EXPECT_THAT(ap0.check_luminance_row().error().message, HasSubstr("the blue primary has the negative luminance -0.072133"));
 }
 
 TEST(RgbSpace, MatrixOfAnyScaleIsTheSameSpace) {

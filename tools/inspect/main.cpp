@@ -78,7 +78,7 @@ int main(int argc, char** argv) try {
     recover->add_option("FILE", files, "damaged file; it is not changed")->required()->expected(1);
     recover->add_option("-o,--output", output, "file to write")->required()->check(cli::ends_in(".latent"));
 
-    CLI::App* cat = app.add_subcommand("cat", "Print records as text, or write them as a NumPy array.")->footer(help::kCat);
+    CLI::App* cat = app.add_subcommand("cat", "Print records as text or as a NumPy array.")->footer(help::kCat);
     add_cat_options(*cat, cat_options);
 
     CLI::App* gen = app.add_subcommand("gen", "Generate a synthetic file for tests.")->footer(help::kGen);
