@@ -7,47 +7,10 @@
 #include "base/parse.h"
 #include "base/temporary_path.h"
 #include "tools/convert/convert.h"
+#include "tools/convert/help.h"
 #include "tools/convert/report.h"
 
 namespace {
-
-constexpr const char* kExamples = R"(
-Formats, by the extension of the output:
-  .png .tif .jpg   the print as code values, with a colour profile
-  .exr             the print as linear light
-  .dzi             a Deep Zoom pyramid of tiles, with NAME.html to view it
-
-Profiles:
-  srgb, display-p3, rec2020, adobe-rgb
-  rx,ry,gx,gy,bx,by,wx,wy   chromaticities of the primaries and the white
-  9 numbers                 matrix from XYZ to RGB, separated by commas
-  FILE.icc                  profile with three primaries and one curve; it is
-                            embedded unchanged
-
-Whites:
-  D65, D50, A, E, F1 to F12 standard illuminants
-  5200K                     daylight, or a blackbody below 4000K
-  x,y                       chromaticity
-  X,Y,WIDTH,HEIGHT          mean of these pixels, for example of a grey card
-
-Examples:
-  latent-convert picture.exr -o picture.png
-      print with the default settings
-  latent-convert picture.exr -o auto.png --auto
-      choose the sensitivity automatically, and report it
-  latent-convert picture.exr -o p3.tif --bits 16 --profile display-p3 --stops -1
-      print 16 bits for a wide-gamut display, one stop darker
-  latent-convert picture.exr -o lamplight.png --white A
-      print a scene lit by incandescent lamps without the orange cast
-  latent-convert picture.exr -o wall.tif --tiles --pyramid
-      write a tiled pyramid, as BigTIFF if needed
-  latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M
-      write two outputs in one pass
-  latent-convert picture.exr -o corner.png --crop 0,0,512,512
-      print a part of the picture
-
-Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but some pixels
-were not finite, or the report could not be written.)";
 
 latent::Result<std::array<double, 3>> luminances_of(const std::string& text) {
     const auto numbers = latent::parse_numbers(text);
@@ -102,7 +65,7 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     app.add_flag("--png-tiles", options.png_tiles, "write Deep Zoom tiles as PNG instead of JPEG");
     cli::add_count(app, "--overlap", options.overlap,
                    "pixels that Deep Zoom tiles share with their neighbours; use 0 only for viewers other than NAME.html", 0, 1);
-    app.footer(kExamples);
+    app.footer(latent::convert::help::kConvert);
 }
 
 }  // namespace
