@@ -9,6 +9,8 @@
 #include <ImfThreading.h>
 #include <half.h>
 
+#include <new>
+
 #include "image/exr_stream.h"
 
 namespace latent::image {
@@ -68,6 +70,8 @@ class ExrWriter final : public RowWriter {
 
     Status finish() override {
         return stream_.guard([&] {
+            // Short of memory, OpenEXR may leave lines out without a word.
+            if (file_->currentScanLine() != window_.y1) throw std::bad_alloc();
             file_.reset();  // writes the table of offsets
             stream_.flush();
         });
