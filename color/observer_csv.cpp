@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
-#include "color/camera.h"
-#include "color/named_spectra.h"
 #include "color/observer.h"
+#include "color/power_of_ten.h"
 
 namespace latent::color {
 namespace {
@@ -37,22 +35,11 @@ std::optional<double> number(std::string_view field) {
     return value;
 }
 
-// 10^x by * and / alone: libm's last bit may depend on the processor, and an observer decides pixels. x = n + f, |f| <= 1/2; the
-// series of e^(f ln 10) ends below 1e-17. Infinite where a double is.
-double power_of_ten(double x) {
-    const double n = std::round(std::clamp(x, -400.0, 400.0)), t = (std::clamp(x, -400.0, 400.0) - n) * std::numbers::ln10;
-    double sum = 1, term = 1;
-    for (int i = 1; i < 22; ++i) sum += term *= t / i;
-    for (int i = 0; i < std::abs(n); ++i) sum = n > 0 ? sum * 10 : sum / 10;
-    return sum;
-}
-
 struct CsvTable {
-    std::vector<double> lambda_nm;
-    std::vector<std::array<double, 3>> response;
+    ResponseTable responses;
+    std::vector<int> line;  // of each row
     std::size_t columns = 0;
     std::vector<bool> logarithmic;  // by column
-    bool camera = false;            // its columns are called r, g, b
 };
 
 Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable& table) {
@@ -64,18 +51,45 @@ Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable&
         const std::optional<double> read = number(fields[i]);
         if (!read) return at_line(line, fmt::format("\"{}\" is not a finite number", fields[i]));
         value[i] = table.logarithmic[i] ? power_of_ten(*read) : *read;
-        if (i > 0 && (!(value[i] >= 0) || !std::isfinite(value[i])))
-            return at_line(line, fmt::format("a response cannot be {}", fields[i]));
+        if (i > 0 && value[i] < 0) return at_line(line, fmt::format("a response cannot be negative: {}", fields[i]));
+        if (i > 0 && !std::isfinite(value[i])) return at_line(line, fmt::format("a response cannot be 10^{}", fields[i]));
     }
-    if (!table.lambda_nm.empty() && value[0] <= table.lambda_nm.back()) {
-        return at_line(line, fmt::format("wavelengths must increase: {} nm follows {} nm", value[0], table.lambda_nm.back()));
+    if (!table.responses.lambda_nm.empty() && value[0] <= table.responses.lambda_nm.back()) {
+        return at_line(line, fmt::format("wavelengths must increase, but {} nm follows {} nm; sort the rows", value[0],
+                                         table.responses.lambda_nm.back()));
     }
     if (value[0] < 10 || value[0] > 100'000) {
         return at_line(line, fmt::format("{} is not a wavelength of light in nm", value[0]));
     }
-    table.lambda_nm.push_back(value[0]);
-    table.response.push_back(table.columns == 4 ? std::array{value[1], value[2], value[3]}
-                                                : std::array{value[1], value[1], value[1]});
+    table.responses.lambda_nm.push_back(value[0]);
+    table.responses.response.push_back(table.columns == 4 ? std::array{value[1], value[2], value[3]}
+                                                          : std::array{value[1], value[1], value[1]});
+    return {};
+}
+
+// Rows so far apart, or a table that ends so early, would pass as a sensor that sees nothing there, or something straight.
+constexpr double kFrom = 400, kTo = 700, kWidestGap = 30;
+constexpr double kBeginsBy = 420, kEndsFrom = 660, kSmallEnd = 0.1;
+
+Status check_coverage(const CsvTable& table) {
+    const std::vector<double>& nm = table.responses.lambda_nm;
+    const auto largest_of = [&](std::size_t row) { return std::ranges::max(table.responses.response[row]); };
+    double peak = 0;
+    for (std::size_t row = 0; row < nm.size(); ++row) peak = std::max(peak, largest_of(row));
+    for (std::size_t row = 1; row < nm.size(); ++row) {
+        const bool inside = nm[row] > kFrom && nm[row - 1] < kTo, dark = largest_of(row - 1) + largest_of(row) == 0;
+        if (!inside || dark || nm[row] - nm[row - 1] <= kWidestGap) continue;
+        return at_line(table.line[row],
+                       fmt::format("no rows between {} and {} nm; between {} and {} nm they may be at most {} nm apart",
+                                   nm[row - 1], nm[row], kFrom, kTo, kWidestGap));
+    }
+    const auto cut = [&](std::size_t row, const char* where) {
+        return at_line(table.line[row], fmt::format("the table {} at {} nm, where the response is {:.0f} % of the largest; "
+                                                    "add rows, or one of zeros if it sees nothing beyond",
+                                                    where, nm[row], 100 * largest_of(row) / peak));
+    };
+    if (nm.front() > kBeginsBy && largest_of(0) > kSmallEnd * peak) return cut(0, "begins");
+    if (nm.back() < kEndsFrom && largest_of(nm.size() - 1) > kSmallEnd * peak) return cut(nm.size() - 1, "ends");
     return {};
 }
 
@@ -98,16 +112,20 @@ Result<CsvTable> read_table(std::string_view text) {
                                 fields.size()));
             }
             table.columns = fields.size();
+            if (table.columns == 2) table.responses.kind = ObserverKind::kFilm;
             table.logarithmic.resize(fields.size());
             if (!number(fields[0])) {  // the line of column names
                 for (std::size_t i = 1; i < fields.size(); ++i) table.logarithmic[i] = fields[i].starts_with("log10");
-                table.camera = fields.size() == 4 && fields[1] == "r" && fields[2] == "g" && fields[3] == "b";
+                if (fields.size() == 4 && fields[1] == "r" && fields[2] == "g" && fields[3] == "b")
+                    table.responses.kind = ObserverKind::kCamera;
                 continue;
             }
         }
         if (Status s = read_row(fields, line, table); !s) return s.error();
+        table.line.push_back(line);
     }
-    if (table.lambda_nm.size() < 2) return Error{ErrorCode::kCorrupt, "an observer needs at least two lines of numbers"};
+    if (table.responses.lambda_nm.size() < 2) return Error{ErrorCode::kCorrupt, "an observer needs at least two lines of numbers"};
+    if (Status s = check_coverage(table); !s) return s.error();
     return table;
 }
 
@@ -116,22 +134,8 @@ Result<CsvTable> read_table(std::string_view text) {
 Result<Observer> Observer::from_csv(std::string_view text, std::string name) {
     Result<CsvTable> table = read_table(text);
     if (!table) return table.error();
-    Observer observer(std::move(name), std::move(table->lambda_nm), std::move(table->response));
-    if (table->camera) {
-        const Result<Matrix3> xyz = xyz_from_camera({observer.curve(0), observer.curve(1), observer.curve(2)});
-        if (!xyz) return xyz.error();
-        for (auto& response : observer.response_) response = *xyz * response;
-    }
-    const double answer = integral_of_product(observer.curve(1), illuminant_d65());
-    const double scale = integral_of_product(cie1931().curve(1), illuminant_d65()) / answer;
-    if (!(answer > 0) || !std::isfinite(scale)) {
-        return Error{ErrorCode::kCorrupt,
-                     "the second column of responses (or the only one) has no response to daylight from 360 to 830 nm"};
-    }
-    for (auto& response : observer.response_) {
-        for (double& value : response) value *= scale;
-    }
-    return observer;
+    table->responses.name = std::move(name);
+    return from_table(std::move(table->responses));
 }
 
 }  // namespace latent::color

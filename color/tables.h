@@ -8,7 +8,8 @@
 namespace latent::color {
 
 struct Table {
-    std::string_view name;  // of its file, without .csv
+    std::string_view name;          // of its file, without .csv
+    std::string_view what, source;  // its comments of these names
     std::span<const std::string_view> columns;
     std::span<const double> values;  // row after row
 

@@ -1,17 +1,30 @@
 # Turns the CSV tables of this folder into one C++ source, at build time: cmake -DOUT=tables.cpp -P tables.cmake
-# A table is: `#` comments, one line of column names, rows of numbers. Everything is copied, nothing is rounded.
+# A table is: `#` comments (among them "# what: ..." and "# source: ..."), one line of column names, rows of numbers. Everything is
+# copied, nothing is rounded.
 file(GLOB files ${CMAKE_CURRENT_LIST_DIR}/*.csv)
 set(arrays "")
 set(list "")
+
+# The text of a comment, as the inside of a C++ string.
+function(read_comment key file out)
+  file(STRINGS ${file} line REGEX "^# ${key}: " LIMIT_COUNT 1)
+  string(REGEX REPLACE "^# ${key}: " "" text "${line}")
+  string(REPLACE "\\;" ";" text "${text}")
+  string(REPLACE "\"" "\\\"" text "${text}")
+  set(${out} "${text}" PARENT_SCOPE)
+endfunction()
+
 foreach(file IN LISTS files)
   get_filename_component(name ${file} NAME_WE)
+  read_comment(what ${file} what)
+  read_comment(source ${file} source)
   file(STRINGS ${file} lines REGEX "^[^#]")
   list(POP_FRONT lines header)
   string(REPLACE "," "\", \"" columns "${header}")
   list(JOIN lines ",\n    " values)
   string(MAKE_C_IDENTIFIER ${name} id)
   string(APPEND arrays "constexpr std::string_view columns_${id}[] = {\"${columns}\"};\nconstexpr double values_${id}[] = {\n    ${values}};\n")
-  string(APPEND list "    {\"${name}\", columns_${id}, values_${id}},\n")
+  string(APPEND list "    {\"${name}\", \"${what}\",\n     \"${source}\", columns_${id}, values_${id}},\n")
 endforeach()
 file(WRITE ${OUT}.new "// Made by color/data/tables.cmake from color/data/*.csv.
 #include \"color/tables.h\"

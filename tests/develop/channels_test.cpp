@@ -130,7 +130,7 @@ TEST(Spectra, BinsAreInWattsWhateverYEquals1Means) {
         record.lambda_nm = {500.5f, 509.5f, 700.5f};
         MemoryGathering gathering(job);
         gathering.add(Coverage({0, 1}), record);
-        const auto channels = Channels::spectral_bins(job, 47);
+        const auto channels = Channels::spectral_bins(job, {.count = 47});
         ASSERT_TRUE(channels);
         const Settings settings = settings_for(3, 2, "box");
         MemoryPicture picture(settings.crop, 47);
@@ -152,14 +152,14 @@ TEST(Spectra, BinsHoldTheMeanRadianceOfTheirWavelengths) {
     gathering.add(Coverage({0, 16384}), synthetic::make_records(job, {0, 16384}, scene));
     for (const int bins : {1, 5, 16}) {
         SCOPED_TRACE(bins);
-        const auto channels = Channels::spectral_bins(job, bins);
+        const auto channels = Channels::spectral_bins(job, {.count = bins});
         ASSERT_TRUE(channels);
         Settings settings = settings_for(3, 2);
         MemoryPicture picture(settings.crop, bins);
         Threads(2).run([&] { ASSERT_TRUE(develop(gathering, *channels, settings, picture)); });
         for (int bin = 0; bin < bins; ++bin) EXPECT_NEAR(picture.at(1, 1, bin), 1, 0.05) << bin;
     }
-    EXPECT_EQ(Channels::spectral_bins(synthetic::make_job(RecordKind::kXyz), 8).error().code, ErrorCode::kUsage);
+    EXPECT_EQ(Channels::spectral_bins(synthetic::make_job(RecordKind::kXyz), {.count = 8}).error().code, ErrorCode::kUsage);
 }
 
 TEST(Spectra, RecordsThatKeepOneWavelengthCountLikeTheirBatch) {

@@ -1,5 +1,6 @@
 // latent-develop as it is called: files in any order and grouping, misuse, damage, disks that fail.
 #include <ImathBox.h>
+#include <OpenEXR/ImfChromaticities.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfStandardAttributes.h>
@@ -147,6 +148,17 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
                                                                                      {"--filter", "quartic:-9"},
                                                                                      {"--observer", "cie1964"},
                                                                                      {"--observer", "foo"},
+                                                                                     {"--camera-output", "xyz"},
+                                                                                     {"--raw-balance", "none"},
+                                                                                     {"--lens-filter", "wratten-1000"},
+                                                                                     {"--lens-filter", "wratten-25"},
+                                                                                     {"--filter-factor", "2"},
+                                                                                     {"--filter-factor", "0"},
+                                                                                     {"--spectral-bins", "471"},
+                                                                                     {"--spectral-bins", "400:700:9"},
+                                                                                     {"--spectral-bins", "300:700:10"},
+                                                                                     {"--spectral-bins", "700:400:10"},
+                                                                                     {"--spectral-bins", "400:700:-10"},
                                                                                      {"--spectral-bins", "8"},
                                                                                      {"--simd", "abacus"},
                                                                                      {"--image", "half"},
@@ -166,6 +178,34 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
     EXPECT_EQ(develop({in, "-o", out("good.exr")}).status, 1);
     EXPECT_EQ(develop({in, "-o", out("good.exr"), "--force"}).status, 0);
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"good.exr", "in.latent"}));
+}
+
+TEST_F(Tool, ObserversAreListedWithTheirSources) {
+    const Outcome outcome = develop({"--list-observers"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* text : {"\n  canon_eos_5d ", "\n  kodak_trix_400 ", "\n  wratten-25 ", "source: Darrodi et al. 2015"})
+        EXPECT_NE(outcome.out.find(text), std::string::npos) << text;
+}
+
+// What a camera's picture is made of, and what turns it into XYZ.
+TEST_F(Tool, ARawPictureNamesTheMatrixOfItsCamera) {
+    job_ = synthetic::make_short_job(RecordKind::kSpectral);
+    const std::string in = file("in.latent", {0});
+    const Outcome outcome = develop({in, "-o", out("raw.exr"), "--size", "30", "--observer", "canon_eos_5d", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const Imf::TiledInputFile exr(out("raw.exr").c_str());
+    EXPECT_EQ(exr.header().typedAttribute<Imf::StringAttribute>("latentObserver").value(), "canon_eos_5d");
+    const Imath::M44f file_matrix = Imf::RGBtoXYZ(Imf::chromaticities(exr.header()), 1);  // rows are vectors
+    const auto matrix = nlohmann::json::parse(outcome.out)["camera_fit"]["xyz_from_rgb"];
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(file_matrix[j][i], matrix[i][j].get<float>(), 1e-5) << i << j;
+    }
+    EXPECT_NEAR(Imf::adoptedNeutral(exr.header()).x, 0.3127, 1e-4);
+    ASSERT_EQ(develop({in, "-o", out("counts.exr"), "--size", "30", "--observer", "canon_eos_5d", "--raw-balance", "none"}).status,
+              0);
+    const Imf::TiledInputFile counts(out("counts.exr").c_str());
+    EXPECT_FALSE(Imf::hasChromaticities(counts.header()));
+    EXPECT_FALSE(Imf::hasAdoptedNeutral(counts.header()));
 }
 
 TEST_F(Tool, ADamagedRunIsLeftOutAndReported) {

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
+#include "base/parse.h"
 #include "tools/develop/rows.h"
 
 namespace latent::develop {
@@ -154,7 +156,34 @@ Result<Channels> Channels::xyz(const sampledb::Job& job, const color::Observer* 
     return channels;
 }
 
-Result<Channels> Channels::spectral_bins(const sampledb::Job& job, int count) {
+Result<SpectralBins> parse_spectral_bins(std::string_view text) {
+    constexpr int kMost = 470;
+    SpectralBins bins;
+    const auto refuse = [&](std::string_view what) {
+        return Error{ErrorCode::kUsage, fmt::format("'{}': {} (try 94, or 400:700:10)", text, what)};
+    };
+    if (text.find(':') == std::string_view::npos) {
+        const Result<std::uint64_t> count = parse_count(text);
+        if (!count || *count < 1 || *count > kMost) return refuse(fmt::format("not a number of bins from 1 to {}", kMost));
+        bins.count = static_cast<int>(*count);
+        return bins;
+    }
+    std::string with_commas(text);
+    std::ranges::replace(with_commas, ':', ',');
+    const auto numbers = parse_numbers(with_commas);
+    if (!numbers || numbers->size() != 3) return refuse("not from:to:step in nm");
+    bins.from_nm = (*numbers)[0];
+    bins.to_nm = (*numbers)[1];
+    if (!(bins.from_nm >= color::kLambdaMin && bins.to_nm <= color::kLambdaMax && bins.from_nm < bins.to_nm))
+        return refuse(fmt::format("the range must lie within {} to {} nm", color::kLambdaMin, color::kLambdaMax));
+    const double count = (bins.to_nm - bins.from_nm) / (*numbers)[2];
+    if (!(count > 0.5 && count < kMost + 0.5)) return refuse(fmt::format("1 to {} bins are possible", kMost));
+    if (std::abs(count - std::round(count)) > 1e-6) return refuse("the range is not a whole number of steps");
+    bins.count = static_cast<int>(std::round(count));
+    return bins;
+}
+
+Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const SpectralBins& bins) {
     if (job.kind != sampledb::RecordKind::kSpectral) {
         return Error{ErrorCode::kUsage, "--spectral-bins: needs spectral records; these hold XYZ"};
     }
@@ -162,10 +191,12 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, int count) {
     channels.kind_ = job.kind;
     channels.batch_ = job.batch;
     channels.density_ = job.density;
-    channels.count_ = channels.bins_ = count;
+    channels.count_ = channels.bins_ = bins.count;
+    channels.bins_from_ = static_cast<float>(bins.from_nm);
+    channels.bins_to_ = static_cast<float>(bins.to_nm);
+    channels.bins_per_nm_ = static_cast<float>(bins.count) / (channels.bins_to_ - channels.bins_from_);
     // A luminance of Y light units is 683 times the integral of ybar times the radiance in watts.
-    channels.bin_scale_ =
-        static_cast<float>(count / (color::kLambdaMax - color::kLambdaMin) * (job.light_unit_cd_m2 / kLumensPerWatt));
+    channels.bin_scale_ = static_cast<float>(job.light_unit_cd_m2 / kLumensPerWatt / bins.width_nm());
     return channels;
 }
 
@@ -177,9 +208,8 @@ void Channels::add_pair(float lambda_nm, float power, float* out) const {
         return;
     }
     if (bins_ > 0) {
-        const float place = (lambda_nm - static_cast<float>(color::kLambdaMin)) *
-                            (static_cast<float>(bins_) / static_cast<float>(color::kLambdaMax - color::kLambdaMin));
-        if (place < 0 || lambda_nm > static_cast<float>(color::kLambdaMax)) return;
+        const float place = (lambda_nm - bins_from_) * bins_per_nm_;
+        if (place < 0 || lambda_nm > bins_to_) return;
         out[std::min(static_cast<int>(place), bins_ - 1)] += power * bin_scale_;
         return;
     }

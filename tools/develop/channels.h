@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -39,12 +40,21 @@ class BatchResponse {
     std::vector<float> table_;          // per row and four wavelengths: value at the begin and step of X, Y, Z, four each
 };
 
+// Bins of equal width, in nm.
+struct SpectralBins {
+    double from_nm = color::kLambdaMin, to_nm = color::kLambdaMax;
+    int count = 0;  // 0: no bins, but X, Y, Z
+    double width_nm() const { return (to_nm - from_nm) / count; }
+};
+// "94": bins over 360..830 nm; "400:700:10": bins 10 nm wide from 400 to 700 nm. Errors: kUsage.
+Result<SpectralBins> parse_spectral_bins(std::string_view text);
+
 class Channels {
  public:
     // X, Y, Z under `observer` (XYZ jobs: as stored, and `observer` must be null).
     static Result<Channels> xyz(const sampledb::Job& job, const color::Observer* observer);
-    // `count` bins of equal width over 360..830 nm: mean spectral radiance in W m^-2 sr^-1 nm^-1. Errors: kUsage for XYZ jobs.
-    static Result<Channels> spectral_bins(const sampledb::Job& job, int count);
+    // Mean spectral radiance of each bin in W m^-2 sr^-1 nm^-1. Errors: kUsage for XYZ jobs.
+    static Result<Channels> spectral_bins(const sampledb::Job& job, const SpectralBins& bins);
 
     int count() const { return count_; }
     int stride() const { return (count_ + 4) / 4 * 4; }  // channels and the share, a multiple of 4
@@ -60,6 +70,7 @@ class Channels {
 
     sampledb::RecordKind kind_ = sampledb::RecordKind::kXyz;
     int count_ = 3, bins_ = 0, batch_ = 0;
+    float bins_from_ = 0, bins_to_ = 0, bins_per_nm_ = 0;
     float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;
     const color::Observer* observer_ = nullptr;

@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "base/parse.h"
 #include "base/stopwatch.h"
-#include "color/observer.h"
 #include "color/rgb_space.h"
 #include "image/exr_tile_writer.h"
 #include "tools/develop/splat.h"
@@ -18,8 +17,6 @@
 namespace latent::develop {
 
 namespace {
-
-constexpr std::uint64_t kMaxObserverFile = 16 << 20;
 
 Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
 
@@ -30,29 +27,11 @@ Result<PixelRect> crop_of(const std::optional<PixelRect>& asked, const Size& siz
                              asked->y1, size.width, size.height));
 }
 
-Result<color::Observer> find_observer(const std::string& name) {
-    if (name.empty()) return color::Observer::cie1931();
-    Result<color::Observer> known = color::Observer::by_name(name);
-    std::error_code ignored;
-    if (known) return known;
-    if (!std::filesystem::exists(name, ignored)) return usage(known.error().message);
-    Result<File> file = File::open_read(name);
-    if (!file) return file.error();
-    const Result<std::uint64_t> size = file->size();
-    if (!size) return size.error();
-    if (*size > kMaxObserverFile) return Error{ErrorCode::kForeign, name + ": too large for a table of response curves"};
-    std::string text(*size, '\0');
-    if (Status s = file->read_exact(0, std::as_writable_bytes(std::span(text))); !s) return s.error();
-    Result<color::Observer> observer = color::Observer::from_csv(text, std::filesystem::path(name).filename().string());
-    if (!observer) return observer.error().at(name);
-    return observer;
-}
-
 // Channels of an EXR [Fichet21]: S0.<wavelength>nm, with a decimal comma.
-std::vector<std::string> spectral_channel_names(int bins) {
+std::vector<std::string> spectral_channel_names(const SpectralBins& bins) {
     std::vector<std::string> names;
-    for (int i = 0; i < bins; ++i) {
-        std::string nm = fmt::format("{:.3f}", color::kLambdaMin + (color::kLambdaMax - color::kLambdaMin) * (i + 0.5) / bins);
+    for (int i = 0; i < bins.count; ++i) {
+        std::string nm = fmt::format("{:.3f}", bins.from_nm + bins.width_nm() * (i + 0.5));
         std::ranges::replace(nm, '.', ',');
         names.push_back("S0." + nm + "nm");
     }
@@ -60,7 +39,7 @@ std::vector<std::string> spectral_channel_names(int bins) {
 }
 
 image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& report, const sampledb::Job& job,
-                            const color::Observer& observer) {
+                            const ChosenObserver& chosen) {
     image::ExrTileSpec spec;
     spec.display_width = static_cast<int>(report.width);
     spec.display_height = static_cast<int>(report.height);
@@ -69,18 +48,20 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.zip = options.zip;
     spec.mipmap = options.mipmap;
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
-    if (options.spectral_bins > 0) {
+    if (options.spectral_bins.count > 0) {
         spec.channels = spectral_channel_names(options.spectral_bins);
         spec.strings.push_back({"spectralLayoutVersion", "1.0"});
         spec.strings.push_back({"emissiveUnits", "W.m^-2.sr^-1.nm^-1"});
         return spec;
     }
     spec.channels = {"R", "G", "B"};
-    spec.chromaticities = color::chromaticities_of(color::kXyzPrimaries);
-    const color::Chromaticity neutral = color::d65_chromaticity(observer);
-    spec.adopted_neutral = {{static_cast<float>(neutral.x), static_cast<float>(neutral.y)}};
     spec.strings.push_back({"latentObserver", report.observer});
-    if (observer.is_cie1931()) {
+    if (chosen.primaries) {
+        spec.chromaticities = color::chromaticities_of(*chosen.primaries);
+        const color::Chromaticity neutral = chosen.observer.neutral();
+        spec.adopted_neutral = {{static_cast<float>(neutral.x), static_cast<float>(neutral.y)}};
+    }
+    if (chosen.observer.is_cie1931()) {
         spec.white_luminance = static_cast<float>(job.light_unit_cd_m2);
         spec.strings.push_back({"colorInteropID", "lin_ciexyzd65_scene"});
     }
@@ -167,15 +148,17 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     report.filter = filter->name();
     if (filter->warning()) report.warnings.push_back(*filter->warning());
 
-    const Result<color::Observer> observer = find_observer(options.observer);
-    if (!observer) return observer.error().at("--observer");
-    report.observer = observer->name();
+    const Result<ChosenObserver> chosen = choose_observer(options.observer);
+    if (!chosen) return chosen.error();
+    const color::Observer& observer = chosen->observer;
+    report.observer = observer.name();
+    report.camera_fit = chosen->fit;
+    report.filter_factor = chosen->filter_factor;
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
-    if (!spectral && !observer->is_cie1931()) {
-        return usage(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", options.observer));
-    }
-    const Result<Channels> channels = options.spectral_bins > 0 ? Channels::spectral_bins(job, options.spectral_bins)
-                                                                : Channels::xyz(job, spectral ? &*observer : nullptr);
+    if (!spectral && !observer.is_cie1931())
+        return usage(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", observer.name()));
+    const Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
+                                                                      : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();
 
     std::uint64_t index_bytes = 0, largest_index = 0;
@@ -201,7 +184,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
 
     Result<OutputFile> out = OutputFile::create(options.output, options.replace);
     if (!out) return out.error();
-    const auto writer = image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *observer), waiting_for_mipmap);
+    const auto writer = image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *chosen), waiting_for_mipmap);
     if (!writer) return writer.error();
     ExrSink sink(**writer);
     const Stopwatch stopwatch;

@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "sampledb/read/gathering.h"
 #include "tools/develop/develop.h"
+#include "tools/develop/observer_choice.h"
 
 namespace latent::develop {
 
@@ -20,9 +21,9 @@ struct PictureOptions {
     std::string size;  // "4096x2731", "4096" (height from the film), "" (default_size)
     std::optional<PixelRect> crop;
     std::string filter = Filter::standard().name();
-    std::string observer;        // a name, a CSV file, "" (cie1931)
+    ObserverOptions observer;
     std::string image = "both";  // or camera, light
-    int spectral_bins = 0;       // 0: XYZ
+    SpectralBins spectral_bins;  // none: XYZ
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     std::optional<sampledb::SampleRange> samples;
     std::optional<sampledb::JobId> job;
@@ -36,6 +37,8 @@ struct PictureReport {
     std::uint32_t width = 0, height = 0;
     PixelRect crop;
     std::string filter, observer;
+    std::optional<color::CameraFit> camera_fit;
+    double filter_factor = 1;  // of a filter in front of the lens
     sampledb::JobId job;
     sampledb::Coverage coverage, missing;  // samples in the picture; those that were asked for by number, but are in no file
     std::size_t files = 0, runs = 0;

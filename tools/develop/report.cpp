@@ -8,36 +8,48 @@
 
 namespace latent::develop {
 
+namespace {
+
+nlohmann::json json_of(const color::CameraFit& fit) {
+    return {{"xyz_from_rgb", fit.xyz_from_rgb.m},
+            {"mean_ciede2000", fit.mean_difference},
+            {"largest_ciede2000", fit.largest_difference}};
+}
+
+}  // namespace
+
 std::string to_json(const PictureReport& r) {
     const DevelopCounts& c = r.counts;
-    const nlohmann::json report = {{"output", r.output},
-                                   {"width", r.width},
-                                   {"height", r.height},
-                                   {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
-                                   {"filter", r.filter},
-                                   {"observer", r.observer},
-                                   {"job", to_hex(r.job)},
-                                   {"files", r.files},
-                                   {"runs", r.runs},
-                                   {"light_paths", c.light_paths},
-                                   {"camera_records", c.camera_records},
-                                   {"light_records", c.light_records},
-                                   {"bytes_stored", r.bytes_stored},
-                                   {"bytes_read", r.bytes_read},
-                                   {"pages", c.pages},
-                                   {"decode_factor", c.decode_factor()},
-                                   {"regions", c.regions},
-                                   {"temporary_bytes", c.temporary_bytes},
-                                   {"fallback_pixels", c.fallback_pixels},
-                                   {"empty_pixels", c.empty_pixels},
-                                   {"camera_not_finite", c.camera_not_finite},
-                                   {"light_not_finite", c.light_not_finite},
-                                   {"superseded_runs", r.gathering.superseded_runs},
-                                   {"repeated_runs", r.gathering.repeated_runs},
-                                   {"seconds", r.seconds},
-                                   {"left_out", r.gathering.left_out},
-                                   {"notes", r.gathering.notes},
-                                   {"warnings", r.warnings}};
+    nlohmann::json report = {{"output", r.output},
+                             {"width", r.width},
+                             {"height", r.height},
+                             {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
+                             {"filter", r.filter},
+                             {"observer", r.observer},
+                             {"filter_factor", r.filter_factor},
+                             {"job", to_hex(r.job)},
+                             {"files", r.files},
+                             {"runs", r.runs},
+                             {"light_paths", c.light_paths},
+                             {"camera_records", c.camera_records},
+                             {"light_records", c.light_records},
+                             {"bytes_stored", r.bytes_stored},
+                             {"bytes_read", r.bytes_read},
+                             {"pages", c.pages},
+                             {"decode_factor", c.decode_factor()},
+                             {"regions", c.regions},
+                             {"temporary_bytes", c.temporary_bytes},
+                             {"fallback_pixels", c.fallback_pixels},
+                             {"empty_pixels", c.empty_pixels},
+                             {"camera_not_finite", c.camera_not_finite},
+                             {"light_not_finite", c.light_not_finite},
+                             {"superseded_runs", r.gathering.superseded_runs},
+                             {"repeated_runs", r.gathering.repeated_runs},
+                             {"seconds", r.seconds},
+                             {"left_out", r.gathering.left_out},
+                             {"notes", r.gathering.notes},
+                             {"warnings", r.warnings}};
+    if (r.camera_fit) report["camera_fit"] = json_of(*r.camera_fit);
     return with_member(with_member(json_text(report), "samples", r.coverage), "missing_samples", r.missing) + "\n";
 }
 
@@ -49,6 +61,10 @@ std::string to_text(const PictureReport& r) {
     text += fmt::format("read {} of {} in {}, {} region{}, decode factor {:.2f}\n", format_size(r.bytes_read),
                         format_size(r.bytes_stored), format_duration(r.seconds), c.regions, c.regions == 1 ? "" : "s",
                         c.decode_factor());
+    if (r.filter_factor != 1) text += fmt::format("filter factor {:.4g}\n", r.filter_factor);
+    if (const auto& fit = r.camera_fit)
+        text += fmt::format("camera: CIEDE2000 {:.2f} on average, {:.2f} at most, of the 24 ColorChecker patches under D65\n",
+                            fit->mean_difference, fit->largest_difference);
     if (c.fallback_pixels > 0)
         text += fmt::format("{} pixels have few samples; filtered without negative weights\n", c.fallback_pixels);
     if (c.empty_pixels > 0) text += fmt::format("{} pixels have no camera record; they are black\n", c.empty_pixels);

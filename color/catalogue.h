@@ -1,0 +1,27 @@
+// color/catalogue.h: observers and lens filters that have a name. Numbers: color/data/README.md.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "color/spectrum.h"
+
+namespace latent::color {
+
+struct CatalogueEntry {
+    std::string name;         // "canon_eos_5d"; case, '-' and '_' make no difference to those who look it up
+    std::string_view what;    // it is
+    std::string_view source;  // of its numbers
+    std::string_view table;   // of color/tables.h
+    std::string_view column;  // of a filter's table
+};
+
+const std::vector<CatalogueEntry>& observer_catalogue();     // the CIE's, cameras, films
+const std::vector<CatalogueEntry>& lens_filter_catalogue();  // wratten-3 .. wratten-99
+
+// Transmittance, 0..1; its end values go on beyond its table. Errors: kNotFound, naming filters that are near.
+Result<Spectrum> lens_filter(std::string_view name);
+
+}  // namespace latent::color

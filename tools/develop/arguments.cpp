@@ -1,0 +1,119 @@
+#include "tools/develop/arguments.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/parse.h"
+#include "sampledb/data/parse.h"
+#include "tools/develop/splat.h"
+
+namespace latent::develop {
+
+namespace {
+
+constexpr const char* kHelp = R"(
+Size, filter and observer are chosen here, not when rendering: develop again for
+another choice. Pixels are linear XYZ; print them with latent-convert. They are
+bit-identical for any --threads, --memory, --crop, --simd and order of files.
+
+Filters (default quartic:-3,1.5; parameters may be left out):
+  quartic:s,R              no negative weights for s >= -3; lower s is sharper,
+                           but rings; R is the radius in pixels
+  gaussian:sigma,R         no negative weights; sigma and R in pixels
+  mitchell:B,C             sharp; rings
+  mitchell-separable:B,C   the same in x times y, so not isotropic
+  lanczos                  sharp; rings most
+  box                      the pixel's own square
+
+Observers (default cie1931; --list-observers shows all):
+  cie1931, cie1964, cie2015-2, cie2015-10
+  canon_eos_5d ...         cameras: R, G, B of the sensor; D65 is (1, 1, 1)
+  kodak_trix_400 ...       black-and-white films
+  FILE.csv                 wavelength in nm, then three responses or one
+
+Examples:
+  latent-develop night.latent --size 2048 -o night.exr
+      a picture 2048 pixels wide
+  latent-develop night.latent --size 32768 --memory 512M --mipmap -o wall.exr
+      a very large picture, with smaller levels
+  latent-develop night.latent --size 32768 --crop 0,0,512,512 -o corner.exr
+      a corner of it, with the same pixels
+  latent-develop night.latent --size 2048 --observer kodak_trix_400
+      --lens-filter wratten-25 --filter-factor auto -o film.exr
+      on film behind a red filter, for spectral records
+  latent-develop parts/ --size 1024 --samples 0:1048576 -o preview.exr
+      a preview from some of the samples, before the parts are merged
+
+Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged,
+foreign, missing or non-finite input was left out, or the report could not be
+written.)";
+
+void add_observer(CLI::App& app, ObserverOptions& options) {
+    app.add_option("--observer", options.name, "observer, camera or film whose response curves are applied; see below")
+        ->type_name("NAME|FILE.csv");
+    cli::add_choice<bool>(app, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
+                          "R, G, B of a camera's sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
+    cli::add_choice<bool>(app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
+                          "scale each channel of a camera so that D65 is (1, 1, 1), or all like green");
+    app.add_option("--lens-filter", options.lens_filter, "colour filter in front of the lens, such as wratten-25")
+        ->type_name("NAME");
+    cli::add_parsed(app, "--filter-factor", options.filter_factor, parse_filter_factor,
+                    "multiply the exposure by X, or by what the filter takes of D65, to make up for it")
+        ->type_name("none|auto|X")
+        ->default_str("none");
+    app.add_flag_callback(
+        "--list-observers",
+        [] {
+            cli::print(list_observers());
+            throw CLI::Success();
+        },
+        "list all observers, cameras, films and filters, with the sources of their numbers");
+}
+
+}  // namespace
+
+Result<double> parse_filter_factor(std::string_view text) {
+    if (text == "none") return 1.0;
+    if (text == "auto") return 0.0;
+    const Result<double> factor = parse_number(text);
+    if (factor && *factor > 0) return factor;
+    return Error{ErrorCode::kUsage, fmt::format("'{}' is not a filter factor (try none, auto or 8)", text)};
+}
+
+void add_arguments(CLI::App& app, PictureOptions& options) {
+    app.footer(kHelp);
+    app.add_option("FILE", options.inputs, "files of one job, or folders of files")->required();
+    app.add_option("-o,--output", options.output, "picture to write")->required()->check(cli::ends_in(".exr"));
+    app.add_option(
+           "--size", options.size,
+           "size of the whole picture in pixels; W alone keeps the film's aspect (default: the largest with 16 samples per pixel)")
+        ->type_name("W|WxH");
+    const auto crop = [](const std::string& text) {
+        return parse_crop(text).map([](const auto& c) { return PixelRect{c[0], c[1], c[2], c[3]}; });
+    };
+    cli::add_parsed(app, "--crop", options.crop, crop, "pixels to develop, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
+    app.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
+    add_observer(app, options.observer);
+    cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
+        ->type_name("A:B");
+    app.add_option("--image", options.image, "camera image, light image, or both (the picture is their sum)")
+        ->check(CLI::IsMember({"both", "camera", "light"}))
+        ->capture_default_str();
+    app.add_flag("--mipmap", options.mipmap, "also store smaller levels, whose pixels are means of those they cover");
+    auto* bins = cli::add_parsed(app, "--spectral-bins", options.spectral_bins, parse_spectral_bins,
+                                 "spectral bins to store instead of XYZ, as radiance per nm: their number from 360 to 830 nm, or "
+                                 "their range and width in nm")
+                     ->type_name("N|FROM:TO:STEP");
+    for (const char* observer : {"--observer", "--camera-output", "--raw-balance", "--lens-filter"})
+        bins->excludes(app.get_option(observer));
+    cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
+    app.add_option("--simd", options.simd, "instruction set; makes no difference to pixels")
+        ->capture_default_str()
+        ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
+    app.add_flag("--skip-duplicates", options.skip_duplicates, "accept files that hold the same samples; each sample is used once");
+    cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
+                    "job to develop, if folders hold several (32 hexadecimal digits)")
+        ->type_name("ID");
+}
+
+}  // namespace latent::develop

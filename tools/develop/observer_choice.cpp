@@ -1,0 +1,110 @@
+#include "tools/develop/observer_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+
+#include "base/file.h"
+#include "color/catalogue.h"
+#include "color/named_spectra.h"
+
+namespace latent::develop {
+
+namespace {
+
+constexpr std::uint64_t kMaxObserverFile = 16 << 20;
+constexpr double kLargestFactor = 1e6;
+
+Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
+
+Result<color::Observer> observer_of(const std::string& name) {
+    if (name.empty()) return color::Observer::cie1931();
+    Result<color::Observer> known = color::Observer::by_name(name);
+    if (known) return known;
+    std::error_code ignored;
+    const bool is_file = std::filesystem::exists(name, ignored);
+    if (!is_file && name.ends_with(".csv")) return Error{ErrorCode::kNotFound, name + ": no such file"};
+    if (!is_file) return usage(known.error().message);
+    Result<File> file = File::open_read(name);
+    if (!file) return file.error();
+    const Result<std::uint64_t> size = file->size();
+    if (!size) return size.error();
+    if (*size > kMaxObserverFile) return Error{ErrorCode::kForeign, name + ": too large for a table of response curves"};
+    std::string text(*size, '\0');
+    if (Status s = file->read_exact(0, std::as_writable_bytes(std::span(text))); !s) return s.error();
+    Result<color::Observer> observer = color::Observer::from_csv(text, std::filesystem::path(name).filename().string());
+    if (!observer) return observer.error().at(name);
+    return observer;
+}
+
+double daylight_exposure(const color::Observer& observer) { return color::xyz_from_spectrum(color::illuminant_d65(), observer).y; }
+
+// Chromaticities of a camera's channels: with them, a reader's XYZ is that of the matrix.
+color::Primaries primaries_of(const color::Matrix3& m, color::Chromaticity white) {
+    const auto column = [&](int c) { return color::chromaticity({m.m[0][c], m.m[1][c], m.m[2][c]}); };
+    return {column(0), column(1), column(2), white};
+}
+
+Status put_filter(const ObserverOptions& options, ChosenObserver& chosen) {
+    const Result<color::Spectrum> filter = color::lens_filter(options.lens_filter);
+    if (!filter) return usage("--lens-filter: " + filter.error().message);
+    const double without = daylight_exposure(chosen.observer);
+    chosen.filter_factor = options.filter_factor;
+    if (options.filter_factor == 0) {
+        chosen.filter_factor = without / daylight_exposure(chosen.observer.behind(*filter, options.lens_filter, 1));
+        if (!(chosen.filter_factor <= kLargestFactor))
+            return usage(
+                fmt::format("--filter-factor auto: {} sees no daylight behind {}", chosen.observer.name(), options.lens_filter));
+    }
+    chosen.observer = chosen.observer.behind(*filter, options.lens_filter, chosen.filter_factor);
+    return {};
+}
+
+void append(const char* title, const std::vector<color::CatalogueEntry>& entries, std::string& text) {
+    std::size_t width = 0;
+    for (const color::CatalogueEntry& e : entries) width = std::max(width, e.name.size());
+    text += fmt::format("{}:\n", title);
+    for (const color::CatalogueEntry& e : entries)
+        text += fmt::format("  {:{}}  {}\n  {:{}}  source: {}\n", e.name, width, e.what, "", width, e.source);
+}
+
+}  // namespace
+
+Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
+    Result<color::Observer> found = observer_of(options.name);
+    if (!found) return found.error().at("--observer");
+    ChosenObserver chosen{.observer = *std::move(found)};
+    const bool camera = chosen.observer.kind() == color::ObserverKind::kCamera;
+    if (options.camera_xyz && !camera) return usage(fmt::format("--camera-output xyz: {} is not a camera", chosen.observer.name()));
+    if (!options.balanced && (!camera || options.camera_xyz))
+        return usage(fmt::format("--raw-balance none: {}",
+                                 camera ? "goes with --camera-output raw" : chosen.observer.name() + " is not a camera"));
+    if (options.lens_filter.empty() && options.filter_factor != 1) return usage("--filter-factor: needs --lens-filter");
+    if (camera) {
+        const Result<color::CameraFit> fit = color::fit_camera(chosen.observer);
+        if (!fit) return fit.error().at(options.name).at("--observer");
+        chosen.fit = *fit;
+        if (options.camera_xyz) {
+            chosen.observer = chosen.observer.as_eye(fit->xyz_from_rgb);
+        } else {
+            chosen.primaries.reset();
+            if (options.balanced) chosen.primaries = primaries_of(fit->xyz_from_rgb, chosen.observer.neutral());
+            if (!options.balanced) chosen.observer = chosen.observer.unbalanced();
+        }
+    }
+    if (!options.lens_filter.empty()) {
+        if (Status s = put_filter(options, chosen); !s) return s.error();
+    }
+    return chosen;
+}
+
+std::string list_observers() {
+    std::string text;
+    append("observers (--observer)", color::observer_catalogue(), text);
+    append("filters in front of the lens (--lens-filter)", color::lens_filter_catalogue(), text);
+    return text;
+}
+
+}  // namespace latent::develop

@@ -1,0 +1,35 @@
+// tools/develop/observer_choice.h: who looks: an observer, camera or film, and a filter in front of the lens. docs/color.md.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "color/camera.h"
+#include "color/observer.h"
+#include "color/rgb_space.h"
+
+namespace latent::develop {
+
+struct ObserverOptions {
+    std::string name;          // of the catalogue, or a CSV file; "": cie1931
+    bool camera_xyz = false;   // a camera's r, g, b taken to X, Y, Z; else as they are
+    bool balanced = true;      // a camera's r, g, b with D65 as (1, 1, 1); else all with the scale of green
+    std::string lens_filter;   // "": none
+    double filter_factor = 1;  // exposure is multiplied by it; 0: by what the filter takes of D65
+};
+
+struct ChosenObserver {
+    color::Observer observer;
+    std::optional<color::Primaries> primaries = color::kXyzPrimaries;  // of the pictures' R, G, B; none if they are unbalanced
+    std::optional<color::CameraFit> fit{};                             // of a camera
+    double filter_factor = 1;                                          // that was used
+};
+
+// Errors: kUsage, if options do not go together; of color/catalogue.h and of the file.
+Result<ChosenObserver> choose_observer(const ObserverOptions& options);
+
+// Every observer and filter that has a name: what it is, and the source of its numbers.
+std::string list_observers();
+
+}  // namespace latent::develop
