@@ -48,19 +48,24 @@ Result<Coverage> coverage_of(const ByteSource& source, const FileContents& conte
     return Coverage::of(std::move(covered));
 }
 
-Result<bool> is_published(const fs::path& name, const Job& job, SampleRange range) {
+Result<Published> look_at_published(const fs::path& name, const Job& job, SampleRange range) {
     const Result<FoundFile> file = open_file(name);
-    if (!file && file.error().code == ErrorCode::kNotFound) return false;
+    if (!file && file.error().code == ErrorCode::kNotFound) return Published::kNot;
     if (!file) return file.error();
     if (Status s = check_same_job(*file, job); !s) return s.error();
     const Result<Coverage> covered = coverage_of(*file->source, file->contents);
     if (!covered) return covered.error().at(name.string());
-    if (range.empty() || covered->contains(range)) return true;
-    return Error{
-        ErrorCode::kMismatch,
-        fmt::format("{}: finished, with {}, not all of {}; write the other samples to another file and merge, "
-                    "or start over with --force",
-                    name.string(), covered->empty() ? "no samples" : "samples " + to_string(*covered), to_string(Coverage(range)))};
+    if (range.empty() || covered->contains(range)) return Published::kWhole;
+    if (Coverage(range).contains(*covered)) return Published::kInPart;
+    return Error{ErrorCode::kMismatch,
+                 fmt::format("{}: finished, with samples {}, neither all of {} nor only those; write the other samples to another "
+                             "file and merge, or start over with --force",
+                             name.string(), to_string(*covered), to_string(Coverage(range)))};
+}
+
+Status make_attempt_of(const fs::path& name) {
+    if (::rename(name.c_str(), new_attempt(name).c_str()) == 0 || errno == ENOENT) return {};
+    return error_from_errno(errno, name.string(), "cannot rename");
 }
 
 void remove_superfluous_attempts(const fs::path& name, const Job& job, const Coverage& covered) {

@@ -27,9 +27,15 @@ Status check_same_job(const FoundFile& file, const Job& job);
 // All sample numbers that a file's runs hold.
 Result<Coverage> coverage_of(const ByteSource& source, const FileContents& contents);
 
-// Whether NAME.latent is there and holds `range`: false if there is none. Errors: kMismatch (another job, or not all of the range),
-// and those of reading it.
-Result<bool> is_published(const std::filesystem::path& name, const Job& job, SampleRange range);
+// What NAME.latent holds of a range: there is no such file; samples of the range alone, but not all; all of it, and maybe others.
+enum class Published { kNot, kInPart, kWhole };
+
+// Errors: kMismatch (another job; not all of the range, but samples beyond it), and those of reading the file.
+Result<Published> look_at_published(const std::filesystem::path& name, const Job& job, SampleRange range);
+
+// Whatever NAME.latent is by now, it becomes an attempt: another file can take its name, and nothing is lost. No error if it is
+// gone.
+Status make_attempt_of(const std::filesystem::path& name);
 
 // Removes the attempts of this job whose runs NAME.latent, which holds `covered`, has made superfluous.
 void remove_superfluous_attempts(const std::filesystem::path& name, const Job& job, const Coverage& covered);

@@ -28,6 +28,13 @@ bool is_small(const RunHeader& run, const Job& job) {
     return run.size() <= most && run.decoded_size <= most && run.page_count * sizeof(PageInfo) <= most;
 }
 
+// The name of an attempt comes before that which it may have got beside: it stays.
+std::vector<std::filesystem::path> files_under(const std::filesystem::path& name) {
+    std::vector<std::filesystem::path> files = attempts_of(name);
+    files.push_back(name);
+    return files;
+}
+
 Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {
     const Result<FileSource> source = FileSource::open(stored.file);
     if (!source) return source.error();
@@ -40,11 +47,22 @@ Result<DecodedRun> read_run(const StoredRun& stored, const Job& job) {
 
 }  // namespace
 
+std::optional<StoredRun> find_again(const std::filesystem::path& name, const StoredRun& run) {
+    for (const std::filesystem::path& path : files_under(name)) {
+        const Result<FoundFile> file = open_file(path);
+        if (!file) continue;
+        const std::vector<RunInfo>& runs = file->contents.runs;
+        const auto same = std::ranges::find(runs, run.run.header, &RunInfo::header);
+        if (same != runs.end()) return StoredRun{path, *same};
+    }
+    return std::nullopt;
+}
+
 Result<EarlierAttempts> EarlierAttempts::find(const std::filesystem::path& name, const Job& job, SampleRange range) {
     EarlierAttempts earlier;
     earlier.job_ = job;
     earlier.range_ = range;
-    for (const std::filesystem::path& path : attempts_of(name)) {
+    for (const std::filesystem::path& path : files_under(name)) {
         const Result<FoundFile> file = open_file(path);
         if (!file) continue;
         if (Status s = check_same_job(*file, job); !s) return s.error();
@@ -58,7 +76,9 @@ Result<EarlierAttempts> EarlierAttempts::find(const std::filesystem::path& name,
 void EarlierAttempts::add(const StoredRun& stored) {
     const SampleRange samples = stored.samples();
     if (!lies_in_one_interval(samples, job_.run_samples) || samples.end <= range_.first || samples.first >= range_.end) return;
-    const bool whole = samples.end % job_.run_samples == 0 && samples.end <= range_.end && stored.run.header.interval_count == 1;
+    const bool begins_a_grain = samples.first % kGrainSamples == 0 || samples.first == range_.first;
+    const bool whole =
+        begins_a_grain && samples.end % job_.run_samples == 0 && samples.end <= range_.end && stored.run.header.interval_count == 1;
     StoredRun& known =
         whole ? canonical_.try_emplace(samples.first, stored).first->second : others_.try_emplace(samples, stored).first->second;
     if (stored.run.header.content_hash < known.run.header.content_hash) known = stored;

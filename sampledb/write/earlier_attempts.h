@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "base/result.h"
@@ -19,15 +20,18 @@ struct StoredRun {
     SampleRange samples() const { return run.header.samples; }
 };
 
+// The same run in another file under `name`, for when its own is gone.
+std::optional<StoredRun> find_again(const std::filesystem::path& name, const StoredRun& run);
+
 // Canonical runs that end at a multiple of S stand as they are. The others (checkpoints, closing runs, runs cut at R) give their
 // grains back, so that runs end where they would have ended without any interruption.
 class EarlierAttempts {
  public:
     EarlierAttempts() = default;
 
-    // Looks at every attempt under `name`. What cannot be read is passed over: it is rendered again. Canonical runs are believed if
-    // every stored byte is sound; the others are decoded, unless they are larger than any of the job should be. Errors: kMismatch
-    // if an attempt is of another job.
+    // Looks at every attempt under `name`, and at `name` itself. What cannot be read is passed over: it is rendered again.
+    // Canonical runs are believed if every stored byte is sound; the others are decoded, unless they are larger than any of the job
+    // should be. Errors: kMismatch if an attempt is of another job.
     static Result<EarlierAttempts> find(const std::filesystem::path& name, const Job& job, SampleRange range);
 
     // The samples that need not be rendered: whole grains.

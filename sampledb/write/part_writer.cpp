@@ -31,12 +31,6 @@ PartWriter::~PartWriter() = default;
 
 Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options, const Job& job) {
     if (Status s = job.validate(); !s) return s.error();
-    const std::uint64_t below = options.range.first - options.range.first % job.run_samples;
-    if (!options.range.empty() && below != options.range.first) {
-        return Error{ErrorCode::kUsage,
-                     fmt::format("samples {}:{}: a part must begin at a multiple of the run length {}; the nearest are {} and {}",
-                                 options.range.first, options.range.end, job.run_samples, below, below + job.run_samples)};
-    }
     if (options.range.size() > kMaxRunsPerFile * job.run_samples) {
         return Error{ErrorCode::kUsage,
                      fmt::format("samples {}:{}: more than {} runs of {} samples, the maximum of a part; write several parts",
@@ -45,12 +39,15 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
     if (options.force) {
         if (Status s = remove_everything(options.path); !s) return s.error();
     }
-    const Result<bool> published = is_published(options.path, job, options.range);
+    const Result<Published> published = look_at_published(options.path, job, options.range);
     if (!published) return published.error();
-    if (*published) {
+    if (*published == Published::kWhole) {
         auto parts = std::make_unique<Parts>(options, job, Coverage{});
         parts->window.close();
         return std::unique_ptr<PartWriter>(new PartWriter(std::move(parts)));
+    }
+    if (*published == Published::kInPart) {  // it gets a second name that stays when another file takes the first
+        if (Status s = name_without_replacing(options.path, new_attempt(options.path)); !s) return s.error();
     }
     Result<EarlierAttempts> earlier = EarlierAttempts::find(options.path, job, options.range);
     if (!earlier) return earlier.error();
@@ -67,9 +64,9 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
 Result<Coverage> PartWriter::find_missing(const PartOptions& options, const Job& job) {
     Coverage missing(options.range);
     if (options.force) return missing;
-    const Result<bool> published = is_published(options.path, job, options.range);
+    const Result<Published> published = look_at_published(options.path, job, options.range);
     if (!published) return published.error();
-    if (*published) return Coverage{};
+    if (*published == Published::kWhole) return Coverage{};
     const Result<EarlierAttempts> earlier = EarlierAttempts::find(options.path, job, options.range);
     if (!earlier) return earlier.error();
     missing.remove(earlier->committed());

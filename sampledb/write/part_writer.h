@@ -16,8 +16,8 @@
 namespace latent::sampledb {
 
 struct PartOptions {
-    std::filesystem::path path;      // NAME.latent; the attempt is NAME.latent.part.<nonce>
-    SampleRange range;               // first is a multiple of run_samples
+    std::filesystem::path path;  // NAME.latent; the attempt is NAME.latent.part.<nonce>
+    SampleRange range;
     double checkpoint_seconds = 60;  // that much rendering, and the grains in work, is the most that a kill may cost
     std::string provenance_json;     // host, date, version, scene: kept in this file's header only
     bool force = false;              // start over, whatever is there under this name
@@ -27,9 +27,9 @@ struct PartOptions {
 // its own; a Publisher writes these to a file and gives it its name.
 class PartWriter {
  public:
-    // Looks at what is there under the name, opens a new attempt if anything is missing.
-    // Errors: kMismatch (NAME.latent is of another job, or covers another range), kUsage (range.first; the message names the
-    // nearest valid ones), kIo, kNoSpace.
+    // Looks at what is there under the name, opens a new attempt if anything is missing. A finished NAME.latent that holds a part
+    // of the range, and nothing else, is extended: it stays until the longer one takes its name. Errors: kMismatch (NAME.latent is
+    // of another job, or covers another range), kUsage (too many runs), kIo, kNoSpace.
     static Result<std::unique_ptr<PartWriter>> open(const PartOptions& options, const Job& job);
     // What `open` would find missing. Only looks. Errors: kMismatch, kIo.
     static Result<Coverage> find_missing(const PartOptions& options, const Job& job);

@@ -39,7 +39,11 @@ Status Publisher::publish() {
 // What was copied is read again: file systems have been seen to copy zeros.
 Status Publisher::copy_adopted() {
     for (const StoredRun& run : adopted_) {
-        if (Status s = attempt_->append(run); !s) return s;
+        Status copied = attempt_->append(run);
+        if (!copied && copied.error().code == ErrorCode::kNotFound) {  // others may have made its file superfluous
+            if (const std::optional<StoredRun> again = find_again(name_, run)) copied = attempt_->append(*again);
+        }
+        if (!copied) return copied;
     }
     if (adopted_.empty()) return {};
     const FileView written(attempt_->file(), attempt_->path().string(), attempt_->size());
@@ -53,19 +57,24 @@ Status Publisher::give_name() {
     for (;;) {
         const Status named = attempt_->publish();
         if (named) return {};
-        const Result<bool> published = is_published(name_, job_, range_);
+        const Result<Published> published = look_at_published(name_, job_, range_);
         if (!published) return published.error();  // the name went to another job or range
-        if (*published) return {};
-        if (!attempt_->vanished()) return named;
-        if (Status s = attempt_->restore(); !s) return s;
+        if (*published == Published::kWhole) return {};
+        if (attempt_->vanished()) {
+            if (Status s = attempt_->restore(); !s) return s;
+        } else if (*published == Published::kInPart) {
+            if (Status s = make_attempt_of(name_); !s) return s;
+        } else {
+            return named;
+        }
     }
 }
 
 void Publisher::remove_superfluous() const { remove_superfluous_attempts(name_, job_, Coverage(range_)); }
 
 bool Publisher::published_elsewhere() const {
-    const Result<bool> published = is_published(name_, job_, range_);
-    return published && *published;
+    const Result<Published> published = look_at_published(name_, job_, range_);
+    return published && *published == Published::kWhole;
 }
 
 }  // namespace latent::sampledb

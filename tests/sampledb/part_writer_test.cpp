@@ -291,7 +291,7 @@ TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
     EXPECT_EQ(latent::testing::read_text(name_), before);
 }
 
-TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForced) {
+TEST_F(PartWriterTest, AnotherJobOrRangeUnderTheNameIsRefusedUnlessForced) {
     const Job job = make_short_job(), other = make_short_job(RecordKind::kXyz, 2);
     auto writer = open(job, {0, 4096});
     submit_all(*writer, job);
@@ -304,10 +304,10 @@ TEST_F(PartWriterTest, AnotherJobOrAShorterRangeUnderTheNameIsRefusedUnlessForce
     EXPECT_NE(foreign.message.find("night.latent"), std::string::npos) << foreign.message;
     EXPECT_NE(foreign.message.find(to_hex(other.id)), std::string::npos) << foreign.message;
     EXPECT_NE(foreign.message.find("--force"), std::string::npos) << foreign.message;
-    const Error longer = refusal(job, {0, 8192});
-    EXPECT_EQ(longer.code, ErrorCode::kMismatch);
-    EXPECT_NE(longer.message.find("0:4096"), std::string::npos) << longer.message;
-    EXPECT_NE(longer.message.find("0:8192"), std::string::npos) << longer.message;
+    const Error beyond = refusal(job, {2048, 8192});
+    EXPECT_EQ(beyond.code, ErrorCode::kMismatch);
+    EXPECT_NE(beyond.message.find("0:4096"), std::string::npos) << beyond.message;
+    EXPECT_NE(beyond.message.find("2048:8192"), std::string::npos) << beyond.message;
 
     writer = open(other, {0, 8192}, 1000, true);
     submit_all(*writer, other);
@@ -326,6 +326,48 @@ TEST_F(PartWriterTest, AnUnfinishedShorterRangeIsContinued) {
     submit_all(*writer, job);
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 9000}));
+}
+
+TEST_F(PartWriterTest, AFinishedPartIsExtendedAndKeepsItsNameUntilTheLongerOneIsThere) {
+    const Job job = make_short_job();
+    for (const SampleRange before : {SampleRange{0, 5500}, SampleRange{0, 8192}, SampleRange{8192, 9000}, SampleRange{0, 0}}) {
+        SCOPED_TRACE(to_string(Coverage(before)));
+        auto writer = open(job, before, 1000, true);
+        submit_all(*writer, job);
+        ASSERT_TRUE(writer->finish());
+        const std::string finished = latent::testing::read_text(name_);
+
+        writer = open(job, {0, 13000});
+        const Coverage missing = writer->missing();
+        EXPECT_LE(missing.size(), 13000 - before.size() + kGrainSamples);  // the last grain of the range may have been cut
+        submit_all(*writer, job);
+        while (writer->counts().samples_committed < 13000) std::this_thread::yield();
+        EXPECT_EQ(latent::testing::read_text(name_), finished);
+        writer.reset();  // as if it was killed
+        EXPECT_EQ(latent::testing::read_text(name_), finished);
+
+        writer = open(job, {0, 13000});
+        EXPECT_TRUE(writer->missing().empty());
+        ASSERT_TRUE(writer->finish());
+        EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 13000}));
+        EXPECT_TRUE(attempts_of(name_).empty());
+        EXPECT_TRUE(open(job, before)->missing().empty());
+    }
+}
+
+TEST_F(PartWriterTest, TwoWritersExtendAPartEachAsFarAsItIsToGo) {
+    const Job job = make_short_job();
+    auto first = open(job, {0, 4096});
+    submit_all(*first, job);
+    ASSERT_TRUE(first->finish());
+    auto shorter = open(job, {0, 8192}), longer = open(job, {0, 12288});
+    submit_all(*longer, job);
+    submit_all(*shorter, job);
+    ASSERT_TRUE(shorter->finish());
+    EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 8192}));
+    ASSERT_TRUE(longer->finish());
+    EXPECT_EQ(runs_of(name_), undisturbed(job, {0, 12288}));
+    EXPECT_TRUE(attempts_of(name_).empty());
 }
 
 TEST_F(PartWriterTest, PublishingLeavesAttemptsAlongThatHoldMore) {
@@ -402,12 +444,24 @@ TEST_F(PartWriterTest, AnEmptyShardIsAValidPart) {
     }
 }
 
-TEST_F(PartWriterTest, ARangeThatBeginsInsideARunIsRefusedNamingTheNearest) {
-    const Error error = refusal(make_short_job(), {5000, 9000});
-    EXPECT_EQ(error.code, ErrorCode::kUsage);
-    EXPECT_NE(error.message.find("4096"), std::string::npos) << error.message;
-    EXPECT_NE(error.message.find("8192"), std::string::npos) << error.message;
-    EXPECT_TRUE(folder_.names().empty());
+TEST_F(PartWriterTest, ARangeMayBeginInsideARunAndItsFirstRunEndsAtTheNextBoundary) {
+    const Job job = make_short_job();
+    auto writer = open(job, {5000, 13000});
+    EXPECT_EQ(writer->missing(), Coverage(SampleRange{5000, 13000}));
+    submit_all(*writer, job);
+    while (writer->counts().samples_committed < 13000 - 5000) std::this_thread::yield();
+    writer.reset();  // before it is finished
+    writer = open(job, {5000, 13000});
+    EXPECT_TRUE(writer->missing().empty());
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(runs_of(name_), undisturbed(job, {5000, 13000}));
+    GatherOptions options;
+    options.inputs = {name_};
+    const auto gathering = Gathering::open(options);
+    ASSERT_TRUE(gathering);
+    ASSERT_EQ((*gathering)->runs().size(), 3u);
+    EXPECT_EQ((*gathering)->runs()[0].header.samples, (SampleRange{5000, 8192}));
+    EXPECT_EQ((*gathering)->runs()[2].header.samples, (SampleRange{12288, 13000}));
 }
 
 TEST_F(PartWriterTest, ARangeOfMoreRunsThanAFileTakesIsRefusedBeforeAnythingIsRendered) {
