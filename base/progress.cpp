@@ -1,18 +1,15 @@
 #include "base/progress.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 #include <memory>
 #include <string_view>
 
 #include "base/size.h"
+#include "base/terminal.h"
 
 namespace latent::cli {
 
@@ -103,15 +100,14 @@ std::string ProgressLog::line(double done, const std::string& detail, Clock::tim
 }
 
 Progress progress_to_stderr(std::string verb) {
-    const char* terminal = std::getenv("TERM");
-    if (::isatty(STDERR_FILENO) && terminal && std::string_view(terminal) != "dumb") {
+    if (stderr_is_terminal()) {
         auto bar = std::make_shared<Bar>(std::move(verb));
         return [bar](double done, const std::string& detail) { bar->show(done, detail); };
     }
     auto log = std::make_shared<ProgressLog>(std::move(verb));
     return [log](double done, const std::string& detail) {
         const std::string line = log->line(done, detail, Clock::now());
-        if (!line.empty()) fmt::print(stderr, "{:%F %T} {}\n", fmt::localtime(std::time(nullptr)), line);
+        if (!line.empty()) log_line(line);
     };
 }
 

@@ -5,6 +5,7 @@
 #include "base/cli.h"
 #include "base/parallel.h"
 #include "base/simd.h"
+#include "base/terminal.h"
 #include "render/program/arguments.h"
 #include "render/program/loop.h"
 #include "render/program/report.h"
@@ -23,10 +24,12 @@ int main(int argc, char** argv) try {
     app.add_option("SCENE", settings.scene, "scene file (.pbrt, .gltf, .glb, .obj)")->required();
     app.add_option("-o,--output", options.output, "file to write: one part of the job")->required()->check(cli::ends_in(".latent"));
     auto* spp = cli::add_positive_number(app, "--spp", settings.spp, "samples per pixel, at --resolution");
-    cli::add_parsed(app, "--samples", settings.samples, parse_samples,
-                    "samples A to B-1, instead of --spp; A must be a multiple of --run-samples")
+    cli::add_parsed(app, "--samples", settings.samples, parse_samples, "samples A to B-1, instead of --spp")
         ->excludes(spp)
         ->type_name("A:B");
+    app.add_option("--more-than", settings.more_than, "render only the samples of --spp that follow those in these files")
+        ->excludes("--samples")
+        ->type_name("FILE...");
     cli::add_parsed(app, "--shard", settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
     cli::add_parsed(app, "--resolution", settings.resolution, parse_resolution,
                     "image size, used only to count samples for --spp (default: the scene's); samples have no pixels")
@@ -63,9 +66,9 @@ int main(int argc, char** argv) try {
     app.add_flag("--ignore-space", ignore_space, "start even if the file is not expected to fit on the disk");
     cli::add_common(app, common, false);
     app.footer(
-        "Run the same command again to resume an interrupted render. To use several\n"
-        "machines, render one shard on each, with the same settings, and join them with\n"
-        "latent-merge.\n\n"
+        "Run the same command again to resume an interrupted render. With a larger --spp,\n"
+        "it extends a finished one. To use several machines, see latent-farm, or render\n"
+        "one shard on each, with the same settings, and join them with latent-merge.\n\n"
         "Examples:\n"
         "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"
         "      render a scene\n"
@@ -79,6 +82,7 @@ int main(int argc, char** argv) try {
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.force = common.force;
+    settings.output = options.output;
     listen_to_signals(cli::kStopped);
     const Threads threads(common.threads);
     options.threads = threads.count();
@@ -93,14 +97,16 @@ int main(int argc, char** argv) try {
         const Result<Forecast> expected = forecast(**job, options, 2, stop_requested);
         if (!expected) return cli::fail(expected.error());
         if (!expected->fits()) cli::warn(too_large(*expected, options.output));
-        cli::print(to_text(*expected, common.json));
+        cli::print(to_text(*expected, **job, common.json));
         return cli::kDone;
     }
     if (!ignore_space) {
         if (const Status fits = check_space(**job, options, stop_requested); !fits) return cli::fail(fits.error());
     }
+    if (!cli::stderr_is_terminal() && !common.quiet) options.log = cli::log_line;
     // The bar is gone before the report: it lives as long as this expression.
-    const Result<RenderReport> report = render::render(**job, options, stop_requested, cli::progress(common, "rendering"));
+    const Result<RenderReport> report =
+        render::render(**job, options, stop_requested, options.log ? Progress() : cli::progress(common, "rendering"));
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);

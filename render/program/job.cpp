@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "render/program/make_integrator.h"
+#include "render/program/more_than.h"
 #include "render/program/simd.h"
 #include "render/scene/canonical.h"
 
@@ -74,24 +75,29 @@ sampledb::JobId job_id(const Hash128& scene, bool has_textures, const Integrator
 }
 
 // The samples of all shards.
-Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const Resolution& pixels, std::uint32_t run_samples) {
+Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const Resolution& pixels, const sampledb::Job& job) {
     const double count = std::ceil(settings.spp * pixels.width * pixels.height);
     if (!settings.samples && count >= 0x1p62)
         return Error{ErrorCode::kUsage, fmt::format("--spp {}: too large; a job has fewer than 2^62 samples", settings.spp)};
     if (!settings.samples && !(count >= 1))
         return Error{ErrorCode::kUsage, fmt::format("--spp {}: not a number of samples", settings.spp)};
-    const sampledb::SampleRange all = settings.samples.value_or(sampledb::SampleRange{0, static_cast<std::uint64_t>(count)});
-    if (all.empty()) return Error{ErrorCode::kUsage, fmt::format("--samples {}:{}: is empty", all.first, all.end)};
-    if (const std::uint64_t beyond = all.first % run_samples; beyond != 0) {
-        return Error{ErrorCode::kUsage,
-                     fmt::format("--samples {}:{}: A must be a multiple of the run length {}; the nearest are {} and {}", all.first,
-                                 all.end, run_samples, all.first - beyond, all.first - beyond + run_samples)};
+    sampledb::SampleRange all = settings.samples.value_or(sampledb::SampleRange{0, static_cast<std::uint64_t>(count)});
+    if (!settings.more_than.empty()) {
+        const Result<std::uint64_t> end = end_of_samples(settings.more_than, settings.output, job);
+        if (!end) return end.error();
+        if (*end >= all.end)
+            return Error{ErrorCode::kUsage,
+                         fmt::format("--spp {}: makes samples 0:{}, and the files of --more-than go to {}; use a larger --spp",
+                                     settings.spp, all.end, *end)};
+        all.first = *end;
     }
+    if (all.empty()) return Error{ErrorCode::kUsage, fmt::format("--samples {}:{}: is empty", all.first, all.end)};
     return all;
 }
 
+// How many intervals of `run_samples` the range touches: its runs begin and end at their boundaries, and at its own.
 std::uint64_t runs_of(const sampledb::SampleRange& all, std::uint32_t run_samples) {
-    return all.size() / run_samples + (all.size() % run_samples != 0 ? 1 : 0);
+    return all.empty() ? 0 : (all.end - 1) / run_samples - all.first / run_samples + 1;
 }
 
 // Of a shard where there are fewer runs than shards, so that some have nothing to do.
@@ -116,7 +122,7 @@ sampledb::SampleRange shard_of(const sampledb::SampleRange& all, const Shard& sh
     // floor(runs i / count) without overflow
     const auto boundary = [&](std::uint64_t i) {
         const std::uint64_t run = runs / shard.count * i + runs % shard.count * i / shard.count;
-        return run >= runs ? all.end : all.first + run * run_samples;
+        return run == 0 ? all.first : run >= runs ? all.end : (all.first / run_samples + run) * run_samples;
     };
     return {boundary(shard.index), boundary(shard.index + 1)};
 }
@@ -157,8 +163,9 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 
     out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});
-    const Result<sampledb::SampleRange> all = range_of(settings, out->resolution, job.run_samples);
+    const Result<sampledb::SampleRange> all = range_of(settings, out->resolution, job);
     if (!all) return all.error();
+    out->all = *all;
     out->range = shard_of(*all, settings.shard, job.run_samples);
     out->warnings = out->scene.warnings;
     if (runs_of(*all, job.run_samples) < settings.shard.count)

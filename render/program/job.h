@@ -44,6 +44,8 @@ struct RenderSettings {
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
     std::optional<Resolution> resolution;
     std::optional<sampledb::SampleRange> samples;  // instead of spp
+    std::vector<std::filesystem::path> more_than;  // whose samples are rendered already: the first to render follows their last
+    std::filesystem::path output;                  // never counts among these
     Shard shard;
 };
 
@@ -54,6 +56,7 @@ struct RenderJob {
     std::unique_ptr<Geometry> geometry;
     std::unique_ptr<Integrator> integrator;
     sampledb::Job job;
+    sampledb::SampleRange all;           // of all shards
     sampledb::SampleRange range;         // of this process
     IntegratorSettings settings;         // as the command line and the scene give them together
     Resolution resolution{};             // that counts samples
@@ -61,11 +64,11 @@ struct RenderJob {
     std::vector<std::string> warnings;
 };
 
-// Errors: those of the scene; kUsage for a range that does not begin a run, naming its neighbours, or a SIMD level that this
-// processor does not have.
+// Errors: those of the scene and of `more_than`; kUsage for a range that is empty or too large, or a SIMD level that this processor
+// does not have.
 Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings);
 
-// The samples of shard `shard` of `all`: whole runs (but for the end of `all`), contiguous, in order, as even as can be. A shard
+// The samples of shard `shard` of `all`: whole runs (but for the ends of `all`), contiguous, in order, as even as can be. A shard
 // may be empty where there are more shards than runs.
 sampledb::SampleRange shard_of(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples);
 

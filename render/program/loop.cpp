@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/size.h"
+#include "render/program/commit_log.h"
 #include "sampledb/write/grain_queue.h"
 
 namespace latent::render {
@@ -20,6 +21,7 @@ using sampledb::SampleRange;
 
 constexpr double kGraceSeconds = 4;  // after a stop: grains that are nearly done may end, slower ones are given up
 constexpr std::chrono::duration<double> kProgressInterval(0.2);
+constexpr double kLogInterval = 10;  // seconds; a checkpoint interval may be shorter
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -91,6 +93,15 @@ void tell(const Progress& progress, const Work& work, const SampleRange& range, 
                          format_size(writer.counts().bytes_written)));
 }
 
+// Says what is committed by now, if that is news.
+void tell(const RenderOptions& options, CommitLog& log, const Work& work, const sampledb::PartWriter& writer, bool final) {
+    if (!options.log) return;
+    const sampledb::WriterCounts counts = writer.counts();
+    const double rate = static_cast<double>(work.samples()) / work.seconds();
+    const std::string line = log.line({counts.samples_committed, counts.bytes_written, rate}, Clock::now(), final);
+    if (!line.empty()) options.log(line);
+}
+
 }  // namespace
 
 sampledb::PartOptions part_options(const RenderJob& job, const RenderOptions& options) {
@@ -110,11 +121,14 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     Work work(writer.missing(), stop, options.max_seconds);
     const std::uint64_t total = writer.missing().size(), before = job.range.size() - total;
     if (progress && total > 0) progress(static_cast<double>(before) / static_cast<double>(job.range.size()), "");
+    CommitLog log(job.range.size(), std::min(options.checkpoint_seconds, kLogInterval));
+    tell(options, log, work, writer, false);
     {
         Workers workers(options.threads, work.error(), [&](int) { trace_grains(*job.integrator, writer, work); });
         while (!workers.wait(kProgressInterval)) {
             if (work.error()) writer.give_up();  // nobody is to wait for a grain that will not come
             if (progress) tell(progress, work, job.range, before, writer);
+            tell(options, log, work, writer, false);
         }
     }
     if (work.error()) return work.error().status().error();
@@ -124,6 +138,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     report.complete = report.elsewhere || work.samples() == total;
     const Status closed = report.complete ? writer.finish() : writer.checkpoint();
     if (!closed) return closed.error();
+    tell(options, log, work, writer, true);
     report.samples = work.samples();
     report.seconds = work.seconds();
     report.faults = work.faults();

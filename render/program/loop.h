@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "base/progress.h"
@@ -22,6 +23,7 @@ struct RenderOptions {
     int threads = 1;
     bool force = false;
     std::string provenance_json;
+    std::function<void(const std::string&)> log;  // may be empty; called with a line for each commit (commit_log.h)
 };
 
 struct RenderReport {

@@ -50,9 +50,13 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                        report.elsewhere ? "another process finished this part in the meantime\n" : "");
 }
 
-std::string to_text(const Forecast& forecast, bool json) {
+std::string to_text(const Forecast& forecast, const RenderJob& job, bool json) {
     if (json) {
-        Json out = {{"samples", forecast.samples},
+        Json out = {{"job", to_hex(job.job.id)},
+                    {"first_sample", job.range.first},
+                    {"end_sample", job.range.end},
+                    {"run_samples", job.job.run_samples},
+                    {"samples", forecast.samples},
                     {"committed", forecast.committed},
                     {"bytes", forecast.bytes},
                     {"seconds", forecast.seconds},
@@ -87,9 +91,8 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings) {
     out["record"] = integrator.record == sampledb::RecordKind::kXyz ? "xyz" : "spectral";
     out["wavelengths"] = integrator.batch;
     out["seed"] = integrator.seed;
-    if (settings.samples) {
-        out["samples"] = {settings.samples->first, settings.samples->end};
-    } else {
+    if (settings.samples || !settings.more_than.empty()) out["samples"] = {job.all.first, job.all.end};
+    if (!settings.samples) {
         out["spp"] = settings.spp;
         out["resolution"] = {job.resolution.width, job.resolution.height};
     }

@@ -9,7 +9,7 @@
 namespace latent::render {
 
 std::string to_text(const RenderReport& report, const RenderJob& job, bool json);
-std::string to_text(const Forecast& forecast, bool json);
+std::string to_text(const Forecast& forecast, const RenderJob& job, bool json);
 std::string to_text(const RadianceFaults& faults);
 
 // Program and version, scene, all settings that shape the samples or choose them, host and date, as JSON for the file's header.

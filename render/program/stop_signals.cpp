@@ -27,8 +27,7 @@ void listen_to_signals(int status) {
     status_before = status;
     struct sigaction action = {}, at_start = {};
     action.sa_handler = request_stop;
-    ::sigaction(SIGINT, &action, nullptr);
-    ::sigaction(SIGTERM, &action, nullptr);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2}) ::sigaction(signal, &action, nullptr);
     ::sigaction(SIGHUP, nullptr, &at_start);
     if (at_start.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
 }

@@ -5,8 +5,9 @@
 
 namespace latent::render {
 
-// Listens to SIGINT, SIGTERM and SIGHUP, the last only where it is not ignored from the start, as by nohup. Until the first sample
-// there is nothing to commit: they end the program at once, with a line and `status`.
+// Listens to SIGINT, SIGTERM, SIGUSR1 and SIGUSR2 (by which schedulers announce the end of a job's time), and to SIGHUP where it is
+// not ignored from the start, as by nohup. Until the first sample there is nothing to commit: they end the program at once, with a
+// line and `status`.
 void listen_to_signals(int status);
 
 // From now on they set what is returned.

@@ -24,19 +24,21 @@ TEST(Shards, TileTheSamplesAtRunBoundariesEvenly) {
         for (const std::uint64_t runs : {1u, 2u, 7u, 64u}) {
             for (const std::uint64_t rest : {0u, 1u, 1023u}) {
                 for (const std::uint64_t count : {1u, 2u, 3u, 10u, 100u}) {
-                    const SampleRange all{3 * std::uint64_t{run}, (3 + runs) * run + rest};
-                    std::uint64_t at = all.first, smallest = ~std::uint64_t{0}, largest = 0;
-                    for (std::uint64_t i = 0; i < count; ++i) {
-                        const SampleRange shard = shard_of(all, {i, count}, run);
-                        EXPECT_EQ(shard.first, at);
-                        EXPECT_TRUE(shard.first % run == 0 || shard.first == all.end);
-                        at = shard.end;
-                        const std::uint64_t size = (shard.size() + run - 1) / run;
-                        smallest = std::min(smallest, size);
-                        largest = std::max(largest, size);
+                    for (const std::uint64_t before : {0u, 1u}) {
+                        const SampleRange all{3 * std::uint64_t{run} - before, (3 + runs) * run + rest};
+                        std::uint64_t at = all.first, smallest = ~std::uint64_t{0}, largest = 0;
+                        for (std::uint64_t i = 0; i < count; ++i) {
+                            const SampleRange shard = shard_of(all, {i, count}, run);
+                            EXPECT_EQ(shard.first, at);
+                            EXPECT_TRUE(shard.first % run == 0 || shard.first == all.first || shard.first == all.end);
+                            at = shard.end;
+                            const std::uint64_t size = shard.empty() ? 0 : (shard.end - 1) / run - shard.first / run + 1;
+                            smallest = std::min(smallest, size);
+                            largest = std::max(largest, size);
+                        }
+                        EXPECT_EQ(at, all.end);
+                        EXPECT_LE(largest - smallest, 1u);
                     }
-                    EXPECT_EQ(at, all.end);
-                    EXPECT_LE(largest - smallest, 1u);
                 }
             }
         }
@@ -208,16 +210,13 @@ TEST_F(JobOf, MoreSamplesThanNumbersGoAreCalledTooMany) {
     }
 }
 
-TEST_F(JobOf, RangesBeginARunOrNameTheNearest) {
-    RenderSettings wrong = settings();
-    wrong.run_samples = 4096;
-    wrong.samples = SampleRange{5000, 9000};
-    const auto prepared = prepare(wrong);
-    ASSERT_FALSE(prepared);
-    EXPECT_EQ(prepared.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(prepared.error().message, HasSubstr("4096 and 8192"));
-    wrong.samples = SampleRange{4096, 9000};
-    EXPECT_EQ(job(wrong)->range, (SampleRange{4096, 9000}));
+TEST_F(JobOf, RangesMayBeginAndEndAnywhere) {
+    RenderSettings odd = settings();
+    odd.run_samples = 4096;
+    odd.samples = SampleRange{5000, 9000};
+    EXPECT_EQ(job(odd)->range, (SampleRange{5000, 9000}));
+    odd.shard = {1, 2};
+    EXPECT_EQ(job(odd)->range, (SampleRange{8192, 9000}));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "render/program/commit_log.h"
 #include "render/program/forecast.h"
 #include "render/program/loop.h"
 #include "tests/faults/process.h"
@@ -153,6 +154,43 @@ TEST(RenderLoop, ProgressCountsWhatEarlierCallsCommitted) {
     EXPECT_EQ(parts.front(), static_cast<double>(first->committed) / 40960);
     EXPECT_TRUE(std::ranges::is_sorted(parts));
     EXPECT_LE(parts.back(), 1);
+}
+
+TEST(CommitLog, HasOneLineForEachCommitButNoMoreThanOneInAnInterval) {
+    CommitLog log(1000, 10);
+    const auto at = [](double seconds) {
+        return CommitLog::Clock::time_point() +
+               std::chrono::duration_cast<CommitLog::Clock::duration>(std::chrono::duration<double>(seconds));
+    };
+    EXPECT_EQ(log.line({0, 0, 0}, at(0)), "");                                          // nothing is committed
+    EXPECT_EQ(log.line({250, 0, 0}, at(0)), "committed 250 of 1000 samples (25.0 %)");  // by earlier work
+    EXPECT_EQ(log.line({250, 0, 50}, at(20)), "");
+    EXPECT_EQ(log.line({500, 1024, 50}, at(21)),
+              "committed 500 of 1000 samples (50.0 %), 10.0s left, 0.000 M samples/s, 1.0 KiB written");
+    EXPECT_EQ(log.line({600, 1024, 50}, at(30)), "");
+    EXPECT_NE(log.line({600, 1024, 50}, at(31)), "");
+    EXPECT_EQ(log.line({1000, 2048, 50}, at(32), true),
+              "committed 1000 of 1000 samples (100.0 %), 0.000 M samples/s, 2.0 KiB written");
+    EXPECT_EQ(log.line({1000, 2048, 50}, at(90), true), "");
+}
+
+TEST(RenderLoop, TheLogEndsWithAllThatIsCommitted) {
+    Fake fake({0, 40960}, std::chrono::microseconds(20));
+    std::vector<std::string> lines;
+    fake.options.log = [&](const std::string& line) { lines.push_back(line); };
+    fake.integrator->stop_after(20000, fake.stop);
+    const Result<RenderReport> first = render(fake.job, fake.options, fake.stop, {});
+    ASSERT_TRUE(first && first->committed > 0 && !first->complete);
+    ASSERT_FALSE(lines.empty());
+    EXPECT_TRUE(lines.back().starts_with("committed " + std::to_string(first->committed) + " of 40960 samples (")) << lines.back();
+    fake.stop = false;
+    fake.integrator->forget();
+    lines.clear();
+    ASSERT_TRUE(render(fake.job, fake.options, fake.stop, {}));
+    ASSERT_GE(lines.size(), 2u);
+    EXPECT_TRUE(lines.front().starts_with("committed " + std::to_string(first->committed) + " of 40960 samples ("))
+        << lines.front();
+    EXPECT_TRUE(lines.back().starts_with("committed 40960 of 40960 samples (100.0 %)")) << lines.back();
 }
 
 TEST(RenderLoop, ADryRunOfWhatWasStoppedCountsTheRestButTheWholePart) {

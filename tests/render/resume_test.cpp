@@ -18,7 +18,10 @@ using latent::testing::Child;
 using latent::testing::Outcome;
 using latent::testing::TemporaryFolder;
 using latent::testing::tool;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 
 using Command = std::vector<std::string>;
 
@@ -125,7 +128,7 @@ TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {
 }
 
 TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2}) {
         const std::filesystem::path part = folder_ / ("s" + std::to_string(signal) + ".latent");
         Child child(command(part, {"--ignore-space"}, "0:60000000000"));
         wait_for_samples(part);  // its attempts are read under its name
@@ -134,6 +137,19 @@ TEST_F(Resume, SignalsStopItWithACheckpointAndAWayToGoOn) {
         EXPECT_EQ(child.wait(), 75);
         EXPECT_FALSE(runs_of({part}).empty());
     }
+}
+
+TEST_F(Resume, ALogSaysWhatIsCommittedFromTheStart) {
+    const std::filesystem::path part = folder_ / "l.latent", whole = folder_ / "w.latent";
+    Child child(command(part, {"--ignore-space"}, "0:60000000000"));
+    wait_for_samples(part);
+    child.send(SIGUSR1);
+    ASSERT_EQ(child.wait(), 75);
+    const Outcome resumed = latent::testing::run(command(part, {"--ignore-space", "--max-time", "1e-9"}, "0:60000000000"));
+    EXPECT_EQ(resumed.status, 75);
+    EXPECT_THAT(resumed.err, ContainsRegex("^[-0-9]+ [:0-9]+ committed [1-9][0-9]* of 60000000000 samples \\(0.0 %\\)\n"));
+    EXPECT_THAT(latent::testing::run(command(whole)).err, HasSubstr(" committed 150000 of 150000 samples (100.0 %), "));
+    EXPECT_THAT(latent::testing::run(command(whole, {"--quiet", "--force"})).err, IsEmpty());
 }
 
 TEST_F(Resume, NohupOutlivesItsTerminal) {
@@ -181,7 +197,7 @@ TEST_F(Resume, MoreShardsThanRunsIsSaidWithAWayToGiveEveryShardWork) {
     EXPECT_THAT(empty.err, HasSubstr("use --run-samples 32768 for every shard"));
     const Outcome other = latent::testing::run(command(folder_ / "1.latent", {"--shard", "1/4"}));
     EXPECT_THAT(other.err, HasSubstr("1 of 4 shards are empty: 150000 samples"));
-    EXPECT_EQ(latent::testing::run(command(folder_ / "2.latent", {"--shard", "2/3"})).err, "");
+    EXPECT_THAT(latent::testing::run(command(folder_ / "2.latent", {"--shard", "2/3"})).err, Not(HasSubstr("warning")));
 }
 
 // On a disk that holds a tenth of it.
@@ -210,13 +226,63 @@ TEST_F(Resume, APartThatWillNotFitIsRefusedBeforeItBegins) {
     EXPECT_THAT(full.err, HasSubstr("No space left"));
 }
 
+TEST_F(Resume, AFinishedPartIsExtendedToMoreSamples) {
+    const std::filesystem::path part = folder_ / "p.latent";
+    ASSERT_EQ(latent::testing::run(command(part, {}, "0:100000")).status, 0);
+    EXPECT_NE(runs_of({part}), whole_);
+    Child child(command(part));
+    sleep_a_while();
+    child.kill_now();
+    child.wait();
+    ASSERT_EQ(latent::testing::run(command(part)).status, 0);
+    EXPECT_EQ(runs_of({part}), whole_);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.latent"});
+    EXPECT_THAT(latent::testing::run(command(part, {}, "0:100000")).out, HasSubstr("nothing left to render"));
+}
+
+TEST_F(Resume, MoreThanBeginsWhereOtherFilesEnd) {
+    const std::filesystem::path first = folder_ / "a.latent", rest = folder_ / "b.latent", whole = folder_ / "w.latent";
+    const auto with = [&](const std::filesystem::path& output, const Command& more) {
+        Command out{tool("latent-render"),
+                    latent::testing::in_tree("scenes/cornell.pbrt"),
+                    "-o",
+                    output.string(),
+                    "--resolution",
+                    "100x100",
+                    "--run-samples",
+                    "4096"};
+        out.insert(out.end(), more.begin(), more.end());
+        return latent::testing::run(out);
+    };
+    ASSERT_EQ(with(first, {"--spp", "1"}).status, 0);
+    for (int again = 0; again < 2; ++again) {  // the output among the files, as a glob would have it
+        const Outcome more = with(rest, {"--spp", "3", "--more-than", first.string(), rest.string()});
+        ASSERT_EQ(more.status, 0) << more.err;
+        EXPECT_THAT(more.out, HasSubstr("samples 10000:30000"));
+    }
+    sampledb::GatherOptions options;
+    options.inputs = {first, rest};
+    const auto gathering = sampledb::Gathering::open(options);
+    ASSERT_TRUE(gathering) << gathering.error().message;
+    EXPECT_EQ((*gathering)->coverage(), sampledb::Coverage(sampledb::SampleRange{0, 30000}));
+    const Outcome enough = with(whole, {"--spp", "2", "--more-than", first.string(), rest.string()});
+    EXPECT_EQ(enough.status, 2);
+    EXPECT_THAT(enough.err, HasSubstr("use a larger --spp"));
+    const Outcome other = with(whole, {"--spp", "5", "--seed", "3", "--more-than", first.string()});
+    EXPECT_EQ(other.status, 1);
+    EXPECT_THAT(other.err, HasSubstr("another job"));
+    EXPECT_EQ(with(whole, {"--spp", "5", "--more-than", (folder_ / "none.latent").string()}).status, 1);
+    EXPECT_EQ(with(whole, {"--samples", "0:4096", "--more-than", first.string()}).status, 2);
+    EXPECT_FALSE(std::filesystem::exists(whole));
+}
+
 TEST_F(Resume, AnotherJobOrRangeUnderTheNameIsRefused) {
     const std::filesystem::path part = folder_ / "p.latent";
     ASSERT_EQ(latent::testing::run(command(part)).status, 0);
     const Outcome seed = latent::testing::run(command(part, {"--seed", "2"}));
     EXPECT_EQ(seed.status, 1);
     EXPECT_THAT(seed.err, HasSubstr("another job"));
-    EXPECT_EQ(latent::testing::run(command(part, {}, "0:250000")).status, 1);
+    EXPECT_EQ(latent::testing::run(command(part, {}, "65536:250000")).status, 1);
     EXPECT_EQ(runs_of({part}), whole_);
     ASSERT_EQ(latent::testing::run(command(part, {"--seed", "2", "--force"})).status, 0);
     EXPECT_NE(runs_of({part}), whole_);

@@ -1,0 +1,18 @@
+// render/program/more_than.h: --more-than: samples after those that finished files hold.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/data/job.h"
+
+namespace latent::render {
+
+// The number after the last sample of `files`. The output itself may be among them, and does not count: a command that is run again
+// begins where it began. Errors: kMismatch (another job), kUsage (a folder), and those of reading a file.
+Result<std::uint64_t> end_of_samples(const std::vector<std::filesystem::path>& files, const std::filesystem::path& output,
+                                     const sampledb::Job& job);
+
+}  // namespace latent::render
