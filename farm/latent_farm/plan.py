@@ -1,0 +1,128 @@
+"""The plan of a render, DIR/plan.json: which samples each task renders, with what settings, and what was predicted."""
+import contextlib
+import dataclasses
+import json
+import math
+import os
+import pathlib
+
+from latent_farm.errors import Failure, Misuse
+
+VERSION = 1
+
+
+@dataclasses.dataclass
+class Plan:
+    """Task k renders samples k * task_samples up to the next task's, or to `samples`."""
+
+    scene: str
+    spp: float
+    options: list  # of latent-render, beyond those that follow from the plan
+    samples: int
+    task_samples: int
+    run_samples: int
+    job: str
+    rate: float  # samples per second of one task, as predicted
+    bytes_per_sample: float
+    memory: int  # bytes that a task takes
+    machines: int  # that work at once, as far as is known; for predictions only
+    cpus: int  # of a task; 0: all that the machine has
+    develop: list  # options of latent-develop
+    until: str = "develop"  # the last step: render, merge or develop
+    checkpoint: float = 60  # seconds
+    version: int = VERSION
+
+    @property
+    def tasks(self):
+        return math.ceil(self.samples / self.task_samples)
+
+    @property
+    def seconds(self):
+        """Of rendering, on one machine."""
+        return self.samples / self.rate
+
+    @property
+    def task_seconds(self):
+        return min(self.samples, self.task_samples) / self.rate
+
+    @property
+    def bytes(self):
+        """Of all parts; the merged file is as large again."""
+        return round(self.samples * self.bytes_per_sample)
+
+    def range_of(self, task):
+        return task * self.task_samples, min((task + 1) * self.task_samples, self.samples)
+
+
+def part_name(task):
+    return f"part-{task:05}.latent"
+
+
+class Folder:
+    """The folder of a plan, and what lies in it."""
+
+    def __init__(self, path):
+        self.path = pathlib.Path(os.path.abspath(path))
+        self.plan_file = self.path / "plan.json"
+        self.parts = self.path / "parts"
+        self.logs = self.path / "logs"
+        self.merged = self.path / "samples.latent"
+        self.picture = self.path / "picture.exr"
+        self.jobs = self.path / "jobs.json"
+
+    def has_plan(self):
+        return self.plan_file.exists()
+
+    def read_plan(self):
+        try:
+            data = json.loads(self.plan_file.read_text())
+            if data.get("version") != VERSION:
+                raise Failure(f"{self.plan_file}: made by another version of latent-farm")
+            return Plan(**data)
+        except FileNotFoundError:
+            raise Failure(f"{self.path}: holds no plan; make one with latent-farm plan") from None
+        except (OSError, ValueError, TypeError, AttributeError) as error:
+            raise Failure(f"{self.plan_file}: cannot be read: {error}") from None
+
+    def write_plan(self, plan):
+        self.write(self.plan_file, json.dumps(dataclasses.asdict(plan), indent=2) + "\n")
+
+    def make(self):
+        try:
+            self.parts.mkdir(parents=True, exist_ok=True)
+            self.logs.mkdir(exist_ok=True)
+        except OSError as error:
+            raise Failure(f"{error.filename}: cannot create the folder: {error.strerror}") from None
+
+    @contextlib.contextmanager
+    def made(self):
+        """The folder as a plan needs it; if that comes to nothing, it is gone again, unless it was there."""
+        was_there = self.path.exists()
+        self.make()
+        try:
+            yield
+        except BaseException:
+            for folder in [self.parts, self.logs] if was_there else [self.parts, self.logs, self.path]:
+                with contextlib.suppress(OSError):  # not empty
+                    folder.rmdir()
+            raise
+
+    def write(self, path, text, mode=0o644):
+        """A file appears under its name when it is complete."""
+        temporary = path.with_name(f".{path.name}.{os.getpid()}")
+        try:
+            temporary.write_text(text)
+            temporary.chmod(mode)
+            temporary.replace(path)
+        except OSError as error:
+            temporary.unlink(missing_ok=True)
+            raise Failure(f"{path}: cannot be written: {error.strerror}") from None
+
+
+TAKEN = {"-o", "--output", "--spp", "--samples", "--shard", "--threads", "--dry-run", "--json", "--force", "--quiet", "-q", "--checkpoint"}
+
+
+def check_render_options(options):
+    for option in options:
+        if option.split("=")[0] in TAKEN:
+            raise Misuse(f"{option.split('=')[0]}: is set by latent-farm; see latent-farm plan --help")

@@ -1,0 +1,106 @@
+"""The scripts in the folder of a plan: one command for each step, and job scripts of Slurm around them."""
+import math
+import shlex
+
+from latent_farm import tools
+
+TASK = """#!/bin/sh
+# Written by latent-farm. Usage: task K    renders samples K * {length} up to the next task's into parts/.
+# Exit status: 0 done; 75 interrupted, everything finished is saved: run it again to resume; others: latent-render --help.
+k=$1
+case $k in '' | *[!0-9]*) echo "usage: $0 K    (K: 0 to {last})" >&2; exit 2 ;; esac
+first=$((k * {length})) end=$(((k + 1) * {length}))
+[ "$first" -lt {samples} ] || {{ echo "$0: task $k: the last one is {last}" >&2; exit 2; }}
+[ "$end" -le {samples} ] || end={samples}
+scene={scene}  # LATENT_SCENE names it where it has another path
+{program}
+exec "$program" "${{LATENT_SCENE:-$scene}}" {options} \\
+    --samples "$first:$end" --threads "${{SLURM_CPUS_PER_TASK:-{cpus}}}" --checkpoint {checkpoint:g} \\
+    -o "$(dirname "$0")/parts/$(printf 'part-%05d' "$k").latent"
+"""
+
+MERGE = """#!/bin/sh
+# Written by latent-farm. Joins parts/ into samples.latent. Fails, and names what is missing, unless all {samples} samples are there.
+cd "$(dirname "$0")" || exit 1
+set --
+[ -z "$(ls parts)" ] || set -- parts
+[ ! -e samples.latent ] || set -- "$@" samples.latent
+{program}
+"$program" "$@" --job {job} --require 0:{samples} --skip-duplicates --force -o samples.latent
+status=$?
+[ $status -ne 3 ] || status=0  # what was left out is listed above; nothing that was asked for is missing
+exit $status
+"""
+
+DEVELOP = """#!/bin/sh
+# Written by latent-farm. Develops samples.latent into picture.exr.
+cd "$(dirname "$0")" || exit 1
+{program}
+exec "$program" samples.latent --samples 0:{samples} {options} --force -o picture.exr
+"""
+
+# The renderer is a child of the shell, so that the shell can requeue the task when its time is up. docs/farm.md, "Slurm".
+RENDER_JOB = """#!/bin/bash
+# Written by latent-farm. Array index K of `sbatch --array=... render.sbatch OFFSET` is task OFFSET + K.
+#SBATCH --job-name={name}-render
+#SBATCH --nodes=1 --ntasks=1{cpus} --mem={memory}M --time={minutes}
+#SBATCH --requeue --open-mode=append --signal=B:USR1@{notice}
+#SBATCH --output="{logs}/render-%A_%a.log"
+k=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))
+echo "task $k on ${{SLURMD_NODENAME:-$(hostname)}}, attempt $((${{SLURM_RESTART_COUNT:-0}} + 1))"
+{task} "$k" &
+child=$! again= status=0 signalled=1
+trap 'signalled=1; kill -TERM $child 2>/dev/null' TERM           # cancelled, preempted or requeued: Slurm decides what follows
+trap 'signalled=1 again=1; kill -TERM $child 2>/dev/null' USR1   # the time limit is near
+while [ $signalled = 1 ]; do
+    signalled=0
+    wait $child
+    result=$?
+    [ $result = 127 ] || status=$result
+done
+if [ $status = 75 ] && [ -n "$again" ]; then
+    # Not $SLURM_JOB_ID: for one task of an array, that is the number of the whole array.
+    scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}" && sleep 300  # Slurm ends this script
+fi
+exit $status
+"""
+
+STEP_JOB = """#!/bin/bash
+# Written by latent-farm.
+#SBATCH --job-name={name}-{step}
+#SBATCH --nodes=1 --ntasks=1{cpus} --mem={memory}M
+#SBATCH --requeue --open-mode=append
+#SBATCH --output="{logs}/{step}-%j.log"
+echo "{step} on ${{SLURMD_NODENAME:-$(hostname)}}"
+exec {script}
+"""
+
+
+def find_program(name):
+    """Shell lines that set $program: the tool where it is here, or on the PATH of the machine that runs the script."""
+    here = shlex.quote(tools.path_of(name))
+    return f"program={here}\n[ -x \"$program\" ] || program={name}"
+
+
+def minutes_of(plan):
+    """A time limit with room for a machine that is slower than the one that was measured; a task that meets it goes on later."""
+    return max(15, math.ceil(2 * plan.task_seconds / 60) + 10)
+
+
+def write_scripts(folder, plan, name, minutes=None, notice=180):
+    path, logs = folder.path, str(folder.logs).replace("%", "%%")
+    options = shlex.join([*plan.options, "--run-samples", str(plan.run_samples)])
+    folder.write(path / "task", TASK.format(
+        length=plan.task_samples, samples=plan.samples, last=plan.tasks - 1, program=find_program("latent-render"),
+        scene=shlex.quote(plan.scene), options=options, cpus=plan.cpus, checkpoint=plan.checkpoint), 0o755)
+    folder.write(path / "merge", MERGE.format(samples=plan.samples, job=plan.job, program=find_program("latent-merge")), 0o755)
+    folder.write(path / "develop", DEVELOP.format(samples=plan.samples, program=find_program("latent-develop"),
+                                                  options=shlex.join(plan.develop)), 0o755)
+    cpus = f" --cpus-per-task={plan.cpus}" if plan.cpus else ""
+    folder.write(path / "render.sbatch", RENDER_JOB.format(
+        name=name, cpus=cpus, memory=plan.memory >> 20, minutes=minutes or minutes_of(plan), notice=notice, logs=logs,
+        task=shlex.quote(str(path / "task"))))
+    for step in ("merge", "develop"):
+        folder.write(path / f"{step}.sbatch", STEP_JOB.format(
+            name=name, step=step, cpus=cpus, memory=max(2 << 10, plan.memory >> 20), logs=logs,
+            script=shlex.quote(str(path / step))))

@@ -1,0 +1,119 @@
+"""What has been rendered: read from the files in the folder of a plan, and from nothing else."""
+import calendar
+import dataclasses
+import os
+import re
+import shutil
+import time
+
+from latent_farm import ranges, tools
+from latent_farm.plan import part_name
+
+BATCH = 500  # files of one call of latent-inspect
+NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?")
+
+
+@dataclasses.dataclass
+class PartFile:
+    """NAME.latent, or an attempt at it."""
+
+    name: str
+    task: int
+    attempt: bool
+    held: list  # ranges of samples
+    host: str
+    begun: float  # seconds since 1970, by the clock of its machine
+    changed: float  # when a run was last committed to it, by the clock of the file system
+    bytes: int
+
+    @property
+    def rate(self):
+        """Samples per second; None if there is no saying."""
+        seconds = self.changed - self.begun
+        return ranges.size(self.held) / seconds if self.held and seconds > 0.5 else None
+
+
+@dataclasses.dataclass
+class State:
+    files: list
+    left_out: list  # what is there and does not count, with the reason
+    merged: list  # ranges of samples of the merged file
+    disk: int  # bytes used
+    free: int
+
+    def held_by(self, task):
+        return ranges.union(r for file in self.files if file.task == task for r in file.held)
+
+    def held(self):
+        return ranges.union([*self.merged, *(r for file in self.files for r in file.held)])
+
+
+def date_of(origin):
+    try:
+        return calendar.timegm(time.strptime(origin.get("date", ""), "%Y-%m-%dT%H:%M:%SZ"))
+    except ValueError:
+        return float("inf")
+
+
+def read_state(folder, plan):
+    names = sorted(os.listdir(folder.parts)) if folder.parts.is_dir() else []
+    paths = [folder.parts / name for name in names if not name.startswith(".")]
+    if folder.merged.exists():
+        paths.append(folder.merged)
+    state = State([], [], [], 0, shutil.disk_usage(folder.path).free)
+    ours = [path for path in paths if path == folder.merged or NAME.fullmatch(path.name)]
+    state.left_out += [(str(path), "not the name of a part") for path in paths if path not in ours]
+    for at in range(0, len(ours), BATCH):
+        for path, info in zip(ours[at:at + BATCH], tools.info(ours[at:at + BATCH])):
+            take(state, folder, plan, path, info)
+    return state
+
+
+def take(state, folder, plan, path, info):
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return  # published or made superfluous since the folder was listed
+    name = NAME.fullmatch(path.name)
+    attempt = bool(name and name[2])
+    if "error" in info:
+        if not (attempt and status.st_size < 1 << 16):  # a file that has just been begun
+            state.left_out.append((str(path), info["error"].removeprefix(f"{path}: ")))
+        return
+    if info["job"] != plan.job:
+        state.left_out.append((str(path), f"belongs to job {info['job']}"))
+        return
+    state.disk += status.st_size
+    held = [tuple(r) for r in info["samples"]]
+    if path == folder.merged:
+        state.merged = ranges.union(held)
+        return
+    state.left_out += [(str(path), reason) for reason in info["damage"]]
+    origin = info["origin"] if isinstance(info["origin"], dict) else {}
+    state.files.append(PartFile(path.name, int(name[1]), attempt, held, origin.get("host", "unknown"), date_of(origin),
+                                status.st_mtime, status.st_size))
+
+
+def unfinished(plan, state):
+    """The tasks that are still to be run: their part has no final name, or lacks samples, and is not in the merged file either."""
+    published = {}
+    for file in state.files:
+        if not file.attempt:
+            published.setdefault(file.task, []).extend(file.held)
+    return [task for task in range(plan.tasks)
+            if ranges.missing(plan.range_of(task), state.merged) and
+            ranges.missing(plan.range_of(task), ranges.union(published.get(task, [])))]
+
+
+def steps_left(folder, plan, state, tasks):
+    """Which of merge and develop are still to be run."""
+    steps = []
+    if plan.until == "render":
+        return steps
+    if tasks or ranges.missing((0, plan.samples), state.merged):
+        steps.append("merge")
+    if plan.until == "develop":
+        picture = folder.picture
+        if steps or not picture.exists() or picture.stat().st_mtime < folder.merged.stat().st_mtime:
+            steps.append("develop")
+    return steps

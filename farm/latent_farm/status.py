@@ -1,0 +1,93 @@
+"""latent-farm status: what is done, what is missing, who works, and how long the rest takes."""
+import json
+import statistics
+import time
+
+from latent_farm import ranges, state, units
+
+
+def machines_of(plan, files, unfinished, now, stalled_after):
+    """{host: ...} of all machines that have left a mark, and the attempts that stand still."""
+    machines, stalled = {}, []
+    newest = {}
+    for file in files:
+        newest[file.task] = max(newest.get(file.task, 0), file.changed)
+    for file in files:
+        machine = machines.setdefault(file.host, {"samples": 0, "parts": 0, "last_commit": 0, "rates": [], "working": 0, "stalled": 0})
+        machine["samples"] += ranges.size(ranges.union(file.held))
+        machine["parts"] += not file.attempt
+        machine["last_commit"] = max(machine["last_commit"], file.changed)
+        if file.rate:
+            machine["rates"].append(file.rate)
+        if not file.attempt or file.task not in unfinished:
+            continue
+        if now - file.changed <= stalled_after:
+            machine["working"] += 1
+        elif file.changed == newest[file.task]:  # nobody has gone on with it
+            machine["stalled"] += 1
+            stalled.append(file.name)
+    rates = [rate for machine in machines.values() for rate in machine["rates"]] or [plan.rate]
+    for machine in machines.values():
+        each = statistics.median(machine.pop("rates") or rates)
+        machine["samples_per_second"] = each * machine["working"]
+    return machines, stalled
+
+
+def summary(folder, plan, found, now, stalled_after):
+    """Everything that status has to say, for --json."""
+    tasks = state.unfinished(plan, found)
+    machines, stalled = machines_of(plan, found.files, set(tasks), now, stalled_after)
+    lacking = ranges.missing((0, plan.samples), found.held())
+    rate = sum(machine["samples_per_second"] for machine in machines.values())
+    lacks = ranges.size(lacking)
+    working = sum(machine["working"] for machine in machines.values())
+    per_sample = found.disk / max(1, ranges.size(ranges.union(r for f in found.files for r in f.held)) + ranges.size(found.merged))
+    held_twice = 1 if plan.until == "render" else 2
+    return {
+        "folder": str(folder.path), "scene": plan.scene, "job": plan.job, "spp": plan.spp,
+        "samples": plan.samples, "committed": plan.samples - lacks, "missing_samples": [list(r) for r in lacking],
+        "tasks": plan.tasks, "tasks_finished": plan.tasks - len(tasks), "tasks_working": working,
+        "missing_tasks": ranges.array_list(tasks), "stalled": stalled,
+        "samples_per_second": rate, "seconds_left": 0 if not lacks else lacks / rate if rate else None,
+        "machines": machines, "bytes": found.disk,
+        "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
+        "free_bytes": found.free, "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
+        "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
+        "steps_left": state.steps_left(folder, plan, found, tasks),
+    }
+
+
+def to_text(report, now):
+    done = 100 * report["committed"] / report["samples"]
+    lines = [f"{report['scene']}, {report['spp']:g} samples per pixel, job {report['job']}",
+             f"samples: {report['committed']} of {report['samples']} committed ({done:.1f} %)",
+             f"tasks:   {report['tasks_finished']} of {report['tasks']} finished, {report['tasks_working']} being rendered"]
+    if report["missing_samples"]:
+        lines.append(f"missing: samples {ranges.text([tuple(r) for r in report['missing_samples']])}")
+    if report["missing_tasks"]:
+        lines.append(f"         tasks --array={report['missing_tasks']}")
+    if report["samples_per_second"]:
+        left = report["seconds_left"]
+        lines.append(f"rate:    {units.format_count(report['samples_per_second'])} samples/s, {units.format_duration(left)} left")
+    lines.append(f"disk:    {units.format_size(report['bytes'])} used, {units.format_size(report['bytes_when_finished'])} "
+                 f"when finished, {units.format_size(report['free_bytes'])} free")
+    if report["steps_left"]:
+        lines.append(f"left:    {', '.join((['render'] if report['missing_tasks'] else []) + report['steps_left'])}")
+    elif report["complete"] and not report["missing_tasks"]:
+        lines.append("all done")
+    if report["machines"]:
+        lines += ["", f"{'machine':<20} {'finished':>8} {'samples':>10} {'samples/s':>10}  last commit"]
+    for host, machine in sorted(report["machines"].items()):
+        ago = units.format_duration(max(0, now - machine["last_commit"])) + " ago"
+        rate = units.format_count(machine["samples_per_second"]) if machine["working"] else "-"
+        lines.append(f"{host:<20} {machine['parts']:>8} {units.format_count(machine['samples']):>10} {rate:>10}  {ago}")
+    lines += [f"stalled: {name}" for name in report["stalled"]]
+    lines += [f"left out: {item['place']}: {item['reason']}" for item in report["left_out"]]
+    return "\n".join(lines) + "\n"
+
+
+def status(folder, as_json, stalled_after):
+    plan = folder.read_plan()
+    now = time.time()
+    report = summary(folder, plan, state.read_state(folder, plan), now, stalled_after)
+    return json.dumps(report, indent=2) + "\n" if as_json else to_text(report, now)

@@ -1,0 +1,44 @@
+"""Numbers as people read and write them; the same grammar as the other tools'."""
+import argparse
+import re
+
+
+def parse_duration(text):
+    """Seconds of 90, 10m or 1h30m."""
+    match = re.fullmatch(r"(?:(\d+(?:\.\d+)?)h)?(?:(\d+(?:\.\d+)?)m)?(?:(\d+(?:\.\d+)?)s?)?", text)
+    if not text or not match:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a time (try 90, 10m or 1h30m)")
+    hours, minutes, seconds = (float(part or 0) for part in match.groups())
+    return 3600 * hours + 60 * minutes + seconds
+
+
+def parse_size(text):
+    """Bytes of 512M or 1.5G, where K, M, G and T are powers of 1024."""
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)([KMGT]?)i?", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a size (try 512M or 1.5G)")
+    return int(float(match[1]) * 1024 ** " KMGT".index(match[2] or " "))
+
+
+def format_duration(seconds):
+    """As "12s", "42m" or "3h05m"."""
+    if seconds < 100:
+        return f"{seconds:.0f}s"
+    minutes = round(seconds / 60)
+    return f"{minutes}m" if minutes < 60 else f"{minutes // 60}h{minutes % 60:02}m"
+
+
+def format_size(count):
+    """As "1.5 GiB"."""
+    for unit in ("bytes", "KiB", "MiB", "GiB", "TiB"):
+        if count < 1024 or unit == "TiB":
+            return f"{count:.0f} {unit}" if unit == "bytes" else f"{count:.1f} {unit}"
+        count /= 1024
+
+
+def format_count(count):
+    """As "999", "1.2 M"."""
+    for unit, size in (("T", 1e12), ("G", 1e9), ("M", 1e6), ("K", 1e4)):
+        if count >= size:
+            return f"{count / (1e3 if unit == 'K' else size):.1f} {unit}"
+    return f"{count:.0f}"

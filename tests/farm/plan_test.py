@@ -1,0 +1,125 @@
+"""latent-farm plans, runs and extends a render, with real tools on a small scene: its picture is that of a single process."""
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from support import SCENE, SOURCE, TOOLS, FarmTest, run
+
+
+class Plan(FarmTest):
+    def test_a_farm_makes_the_picture_of_one_process_bit_for_bit(self):
+        report = self.plan("--tasks", 4, "--develop", "--size 32", command="submit")
+        self.assertEqual(report["tasks"], 4)
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(),
+                         self.single_process(4, report["run_samples"], develop=["--size", "32"]))
+        again = self.plan(command="submit")
+        self.assertEqual(again["steps"], [])
+
+    def test_a_plan_starts_nothing_and_its_commands_do_the_work(self):
+        report = self.plan("--tasks", 3, out="a night's $work")
+        self.assertEqual(os.listdir(self.folder / "a night's $work/parts"), [])
+        for command in report["commands"]:
+            self.succeed("/bin/sh", "-c", command)
+        self.assertTrue((self.folder / "a night's $work/picture.exr").exists())
+        self.assertEqual(self.status("a night's $work")["steps_left"], [])
+
+    def test_a_larger_spp_extends_the_plan_and_renders_only_what_is_new(self):
+        first = self.plan("--tasks", 3, spp=3, command="submit")
+        kept = {name: (self.folder / "night/parts" / name).stat().st_ino for name in ("part-00000.latent", "part-00001.latent")}
+        more = self.plan(spp=7.3)
+        self.assertEqual(more["task_samples"], first["task_samples"])
+        self.assertEqual(more["missing_samples"], more["samples"] - first["samples"])
+        self.plan(spp=7.3, command="submit")
+        for name, inode in kept.items():
+            self.assertEqual((self.folder / "night/parts" / name).stat().st_ino, inode)
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(7.3, first["run_samples"]))
+
+    def test_parts_may_be_deleted_after_the_merge_and_the_plan_extended_afterwards(self):
+        first = self.plan("--tasks", 2, spp=2, command="submit")
+        for part in (self.folder / "night/parts").iterdir():
+            part.unlink()
+        self.assertEqual(self.plan(spp=2)["steps"], [])
+        self.plan(spp=4, command="submit")
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, first["run_samples"]))
+
+    def test_what_a_killed_task_had_committed_is_not_rendered_again(self):
+        self.plan("--tasks", 2, "--checkpoint", "0.05", spp=400)
+        task = subprocess.Popen([self.folder / "night/task", "0"], stderr=subprocess.PIPE)
+        while not self.status()["committed"]:
+            time.sleep(0.05)
+        task.kill()
+        task.communicate()
+        committed = self.status()["committed"]
+        done = self.succeed(self.folder / "night/task", "0")
+        self.assertRegex(done.stderr.splitlines()[0], rf"committed {committed} of \d+ samples")
+        self.assertEqual(self.status()["tasks_finished"], 1)
+
+    def test_a_task_that_is_signalled_ends_with_status_75_and_resumes(self):
+        for number in (signal.SIGTERM, signal.SIGUSR1, signal.SIGUSR2):
+            with self.subTest(number):
+                self.plan("--tasks", 2, "--checkpoint", "0.05", spp=400, out=str(number))
+                task = subprocess.Popen([self.folder / str(number) / "task", "1"], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                while not self.status(str(number))["committed"]:
+                    time.sleep(0.05)
+                task.send_signal(number)
+                self.assertEqual(task.wait(), 75)
+
+    def test_eight_machines_share_a_job_of_one_run(self):
+        report = self.plan("--machines", 8, spp=16)
+        self.assertEqual(report["tasks"], 8)
+        self.assertEqual(report["task_samples"] * 8, report["samples"])
+        self.assertEqual(report["missing_tasks"], "0-7")
+
+    def test_the_merge_names_what_is_missing_and_leaves_no_file(self):
+        report = self.plan("--tasks", 4)
+        for task in (0, 1, 3):
+            self.succeed(self.folder / "night/task", task)
+        done = self.succeed(self.folder / "night/merge", status=1)
+        self.assertIn(f"samples {2 * report['task_samples']}:{3 * report['task_samples']} are required", done.stderr)
+        self.assertFalse((self.folder / "night/samples.latent").exists())
+
+    def test_what_would_spoil_a_plan_is_refused_with_one_line(self):
+        self.plan(spp=4)
+        night = self.folder / "night"
+        shutil.copy(SOURCE / "scenes/cornell.pbrt", self.folder / "other.pbrt")
+        farm = ["latent-farm", "plan", "--engine", "shell", "--out", night]
+        self.fail_with("is planned for", *farm, self.folder / "other.pbrt", "--spp", 4, status=2)
+        self.fail_with("is planned with 4", *farm, SCENE, "--spp", 2, status=2)
+        self.fail_with("other options", *farm, SCENE, "--spp", 4, "--", "--seed", 7, status=2)
+        self.fail_with("is set by latent-farm", "latent-farm", "plan", SCENE, "--spp", 4, "--out", self.folder / "x", "--", "--shard", "0/2", status=2)
+        self.fail_with("none.pbrt: cannot open: No such file", "latent-farm", "plan", self.folder / "none.pbrt", "--spp", 4, "--out", self.folder / "y")
+        self.fail_with("holds no plan", "latent-farm", "resume", self.folder / "z")
+        self.fail_with("holds no plan", "latent-farm", "status", self.folder / "z")
+        self.fail_with("--out", "latent-farm", "plan", SCENE, status=2)
+        for name in ("x", "y", "z"):
+            self.assertFalse((self.folder / name).exists(), name)
+
+    def test_a_scene_that_has_changed_is_another_job(self):
+        scene = self.folder / "scene.pbrt"
+        shutil.copy(SCENE, scene)
+        self.plan(spp=2, scene=scene)
+        scene.write_text(scene.read_text().replace("2856", "2857"))
+        self.fail_with("has changed", "latent-farm", "plan", scene, "--spp", 3, "--out", self.folder / "night", "--engine", "shell")
+
+    def test_help_fits_80_columns_and_is_found_for_every_command(self):
+        for command in ([], ["plan"], ["submit"], ["resume"], ["status"]):
+            text = self.succeed("latent-farm", *command, "--help").stdout
+            self.assertLessEqual(max(map(len, text.splitlines())), 80)
+            self.assertIn("Usage: latent-farm", text)
+        self.assertRegex(self.succeed("latent-farm", "--version").stdout, r"^latent-farm \d+\.\d+\.\d+\n$")
+
+
+@unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+class Parallel(FarmTest):
+    def test_parallel_runs_the_same_tasks(self):
+        report = self.plan("--tasks", 3, engine="parallel", command="submit")
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
+        self.assertIn("task 2", (self.folder / "night/logs/parallel.log").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,172 @@
+"""latent-farm on a Slurm cluster of three nodes that loses power and cables: the picture is that of a single process, and what was
+committed is not rendered again. The scenarios are named on the command line; without names, those that are quick."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+import unittest
+
+from support import SOURCE, TOOLS, FarmTest, run
+
+CLUSTER = pathlib.Path(__file__).with_name("cluster")
+SCENE = SOURCE / "scenes/cornell.pbrt"
+OPTIONS = ["--resolution", "64x64", "--integrator", "bdpt", "--record", "xyz"]
+STATUS = re.compile(r"committed (\d+) of (\d+) samples")
+TAKEN_OVER = re.compile(r"(?m)committed (\d+) of \d+ samples \([\d.]+ %\)$")  # from earlier attempts: nothing was rendered yet
+SLOW = {"test_c_a_pulled_cable_makes_two_writers_and_no_damage", "test_d_preempted_tasks_resume",
+        "test_e_tasks_at_their_time_limit_requeue_themselves"}
+
+
+class Slurm(FarmTest):
+    def setUp(self):
+        super().setUp()
+        self.lab = self.folder / "cluster"
+        self.cluster("up", 3)
+        self.addCleanup(self.cluster, "down")
+        self.night = self.folder / "night"
+
+    def cluster(self, verb, *arguments):
+        done = run(CLUSTER, self.lab, verb, *arguments, env={**os.environ, "PATH": f"{TOOLS}:{os.environ['PATH']}"})
+        self.assertEqual(done.returncode, 0, f"{verb} {arguments}\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def farm(self, *arguments):
+        return json.loads(self.cluster("exec", "latent-farm", arguments[0], "--json", *arguments[1:]))
+
+    def submit(self, *more, spp=200, tasks=6, command="submit"):
+        """One processor for a task, so that two run on a node."""
+        return self.farm(command, SCENE, "--spp", spp, "--out", self.night, "--tasks", tasks, "--cpus", 1, "--memory", "100M",
+                         "--checkpoint", "0.5", "--develop=--size 64", *more, "--", *OPTIONS)
+
+    def queue(self):
+        return [line.split() for line in self.cluster("exec", "squeue", "-h", "-r", "-o", "%i %T %N %j").splitlines()]
+
+    def wait_for(self, condition, what, seconds=150):
+        end = time.time() + seconds
+        while not condition():
+            self.assertLess(time.time(), end, f"{what}: not within {seconds} s\n{self.queue()}\n{self.logs()}")
+            time.sleep(0.2)
+
+    def wait_for_end(self, seconds=240):
+        self.wait_for(lambda: not self.queue(), "the queue is empty", seconds)
+
+    def logs(self):
+        return "\n".join(f"{log.name}:\n{log.read_text()}" for log in sorted(self.night.glob("logs/*.log")))
+
+    def working_on(self, node):
+        """The logs of tasks on a node that have committed something and are not done."""
+        found = []
+        for log in self.night.glob("logs/render-*.log"):
+            attempt = log.read_text().rpartition("task ")[2]
+            if f" on {node}," in attempt and STATUS.search(attempt) and "rendered in" not in attempt:
+                found.append(log)
+        return found
+
+    def check_picture(self, report, spp=200):
+        """The picture is that of one process, and status has nothing left to say."""
+        self.assertTrue((self.night / "picture.exr").exists(), self.logs())
+        self.succeed("latent-render", SCENE, "--spp", spp, "--run-samples", report["run_samples"], *OPTIONS, "-o", self.folder / "one.latent")
+        self.succeed("latent-develop", self.folder / "one.latent", "--size", 64, "-o", self.folder / "one.exr")
+        self.assertEqual((self.night / "picture.exr").read_bytes(), (self.folder / "one.exr").read_bytes())
+        status = self.farm("status", self.night)
+        self.assertEqual((status["committed"], status["missing_tasks"], status["steps_left"]), (report["samples"], "", []))
+
+    def check_nothing_was_rendered_twice(self):
+        """Of every task, each attempt begins with at least what the one before is known to have committed, and what it renders is all
+        that is committed later. Returns the number of attempts that resumed."""
+        resumed = 0
+        for log in self.night.glob("logs/render-*.log"):
+            before = 0
+            for attempt in re.split(r"(?m)^task \d+ on .*$", log.read_text())[1:]:
+                found = [tuple(map(int, match)) for match in STATUS.findall(attempt)]
+                if not found:
+                    continue
+                taken_over = TAKEN_OVER.search(attempt)
+                begun = int(taken_over[1]) if taken_over else 0
+                self.assertGreaterEqual(begun, before, log.read_text())
+                resumed += begun > 0
+                rendered = re.search(r"samples \d+:\d+, (\d+) rendered", attempt)
+                if rendered and "another process" not in attempt:
+                    self.assertEqual(int(rendered[1]), found[-1][0] - begun, log.read_text())
+                before = found[-1][0]
+        return resumed
+
+    def test_a_undisturbed_it_makes_the_picture_of_one_process(self):
+        report = self.submit()
+        self.assertEqual(report["steps"], ["render", "merge", "develop"])
+        refused = run(CLUSTER, self.lab, "exec", TOOLS / "latent-farm", "resume", self.night)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("still in Slurm's queue", refused.stderr)
+        self.wait_for_end()
+        self.check_picture(report)
+        self.assertEqual(self.check_nothing_was_rendered_twice(), 0)
+        self.assertEqual(set(self.farm("status", self.night)["machines"]), {"n1", "n2", "n3"})
+
+    def test_b_a_power_cut_costs_no_committed_run(self):
+        report = self.submit()
+        self.wait_for(lambda: self.working_on("n2"), "n2 has committed something")
+        self.cluster("off", "n2")
+        self.wait_for_end()
+        self.check_picture(report)
+        self.assertGreaterEqual(self.check_nothing_was_rendered_twice(), 1)
+
+    def test_c_a_pulled_cable_makes_two_writers_and_no_damage(self):
+        report = self.submit(spp=1800, tasks=3)
+        self.wait_for(lambda: self.working_on("n2"), "n2 has committed something")
+        self.cluster("unplug", "n2")
+        self.wait_for(lambda: any("attempt 2" in log.read_text() for log in self.night.glob("logs/render-*.log")), "a second writer")
+        self.wait_for_end(400)
+        self.cluster("plug", "n2")
+        self.check_picture(report, spp=1800)
+
+    def test_d_preempted_tasks_resume(self):
+        report = self.submit()
+        self.wait_for(lambda: self.working_on("n1") and self.working_on("n2"), "n1 and n2 have committed something")
+        self.cluster("exec", "sbatch", "--partition=urgent", "--nodes=3", "--exclusive", "--output=/dev/null", "--wrap", "sleep 1")
+        self.wait_for_end()
+        self.check_picture(report)
+        self.assertGreaterEqual(self.check_nothing_was_rendered_twice(), 1)
+
+    def test_e_tasks_at_their_time_limit_requeue_themselves(self):
+        report = self.submit("--time", "1m", spp=2900, tasks=3)
+        self.wait_for_end(600)
+        self.check_picture(report, spp=2900)
+        self.assertGreaterEqual(self.check_nothing_was_rendered_twice(), 1)
+
+    def test_f_after_a_task_failed_for_good_the_same_command_completes_the_chain(self):
+        task = self.night / "task"
+        report = self.submit(command="plan")
+        whole = task.read_text()
+        broken = whole.replace("#!/bin/sh\n", '#!/bin/sh\n[ "$1" != 3 ] || { sleep 1; exit 1; }\n')
+        self.assertNotEqual(broken, whole)
+        task.write_text(broken)
+        self.cluster("exec", "bash", "-ec", "\n".join(report["commands"]))  # as a user would paste them
+        self.wait_for_end()
+        self.assertFalse((self.night / "samples.latent").exists())
+        status = self.farm("status", self.night)
+        self.assertEqual(status["missing_tasks"], "3")
+        finished = {path.name: path.stat().st_ino for path in (self.night / "parts").glob("*.latent")}
+        self.assertEqual(len(finished), 5)
+        again = self.farm("resume", self.night)
+        self.assertEqual(again["missing_tasks"], "3")
+        self.wait_for_end()
+        self.check_picture(report)
+        for name, inode in finished.items():
+            self.assertEqual((self.night / "parts" / name).stat().st_ino, inode, f"{name} was rendered again")
+
+
+def load(names):
+    every = unittest.defaultTestLoader.getTestCaseNames(Slurm)
+    chosen = [name for name in every if name.split("_")[1] in names] if names else [name for name in every if name not in SLOW]
+    return unittest.TestSuite(Slurm(name) for name in chosen)
+
+
+if __name__ == "__main__":
+    possible = subprocess.run([CLUSTER, "/nonexistent", "possible"], capture_output=True, text=True)
+    if possible.returncode != 0:
+        print(f"skipped: {possible.stdout.strip()}")
+        sys.exit(77)
+    sys.exit(not unittest.TextTestRunner(verbosity=2).run(load(sys.argv[1:])).wasSuccessful())

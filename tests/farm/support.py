@@ -1,0 +1,55 @@
+"""What the tests of latent-farm share: the tools as they were built, a small scene, and a folder that goes away."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+TOOLS = pathlib.Path(os.environ["LATENT_TOOLS"])
+SOURCE = pathlib.Path(os.environ["LATENT_SOURCE"])
+SCENE = SOURCE / "scenes/sodium.pbrt"
+sys.path.insert(0, str(SOURCE / "farm"))
+
+
+def run(*command, **settings):
+    """A tool and its arguments. Its status, standard output and standard error."""
+    program = TOOLS / command[0] if str(command[0]).startswith("latent-") else command[0]
+    return subprocess.run([str(program), *map(str, command[1:])], stdin=subprocess.DEVNULL, capture_output=True, text=True, **settings)
+
+
+class FarmTest(unittest.TestCase):
+    """Every test has a folder of its own, self.folder."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="latent-farm-test-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def succeed(self, *command, status=0, **settings):
+        done = run(*command, **settings)
+        self.assertEqual(done.returncode, status, f"{command}\n{done.stdout}{done.stderr}")
+        return done
+
+    def fail_with(self, text, *command, status=1):
+        """One line on standard error that holds `text`."""
+        done = self.succeed(*command, status=status)
+        self.assertIn(text, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        return done
+
+    def plan(self, *more, command="plan", spp=4, out="night", scene=SCENE, engine="shell", options=()):
+        done = self.succeed("latent-farm", command, scene, "--spp", spp, "--out", self.folder / out, "--engine", engine, "--json", *more,
+                            "--", "--resolution", "64x64", *options)
+        return json.loads(done.stdout)
+
+    def status(self, out="night", *more):
+        return json.loads(self.succeed("latent-farm", "status", self.folder / out, "--json", *more).stdout)
+
+    def single_process(self, spp, run_samples, options=(), develop=()):
+        """The picture of one process that renders everything, as bytes."""
+        self.succeed("latent-render", SCENE, "--resolution", "64x64", "--spp", spp, "--run-samples", run_samples, *options,
+                     "-o", self.folder / "single.latent", "--force")
+        self.succeed("latent-develop", self.folder / "single.latent", *develop, "-o", self.folder / "single.exr", "--force")
+        return (self.folder / "single.exr").read_bytes()
