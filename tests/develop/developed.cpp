@@ -47,10 +47,12 @@ Settings settings_for(std::uint32_t width, std::uint32_t height, const char* fil
     return settings;
 }
 
-Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads, const color::Observer* observer) {
-    const auto channels = Channels::xyz(gathering.job(), observer);
+Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads, const color::Observer* observer,
+                            const Layers& layers) {
+    auto channels = Channels::xyz(gathering.job(), observer);
     EXPECT_TRUE(channels);
-    MemoryPicture picture(settings.crop, 3);
+    channels->add_layers(layers);
+    MemoryPicture picture(settings.crop, channels->layout().outputs());
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(threads).run([&] { counts = develop(gathering, *channels, settings, picture); });
     EXPECT_TRUE(counts) << counts.error().message;

@@ -96,9 +96,10 @@ struct Developed {
     DevelopCounts counts;
 };
 
-// Develops on `threads` threads; an empty crop means all. The job's records are XYZ, or seen by `observer`.
+// Develops on `threads` threads; an empty crop means all. The job's records are XYZ, or seen by `observer`. A pixel has the values
+// of RowLayout::outputs().
 Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads = 2,
-                            const color::Observer* observer = nullptr);
+                            const color::Observer* observer = nullptr, const Layers& layers = {});
 
 struct ReferencePixel {
     double value[3];

@@ -106,6 +106,15 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
                      ->type_name("N|FROM:TO:STEP");
     for (const char* observer : {"--observer", "--camera-output", "--raw-balance", "--lens-filter"})
         bins->excludes(app.get_option(observer));
+    const auto layers = [&options](const std::string& text) {
+        Result<Layers> chosen = parse_layers(text);
+        if (chosen) chosen->halves = options.layers.halves;
+        return chosen;
+    };
+    cli::add_parsed(app, "--layers", options.layers, layers,
+                    "further layers: variance of the camera image, weight (sum of filter weights), count (samples)")
+        ->type_name("variance,weight,count");
+    app.add_flag("--halves", options.layers.halves, "also store the picture of each half of the samples, to see the noise");
     cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
     app.add_option("--simd", options.simd, "instruction set; makes no difference to pixels")
         ->capture_default_str()

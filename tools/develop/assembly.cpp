@@ -69,14 +69,16 @@ Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& 
     : grid_(grid),
       crop_(crop),
       normalisation_(normalisation),
+      stride_(normalisation.layout.stride()),
       has_lobes_(filter.kernel().has_negative_lobes),
       border_(filter, grid.width(), grid.height()),
-      slot_sums_(static_cast<std::size_t>(kChunk * filter.kernel().side() * normalisation.stride)),
+      slot_sums_(static_cast<std::size_t>(kChunk * filter.kernel().side() * stride_)),
       sums_(folder,
             slot_sums_ * sizeof(double) *
                 ((normalisation.camera ? 1 : 0) + (normalisation.light ? 1 : 0) + (normalisation.camera && has_lobes_ ? 1 : 0)),
             waiting_memory / 2),
-      finished_(folder, sizeof(float) * kBlock * kBlock * static_cast<std::size_t>(normalisation.channels), waiting_memory / 2),
+      finished_(folder, sizeof(float) * kBlock * kBlock * static_cast<std::size_t>(normalisation.layout.outputs()),
+                waiting_memory / 2),
       sink_(sink),
       buffers_(kTilesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())) {}
 
@@ -97,7 +99,8 @@ Status Assembly::add(const Windows& windows, const PositiveSums& positive, std::
             return nullptr;
         }
         const Tile* tile = &tiles[next];
-        const auto values = static_cast<std::size_t>(tile->pixels.width() * tile->pixels.height() * normalisation_.channels);
+        const auto values =
+            static_cast<std::size_t>(tile->pixels.width() * tile->pixels.height() * normalisation_.layout.outputs());
         std::vector<float>& pixels = buffers_[next++ % buffers_.size()];  // the tile that had it is written
         pixels.resize(std::max(pixels.size(), values));
         return new Task{tile, tile->last_z < z_end, std::span(pixels).first(values)};
@@ -155,7 +158,7 @@ bool Assembly::finishes(const Pane& pane, const Piece& piece) const {
 }
 
 Status Assembly::add_tile(const Pane& pane, const Tile& tile, bool complete, std::span<float> pixels) {
-    const auto channels = static_cast<std::size_t>(normalisation_.channels);
+    const auto channels = static_cast<std::size_t>(normalisation_.layout.outputs());
     const std::size_t row = static_cast<std::size_t>(tile.pixels.width()) * channels;
     const auto at = [&](std::int64_t x, std::int64_t y) {
         return &pixels[static_cast<std::size_t>(y - tile.pixels.y0) * row +
@@ -231,7 +234,7 @@ Status Assembly::add_piece(const Pane& pane, const Piece& piece, float* out, std
 // Adds the sums of a pane to those of the panes before. They wait in chunks, which have room in a slot.
 Status Assembly::add_waiting(const Pane& pane, const Piece& piece, bool begun, bool finished, float* out, std::size_t out_row) {
     const PixelRect& pixels = piece.pixels;
-    const auto stride = static_cast<std::size_t>(normalisation_.stride);
+    const auto stride = static_cast<std::size_t>(stride_);
     const auto size = static_cast<std::size_t>(pixels.width() * pixels.height()) * stride;
     const std::size_t images = (normalisation_.camera ? 1 : 0) + (normalisation_.light ? 1 : 0);
     const bool with_positive = normalisation_.camera && has_lobes_;
@@ -286,13 +289,13 @@ void Assembly::add_positive(const Pane& pane, const Piece& piece, std::span<doub
 
 // Adds the windows of the pane's cells to sums of a piece, row after row. Null where none of them has such records.
 Assembly::Sums Assembly::add_up(const Windows& windows, const Piece& piece, double* camera, double* light) const {
-    const auto row = static_cast<std::size_t>(piece.pixels.width() * normalisation_.stride);
+    const auto row = static_cast<std::size_t>(piece.pixels.width() * stride_);
     Sums sums{nullptr, nullptr, nullptr, row, row};
     for_cells_in_z_order(intersection(piece.cells, windows.cells), [&](std::int64_t x, std::int64_t y) {
         const Windows::Cell& cell = windows.at(x, y);
         const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-        if (cell.camera) add_window(cell.camera, window, piece.pixels, normalisation_.stride, camera), sums.camera = camera;
-        if (cell.light) add_window(cell.light, window, piece.pixels, normalisation_.stride, light), sums.light = light;
+        if (cell.camera) add_window(cell.camera, window, piece.pixels, stride_, camera), sums.camera = camera;
+        if (cell.light) add_window(cell.light, window, piece.pixels, stride_, light), sums.light = light;
     });
     return sums;
 }
@@ -301,15 +304,14 @@ Assembly::Sums Assembly::add_up(const Windows& windows, const Piece& piece, doub
 Assembly::Sums Assembly::sums_in_pane(const Windows& windows, const Piece& piece, std::vector<double>& memory) const {
     const PixelRect& cells = piece.cells;
     if (cells.width() > 1 || cells.height() > 1) {
-        const auto size = static_cast<std::size_t>(piece.pixels.width() * piece.pixels.height() * normalisation_.stride);
+        const auto size = static_cast<std::size_t>(piece.pixels.width() * piece.pixels.height() * stride_);
         memory.assign(2 * size, 0.0);
         return add_up(windows, piece, memory.data(), memory.data() + size);
     }
     const Windows::Cell& cell = windows.at(cells.x0, cells.y0);
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(cells.x0), static_cast<std::uint32_t>(cells.y0));
-    const auto row = static_cast<std::size_t>(window.width() * normalisation_.stride);
-    const std::int64_t first =
-        ((piece.pixels.y0 - window.y0) * window.width() + piece.pixels.x0 - window.x0) * normalisation_.stride;
+    const auto row = static_cast<std::size_t>(window.width() * stride_);
+    const std::int64_t first = ((piece.pixels.y0 - window.y0) * window.width() + piece.pixels.x0 - window.x0) * stride_;
     return {cell.camera ? cell.camera + first : nullptr, cell.light ? cell.light + first : nullptr, nullptr, row, row};
 }
 
@@ -334,9 +336,10 @@ void Assembly::finish(const Pane& pane, const Piece& piece, const Sums& sums, fl
             scale[x] = light_scale(pixels.x0 + static_cast<std::int64_t>(x), y);
         }
         const auto row = static_cast<std::size_t>(y - pixels.y0);
-        few += normalise_row({sums.camera ? sums.camera + row * sums.camera_row : nullptr,
-                              sums.light ? sums.light + row * sums.light_row : nullptr, normalisation_.stride, least, scale},
-                             normalisation_.channels, out + row * out_row);
+        few += normalise_row(
+            {sums.camera ? sums.camera + row * sums.camera_row : nullptr, sums.light ? sums.light + row * sums.light_row : nullptr,
+             normalisation_.layout, least, scale, normalisation_.half_scale},
+            out + row * out_row);
     }
     if (!sums.camera && normalisation_.camera) counts_.empty += width * static_cast<std::uint64_t>(pixels.height());
     if (few > 0) finish_few_samples(pane, piece, sums, out, out_row);
@@ -348,8 +351,8 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
         for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) {
             const double weight = sums.camera[static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
-                                              static_cast<std::size_t>((x - piece.pixels.x0) * normalisation_.stride) +
-                                              static_cast<std::size_t>(normalisation_.channels)];
+                                              static_cast<std::size_t>((x - piece.pixels.x0) * stride_) +
+                                              static_cast<std::size_t>(normalisation_.layout.share())];
             if (weight >= least_weight(x, y)) continue;
             few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
         }
@@ -358,8 +361,8 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
 }
 
 void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row) {
-    const auto stride = static_cast<std::size_t>(normalisation_.stride),
-               channels = static_cast<std::size_t>(normalisation_.channels);
+    const auto stride = static_cast<std::size_t>(stride_), outputs = static_cast<std::size_t>(normalisation_.layout.outputs()),
+               share = static_cast<std::size_t>(normalisation_.layout.share());
     thread_local std::vector<double> positive;
     std::uint64_t fallback = 0, empty = 0;
     for_chunks(piece.pixels, [&](const PixelRect& chunk) {
@@ -369,7 +372,7 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
         const auto column_of = [&](std::int64_t x) { return static_cast<std::size_t>(x - piece.pixels.x0); };
         positive.assign(static_cast<std::size_t>(few.width() * few.height()) * stride, 0.0);
         if (has_lobes_ && sums.positive) {
-            add_window(sums.positive, piece.pixels, few, normalisation_.stride, positive.data());
+            add_window(sums.positive, piece.pixels, few, stride_, positive.data());
         }
         if (has_lobes_) {
             add_positive(pane, {few, piece.cells}, positive);
@@ -385,16 +388,17 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
         for (std::int64_t y = few.y0; y < few.y1; ++y) {
             for (std::int64_t x = few.x0; x < few.x1; ++x, at += stride) {
                 const std::size_t row = row_of(y), column = column_of(x);
-                if (sums.camera[row * sums.camera_row + column * stride + channels] >= least_weight(x, y)) continue;
+                if (sums.camera[row * sums.camera_row + column * stride + share] >= least_weight(x, y)) continue;
                 const double none = 0, scale = light_scale(x, y);
                 normalise_row({at,
                                sums.light ? sums.light + row * sums.light_row + column * stride : nullptr,
-                               normalisation_.stride,
+                               normalisation_.layout,
                                {&none, 1},
-                               {&scale, 1}},
-                              normalisation_.channels, out + row * out_row + column * channels);
-                fallback += has_lobes_ && at[channels] > 0;
-                empty += !(at[channels] > 0);
+                               {&scale, 1},
+                               normalisation_.half_scale},
+                              out + row * out_row + column * outputs);
+                fallback += has_lobes_ && at[share] > 0;
+                empty += !(at[share] > 0);
             }
         }
     });

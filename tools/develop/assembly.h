@@ -2,6 +2,7 @@
 // pixels".
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "base/slot_file.h"
 #include "tools/develop/border.h"
 #include "tools/develop/film_grid.h"
+#include "tools/develop/layers.h"
 #include "tools/develop/positive.h"
 #include "tools/develop/windows.h"
 
@@ -23,18 +25,18 @@ class TileSink {
     static constexpr int kTile = 256;
 
     virtual ~TileSink() = default;
-    // Tile (x, y) of the crop, counted in kTile x kTile pixels from its corner; rows one after another, `channels` floats per
-    // pixel.
+    // Tile (x, y) of the crop, counted in kTile x kTile pixels from its corner; rows one after another, RowLayout::outputs() floats
+    // per pixel.
     virtual Status write(int x, int y, std::span<const float> pixels) = 0;
 };
 
 // What turns sums into values.
 struct Normalisation {
-    int channels;           // of a pixel
-    int stride;             // sums of a pixel of each image: its channels, then w c
-    bool camera, light;     // which images are added up
-    double camera_density;  // samples per pixel of the film
-    double light_scale;     // pixels of the full film / N
+    RowLayout layout;                  // of the sums of a pixel of each image, and of its values
+    bool camera, light;                // which images are added up
+    double camera_density;             // samples per pixel of the film
+    double light_scale;                // pixels of the full film / N
+    std::array<double, 2> half_scale;  // N over the samples of either half
 };
 
 struct PixelCounts {
@@ -104,6 +106,7 @@ class Assembly {
     const FilmGrid& grid_;
     PixelRect crop_;
     Normalisation normalisation_;
+    int stride_;
     bool has_lobes_;
     BorderShare border_;
     std::size_t slot_sums_;  // doubles of one image in a slot of sums_

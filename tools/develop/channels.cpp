@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/parse.h"
 #include "tools/develop/rows.h"
@@ -191,7 +192,7 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const Spectra
     channels.kind_ = job.kind;
     channels.batch_ = job.batch;
     channels.density_ = job.density;
-    channels.count_ = channels.bins_ = bins.count;
+    channels.layout_.channels = channels.bins_ = bins.count;
     channels.bins_from_ = static_cast<float>(bins.from_nm);
     channels.bins_to_ = static_cast<float>(bins.to_nm);
     channels.bins_per_nm_ = static_cast<float>(bins.count) / (channels.bins_to_ - channels.bins_from_);
@@ -200,7 +201,9 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const Spectra
     return channels;
 }
 
-sampledb::ColumnSet Channels::columns() const { return {.samples = false, .extra = false}; }
+sampledb::ColumnSet Channels::columns() const {
+    return {.samples = layout_.layers.by_sample() || layout_.layers.halves, .extra = false};
+}
 
 void Channels::add_pair(float lambda_nm, float power, float* out) const {
     if (!std::isfinite(lambda_nm)) {
@@ -234,33 +237,63 @@ void Channels::spectral_row(const sampledb::Page& page, std::size_t row, float* 
     }
 }
 
+// The lanes behind the share.
+void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
+    const bool camera = page.record_class == sampledb::RecordClass::kCamera;
+    const int step = stride(), n = count();
+    const auto same = [&](std::size_t a, std::size_t b) {
+        return page.sample[a] == page.sample[b] && page.u[a] == page.u[b] && page.v[a] == page.v[b];
+    };
+    for (std::size_t row = begin; row < end;) {
+        float* const first = out + static_cast<std::ptrdiff_t>(row - begin) * step;
+        std::size_t next = row + 1;
+        for (; camera && layout_.layers.by_sample() && next < end && same(row, next); ++next) {
+            float* const other = out + static_cast<std::ptrdiff_t>(next - begin) * step;
+            for (int lane = 0; lane <= n; ++lane) first[lane] += std::exchange(other[lane], 0.0f);
+        }
+        if (layout_.layers.halves && half_of(page.sample[row]) == 0) std::copy_n(first, layout_.linear(), first + layout_.half());
+        if (layout_.layers.variance && camera) {
+            const float share = first[n];
+            for (int c = 0; c < n; ++c) {
+                first[layout_.squares() + c] = first[c] * first[c];
+                first[layout_.products() + c] = first[c] * share;
+            }
+            first[layout_.share_square()] = share * share;
+        }
+        if (layout_.layers.count && camera) first[layout_.counter()] = 1;
+        row = next;
+    }
+}
+
 std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
-    const int step = stride();
-    if (kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
+    const int step = stride(), n = count();
+    float* const rows = out;
+    if (step == 4 && kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
         interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
         return 0;
     }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
         float share = !camera ? 0.0f : page.unit_share ? 1.0f : page.share[row];
+        std::fill(out, out + step, 0.0f);
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];
             out[1] = page.y[row];
             out[2] = page.z[row];
         } else {
-            std::fill(out, out + step, 0.0f);
             spectral_row(page, row, out);
         }
         float check = share;  // times zero: 0 if all are finite, else NaN
-        for (int c = 0; c < count_; ++c) check += out[c] * 0.0f;
+        for (int c = 0; c < n; ++c) check += out[c] * 0.0f;
         if (!std::isfinite(check)) {
             ++not_finite;
-            std::fill(out, out + count_, 0.0f);
+            std::fill(out, out + n, 0.0f);
             if (!std::isfinite(share)) share = 0;
         }
-        out[count_] = share;
+        out[n] = share;
     }
+    if (step > layout_.linear()) complete_rows(page, begin, end, rows);
     return not_finite;
 }
 

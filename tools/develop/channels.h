@@ -10,6 +10,7 @@
 #include "color/observer.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
+#include "tools/develop/layers.h"
 
 namespace latent::develop {
 
@@ -56,20 +57,27 @@ class Channels {
     // Mean spectral radiance of each bin in W m^-2 sr^-1 nm^-1. Errors: kUsage for XYZ jobs.
     static Result<Channels> spectral_bins(const sampledb::Job& job, const SpectralBins& bins);
 
-    int count() const { return count_; }
-    int stride() const { return (count_ + 4) / 4 * 4; }  // channels and the share, a multiple of 4
+    void add_layers(const Layers& layers) { layout_.layers = layers; }
+
+    const RowLayout& layout() const { return layout_; }
+    int count() const { return layout_.channels; }
+    int stride() const { return layout_.stride(); }
     sampledb::ColumnSet columns() const;
 
-    // For rows begin .. end-1: `stride()` floats each: channels, share (light records: 0), zeros. Values that are not finite become
-    // black, so do their shares where these are not finite; returns how many rows had such values.
+    // For rows begin .. end-1: a row of layout() each: channels, share (light records: 0), and what layers need. Values that are
+    // not finite become black, so do their shares where these are not finite; returns how many rows had such values. Layers of
+    // samples need the rows of a sample at one position to be neighbours, as they are in a page: the first becomes their sum, the
+    // others 0.
     std::uint64_t values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
 
  private:
     void spectral_row(const sampledb::Page& page, std::size_t row, float* out) const;
     void add_pair(float lambda_nm, float power, float* out) const;
+    void complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
 
     sampledb::RecordKind kind_ = sampledb::RecordKind::kXyz;
-    int count_ = 3, bins_ = 0, batch_ = 0;
+    RowLayout layout_;
+    int bins_ = 0, batch_ = 0;
     float bins_from_ = 0, bins_to_ = 0, bins_per_nm_ = 0;
     float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;

@@ -65,14 +65,17 @@ class Engine {
           classes_{.camera = settings.camera && expected_.camera > 0,
                    .light = settings.light && expected_.light > 0 && gathering.light_paths() > 0},
           with_positive_(classes_.camera && settings.filter.kernel().has_negative_lobes),
-          pane_(grid_, settings.filter.kernel(), channels.stride(), classes_) {
+          pane_(grid_, settings.filter.kernel(), channels.layout().lanes(), classes_) {
         counts_.light_paths = gathering.light_paths();
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
         const double camera_density = std::min(static_cast<double>(gathering.coverage().size()), expected_.camera) / pixels;
-        normalisation_ = {channels.count(), channels.stride(),
-                          classes_.camera,  classes_.light,
-                          camera_density,   classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0};
+        normalisation_ = {channels.layout(),
+                          classes_.camera,
+                          classes_.light,
+                          camera_density,
+                          classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0,
+                          half_scales(gathering)};
         needed_ = grid_.cells_reaching(settings.crop);
         share_memory(sink);
     }
@@ -108,12 +111,23 @@ class Engine {
         RecordBatch batch;
     };
 
+    // N over the samples of each half.
+    std::array<double, 2> half_scales(const sampledb::Gathering& gathering) const {
+        std::array<double, 2> scales{};
+        const auto all = static_cast<double>(gathering.coverage().size());
+        for (int half = 0; half < 2 && channels_.layout().layers.halves; ++half) {
+            const std::uint64_t count = count_in_half(gathering.coverage(), half);
+            if (count > 0) scales[static_cast<std::size_t>(half)] = all / static_cast<double>(count);
+        }
+        return scales;
+    }
+
     // The budget: waiting sums and tiles, and the threads' own buffers; the rest is one slab for records and windows.
     void share_memory(TileSink& sink) {
         const std::uint64_t threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
         const std::uint64_t waiting = settings_.memory / 16;
         const std::uint64_t tile_bytes =
-            sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.count());
+            sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.layout().outputs());
         own_bytes_ = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
         slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
         slab_bytes_ = std::min(slab_bytes_, kMostSlab);
@@ -238,7 +252,7 @@ class Engine {
         }
         begin_pane(cells, room);
         pane_.add_records(batches, {});
-        return finish_pane(node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.stride(), batches));
+        return finish_pane(node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.layout().lanes(), batches));
     }
 
     Status develop_streaming(const Region& region, std::span<std::byte> room) {
@@ -266,7 +280,7 @@ class Engine {
             return taken;
         };
         begin_pane(region.cells, take(pane_.bytes(region.cells)));
-        PositiveWindows positive(grid_, settings_.filter.kernel(), stride, region.cells);
+        PositiveWindows positive(grid_, settings_.filter.kernel(), channels_.layout().lanes(), region.cells);
         if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, stride, region.cells)));
         const auto add = [&](const RecordBatch& batch, const PageRange& range) {
             const std::vector<const RecordBatch*> batches = with_held(batch);

@@ -1,5 +1,7 @@
 #include "tools/develop/normalise.h"
 
+#include <algorithm>
+
 namespace latent::develop {
 
 namespace {
@@ -30,18 +32,66 @@ std::size_t normalise(const SumRow& row, int stride, int channels, float* out) {
 }
 
 template <bool kCamera, bool kLight>
-std::size_t normalise_any(const SumRow& row, int channels, float* out) {
-    if (channels == 3) return normalise<kCamera, kLight>(row, 4, 3, out);  // the loop over channels unrolled
-    return normalise<kCamera, kLight>(row, row.stride, channels, out);
+std::size_t normalise_any(const SumRow& row, float* out) {
+    const RowLayout& layout = row.layout;
+    if (layout.stride() == 4 && layout.channels == 3) return normalise<kCamera, kLight>(row, 4, 3, out);  // the loop unrolled
+    return normalise<kCamera, kLight>(row, layout.stride(), layout.channels, out);
+}
+
+// A pixel and all that goes with it; null sums are zeros. True if it has enough weight.
+bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const double* light, float* out) {
+    const RowLayout& layout = row.layout;
+    const int n = layout.channels;
+    const double weight = camera ? camera[layout.share()] : 0;
+    const bool enough = weight > 0 && weight >= row.least_weight[i];
+    const double per_weight = enough ? 1 / weight : 0;
+    const auto put = [&out](double value) { *out++ = static_cast<float>(value); };
+    const auto camera_value = [&](int c) { return camera ? camera[c] * per_weight : 0; };
+    for (int c = 0; c < n; ++c) put(camera_value(c) + (light ? light[c] * row.light_scale[i] : 0));
+    for (int c = 0; c < n && layout.layers.variance; ++c) {
+        // sum over samples of (w (s - c C))^2, which rounding must not make negative
+        const double value = camera_value(c);
+        const double sum = camera ? camera[layout.squares() + c] - 2 * value * camera[layout.products() + c] +
+                                        value * value * camera[layout.share_square()]
+                                  : 0;
+        put(std::max(0.0, sum) * per_weight * per_weight);
+    }
+    if (layout.layers.weight) put(weight);
+    if (layout.layers.count) put(camera ? camera[layout.counter()] : 0);
+    for (int half = 0; half < 2 && layout.layers.halves; ++half) {
+        const auto sum_of = [&](const double* sums, int lane) {
+            const double first = sums[layout.half() + lane];
+            return half == 0 ? first : sums[lane] - first;
+        };
+        const double its_weight = camera ? sum_of(camera, layout.share()) : 0;
+        const bool its_enough = its_weight > 0 && its_weight >= 0.5 * row.least_weight[i];
+        for (int c = 0; c < n; ++c) {
+            const double from_camera = its_enough ? sum_of(camera, c) / its_weight : 0;
+            put(from_camera + (light ? sum_of(light, c) * row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)] : 0));
+        }
+    }
+    return enough;
+}
+
+std::size_t normalise_layers(const SumRow& row, float* out) {
+    std::size_t few = 0;
+    const auto stride = static_cast<std::size_t>(row.layout.stride()), outputs = static_cast<std::size_t>(row.layout.outputs());
+    for (std::size_t i = 0; i < row.least_weight.size(); ++i) {
+        const bool enough = finish_pixel(row, i, row.camera ? row.camera + i * stride : nullptr,
+                                         row.light ? row.light + i * stride : nullptr, out + i * outputs);
+        few += row.camera && !enough ? 1 : 0;
+    }
+    return few;
 }
 
 }  // namespace
 
-std::size_t normalise_row(const SumRow& row, int channels, float* out) {
-    if (row.camera && row.light) return normalise_any<true, true>(row, channels, out);
-    if (row.camera) return normalise_any<true, false>(row, channels, out);
-    if (row.light) return normalise_any<false, true>(row, channels, out);
-    return normalise_any<false, false>(row, channels, out);
+std::size_t normalise_row(const SumRow& row, float* out) {
+    if (row.layout.layers.any()) return normalise_layers(row, out);
+    if (row.camera && row.light) return normalise_any<true, true>(row, out);
+    if (row.camera) return normalise_any<true, false>(row, out);
+    if (row.light) return normalise_any<false, true>(row, out);
+    return normalise_any<false, false>(row, out);
 }
 
 }  // namespace latent::develop

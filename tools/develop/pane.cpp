@@ -12,11 +12,11 @@ namespace latent::develop {
 
 using sampledb::RecordClass;
 
-Pane::Pane(const FilmGrid& grid, const FilterKernel& filter, int stride, Classes classes)
-    : grid_(grid), filter_(filter), stride_(stride), classes_(classes) {
+Pane::Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes)
+    : grid_(grid), filter_(filter), lanes_(lanes), classes_(classes) {
     const std::uint64_t images = (classes.camera ? 1 : 0) + (classes.light ? 1 : 0);
     const std::uint64_t pixels = static_cast<std::uint64_t>(grid.window_width() * grid.window_height());
-    window_bytes_ = (pixels * images * static_cast<std::uint64_t>(stride) * sizeof(double) + 63) / 64 * 64;
+    window_bytes_ = (pixels * images * static_cast<std::uint64_t>(lanes.stride()) * sizeof(double) + 63) / 64 * 64;
 }
 
 void Pane::begin(const PixelRect& cells, std::span<std::byte> memory) {
@@ -33,7 +33,7 @@ void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> bat
     const std::int64_t x = windows_.cells.x0 + static_cast<std::int64_t>(cell) % windows_.cells.width();
     const std::int64_t y = windows_.cells.y0 + static_cast<std::int64_t>(cell) / windows_.cells.width();
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-    const std::size_t sums = static_cast<std::size_t>(window.width() * window.height()) * static_cast<std::size_t>(stride_);
+    const std::size_t sums = static_cast<std::size_t>(window.width() * window.height()) * static_cast<std::size_t>(lanes_.stride());
     thread_local std::vector<BatchSegments> found;
     const auto add = [&](RecordClass record_class, Weights weights, double* to, const double*& used) {
         segments_in_order(batches, range, x, y, record_class, found);
@@ -41,7 +41,7 @@ void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> bat
         if (!used) std::fill_n(to, sums, 0.0);
         used = to;
         for (const BatchSegments& in_batch : found) {
-            splat(filter_, stride_, weights, in_batch.batch->columns, in_batch.segments, to,
+            splat(filter_, lanes_, weights, in_batch.batch->columns, in_batch.segments, to,
                   static_cast<std::size_t>(window.width()));
         }
     };

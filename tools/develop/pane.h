@@ -15,7 +15,7 @@ namespace latent::develop {
 
 class Pane {
  public:
-    Pane(const FilmGrid& grid, const FilterKernel& filter, int stride, Classes classes);
+    Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes);
 
     std::uint64_t window_bytes() const { return window_bytes_; }  // that one cell takes
     std::uint64_t bytes(const PixelRect& cells) const {
@@ -32,7 +32,7 @@ class Pane {
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    int stride_;
+    Lanes lanes_;
     Classes classes_;
     std::uint64_t window_bytes_;
     std::span<std::byte> memory_;

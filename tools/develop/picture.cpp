@@ -39,7 +39,7 @@ std::vector<std::string> spectral_channel_names(const SpectralBins& bins) {
 }
 
 image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& report, const sampledb::Job& job,
-                            const ChosenObserver& chosen) {
+                            const ChosenObserver& chosen, const RowLayout& layout) {
     image::ExrTileSpec spec;
     spec.display_width = static_cast<int>(report.width);
     spec.display_height = static_cast<int>(report.height);
@@ -49,12 +49,12 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.mipmap = options.mipmap;
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (options.spectral_bins.count > 0) {
-        spec.channels = spectral_channel_names(options.spectral_bins);
+        spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
         spec.strings.push_back({"spectralLayoutVersion", "1.0"});
         spec.strings.push_back({"emissiveUnits", "W.m^-2.sr^-1.nm^-1"});
         return spec;
     }
-    spec.channels = {"R", "G", "B"};
+    spec.channels = layout.names({"R", "G", "B"});
     spec.strings.push_back({"latentObserver", report.observer});
     if (chosen.primaries) {
         spec.chromaticities = color::chromaticities_of(*chosen.primaries);
@@ -84,6 +84,8 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
         const std::string which = options.image == "both" ? "" : options.image + " ";
         warnings.push_back(fmt::format("no {}records reach the picture, so it is black", which));
     }
+    if (options.layers.variance && counts.light_records > 0)
+        warnings.push_back("the layer variance is that of the camera image; --halves shows the noise of both images");
     if (counts.decode_factor() > 1.1) {
         warnings.push_back(
             fmt::format("pages were decoded {:.2f} times on average, because --memory is too small to decode them once; "
@@ -157,9 +159,10 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
     if (!spectral && !observer.is_cie1931())
         return usage(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", observer.name()));
-    const Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
-                                                                      : Channels::xyz(job, spectral ? &observer : nullptr);
+    Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
+                                                                : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();
+    channels->add_layers(options.layers);
 
     std::uint64_t index_bytes = 0, largest_index = 0;
     for (const sampledb::SelectedRun& run : gathering.runs()) {
@@ -184,7 +187,8 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
 
     Result<OutputFile> out = OutputFile::create(options.output, options.replace);
     if (!out) return out.error();
-    const auto writer = image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *chosen), waiting_for_mipmap);
+    const auto writer =
+        image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *chosen, channels->layout()), waiting_for_mipmap);
     if (!writer) return writer.error();
     ExrSink sink(**writer);
     const Stopwatch stopwatch;

@@ -24,6 +24,7 @@ struct PictureOptions {
     ObserverOptions observer;
     std::string image = "both";  // or camera, light
     SpectralBins spectral_bins;  // none: XYZ
+    Layers layers;
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     std::optional<sampledb::SampleRange> samples;
     std::optional<sampledb::JobId> job;

@@ -55,17 +55,18 @@ void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const Pi
         const PixelRect reach = patch_of(filter_, part);
         patch.assign(size_of(reach, stride_), 0.0);
         for (const BatchSegments& in_batch : found) {
-            splat_patch(filter_, stride_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
+            splat_patch(filter_, lanes_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
                         moved(part, -window.x0, -window.y0), patch.data());
         }
         for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(), add_doubles);
     });
 }
 
-PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, int stride, const PixelRect& cells)
+PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const PixelRect& cells)
     : grid_(grid),
       filter_(filter),
-      stride_(stride),
+      lanes_(lanes),
+      stride_(lanes.stride()),
       cells_(cells),
       inner_(grid.inner_pixels(cells)),
       windows_(static_cast<std::size_t>(cells.width() * cells.height())) {}
@@ -128,7 +129,7 @@ void PositiveWindows::add_records(std::span<const RecordBatch* const> batches, c
                           sampledb::RecordClass::kCamera, found);
         if (!windows_[cell].whole) return add_to_border(cell, found);
         for (const BatchSegments& in_batch : found) {
-            splat(filter_, stride_, Weights::kPositive, in_batch.batch->columns, in_batch.segments, windows_[cell].sums,
+            splat(filter_, lanes_, Weights::kPositive, in_batch.batch->columns, in_batch.segments, windows_[cell].sums,
                   static_cast<std::size_t>(window(cell).width()));
         }
     });
@@ -150,7 +151,7 @@ void PositiveWindows::add_to_border(std::size_t cell, std::span<const BatchSegme
             patch.assign(size_of(reach, stride_), 0.0);
             for_rows(part, stride_, all, static_cast<const double*>(sums), reach, patch.data(), copy_doubles);
             for (const BatchSegments& in_batch : found) {
-                splat_patch(filter_, stride_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
+                splat_patch(filter_, lanes_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
                             moved(part, -all.x0, -all.y0), patch.data());
             }
             for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), all, sums, copy_doubles);

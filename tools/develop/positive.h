@@ -23,13 +23,15 @@ class PositiveSums {
 // From records in memory, looked through again.
 class PositiveFromRecords final : public PositiveSums {
  public:
-    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, int stride, std::span<const RecordBatch* const> batches)
-        : grid_(grid), filter_(filter), stride_(stride), batches_(batches) {}
+    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes,
+                        std::span<const RecordBatch* const> batches)
+        : grid_(grid), filter_(filter), lanes_(lanes), stride_(lanes.stride()), batches_(batches) {}
     void add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const override;
 
  private:
     const FilmGrid& grid_;
     const FilterKernel& filter_;
+    Lanes lanes_;
     int stride_;
     std::span<const RecordBatch* const> batches_;
 };
@@ -38,7 +40,7 @@ class PositiveFromRecords final : public PositiveSums {
 // cells reach too; those of cells that were asked for hold all pixels.
 class PositiveWindows final : public PositiveSums {
  public:
-    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, int stride, const PixelRect& cells);
+    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const PixelRect& cells);
 
     static std::uint64_t bytes(const FilmGrid& grid, int stride);                                 // of one window
     static std::uint64_t border_bytes(const FilmGrid& grid, int stride, const PixelRect& cells);  // of those at a pane's border
@@ -62,6 +64,7 @@ class PositiveWindows final : public PositiveSums {
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;
+    Lanes lanes_;
     int stride_;
     PixelRect cells_, inner_;  // pixels that no cell outside reaches
     std::vector<Window> windows_;

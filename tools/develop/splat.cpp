@@ -21,9 +21,16 @@ template <int kSideOrZero, int kStrideOrZero, Weights kWeightsUsed>
 struct Shape {
     static constexpr int kSide = kSideOrZero;
     static constexpr Weights kWeights = kWeightsUsed;
-    int run_side, run_stride;
+    static constexpr bool kMayBeSquared = kStrideOrZero == 0;
+    int run_side;
+    Lanes lanes;
     int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
-    int stride() const { return kStrideOrZero > 0 ? kStrideOrZero : run_stride; }
+    int stride() const { return kStrideOrZero > 0 ? kStrideOrZero : lanes.stride(); }
+    // Weight of a lane where the filter weighs w. What is known when compiled has linear lanes alone.
+    HWY_INLINE double weight(double w, int lane) const {
+        if (kStrideOrZero > 0 || lane < lanes.linear) return w;
+        return lane < lanes.linear + lanes.squared ? w * w : w != 0 ? 1 : 0;
+    }
     // Weights are computed for so many pixels: a footprint of 2 x 2 fills a vector of four, others have room for the widest.
     std::size_t padded() const { return side() == 2 ? 4 : (static_cast<std::size_t>(side()) * side() + 15) / 16 * 16; }
     auto tag() const { return hn::CappedTag < float, kSideOrZero == 2 ? 4 : 16 > (); }
@@ -43,7 +50,7 @@ HWY_INLINE double inverse_sum(const double* weights, int side) {
 }
 
 // Adds w s to the sums of all pixels of one footprint. Where s is a float32, so is w, and their product is exact in float64: fused
-// with the addition or not, the sum has the same bits.
+// with the addition or not, the sum has the same bits. Products with w^2 are rounded before they are added.
 template <class Shape>
 HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, const float* HWY_RESTRICT values,
                     double* HWY_RESTRICT window, std::size_t row_pixels) {
@@ -56,8 +63,8 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
         const double* w = weights;
         const auto add_pixel = [&](int x) HWY_ATTR {
             double* sums = row + x * shape.stride();
-            const auto before = hn::LoadU(d, sums), weight = hn::Set(d, w[x]);
-            if constexpr (Shape::kWeights == Weights::kUnitSum)
+            const auto before = hn::LoadU(d, sums), weight = hn::Set(d, shape.weight(w[x], lane));
+            if (Shape::kWeights == Weights::kUnitSum || (Shape::kMayBeSquared && lane >= shape.lanes.linear))
                 hn::StoreU(hn::Add(hn::Mul(weight, s), before), d, sums);
             else
                 hn::StoreU(hn::MulAdd(weight, s, before), d, sums);
@@ -191,8 +198,8 @@ void splat_box(int stride, const RecordColumns& records, std::span<const Segment
     }
 }
 
-void Splat(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
-           double* window, std::size_t row_pixels) {
+void Splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+           std::span<const Segment> segments, double* window, std::size_t row_pixels) {
     const auto with_shape = [&](const auto& shape) {
         switch (filter.form) {
             case Form::kQuartic:
@@ -206,11 +213,12 @@ void Splat(const FilterKernel& filter, int stride, Weights weights, const Record
         }
     };
     const int side = filter.covered;
+    const bool plain = lanes.stride() == 4;
     const auto with_size = [&]<Weights kWeights>() {
-        if (side == 4 && stride == 4) return with_shape(Shape<4, 4, kWeights>{side, stride});
-        if (side == 3 && stride == 4) return with_shape(Shape<3, 4, kWeights>{side, stride});
-        if (side == 2 && stride == 4) return with_shape(Shape<2, 4, kWeights>{side, stride});
-        return with_shape(Shape<0, 0, kWeights>{side, stride});
+        if (side == 4 && plain) return with_shape(Shape<4, 4, kWeights>{side, lanes});
+        if (side == 3 && plain) return with_shape(Shape<3, 4, kWeights>{side, lanes});
+        if (side == 2 && plain) return with_shape(Shape<2, 4, kWeights>{side, lanes});
+        return with_shape(Shape<0, 0, kWeights>{side, lanes});
     };
     switch (weights) {
         case Weights::kSigned:
@@ -263,17 +271,18 @@ namespace latent::develop {
 HWY_EXPORT(Splat);
 HWY_EXPORT(Choose);
 
-void splat(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records, std::span<const Segment> segments,
-           double* window, std::size_t row_pixels) {
-    HWY_DYNAMIC_DISPATCH(Splat)(filter, stride, weights, records, segments, window, row_pixels);
+void splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+           std::span<const Segment> segments, double* window, std::size_t row_pixels) {
+    HWY_DYNAMIC_DISPATCH(Splat)(filter, lanes, weights, records, segments, window, row_pixels);
 }
 
-void splat_patch(const FilterKernel& filter, int stride, Weights weights, const RecordColumns& records,
+void splat_patch(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
                  std::span<const Segment> segments, const PixelRect& pixels, double* patch) {
     constexpr std::size_t kAtOnce = 256;
     thread_local std::vector<std::uint32_t> chosen, x, y;
     thread_local std::vector<float> values;
     const PixelRect reach = patch_of(filter, pixels);
+    const auto stride = static_cast<std::size_t>(lanes.stride());
     const PixelRect places{reach.x0, reach.y0, pixels.x1, pixels.y1};  // where footprints that reach `pixels` begin
     const auto flush = [&] {
         x.assign(chosen.size() + RecordColumns::kReadable, 0), y = x;
@@ -285,7 +294,7 @@ void splat_patch(const FilterKernel& filter, int stride, Weights weights, const 
             values.insert(values.end(), records.values + row * stride, records.values + (row + 1) * stride);
         }
         const Segment all{0, 0, static_cast<std::uint32_t>(chosen.size())};
-        splat(filter, stride, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
+        splat(filter, lanes, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
               static_cast<std::size_t>(reach.width()));
         chosen.clear();
     };

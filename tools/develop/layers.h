@@ -1,0 +1,68 @@
+// tools/develop/layers.h: what a picture holds beside its values, and how a record's row is laid out for it.
+// docs/developing.md, "Layers".
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/data/coverage.h"
+
+namespace latent::develop {
+
+struct Layers {
+    bool variance = false;  // of the camera image: the square of its standard error
+    bool weight = false;    // sum w c
+    bool count = false;     // samples that reach the pixel
+    bool halves = false;    // the same picture of either half of the samples
+
+    bool any() const { return variance || weight || count || halves; }
+    bool by_sample() const { return variance || count; }  // records of one sample count as one
+    bool operator==(const Layers&) const = default;
+};
+
+// "variance,weight,count", in any order. Errors: kUsage. Halves are an option of their own.
+Result<Layers> parse_layers(std::string_view text);
+
+// Either half of the samples, 0 or 1: the lowest bit of h(n) = mix(n / 2) + n mod 2^64, with the finaliser of [SplitMix64]. Of two
+// neighbours 2i and 2i + 1, one lies in each half: so both are equally large, and can be counted without looking at each sample.
+int half_of(std::uint64_t sample);
+std::uint64_t count_in_half(const sampledb::Coverage& coverage, int half);
+
+// Sums of a pixel, and values of a record's row, `stride` of each: so many lanes (multiples of 4) are weighted by the filter w,
+// then so many by w^2, then so many by 1 wherever w is not 0.
+struct Lanes {
+    int linear, squared = 0, counted = 0;
+    Lanes(int linear_lanes, int squared_lanes = 0, int counted_lanes = 0)  // implicit: most pictures have linear ones alone
+        : linear(linear_lanes), squared(squared_lanes), counted(counted_lanes) {}
+    int stride() const { return linear + squared + counted; }
+};
+
+// Where things stand in a row of `channels` values s with their share c:
+//   s.. c 0..  [the same for half 0]  [s^2.. s c.. c^2 0..]  [1 0 0 0]
+struct RowLayout {
+    int channels = 3;
+    Layers layers;
+
+    int share() const { return channels; }
+    int linear() const { return (channels + 4) / 4 * 4; }
+    int half() const { return linear(); }                               // where half 0 begins
+    int squares() const { return linear() * (layers.halves ? 2 : 1); }  // s^2
+    int products() const { return squares() + channels; }               // s c
+    int share_square() const { return squares() + 2 * channels; }       // c^2
+    int counter() const { return squares() + (layers.variance ? (2 * channels + 4) / 4 * 4 : 0); }
+    Lanes lanes() const { return {squares(), counter() - squares(), layers.count ? 4 : 0}; }
+    int stride() const { return lanes().stride(); }
+
+    // Values of a finished pixel: channels, [variances], [weight], [count], [half 0], [half 1].
+    int outputs() const {
+        return channels * (1 + (layers.variance ? 1 : 0) + (layers.halves ? 2 : 0)) + (layers.weight ? 1 : 0) +
+               (layers.count ? 1 : 0);
+    }
+    // Their names in an EXR: those of the channels, "variance.R", "weight", "count", "half0.R", "half1.R".
+    std::vector<std::string> names(const std::vector<std::string>& channel_names) const;
+};
+
+}  // namespace latent::develop
