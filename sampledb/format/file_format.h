@@ -19,6 +19,7 @@
 namespace latent::sampledb {
 
 inline constexpr std::uint64_t kBlock = 4096;  // headers, runs and the footer begin at multiples of it
+inline constexpr std::uint16_t kRunMinor = 0;  // the version of a run that this program writes
 inline constexpr std::size_t kRunHeaderSize = 256;
 inline constexpr std::size_t kIntervalSize = 16;
 inline constexpr std::size_t kPageEntrySize = 48;
@@ -44,11 +45,12 @@ struct RunHeader {
     std::uint32_t interval_count = 0;  // of the coverage
     std::uint32_t page_count = 0;
     std::uint64_t camera_records = 0, light_records = 0;
-    std::uint64_t pair_count = 0;    // spectral: pairs of all records
-    std::uint64_t decoded_size = 0;  // bytes of all columns of all pages
-    std::uint64_t pages_size = 0;    // stored bytes of all pages
-    std::uint64_t index_hash = 0;    // XXH3-64 of index and padding
-    Hash128 content_hash;            // XXH3-128 over nodes, counts and decoded columns of all pages
+    std::uint64_t pair_count = 0;     // spectral: pairs of all records
+    std::uint64_t decoded_size = 0;   // bytes of all columns of all pages
+    std::uint64_t pages_size = 0;     // stored bytes of all pages
+    std::uint64_t index_hash = 0;     // XXH3-64 of index and padding
+    Hash128 content_hash;             // XXH3-128 over nodes, counts and decoded columns of all pages
+    std::uint16_t minor = kRunMinor;  // a copied run keeps its own, also in a footer
 
     std::uint64_t index_offset() const { return kRunHeaderSize + pages_size; }  // in the run
     std::uint64_t index_size() const;                                           // bytes of the index, without padding

@@ -8,7 +8,7 @@ std::uint64_t RunHeader::size() const { return round_up_to_block(index_offset() 
 
 void put_run_entry(ByteWriter& out, const RunHeader& header) {
     out.put(kMajor);
-    out.put(kRunMinor);
+    out.put(header.minor);
     out.put(header.interval_count);
     out.put(std::uint64_t{0});  // features
     put_hash(out, header.job);
@@ -63,8 +63,8 @@ Result<RunHeader> decode_run_header(ByteSpan bytes) {
 Result<RunHeader> decode_run_entry(ByteSpan entry) {
     ByteReader in(entry);
     const std::uint16_t major = in.get<std::uint16_t>();
-    in.get<std::uint16_t>();  // minor versions add nothing that must be understood
     RunHeader header;
+    header.minor = in.get<std::uint16_t>();  // minor versions add nothing that must be understood
     header.interval_count = in.get<std::uint32_t>();
     const std::uint64_t features = in.get<std::uint64_t>();
     header.job = get_hash(in);

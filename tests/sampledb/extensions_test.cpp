@@ -8,6 +8,8 @@
 #include "sampledb/codec/page_encoder.h"
 #include "sampledb/codec/run_codec.h"
 #include "sampledb/format/file_format.h"
+#include "sampledb/format/footer.h"
+#include "sampledb/format/frames.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -60,15 +62,19 @@ TEST(Extensions, AnyUnknownFeatureOfAHeaderOrRunIsRefused) {
     }
 }
 
-TEST(Extensions, ARunOfALaterMinorVersionIsRead) {
+TEST(Extensions, ARunOfALaterMinorVersionIsReadAndKeepsThatVersionInFooters) {
     const Job job = synthetic::make_job(RecordKind::kXyz);
     Bytes run = *encode_run(job, Coverage(SampleRange{0, 3}), synthetic::make_records(job, {0, 3}));
-    const RunHeader before = *decode_run_header(run);
+    RunHeader expected = *decode_run_header(run);
     store_le(&run[10], std::uint16_t{9});
     store_le(&run[248], hash64(ByteSpan(run).first(248)));
-    const Result<RunHeader> after = decode_run_header(run);
-    ASSERT_TRUE(after) << after.error().message;
-    EXPECT_EQ(*after, before);
+    const Result<RunHeader> read = decode_run_header(run);
+    ASSERT_TRUE(read) << read.error().message;
+    expected.minor = 9;
+    EXPECT_EQ(*read, expected);
+    EXPECT_EQ(encode_run_header(*read), Bytes(run.begin(), run.begin() + kRunHeaderSize));
+    const Bytes footer = *encode_footer(std::vector{RunInfo{0, *read}}, "", kBlock);
+    EXPECT_TRUE(std::equal(&run[8], &run[136], &footer[64]));
 }
 
 // A page of one sample, stored; where its table says how column z is transformed; what the index says of it.
