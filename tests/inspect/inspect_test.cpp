@@ -246,6 +246,81 @@ TEST_F(InspectTest, AFileMayHaveAnyName) {
     }
 }
 
+// What `cat` prints to a file.
+Outcome cat_to_file(const std::string& arguments, const fs::path& file) {
+    return testing::run({"/bin/sh", "-c", testing::tool("latent-inspect") + " cat " + arguments + " > " + file.string()});
+}
+
+TEST_F(InspectTest, ANumPyArrayHoldsTheNumbersThatTheTextHolds) {
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes), npy = folder_ / "a.npy";
+    const std::string selection = file.string() + " --region 0.2,0.1,0.6,0.8 --samples 100:9000 --limit 1500";
+    const Outcome written = cat_to_file(selection + " --format npy --columns y,u,class,sample,share", npy);
+    ASSERT_EQ(written.status, 0) << written.err;
+    const std::string bytes = testing::read_text(npy);
+    ASSERT_TRUE(bytes.starts_with("\x93NUMPY\x03"));
+    EXPECT_NE(bytes.find("{'descr': [('y', '<f4'), ('u', '<f8'), ('class', '|u1'), ('sample', '<u8'), ('share', '<f4'), ], "
+                         "'fortran_order': False, 'shape': (1500,)}"),
+              std::string::npos)
+        << bytes.substr(0, 300);
+    constexpr std::size_t kRow = 4 + 8 + 1 + 8 + 4, kHeader = 8192;
+    ASSERT_EQ(bytes.size(), kHeader + 1500 * kRow);
+    ASSERT_EQ(cat_to_file(selection, folder_ / "a.csv").status, 0);
+    std::istringstream lines(testing::read_text(folder_ / "a.csv"));
+    std::string line;
+    std::getline(lines, line);
+    for (std::size_t row = 0; row < 1500; ++row) {
+        ASSERT_TRUE(std::getline(lines, line));
+        std::vector<std::string> fields;
+        std::istringstream words(line);
+        for (std::string word; std::getline(words, word, ',');) fields.push_back(word);
+        const auto* at = reinterpret_cast<const std::byte*>(bytes.data()) + kHeader + row * kRow;
+        ASSERT_EQ(load_le<float>(at), std::stof(fields[6]));
+        ASSERT_EQ(load_le<double>(at + 4), std::stod(fields[2]));
+        ASSERT_EQ(load_le<std::uint8_t>(at + 12), fields[1] == "light" ? 1 : 0);
+        ASSERT_EQ(load_le<std::uint64_t>(at + 13), std::stoull(fields[0]));
+        ASSERT_EQ(load_le<float>(at + 21), std::stof(fields[4]));
+    }
+}
+
+TEST_F(InspectTest, ANumPyArrayOfSpectraEndsInZerosWhereARecordHasFewerPairs) {
+    const Job job = make_short_job(RecordKind::kSpectral);
+    const fs::path file = write("a.latent", synthetic::make_file(job, four_runs()).bytes), npy = folder_ / "a.npy";
+    ASSERT_EQ(cat_to_file(file.string() + " --format npy --columns lambda_nm,power", npy).status, 0);
+    const std::string bytes = testing::read_text(npy);
+    const std::size_t row_bytes = 2 * sizeof(float) * job.batch;
+    ASSERT_EQ((bytes.size() - 8192) % row_bytes, 0u);
+    ASSERT_EQ(cat_to_file(file.string() + " --format json", folder_ / "a.json").status, 0);
+    std::istringstream lines(testing::read_text(folder_ / "a.json"));
+    std::size_t row = 0, shorter = 0;
+    for (std::string line; std::getline(lines, line); ++row) {
+        const json record = json::parse(line);
+        const auto* at = reinterpret_cast<const std::byte*>(bytes.data()) + 8192 + row * row_bytes;
+        for (const char* column : {"lambda_nm", "power"}) {
+            const std::size_t n = record[column].size();
+            for (std::size_t i = 0; i < job.batch; ++i, at += sizeof(float)) {
+                ASSERT_EQ(load_le<float>(at), i < n ? record[column][i].get<float>() : 0.0f);
+            }
+            shorter += n < job.batch ? 1 : 0;
+        }
+    }
+    EXPECT_EQ(row, (bytes.size() - 8192) / row_bytes);
+    EXPECT_GT(shorter, 0u);
+}
+
+TEST_F(InspectTest, NumPyArraysNeedAFileAndKnownColumns) {
+    const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
+    const std::string to_pipe =
+        "{ " + testing::tool("latent-inspect") + " cat --format npy " + file.string() + "; echo ends with $? >&2; }";
+    const Outcome pipe = testing::run({"/bin/sh", "-c", to_pipe + " | cat"});
+    EXPECT_NE(pipe.err.find("ends with 2"), std::string::npos) << pipe.err;
+    EXPECT_TRUE(pipe.out.empty());
+    EXPECT_NE(pipe.err.find("FILE.npy"), std::string::npos) << pipe.err;
+    const Outcome unknown = cat_to_file(file.string() + " --format npy --columns y,power", folder_ / "a.npy");
+    EXPECT_EQ(unknown.status, 2) << unknown.err;
+    EXPECT_NE(unknown.err.find("'power' is not a column"), std::string::npos) << unknown.err;
+    EXPECT_EQ(inspect({"cat", "--columns", "y", file}).status, 2);
+}
+
 TEST_F(InspectTest, NumbersThatAreNoneAndNamesOfAnotherKindAreWrongUsage) {
     const fs::path file = write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes);
     EXPECT_EQ(inspect({"cat", file, "--limit", "-1"}).status, 2);
