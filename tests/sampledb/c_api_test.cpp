@@ -2,19 +2,26 @@
 // misuse is an error.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstring>
+#include <functional>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <thread>
 
 #include "sampledb/c/latent.h"
 #include "tests/faults/process.h"
+#include "tests/sampledb/submitted_grain.h"
 #include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
 namespace {
 
+namespace fs = std::filesystem;
 using namespace latent::testing;
 
 struct WriterCloser {
@@ -487,6 +494,63 @@ TEST(CExamples, AKilledWriterResumesAndTheRecordsAreTheSame) {
     ASSERT_EQ(run(command).status, 0);
     ASSERT_EQ(run({tool("example_write"), whole, "2000000", "7"}).status, 0);
     EXPECT_EQ(synthetic::runs_of(killed), synthetic::runs_of(whole));
+}
+
+// Runs the example with a checkpoint interval until `enough(samples submitted, samples on disk)`, kills it `pause` later, and
+// returns the most that one thread had rendered of what is lost, in seconds. Left out are the first of a thread's lost grains, part
+// of which it may have rendered before the checkpoint began, and the three that took longest: while rendering waits for a late
+// disk, grains in progress are finished.
+double seconds_lost_to_a_kill(const std::string& interval, std::chrono::milliseconds pause,
+                              const std::function<bool(std::uint64_t, std::uint64_t)>& enough) {
+    const TemporaryFolder folder;
+    const std::string part = folder / "a.latent", log = folder / "log";
+    GatherOptions options;
+    options.inputs = {part};
+    const auto on_disk = [&] {
+        const auto gathering = Gathering::open(options);
+        return gathering ? (*gathering)->coverage() : Coverage();
+    };
+    {
+        Child child({tool("example_write"), part, "100000000", "7", interval},
+                    {{"LD_PRELOAD", tool("liblatent_submit_shim.so")}, {"LATENT_TEST_SUBMITTED", log}});
+        const auto submitted = [&] { return fs::exists(log) ? fs::file_size(log) / sizeof(SubmittedGrain) * LATENT_GRAIN : 0; };
+        while (!enough(submitted(), on_disk().size())) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(pause);
+        child.kill_now();
+        child.wait();
+    }
+    const Coverage survived = on_disk();
+    const std::string notes = read_text(log);
+    std::map<std::uint64_t, std::vector<std::int64_t>> lost;  // nanoseconds of each grain, by thread
+    for (std::size_t at = 0; at + sizeof(SubmittedGrain) <= notes.size(); at += sizeof(SubmittedGrain)) {
+        SubmittedGrain grain{};
+        std::memcpy(&grain, &notes[at], sizeof grain);
+        if (!survived.contains(SampleRange{grain.first, grain.end})) lost[grain.thread].push_back(grain.nanoseconds);
+    }
+    double most = 0;
+    for (auto& [thread, times] : lost) {
+        times.erase(times.begin());
+        std::sort(times.begin(), times.end(), std::greater<>());
+        times.erase(times.begin(), times.begin() + std::min<std::ptrdiff_t>(3, std::ssize(times)));
+        most = std::max(most, 1e-9 * static_cast<double>(std::accumulate(times.begin(), times.end(), std::int64_t{0})));
+    }
+    return most;
+}
+
+TEST(CExamples, AKillCostsAtMostOneCheckpointIntervalOfRendering) {
+    constexpr double kInterval = 0.03;
+    double most = 0;
+    for (const int milliseconds : {0, 10, 17, 25, 40}) {
+        SCOPED_TRACE(milliseconds);
+        const double lost = seconds_lost_to_a_kill(std::to_string(kInterval), std::chrono::milliseconds(milliseconds),
+                                                   [](std::uint64_t, std::uint64_t on_disk) { return on_disk > 0; });
+        EXPECT_LE(lost, kInterval);
+        most = std::max(most, lost);
+    }
+    EXPECT_GT(most, 0);
+    // Where no checkpoint comes, more than that is lost.
+    const auto nearly_a_run = [](std::uint64_t submitted, std::uint64_t) { return submitted > 900000; };
+    EXPECT_GT(seconds_lost_to_a_kill("1000", std::chrono::milliseconds(0), nearly_a_run), kInterval);
 }
 
 }  // namespace
