@@ -4,9 +4,11 @@ not say. It reads every file given, decodes every column of every page and check
 
     read_latent.py [--records] FILE...      "FILE: RUNS runs, CAMERA camera records, LIGHT light records, COVERAGE";
                                             with --records the records instead: a JSON object a line, values as their bits
+    read_latent.py --salvage FILE...        "FILE: RUNS intact runs, COVERAGE", then what is damaged; rules for writers do not count
     read_latent.py --vectors docs/format.md checks the test vectors of the page
 
 Ends with 1 at the first contradiction."""
+import contextlib
 import json
 import math
 import struct
@@ -23,8 +25,39 @@ def check(condition, what):
         raise ValueError(what)
 
 
+class Rules:
+    """Rules that only writers must keep are checked, too, except inside `with Rules.for_readers()`."""
+
+    checked = True
+
+    @classmethod
+    @contextlib.contextmanager
+    def for_readers(cls):
+        cls.checked = False
+        try:
+            yield
+        finally:
+            cls.checked = True
+
+
+def rule(condition, what):
+    check(condition or not Rules.checked, what)
+
+
 def fields(layout, data, at):
     return struct.unpack_from("<" + layout, data, at)
+
+
+def depth_of(value):
+    return 1 + max(map(depth_of, value.values() if isinstance(value, dict) else value), default=0) if isinstance(value, (dict, list)) else 0
+
+
+def is_provenance(text, most):
+    """Nothing, or a JSON object nested at most `most` deep."""
+    try:
+        return not text or (isinstance(value := json.loads(bytes(text)), dict) and depth_of(value) <= most)
+    except (ValueError, RecursionError):
+        return False
 
 
 # ---- header
@@ -52,9 +85,11 @@ class Job:
         for _ in range(extra):
             (kind, length) = fields("BB", body, at)
             check(kind in WIDTHS and 1 <= length <= 64, "extra column")
-            self.extra.append((bytes(body[at + 2 : at + 2 + length]).decode(), WIDTHS[kind]))
+            name = bytes(body[at + 2 : at + 2 + length])
+            self.extra.append((name.decode("utf-8" if Rules.checked else "latin-1"), WIDTHS[kind]))
             at += 2 + length
         check(len({name for name, _ in self.extra}) == extra, "names of extra columns")
+        rule(is_provenance(body[at : at + provenance], 32), "provenance of the header")
         at += provenance
         self.precision = 23
         if minor >= 1:
@@ -79,6 +114,7 @@ class Job:
 
 
 def read_header(data):
+    """Job, offset of the first run, and whether both copies are sound and equal."""
     for at in range(0, min(len(data), 2**20 + 1), 4096):
         if data[at : at + 8] != b"\x8dLTDBF\r\n":
             continue
@@ -88,11 +124,11 @@ def read_header(data):
         check(major == 1 and features in (0, 1), "another format")
         check(size % 4096 == 0 and 0 < size <= 2**20 and body_size <= size - 64, "size of the header")
         if hash64(data[at + 64 : at + size]) == body_hash:
-            check(not any(data[at + 40 : at + 56]) and not any(data[at + 64 + body_size : at + size]), "zeros of the header")
-            check(at != 0 or data[:size] == data[size : 2 * size], "the header's copies differ")
+            rule(not any(data[at + 40 : at + 56]), "reserved bytes of the header")
+            check(not any(data[at + 64 + body_size : at + size]), "zeros of the header")
             job = Job(data[at + 64 : at + 64 + body_size], minor)
             check(features == (job.precision < 23), "features")
-            return job, 2 * size
+            return job, 2 * size, data[:size] == data[size : 2 * size]
     raise ValueError("no header")
 
 
@@ -151,7 +187,7 @@ def is_rounded(bits, precision):
 def numbers(data, bits, count):
     """`count` packed numbers; the bits behind them are zero."""
     packed = int.from_bytes(data, "little")
-    check(packed >> count * bits == 0, "padding bits")
+    rule(packed >> count * bits == 0, "padding bits")
     return [packed >> i * bits & ((1 << bits) - 1) for i in range(count)]
 
 
@@ -167,7 +203,7 @@ def decode_plane(codec, data, size):
         check(1 <= bits <= 7 and len(data) == 1 + (1 << bits) + (size + 7) // 8 * bits, "dictionary plane")
         indices = numbers(data[1 + (1 << bits) :], bits, size)
         used = set(indices)
-        check(not any(value for i, value in enumerate(values) if i not in used), "unused bytes of a dictionary")
+        rule(not any(value for i, value in enumerate(values) if i not in used), "unused bytes of a dictionary")
         return bytes(values[i] for i in indices)
     check(bytes(data[:4]) == b"\x28\xb5\x2f\xfd" and zstd_frame_size(data) == len(data), "zstd frame")
     plane = zstd_decompress(data, size)
@@ -213,6 +249,7 @@ def from_delta2(planes, counts, step=0):
 
 
 def stored_rows(bitmap, records):
+    check(int.from_bytes(bitmap, "little") >> records == 0, "a bitmap with more rows than the page")
     rows = [i for i, bit in enumerate(numbers(bitmap, 1, records)) if bit]
     check(rows, "a bitmap that names no row")
     return rows
@@ -235,11 +272,13 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, width in expected:
         (column, transform, bits, plane_count, s, base, column_hash) = fields("BBBBIQQ", data, at)
         check(column == number, "column %d instead of %d" % (column, number))
-        check(transform <= 10 and bits <= 64 and plane_count <= 8, "table of columns")
+        check(transform <= 10 and bits <= 64 and plane_count <= 8 and s <= 32, "table of columns")
         stepped = transform in (8, 9, 10)
-        check(transform in (1, 2) or base == 0, "base of the table")
-        check((1 <= bits <= 22 and job.precision < 23) if stepped else transform in (1, 2) or bits == 0, "bits of the table")
-        check(1 <= s <= 32 if transform == 2 else s == 0, "s of the table")
+        rule(transform in (1, 2) or base == 0, "base of the table")
+        check(not stepped or 1 <= bits <= 22, "bits of a stepped transform")
+        rule(bits == 23 - job.precision if stepped else transform in (1, 2) or bits == 0, "bits of the table")
+        check(transform != 2 or s >= 1, "s of the table")
+        rule(transform == 2 or s == 0, "s of the table")
         words = fields("%dI" % plane_count, data, at + 24)
         at += 24 + 4 * plane_count
         table.append((number, width, transform, bits, s, base, column_hash, words))
@@ -260,7 +299,8 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
         allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7, 8, 10), 6: (0, 1, 6), 7: (0, 1, 4, 7, 8, 10), 11: (0, 1, 5, 9),
                    12: (0, 1, 5, 9)}
         check(transform in allowed.get(number, (0, 1)), "transform %d of column %d" % (transform, number))
-        check(number == 1 or transform != 1 or (bits == 0 and base < 256**width), "constant column %d" % number)
+        check(number == 1 or transform != 1 or bits == 0, "packed column %d" % number)
+        rule(transform != 1 or bits > 0 or base < 256**width, "constant column %d" % number)
         n = pair_count if number in (11, 12) else records
         planes = [decode_plane(*plane, (records + 7) // 8) for plane in stored[number][:1]] if transform == 6 else []
         if transform == 6:
@@ -270,13 +310,14 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
         planes = [decode_plane(*plane, size) for plane in stored[number][len(planes) :]]
         check(len(planes) == (bits > 0 if transform in (1, 2) else 0 if transform == 3 or n == 0 else width), "number of planes")
         if transform == 3:
-            check(job.sampler == 1 and camera and dict(((2, table[1][2]), (3, table[2][2]))) == {2: 3, 3: 3}, "positions left out")
+            check(job.sampler == 1 and (table[1][2], table[2][2]) == (3, 3), "positions left out")
+            rule(camera, "positions left out of a light page")
             values = [halton(sample, job.shifts)[number - 2] for sample in columns[1]]
         elif n == 0:
             check(transform == 0, "a column without values")
             values = []
         elif transform in (1, 2) and bits == 0:
-            values = [base] * n
+            values = [base % 256**width] * n
         else:
             values = {
                 0: lambda: from_planes(planes),
@@ -301,7 +342,7 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
             alone = [n == 1 and job.k > 1 for n in counts]
             check(all(i < job.k if a else i == 65535 for i, a in zip(columns[10], alone)), "index")
     for number in (5, 6, 7, 11):
-        check(all(is_rounded(bits, job.precision) for bits in columns.get(number, [])), "values beyond the precision of the job")
+        rule(all(is_rounded(bits, job.precision) for bits in columns.get(number, [])), "values beyond the precision of the job")
     return columns
 
 
@@ -329,18 +370,33 @@ def smallest_square(us, vs):
     return level, us[0] >> 32 - level, vs[0] >> 32 - level
 
 
-def read_run(job, data, at):
-    header = data[at : at + 256]
+def run_size(header):
+    """In every version of the format."""
+    (intervals, pages, pages_size) = fields("I", header, 12) + fields("Q", header, 64) + fields("Q", header, 104)
+    return (256 + pages_size + 16 * intervals + 48 * pages + 4095) // 4096 * 4096
+
+
+def check_run_header(job, header):
     check(header[:8] == b"\x8dLTDBR\r\n" and hash64(header[:248]) == fields("Q", header, 248)[0], "run header")
     (major, _, intervals, features, low, high, first, end, samples, pages) = fields("HHIQQQQQQQ", header, 8)
-    (camera, light, pairs, decoded_size, pages_size, index_hash, *content) = fields("QQQQQQQQ", header, 72)
+    (light, pairs) = fields("QQ", header, 80)
     check(major == 1 and features == 0 and [low, high] == job.id, "run of another format or job")
     check(not any(header[136:248]), "zeros of the run header")
     check(1 <= intervals <= 2**16 and pages <= 2**20, "intervals or pages of a run")
+    check(first < end < 2**64 and 0 < samples <= end - first and (samples == end - first) == (intervals == 1), "samples of a run")
     check(light == 0 or job.light_paths > 0, "light records in a job without light paths")
+    check(pairs == 0 or job.kind == 1, "pairs in an XYZ job")
+
+
+def read_run(job, data, at):
+    header = data[at : at + 256]
+    check_run_header(job, header)
+    (intervals, first, end, samples, pages) = fields("I", header, 12) + fields("QQQQ", header, 40)
+    (camera, light, pairs, decoded_size, pages_size, index_hash, *content) = fields("QQQQQQQQ", header, 72)
     index_at = at + 256 + pages_size
     index_size = 16 * intervals + 48 * pages
-    size = (256 + pages_size + index_size + 4095) // 4096 * 4096
+    size = run_size(header)
+    check(at + size <= len(data), "the file ends inside a run")
     check(hash64(data[index_at : at + size]) == index_hash, "index hash")
     check(not any(data[index_at + index_size : at + size]), "padding of the run")
     ranges = [fields("QQ", data, index_at + 16 * i) for i in range(intervals)]
@@ -351,22 +407,29 @@ def read_run(job, data, at):
     check(hash128(b"".join(e[:32] for e in entries)) == tuple(content), "content hash of the run")
 
     page_at, sizes, decoded_pages, last = at + 256, ([], []), [], (0, 0, 0)
-    prefixes = ([], [])
+    prefixes, shares, page_classes = ([], []), {}, 0
     for entry in entries:
         (level, kind, zero, x, y, records, page_pairs, decoded, page_hash, stored, zero2, stored_hash) = fields("BBHIIIIIQIIQ", entry, 0)
-        check((zero, zero2) == (0, 0) and kind in (0, 1) and 1 <= records <= 2**18, "entry of a page")
+        check((zero, zero2) == (0, 0) and kind in (0, 1) and 1 <= records <= job.most_records(), "entry of a page")
+        check(level <= 16 and x < 2**level and y < 2**level and page_pairs <= records * job.k, "entry of a page")
+        check(decoded <= 2**21 and stored <= decoded + 2**16, "sizes of a page")
+        check(page_classes <= kind, "a camera page behind a light page")
+        page_classes = kind
         page = data[page_at : page_at + stored]
         page_at += stored
         check(hash64(page) == stored_hash, "page hash")
         columns = decode_page(job, page, kind == 0, records, page_pairs, page_hash)
         check(sum((page_pairs if c in (11, 12) else records) * w for c, w in job.columns(kind == 0)) == decoded, "decoded size")
-        check((level, x, y) == smallest_square(columns[2], columns[3]), "not the smallest square of the page's records")
+        check(all((u >> 32 - level, v >> 32 - level) == (x, y) for u, v in zip(columns[2], columns[3])), "a record outside its square")
+        rule((level, x, y) == smallest_square(columns[2], columns[3]), "not the smallest square of the page's records")
         for n, u, v in zip(columns[1], columns[2], columns[3]):
             check(any(f <= n < e for f, e in ranges), "a record outside the coverage")
             place = (kind, z_prefix(u, v), n)
-            check(last <= place, "order of records")
+            rule(last <= place, "order of records")
             last = place
             prefixes[kind].append(place[1])
+        for n, share in zip(columns[1], columns.get(4, [])):
+            shares[n] = shares.get(n, 0) + fields("f", struct.pack("<I", share), 0)[0]
         sizes[kind].append(records)
         decoded_pages.append((kind, columns, decoded, page_pairs))
     check((sum(sizes[0]), sum(sizes[1])) == (camera, light) and page_at == index_at, "the pages do not add up")
@@ -374,8 +437,9 @@ def read_run(job, data, at):
     for kind in (0, 1):
         begin = 0
         for records in sizes[kind]:
-            check(begin + records == page_end(prefixes[kind], begin, job.most_records()), "the page cut")
+            rule(begin + records == page_end(prefixes[kind], begin, job.most_records()), "the page cut")
             begin += records
+    rule(all(abs(share - 1) <= 2**-12 for share in shares.values()), "shares of a sample")
     return size, camera, light, ranges, decoded_pages
 
 
@@ -389,6 +453,7 @@ def read_footer(data, at, runs):
         check(data[at : at + 8] == data[-8:] and count == len(runs) and size == 88 + 264 * count + provenance, "sizes of the footer")
         listed = b"".join(struct.pack("<Q", offset) + header for offset, header in runs)
         check(data[at + 24 : at + 24 + 264 * count] == listed, "the footer lists other runs")
+        rule(is_provenance(data[at + 24 + 264 * count : -64], 64), "provenance of the footer")
         return
     head = data[at : at + 64]
     (offset, count, provenance, entries_hash, provenance_hash, zero, head_hash) = fields("QQQQQQQ", head, 8)
@@ -398,21 +463,28 @@ def read_footer(data, at, runs):
     entries, text = data[at + 64 : at + 64 + 128 * count], data[at + 64 + 128 * count : -64]
     check(hash64(entries) == entries_hash and hash64(text) == provenance_hash, "hashes of the footer")
     check(entries == b"".join(header[8:136] for _, header in runs), "the footer lists other runs")
+    rule(is_provenance(text, 64), "provenance of the footer")
 
 
 def read_file(path):
     """Job, camera and light records, coverage and (class, columns) of every page of every run."""
     with open(path, "rb") as file:
         data = file.read()
-    job, at = read_header(data)
+    job, at, header_is_sound = read_header(data)
+    check(header_is_sound, "the header's copies differ")
     runs, camera, light, coverage, pages = [], 0, 0, [], []
     while data[at : at + 8] == b"\x8dLTDBR\r\n":
         size, c, l, ranges, decoded = read_run(job, data, at)
         runs.append((at, data[at : at + 256]))
         at, camera, light, coverage = at + size, camera + c, light + l, coverage + ranges
         pages += [(kind, columns) for kind, columns, _, _ in decoded]
-    if at < len(data):
+    if at < len(data) or ".latent.part." not in str(path):
         read_footer(data, at, runs)
+    contents = {}
+    for run_at, header in runs:
+        (intervals, pages_size) = fields("I", header, 12) + fields("Q", header, 104)
+        coverage_of_run = data[run_at + 256 + pages_size : run_at + 256 + pages_size + 16 * intervals]
+        rule(contents.setdefault(coverage_of_run, header[120:136]) == header[120:136], "runs of equal coverage and other records")
     return job, len(runs), camera, light, coverage, pages
 
 
@@ -436,6 +508,114 @@ def print_records(job, pages):
             for i, (name, _) in enumerate(job.extra):
                 record[name] = columns[64 + i][row]
             print(json.dumps(record))
+
+
+# ---- what can be saved of a damaged file: "Reading"
+
+
+UNREADABLE = (ValueError, struct.error, IndexError, OverflowError)  # what Python raises where bytes make no sense
+
+
+def footer_from_end(data):
+    """Offset that an intact end of a footer gives for its head, if a footer of its size fits there, or None."""
+    end = data[-64:]
+    if len(end) < 64:
+        return None
+    if end[:8] == b"\x8dLTDBI\r\n" and hash64(end[:56]) == fields("Q", end, 56)[0]:
+        (offset, count, provenance) = fields("QQQ", end, 8)
+        size = 128 + 128 * count + provenance
+    elif end[56:] == b"\x8dLTDBE\r\n" and hash64(end[:48]) == fields("Q", end, 48)[0]:
+        (offset, size) = fields("QQ", end, 0)
+    else:
+        return None
+    return offset if offset + size == len(data) else None
+
+
+def begins_footer(data, at):
+    head = data[at : at + 64]
+    if head[:8] == b"\x8dLTDBI\r\n" and len(head) == 64:
+        return hash64(head[:56]) == fields("Q", head, 56)[0] and fields("Q", head, 8)[0] == at
+    if head[:8] == b"\x8dLTDBE\r\n" and len(head) >= 24:
+        (count, provenance) = fields("QQ", head, 8)
+        return 88 + 264 * count + provenance <= 2**30
+    return False
+
+
+def look_for_run(job, data, at):
+    """"run", "other" (of a later version), "cut" (off by the end of the file) or None."""
+    header = data[at : at + 256]
+    if len(header) < 256 or header[:8] != b"\x8dLTDBR\r\n" or hash64(header[:248]) != fields("Q", header, 248)[0]:
+        return None
+    if list(fields("QQ", header, 24)) != job.id:
+        return None
+    if at + run_size(header) > len(data):
+        return "cut"
+    if fields("H", header, 8)[0] != 1 or fields("Q", header, 16)[0] != 0:
+        return "other"
+    try:
+        check_run_header(job, header)
+    except UNREADABLE:
+        return None
+    return "run"
+
+
+def index_agrees(data, at):
+    header = data[at : at + 256]
+    (intervals, pages_size) = fields("I", header, 12) + fields("Q", header, 104)
+    index = at + 256 + pages_size
+    return fields("Q", data, index) + fields("Q", data, index + 16 * intervals - 8) == fields("QQ", header, 40)
+
+
+def walk(job, data, begin):
+    """(offsets of the runs, what is damaged, where the walk ended)."""
+    runs, damage, at, from_end = [], [], begin, footer_from_end(data)
+    end = from_end if from_end is not None and begin <= from_end <= len(data) else len(data)
+    while at < end and not begins_footer(data, at):
+        found = look_for_run(job, data, at)
+        if found == "cut" and from_end is None:
+            break
+        if found in (None, "cut"):
+            place = at + 4096
+            while place < end and not begins_footer(data, place):
+                found = look_for_run(job, data, place)
+                if (found == "run" and index_agrees(data, place)) or found == "other" or (found == "cut" and from_end is None):
+                    break
+                place += 4096
+            if place >= end and from_end is None:
+                break  # it may be a write that was cut short
+            damage.append("bytes %d to %d" % (at, min(place, end)))
+            at = min(place, end)
+            continue
+        if found == "run":
+            runs.append(at)
+        else:
+            damage.append("a run of a later version at byte %d" % at)
+        at += run_size(data[at : at + 256])
+    return runs, damage, at
+
+
+def salvage(path):
+    """(intervals, camera records, light records, content hash) of every run that is intact, and what is damaged."""
+    with open(path, "rb") as file:
+        data = file.read()
+    job, begin, header_is_sound = read_header(data)
+    offsets, damage, at = walk(job, data, begin)
+    if not header_is_sound:
+        damage.append("a copy of the header")
+    try:
+        read_footer(data, at, [(offset, data[offset : offset + 256]) for offset in offsets])
+    except UNREADABLE as error:
+        if ".latent.part." not in str(path) or footer_from_end(data) is not None:
+            damage.append("the end of the file: %s" % error)
+    intact = []
+    for offset in offsets:
+        try:
+            _, camera, light, ranges, _ = read_run(job, data, offset)
+        except UNREADABLE as error:
+            damage.append("run at byte %d: %s" % (offset, error))
+            continue
+        intact.append((ranges, camera, light, "%016x%016x" % fields("QQ", data, offset + 120)[::-1]))
+    return intact, damage
 
 
 # ---- selection
@@ -577,6 +757,13 @@ def check_vectors(page):
 def main(arguments):
     if arguments[:1] == ["--vectors"]:
         check_vectors(arguments[1])
+        return
+    if arguments[:1] == ["--salvage"]:
+        for path in arguments[1:]:
+            with Rules.for_readers():
+                intact, damage = salvage(path)
+            text = " ".join("%d..%d" % r for ranges, *_ in intact for r in ranges)
+            print("\n  ".join(["%s: %d intact runs, %s" % (path, len(intact), text), *damage]))
         return
     with_records = arguments[:1] == ["--records"]
     for path in arguments[with_records:]:
