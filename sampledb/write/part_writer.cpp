@@ -92,8 +92,9 @@ Status PartWriter::checkpoint() {
 
 Status PartWriter::finish() {
     if (parts_->committer) {
+        // Where another writer has published the part, the committer is about to close the window, if it has not yet.
         const Coverage unsubmitted = parts_->window.unsubmitted();
-        if (!parts_->window.closed() && !unsubmitted.empty()) {
+        if (!published_elsewhere() && !parts_->window.closed() && !unsubmitted.empty()) {
             return Error{ErrorCode::kUsage,
                          fmt::format("{}: samples {} were not submitted", parts_->options.path.string(), to_string(unsubmitted))};
         }
