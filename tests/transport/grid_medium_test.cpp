@@ -7,10 +7,9 @@
 #include "render/medium/grid.h"
 #include "render/medium/majorant_grid.h"
 #include "render/spectral/wavelength_density.h"
-#include "tests/transport/blocks.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/picture_mean.h"
-#include "tests/transport/world_builder.h"
+#include "tests/transport/pictures.h"
 
 namespace latent::render::testing {
 namespace {
@@ -225,35 +224,6 @@ std::string ball_of(const std::string& medium) {
            ".7\nAttributeEnd\n";
 }
 
-Estimate picture_of(const Scene& scene, IntegratorKind kind, std::uint64_t samples) {
-    std::vector<Blocks> pictures;
-    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-        const auto integrator =
-            scene.integrator({.kind = kind, .max_depth = 0, .record = sampledb::RecordKind::kXyz, .seed = seed});
-        BlockSums sums(8);
-        sampledb::Records r;
-        RadianceFaults faults;
-        for (std::uint64_t n = 0; n < samples; ++n) {
-            r.clear();
-            integrator->trace(n, r, faults);
-            sums.add(r);
-        }
-        EXPECT_EQ(faults.total(), 0u);
-        pictures.push_back(sums.picture(samples));
-    }
-    return mean_of(pictures);
-}
-
-// 16 pictures of each: equal expectations exceed these bounds less than once in ten thousand times.
-void expect_equal(const Estimate& a, const Estimate& b) {
-    for (std::size_t c = 0; c < 3; ++c) {
-        const Verdict v = compare(a, b, c);
-        EXPECT_LT(v.mean_z2, 2);
-        EXPECT_LT(std::abs(v.whole_z), 4.5);
-        EXPECT_LT(v.whole_error, 0.02);
-    }
-}
-
 std::string repeated(const std::string& text, int count) {
     std::string out;
     for (int n = 0; n < count; ++n) out += text;
@@ -269,9 +239,9 @@ TEST(GridMedium, AUniformGridIsAHomogeneousMedium) {
         scene_from(room(ball_of(std::string("MakeNamedMedium \"m\" \"string type\" \"homogeneous\"") + kSpectra)));
     const Scene grid = scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" " + kGrid +
                                                "\"float density\" [" + repeated("1 ", 6 * 7 * 8) + "]" + kSpectra)));
-    const Estimate expected = picture_of(homogeneous, IntegratorKind::kPath, 4096);
-    expect_equal(picture_of(grid, IntegratorKind::kPath, 4096), expected);
-    expect_equal(picture_of(grid, IntegratorKind::kBdpt, 4096), expected);
+    const Estimate expected = picture_of(homogeneous, {.kind = IntegratorKind::kPath}, 4096);
+    expect_equal(picture_of(grid, {.kind = IntegratorKind::kPath}, 4096), expected);
+    expect_equal(picture_of(grid, {.kind = IntegratorKind::kBdpt}, 4096), expected);
 }
 
 TEST(GridMedium, AUniformGridOfColoursIsAHomogeneousMedium) {
@@ -283,7 +253,7 @@ TEST(GridMedium, AUniformGridOfColoursIsAHomogeneousMedium) {
     const Scene grid = scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" " + kGrid + "\"rgb sigma_s\" [" +
                                                repeated("0.5 1 2 ", 6 * 7 * 8) + "] \"rgb sigma_a\" [" +
                                                repeated("0.4 0.1 0.02 ", 6 * 7 * 8) + "] " + scale)));
-    expect_equal(picture_of(grid, IntegratorKind::kPath, 4096), picture_of(homogeneous, IntegratorKind::kPath, 4096));
+    expect_equal(picture_of(grid, {.kind = IntegratorKind::kPath}, 4096), picture_of(homogeneous, {.kind = IntegratorKind::kPath}, 4096));
 }
 
 // Matter that scatters half and emits what it absorbs of Le: where one sees nothing else, one sees Le.
@@ -341,7 +311,7 @@ TEST(GridMedium, PathAndBdptAgreeOnACloud) {
         "\"float density\" [" +
         density + "]\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
-    expect_equal(picture_of(scene, IntegratorKind::kPath, 4096), picture_of(scene, IntegratorKind::kBdpt, 4096));
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096), picture_of(scene, {.kind = IntegratorKind::kBdpt}, 4096));
 }
 
 TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
@@ -350,7 +320,7 @@ TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
         "\"cloud\" "
         "\"rgb sigma_s\" [4 5 6] \"rgb sigma_a\" [.5 .3 .1] \"float density\" 2 \"float frequency\" 3\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
-    expect_equal(picture_of(scene, IntegratorKind::kPath, 1500), picture_of(scene, IntegratorKind::kBdpt, 1500));
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 1500), picture_of(scene, {.kind = IntegratorKind::kBdpt}, 1500));
 }
 
 }  // namespace

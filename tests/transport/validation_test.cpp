@@ -7,33 +7,10 @@
 
 #include "tests/faults/process.h"
 #include "tests/support/paths.h"
-#include "tests/transport/blocks.h"
-#include "tests/transport/world_builder.h"
+#include "tests/transport/pictures.h"
 
 namespace latent::render::testing {
 namespace {
-
-constexpr std::uint32_t kSeeds = 16;
-
-Estimate render(const Scene& scene, IntegratorSettings settings, std::uint64_t samples_per_seed) {
-    settings.record = sampledb::RecordKind::kXyz;
-    std::vector<Blocks> pictures;
-    for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
-        settings.seed = seed;
-        const std::unique_ptr<Integrator> integrator = scene.integrator(settings);
-        BlockSums sums(8);
-        RadianceFaults faults;
-        sampledb::Records records;
-        for (std::uint64_t n = 0; n < samples_per_seed; ++n) {
-            records.clear();
-            integrator->trace(n, records, faults);
-            sums.add(records);
-        }
-        EXPECT_EQ(faults.total(), 0u);
-        pictures.push_back(sums.picture(samples_per_seed));
-    }
-    return mean_of(pictures);
-}
 
 // With 15 degrees of freedom in our errors z is a little wider than normal: of 192 values the largest stays below 4.9 but once in a
 // thousand pictures, and the mean of 64 squares lies in 0.55 .. 1.65 (Student's t: mean 1.15, standard deviation 0.23).
@@ -79,7 +56,7 @@ TEST_P(Validation, BlockMeansAreThoseOfTheReference) {
     const Case& c = GetParam();
     const Scene scene = scene_to_compare(c.scene);
     const Estimate reference = read_reference(latent::testing::in_tree(std::string("tests/transport/refs/") + c.scene + ".csv"));
-    const Estimate ours = render(scene, {.kind = c.kind, .connections = c.connections, .max_depth = 0}, c.samples);
+    const Estimate ours = picture_of(scene, {.kind = c.kind, .connections = c.connections}, c.samples);
     expect_agreement(ours, reference, c.by_blocks);
 
     // The same picture, 2 % brighter, is refused: in every channel, by the blocks or by the whole.
