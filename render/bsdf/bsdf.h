@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/bsdf/closures.h"
-#include "render/bsdf/receiver.h"
+#include "render/bsdf/light_sample_context.h"
 #include "render/math/vec.h"
 #include "render/spectral/sampled_spectrum.h"
 
@@ -34,7 +34,7 @@ class Bsdf {
     // Directions come from a delta function: nothing can be connected to this vertex.
     bool is_delta() const { return delta_; }
     // For whom a light's point is drawn, looked at from wo.
-    Receiver receiver(const Vec3f& wo) const { return {face_forward(frame_.z, wo), transmits_}; }
+    LightSampleContext light_sample_context(const Vec3f& wo) const { return {face_forward(frame_.z, wo), transmits_}; }
 
     // value *= f |w_light.ns|. Nothing but zero if is_delta().
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;

@@ -10,7 +10,7 @@
 namespace latent::render {
 namespace {
 
-float passing(float thickness, float cosine) { return exp_of_negative(-thickness / std::abs(cosine)); }
+float passing(float thickness, float cosine) { return exp_nonpositive(-thickness / std::abs(cosine)); }
 
 float squared_share(float a, float b) {  // the power heuristic's weight of a beside b; b is 0 if there is no other way
     const float r = b / a;
@@ -80,7 +80,7 @@ Vec3f face_forward_z(const Vec3f& w, const Vec3f& side) { return side.z < 0 ? -w
 template <class Base>
 Coated<Base>::State::State(const Layer& l, const Base& b)
     : layer(l), base(b), smooth_coat(l.coat.is_smooth()), smooth_base(is_smooth(b)) {
-    const float scattered = layer.albedo ? layer.albedo->max() * (1 - exp_of_negative(-2 * layer.thickness)) : 0;
+    const float scattered = layer.albedo ? layer.albedo->max() * (1 - exp_nonpositive(-2 * layer.thickness)) : 0;
     if constexpr (std::is_same_v<Base, Diffuse>) {
         brightness = std::max(base.reflectance().max(), scattered);
         if (smooth_coat && !layer.albedo) returned = returned_by_smooth(layer.coat.eta, layer.thickness);
@@ -237,7 +237,7 @@ SampledSpectrum Coated<Base>::walk(const Vec3f& a, const Vec3f& b, Random& numbe
             }
         }
         if (layer.albedo) {
-            const float step = -log_of_complement(number()) * d.z;
+            const float step = -log_one_minus(number()) * d.z;
             if (0 < z + step && z + step < t) {
                 z += step;
                 beta *= *layer.albedo;

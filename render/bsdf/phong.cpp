@@ -13,7 +13,7 @@ Vec3f mirrored(const Vec3f& w) { return {-w.x, -w.y, w.z}; }
 // max(0, cos a)^n, by 1 - cos a: sharp lobes keep their digits.
 float lobe(const Vec3f& a, const Vec3f& b, float n) {
     const float h = one_minus_dot(mirrored(a), b);
-    return h < 1 ? exp_of_negative(n * log_of_complement(h)) : 0;
+    return h < 1 ? exp_nonpositive(n * log_one_minus(h)) : 0;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ float Phong::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
 
 bool Phong::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
     if (u_lobe < specular_probability_) {  // cos a = u^(1 / (n + 1))
-        const float c = exp_of_negative(log_of_complement(u) / (exponent_ + 1));
+        const float c = exp_nonpositive(log_one_minus(u) / (exponent_ + 1));
         out.wi = Frame::from_z(mirrored(wo)).to_world(direction_at(c, v));
     } else {
         out.wi = sample_cosine_hemisphere(u, v);

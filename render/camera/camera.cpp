@@ -48,7 +48,7 @@ void Camera::ray(double u, double v, float s, float t, Vec3f& origin, Vec3f& dir
             if (mapping_ == SphericalMapping::kEqualArea) {
                 d = sphere_from_square({static_cast<float>(u), static_cast<float>(v)});
             } else {
-                const SinCos theta = sincos_of_turns(static_cast<float>(v * 0.5)), phi = sincos_of_turns(static_cast<float>(u));
+                const SinCos theta = sincos_turns(static_cast<float>(v * 0.5)), phi = sincos_turns(static_cast<float>(u));
                 d = {theta.sin * phi.cos, theta.sin * phi.sin, theta.cos};
             }
             std::swap(d.y, d.z);

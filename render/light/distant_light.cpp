@@ -7,7 +7,7 @@ DistantLight::DistantLight(const LightDescription& light, std::uint32_t spectrum
       emission_{spectrum, static_cast<float>(light.scale * light.illuminance.value_or(1))},
       ball_(ball) {}
 
-bool DistantLight::sample_point(const Vec3f&, const Receiver&, Uniform, Uniform, LightPoint& out) const {
+bool DistantLight::sample_point(const Vec3f&, const LightSampleContext&, Uniform, Uniform, LightPoint& out) const {
     out = {.at = {}, .wi = towards_, .distance = kInfinity, .pdf_omega = 1};
     return true;
 }

@@ -8,7 +8,7 @@ ImageInfiniteLight::ImageInfiniteLight(const LightDescription& light, const Envi
       emission_{spectrum, static_cast<float>(light.scale * (light.illuminance ? *light.illuminance / map.upper_illuminance() : 1))},
       ball_(ball) {}
 
-bool ImageInfiniteLight::sample_point(const Vec3f&, const Receiver&, Uniform u, Uniform v, LightPoint& out) const {
+bool ImageInfiniteLight::sample_point(const Vec3f&, const LightSampleContext&, Uniform u, Uniform v, LightPoint& out) const {
     const Vec3f wi = map_->sample(u, v);
     out = {.at = {}, .wi = wi, .distance = kInfinity, .pdf_omega = map_->pdf_omega(wi)};
     return out.pdf_omega > 0;

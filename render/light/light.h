@@ -58,11 +58,11 @@ class Light {
     double extent() const {
         return visit([](const auto& light) { return light.extent(); });
     }
-    bool sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const {
-        return visit([&](const auto& light) { return light.sample_point(from, receiver, u, v, out); });
+    bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const {
+        return visit([&](const auto& light) { return light.sample_point(from, context, u, v, out); });
     }
-    float pdf_omega(const Vec3f& from, const Receiver& receiver, const LightHit& hit) const {
-        return visit([&](const auto& light) { return light.pdf_omega(from, receiver, hit); });
+    float pdf_omega(const Vec3f& from, const LightSampleContext& context, const LightHit& hit) const {
+        return visit([&](const auto& light) { return light.pdf_omega(from, context, hit); });
     }
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const {
         visit([&](const auto& light) { light.sample_ray(u, v, s, t, out); });

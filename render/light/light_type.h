@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "render/bsdf/receiver.h"
+#include "render/bsdf/light_sample_context.h"
 #include "render/geometry/geometry.h"
 #include "render/sampling/uniform.h"
 #include "render/sampling/warp.h"
@@ -83,14 +83,14 @@ struct Emission {
 //                      false: nothing is ever sent that way, and value is as it was
 template <class L>
 concept LightType = std::is_trivially_copyable_v<L> &&
-    requires(const L& light, const Vec3f& v, const Receiver& receiver, Uniform u, const LightHit& hit, LightPoint& point,
+    requires(const L& light, const Vec3f& v, const LightSampleContext& context, Uniform u, const LightHit& hit, LightPoint& point,
              LightRay& ray, SampledSpectra& spectra, SampledSpectrum& value) {
     { L::kIsInfinite } -> std::convertible_to<bool>;
     { L::kIsDelta } -> std::convertible_to<bool>;
     { light.emission() } -> std::same_as<const Emission&>;
     { light.extent() } -> std::same_as<double>;
-    { light.sample_point(v, receiver, u, u, point) } -> std::same_as<bool>;
-    { light.pdf_omega(v, receiver, hit) } -> std::same_as<float>;
+    { light.sample_point(v, context, u, u, point) } -> std::same_as<bool>;
+    { light.pdf_omega(v, context, hit) } -> std::same_as<float>;
     { light.sample_ray(u, u, u, u, ray) } -> std::same_as<void>;
     { light.pdf_position() } -> std::same_as<float>;
     { light.pdf_direction(v, v) } -> std::same_as<float>;

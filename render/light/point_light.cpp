@@ -8,7 +8,7 @@ PointLight::PointLight(const LightDescription& light, std::uint32_t spectrum)
     emission_ = {spectrum, static_cast<float>(light.scale * per_power)};
 }
 
-bool PointLight::sample_point(const Vec3f& from, const Receiver&, Uniform, Uniform, LightPoint& out) const {
+bool PointLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform, Uniform, LightPoint& out) const {
     out.at = {source_.p, 0, {}};
     if (!out.look_from(from)) return false;
     out.pdf_omega = 1;

@@ -14,8 +14,8 @@ class PointLight {
     const PointSource& source() const { return source_; }
     const Emission& emission() const { return emission_; }
     double extent() const { return 4 * std::numbers::pi; }
-    bool sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const;
-    float pdf_omega(const Vec3f&, const Receiver&, const LightHit&) const { return 0; }
+    bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
+    float pdf_omega(const Vec3f&, const LightSampleContext&, const LightHit&) const { return 0; }
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return 1; }
     float pdf_direction(const Vec3f&, const Vec3f&) const { return kInv4Pi; }

@@ -12,7 +12,7 @@ Interaction SphereLight::at(const Vec3f& outwards) const {
     return {center_ + outwards * radius_, 4e-7f * (max_abs(center_) + radius_), inward_ ? -outwards : outwards};
 }
 
-bool SphereLight::sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const {
+bool SphereLight::sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const {
     const Vec3f axis = center_ - from;
     const float d2 = length_squared(axis);
     if (is_outside(d2)) {
@@ -27,11 +27,11 @@ bool SphereLight::sample_point(const Vec3f& from, const Receiver& receiver, Unif
     }
     out.falloff = 1;
     if (!out.look_from(from) || !area_.shines(out.at.ng, -out.wi)) return false;
-    out.pdf_omega = pdf_omega(from, receiver, {out.wi, out.at.p, out.at.ng});
+    out.pdf_omega = pdf_omega(from, context, {out.wi, out.at.p, out.at.ng});
     return out.pdf_omega > 0;
 }
 
-float SphereLight::pdf_omega(const Vec3f& from, const Receiver&, const LightHit& hit) const {
+float SphereLight::pdf_omega(const Vec3f& from, const LightSampleContext&, const LightHit& hit) const {
     const float d2 = length_squared(center_ - from);
     if (is_outside(d2)) return inward_ ? 0 : pdf_of_cone(one_minus_cos(radius_ * radius_ / d2));
     return area_.pdf_omega(from, hit.p, hit.ng);

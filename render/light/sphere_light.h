@@ -14,8 +14,8 @@ class SphereLight {
 
     const Emission& emission() const { return area_.emission(); }
     double extent() const { return area_.extent(); }
-    bool sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const;
-    float pdf_omega(const Vec3f& from, const Receiver& receiver, const LightHit& hit) const;
+    bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
+    float pdf_omega(const Vec3f& from, const LightSampleContext& context, const LightHit& hit) const;
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return area_.pdf_position(); }
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }

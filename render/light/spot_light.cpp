@@ -26,7 +26,7 @@ float SpotLight::profile(const Vec3f& d) const {
     return t * t * (3 - 2 * t);
 }
 
-bool SpotLight::sample_point(const Vec3f& from, const Receiver&, Uniform, Uniform, LightPoint& out) const {
+bool SpotLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform, Uniform, LightPoint& out) const {
     out.at = {source_.p, 0, {}};
     if (!out.look_from(from)) return false;
     out.pdf_omega = 1;

@@ -15,8 +15,8 @@ class SpotLight {
     const PointSource& source() const { return source_; }
     const Emission& emission() const { return emission_; }
     double extent() const { return solid_angle_; }
-    bool sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const;
-    float pdf_omega(const Vec3f&, const Receiver&, const LightHit&) const { return 0; }
+    bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
+    float pdf_omega(const Vec3f&, const LightSampleContext&, const LightHit&) const { return 0; }
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return 1; }
     float pdf_direction(const Vec3f&, const Vec3f& d) const {

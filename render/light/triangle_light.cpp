@@ -7,7 +7,7 @@ Interaction TriangleLight::sample(Uniform u, Uniform v) const {
     return {p_ + e1_ * b.x + e2_ * b.y, 4e-7f * (max_abs(p_) + max_abs(e1_) + max_abs(e2_)), n_};
 }
 
-bool TriangleLight::sample_point(const Vec3f& from, const Receiver&, Uniform u, Uniform v, LightPoint& out) const {
+bool TriangleLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform u, Uniform v, LightPoint& out) const {
     out.at = sample(u, v);
     out.falloff = 1;
     if (!out.look_from(from) || !area_.shines(n_, -out.wi)) return false;

@@ -15,8 +15,8 @@ class UniformInfiniteLight {
     const Emission& emission() const { return emission_; }
     // Of 4 pi L that crosses each square metre of the scene, a surface receives pi L at most.
     double extent() const { return std::numbers::pi * ball_.disk_area(); }
-    bool sample_point(const Vec3f& from, const Receiver& receiver, Uniform u, Uniform v, LightPoint& out) const;
-    float pdf_omega(const Vec3f& from, const Receiver& receiver, const LightHit& hit) const;
+    bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
+    float pdf_omega(const Vec3f& from, const LightSampleContext& context, const LightHit& hit) const;
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return ball_.pdf_position(); }
     float pdf_direction(const Vec3f&, const Vec3f&) const { return kInv4Pi; }

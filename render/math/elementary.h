@@ -8,7 +8,7 @@
 namespace latent::render {
 
 // e^x for x <= 0; below -87 it is the smallest normal float or so.
-inline float exp_of_negative(float x) {
+inline float exp_nonpositive(float x) {
     const float clamped = x < -87.0f ? -87.0f : x;
     const std::int32_t n =
         static_cast<std::int32_t>(clamped * 1.44269504f - 0.5f);  // rounds to nearest, as the product is not positive
@@ -20,7 +20,7 @@ inline float exp_of_negative(float x) {
 }
 
 // ln x for normal positive x: x = 2^e m with m in [sqrt(1/2), sqrt(2)), ln m = 2 artanh((m - 1) / (m + 1)).
-inline float log_of(float x) {
+inline float log_positive(float x) {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
     const std::int32_t e = static_cast<std::int32_t>(bits - 0x3f3504f3u) >> 23;
     const float m = std::bit_cast<float>(bits - (static_cast<std::uint32_t>(e) << 23));
@@ -30,8 +30,8 @@ inline float log_of(float x) {
 }
 
 // ln (1 - u), 0 <= u < 1: near 0 as exact as u is.
-inline float log_of_complement(float u) {
-    if (u > 0.25f) return log_of(1 - u);
+inline float log_one_minus(float u) {
+    if (u > 0.25f) return log_positive(1 - u);
     const float s = u / (2 - u), s2 = s * s;
     return -2 * s * (1 + s2 * (1.0f / 3 + s2 * (1.0f / 5 + s2 * (1.0f / 7 + s2 * (1.0f / 9)))));
 }
@@ -41,7 +41,7 @@ struct SinCos {
 };
 
 // Sine and cosine of 2 pi u, |u| < 2^20.
-inline SinCos sincos_of_turns(float u) {
+inline SinCos sincos_turns(float u) {
     const float quarters = u * 4;
     const std::int32_t q = static_cast<std::int32_t>(quarters + (quarters < 0 ? -0.5f : 0.5f));
     const float r = (quarters - static_cast<float>(q)) * 1.57079632679f, r2 = r * r;
@@ -52,7 +52,7 @@ inline SinCos sincos_of_turns(float u) {
 }
 
 // The angle of (x, y), y >= 0, from the x axis: 0 to 1/2 turns. The series of arctan r, |r| < tan(pi / 8).
-inline float turns_of(float x, float y) {
+inline float angle_in_turns(float x, float y) {
     const float a = x < 0 ? -x : x;
     const float s = a < y ? a / y : y / a;
     const bool upper = s > 0.414213562f;

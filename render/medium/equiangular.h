@@ -27,15 +27,15 @@ class Equiangular {
         D_ = std::max({render::length(normal), 1e-5f * r, 1e-15f});
         delta_ = dot(to, d);
         r2_ = D_ * D_ + delta_ * delta_;
-        float last = turns_of(r2_ / length - delta_, D_);
+        float last = angle_in_turns(r2_ / length - delta_, D_);
         if (outer <= 1) {
             // In the plane of ray and light the cone is a sector: `middle` +- `half`, from the start of the segment as all angles.
             const float along = dot(axis, d), across = dot(axis, d * delta_ - to) / D_;
             const float out = dot(axis, normal) / D_, square = outer * (2 - outer) - out * out;  // squared sines: narrow cones too
             if (!(square > 0)) return;
-            const float half = turns_of(1 - outer, std::sqrt(square));
+            const float half = angle_in_turns(1 - outer, std::sqrt(square));
             const float x = D_ * across - delta_ * along, y = delta_ * across + D_ * along;
-            float middle = y < 0 ? -turns_of(x, -y) : turns_of(x, y);
+            float middle = y < 0 ? -angle_in_turns(x, -y) : angle_in_turns(x, y);
             if (middle < 0.5f * last - 0.5f) middle += 1;
             first_ = std::max(0.0f, middle - half);
             last = std::min(last, middle + half);
@@ -56,7 +56,7 @@ class Equiangular {
  private:
     // What is seen from the light at an angle from the start.
     float at(float turns) const {
-        const SinCos a = sincos_of_turns(turns);
+        const SinCos a = sincos_turns(turns);
         const float t = r2_ * a.sin / (D_ * a.cos + delta_ * a.sin);
         return t >= 0 && t < length_ ? t : length_;
     }

@@ -13,7 +13,7 @@ void multiply_blackbody(float kelvin, const Wavelengths& w, SampledSpectrum& val
     constexpr float kC2 = 1.438776877e7f;  // nm K
     static const float scale = static_cast<float>(std::expm1(4.965114231744276) / std::pow(4.965114231744276, 5));
     for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
-        const float x = kC2 / (w.lambda_nm[i] * kelvin), e = exp_of_negative(-x), x2 = x * x;
+        const float x = kC2 / (w.lambda_nm[i] * kelvin), e = exp_nonpositive(-x), x2 = x * x;
         value.v[i] *= scale * x2 * x2 * x * e / (1 - e);
     }
 }

@@ -9,7 +9,7 @@ namespace latent::render {
 namespace {
 
 // Optical depth to the next tentative collision.
-float depth_of(float u) { return -log_of_complement(u); }
+float depth_of(float u) { return -log_one_minus(u); }
 constexpr float kStop = -1;
 
 }  // namespace
@@ -103,7 +103,7 @@ MediumStep HeterogeneousMedium::multiply_transmittance(const Segment& segment, S
 namespace {
 
 SampledSpectrum model_transmittance(const SampledSpectrum& reference, float column) {
-    return spectrum_of([&](std::uint32_t i) { return exp_of_negative(-reference.v[i] * column); });
+    return spectrum_of([&](std::uint32_t i) { return exp_nonpositive(-reference.v[i] * column); });
 }
 
 }  // namespace

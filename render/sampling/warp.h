@@ -18,7 +18,7 @@ inline Vec2f sample_disk(float u, float v) {
     if (x == 0 && y == 0) return {0, 0};
     const bool wide = std::abs(x) > std::abs(y);
     const float r = wide ? x : y;
-    const SinCos a = sincos_of_turns(wide ? y / x * 0.125f : 0.25f - x / y * 0.125f);
+    const SinCos a = sincos_turns(wide ? y / x * 0.125f : 0.25f - x / y * 0.125f);
     return {r * a.cos, r * a.sin};
 }
 // Hemisphere about z: density cos / pi.
@@ -29,13 +29,13 @@ inline Vec3f sample_cosine_hemisphere(float u, float v) {
 // Directions at cosine c about z, turned by `turns`.
 inline Vec3f direction_at(float c, float turns) {
     const float s = std::sqrt(std::max(0.0f, 1 - c * c));
-    const SinCos a = sincos_of_turns(turns);
+    const SinCos a = sincos_turns(turns);
     return {s * a.cos, s * a.sin, c};
 }
 // The same, given 1 - c: near z as exact as that.
 inline Vec3f direction_beside(float one_minus_c, float turns) {
     const float s = std::sqrt(one_minus_c * (2 - one_minus_c));
-    const SinCos a = sincos_of_turns(turns);
+    const SinCos a = sincos_turns(turns);
     return {s * a.cos, s * a.sin, 1 - one_minus_c};
 }
 // Sphere: density 1 / (4 pi).

@@ -81,7 +81,7 @@ class Path {
         SampledSpectrum value = beta_;
         if (!light.multiply_emission(hit.ng, -d_, sample_.spectra, value)) return;
         if (!delta_) {
-            const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, receiver_, hit);
+            const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, context_, hit);
             value *= power_heuristic(pdf_ * transmittance_, light_pdf);
         }
         camera_.add(value, dispersed_, sample_.kept, sample_.k());
@@ -91,8 +91,9 @@ class Path {
         return {segment_.o, d_, segment_.length, light.p, light.axis, light.outer};
     }
 
-    // One vertex more on the segment, for the light of a point alone, at a distance drawn by the angle that the light sees. With p
-    // the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and f / p in sample_light.
+    // One vertex more on the segment, for the light of a point alone, at a distance drawn evenly in the angle at the light
+    // (equiangular). With p the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and
+    // f / p in sample_light.
     void sample_point_light(const Medium& medium, std::uint32_t again) {
         if (lights_.size() == 0) return;
         const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
@@ -117,7 +118,8 @@ class Path {
         const std::uint32_t i = lights_.choose(number(Dimension::kLight));
         const Light& light = lights_[i];
         LightPoint point;
-        if (!light.sample_point(at_.p, scattering.receiver(-d_), number(Dimension::kLightU), number(Dimension::kLightV), point))
+        if (!light.sample_point(at_.p, scattering.light_sample_context(-d_), number(Dimension::kLightU), number(Dimension::kLightV),
+                                point))
             return;
         const Vec3f wo = -d_;
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
@@ -154,7 +156,7 @@ class Path {
             return false;
         }
         dispersed_ = dispersed_ || scattering.disperses(wo, next.wi);
-        receiver_ = scattering.receiver(wo);
+        context_ = scattering.light_sample_context(wo);
         pdf_ = next.pdf;
         delta_ = next.delta;
         eta2_ *= next.eta2;
@@ -185,10 +187,10 @@ class Path {
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one
     bool dispersed_ = false, delta_ = true;
-    float eta2_ = 1;           // of all refractions so far
-    float pdf_ = 0;            // [1/sr] of d_
-    Receiver receiver_;        // the last vertex, as lights were sampled for it
-    float transmittance_ = 1;  // probability of passing the media since the last vertex
+    float eta2_ = 1;              // of all refractions so far
+    float pdf_ = 0;               // [1/sr] of d_
+    LightSampleContext context_;  // the last vertex, as lights were sampled for it
+    float transmittance_ = 1;     // probability of passing the media since the last vertex
 };
 
 class PathIntegrator final : public Transport {

@@ -17,7 +17,9 @@ class Scattering {
 
     bool in_medium() const { return bsdf() == nullptr; }
     bool is_delta() const { return bsdf() && bsdf()->is_delta(); }
-    Receiver receiver(const Vec3f& wo) const { return bsdf() ? bsdf()->receiver(wo) : Receiver{}; }
+    LightSampleContext light_sample_context(const Vec3f& wo) const {
+        return bsdf() ? bsdf()->light_sample_context(wo) : LightSampleContext{};
+    }
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return bsdf() && bsdf()->disperses(w_camera, w_light); }
 
     // value *= f |w_light.ns|, or the phase function.

@@ -250,17 +250,17 @@ TEST(Lights, AUniformInfiniteLightIsDrawnByTheCosineToWhatItLights) {
     const std::unique_ptr<World> world = with_light("LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n").world();
     const Light& light = world->lights()[0];
     const Vec3f n = normalize(Vec3f{0.3f, -0.5f, 0.4f});
-    for (const Receiver& receiver : {Receiver{}, Receiver{n, false}, Receiver{n, true}}) {
+    for (const LightSampleContext& context : {LightSampleContext{}, LightSampleContext{n, false}, LightSampleContext{n, true}}) {
         Numbers u(8);
         expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                       LightPoint p;
                                       const Uniform x = u(), y = u();
-                                      if (!light.sample_point({}, receiver, x, y, p)) return std::nullopt;
+                                      if (!light.sample_point({}, context, x, y, p)) return std::nullopt;
                                       return p.wi;
                                   },
                                   .pdf_omega = [&](const Vec3f& w) -> double {
-                                      const bool behind = !receiver.both_sides && dot(w, receiver.n) < 0;
-                                      return behind ? 0 : static_cast<double>(light.pdf_omega({}, receiver, {w}));
+                                      const bool behind = !context.both_sides && dot(w, context.n) < 0;
+                                      return behind ? 0 : static_cast<double>(light.pdf_omega({}, context, {w}));
                                   },
                                   .count = 60'000});
     }
@@ -273,17 +273,17 @@ TEST(Lights, AnImageInfiniteLightIsDrawnByItsPixels) {
             std::string(kFloor))
             .world();
     const Light& light = world->lights()[0];
-    for (const Receiver& receiver : {Receiver{}, Receiver{{0, 1, 0}, false}}) {
+    for (const LightSampleContext& context : {LightSampleContext{}, LightSampleContext{{0, 1, 0}, false}}) {
         Numbers u(15);
         expect_directions_follow(
             {.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                  LightPoint p;
                  const Uniform x = u(), y = u();
-                 if (!light.sample_point({}, receiver, x, y, p)) return std::nullopt;
-                 EXPECT_FLOAT_EQ(p.pdf_omega, light.pdf_omega({}, receiver, {p.wi}));
+                 if (!light.sample_point({}, context, x, y, p)) return std::nullopt;
+                 EXPECT_FLOAT_EQ(p.pdf_omega, light.pdf_omega({}, context, {p.wi}));
                  return p.wi;
              },
-             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(light.pdf_omega({}, receiver, {w})); },
+             .pdf_omega = [&](const Vec3f& w) { return static_cast<double>(light.pdf_omega({}, context, {w})); },
              .count = 60'000});
     }
 }

@@ -84,17 +84,17 @@ TEST(Sampler, IsAFunctionOfSeedSampleAndDimension) {
 TEST(Elementary, FunctionsAgreeWithTheLibrary) {
     for (int i = 0; i < 100'000; ++i) {
         const float x = -static_cast<float>(i) * 8e-4f, u = static_cast<float>(i) * 1e-5f;
-        ASSERT_NEAR(exp_of_negative(x) / std::exp(static_cast<double>(x)), 1, 1e-6) << x;
-        ASSERT_NEAR(sincos_of_turns(u).sin, std::sin(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
-        ASSERT_NEAR(sincos_of_turns(u).cos, std::cos(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
+        ASSERT_NEAR(exp_nonpositive(x) / std::exp(static_cast<double>(x)), 1, 1e-6) << x;
+        ASSERT_NEAR(sincos_turns(u).sin, std::sin(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
+        ASSERT_NEAR(sincos_turns(u).cos, std::cos(static_cast<double>(u) * 2 * std::numbers::pi), 3e-7);
         const float slope = 1e-7f + 0.01f * u / (1 - u);  // of angles between nothing and almost a quarter turn
         const double turns = std::atan(static_cast<double>(slope)) / (2 * std::numbers::pi);
-        ASSERT_NEAR(turns_of(1, slope) / turns, 1, 1e-6) << slope;
-        ASSERT_NEAR(turns_of(-1, slope), 0.5 - turns, 1e-7) << slope;
+        ASSERT_NEAR(angle_in_turns(1, slope) / turns, 1, 1e-6) << slope;
+        ASSERT_NEAR(angle_in_turns(-1, slope), 0.5 - turns, 1e-7) << slope;
         if (i > 0) {
-            ASSERT_NEAR(log_of_complement(u) / std::log1p(-static_cast<double>(u)), 1, 1e-6) << u;
-            ASSERT_NEAR(log_of_complement(u * 1e-9f) / std::log1p(-static_cast<double>(u * 1e-9f)), 1, 1e-6) << u;
-            ASSERT_NEAR(log_of(u), std::log(static_cast<double>(u)), 3e-7 * (1 + std::abs(std::log(static_cast<double>(u)))));
+            ASSERT_NEAR(log_one_minus(u) / std::log1p(-static_cast<double>(u)), 1, 1e-6) << u;
+            ASSERT_NEAR(log_one_minus(u * 1e-9f) / std::log1p(-static_cast<double>(u * 1e-9f)), 1, 1e-6) << u;
+            ASSERT_NEAR(log_positive(u), std::log(static_cast<double>(u)), 3e-7 * (1 + std::abs(std::log(static_cast<double>(u)))));
         }
     }
 }

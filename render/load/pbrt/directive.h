@@ -18,7 +18,7 @@ struct Parameter {
     std::vector<std::string> strings{};
     std::vector<bool> flags{};
     bool inherited = false;     // from an Attribute directive: need not be of use
-    mutable bool used = false;  // somebody asked for it
+    mutable bool used = false;  // it was read
 };
 
 struct Directive {

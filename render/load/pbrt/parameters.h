@@ -1,4 +1,5 @@
-// render/load/pbrt/parameters.h: the parameter list of one directive, asked for by name; what nobody asks for is reported.
+// render/load/pbrt/parameters.h: the parameter list of one directive: values by name, checked. Parameters that were not read are
+// reported.
 #pragma once
 
 #include <initializer_list>
@@ -34,7 +35,7 @@ class ParameterList {
 
     // Parameters that change nothing here: named in a warning at the first of them.
     void ignore(std::initializer_list<std::string_view> names, std::string_view why) const;
-    // Every parameter that nobody asked for is an error: the picture would be wrong, or the name is.
+    // Every parameter that was not read is an error: without it the picture would be wrong, or its name is misspelled.
     void report_unused() const;
 
     const Directive& directive() const { return directive_; }

@@ -24,7 +24,7 @@ void Bidirectional::join_light(std::size_t i) {
     const std::uint32_t chosen = lights_.choose(camera_number(i - 1, Dimension::kLight));
     const Light& light = lights_[chosen];
     LightPoint point;
-    if (!light.sample_point(z.at.p, z.scattering.receiver(z.wo), camera_number(i - 1, Dimension::kLightU),
+    if (!light.sample_point(z.at.p, z.scattering.light_sample_context(z.wo), camera_number(i - 1, Dimension::kLightU),
                             camera_number(i - 1, Dimension::kLightV), point))
         return;
     const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);

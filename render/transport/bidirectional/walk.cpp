@@ -163,7 +163,7 @@ bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, co
 float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
     const Light& light = lights_[start_light_];
     if (light.is_delta()) return 1;
-    const float pdf = light.pdf_omega(x.at.p, x.scattering.receiver(x.wo), {-d, first.at.p, first.normal});
+    const float pdf = light.pdf_omega(x.at.p, x.scattering.light_sample_context(x.wo), {-d, first.at.p, first.normal});
     const float ratio = light.is_infinite() ? pdf / light.pdf_direction({}, d) : pdf * first.cosine(d) / d2 / light.pdf_position();
     return ratio * ratio;
 }
@@ -198,7 +198,7 @@ void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& lin
         SampledSpectrum value = step.beta;
         if (!light.multiply_emission({}, -step.d, sample_.spectra, value)) continue;
         const float probability = lights_.probability(i),
-                    pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.receiver(last.wo), {step.d});
+                    pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.light_sample_context(last.wo), {step.d});
         const float pdf_ray = probability * light.pdf_direction({}, -step.d);
         add_emission(value, step, step.pdf * line.transmittance, pdf_point, pdf_ray,
                      light.pdf_position() * last.cosine(step.d) * distance_pdf(last, line));
