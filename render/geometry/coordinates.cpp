@@ -1,5 +1,4 @@
-// How texture coordinates run over a surface, as pbrt-v4 has them.
-#include "render/geometry/embree_geometry.h"
+#include "render/geometry/coordinates.h"
 
 namespace latent::render {
 
@@ -149,6 +148,22 @@ SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primi
             break;
     }
     return quadric(placed, p, ns);
+}
+
+SurfaceCoordinates to_world(const SurfaceCoordinates& coordinates, const Vec3f& ns, const PlacedInstance& instance) {
+    const Affined& map = instance.world_from_object;
+    SurfaceCoordinates c = coordinates;
+    c.dpdu = Vec3f(map.vector(Vec3d(c.dpdu)));
+    c.dpdv = Vec3f(map.vector(Vec3d(c.dpdv)));
+    // n = m / |m|, m the image of the object's normal.
+    const Vec3d m = map.normal(normalize(Vec3d(ns)));
+    const double size = length(m);
+    const Vec3d n = m / size;
+    for (Vec3f* d : {&c.dndu, &c.dndv}) {
+        const Vec3d dm = map.normal(Vec3d(*d)) / size;
+        *d = Vec3f(dm - n * dot(n, dm));
+    }
+    return c;
 }
 
 }  // namespace latent::render

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "render/geometry/coordinates.h"
+#include "render/geometry/emitters.h"
+#include "render/geometry/surface.h"
 #include "render/scene/bounds.h"
 
 namespace latent::render {
@@ -132,7 +135,9 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
     if (!self->device_) return Error{ErrorCode::kUnsupported, fmt::format("Embree does not run with isa={}", simd)};
     rtcSetDeviceErrorFunction(self->device_.get(), keep_fault, self.get());
     for (const ShapeDescription& shape : description.shapes) self->shapes_.push_back(place(shape));
-    if (const Status emitters = self->add_emitters(); !emitters) return emitters.error();
+    Result<std::vector<Emitter>> emitters = find_emitters(self->shapes_);
+    if (!emitters) return emitters.error();
+    self->emitters_ = std::move(*emitters);
 
     for (const ObjectDescription& object : description.objects) {
         std::vector<PlacedShape>& shapes = self->objects_.emplace_back();
@@ -205,21 +210,9 @@ SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const {
     const auto& [id, shape, primitive, uv] = hit.on;
     if (id == RTC_INVALID_GEOMETRY_ID) return coordinates_at(shapes_[shape], primitive, uv, Vec3d(hit.p), hit.ns);
     const PlacedInstance& instance = instances_[id - shapes_.size()];
-    const Affined& map = instance.world_from_object;
     const Vec3f ns(instance.object_from_world.normal(Vec3d(hit.ns)));
-    SurfaceCoordinates c =
-        coordinates_at((*instance.shapes)[shape], primitive, uv, instance.object_from_world.point(Vec3d(hit.p)), ns);
-    c.dpdu = Vec3f(map.vector(Vec3d(c.dpdu)));
-    c.dpdv = Vec3f(map.vector(Vec3d(c.dpdv)));
-    // n = m / |m|, m the image of the object's normal.
-    const Vec3d m = map.normal(normalize(Vec3d(ns)));
-    const double size = length(m);
-    const Vec3d n = m / size;
-    for (Vec3f* d : {&c.dndu, &c.dndv}) {
-        const Vec3d dm = map.normal(Vec3d(*d)) / size;
-        *d = Vec3f(dm - n * dot(n, dm));
-    }
-    return c;
+    return to_world(coordinates_at((*instance.shapes)[shape], primitive, uv, instance.object_from_world.point(Vec3d(hit.p)), ns),
+                    ns, instance);
 }
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {

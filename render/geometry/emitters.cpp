@@ -1,15 +1,17 @@
-// The primitives of area lights, found among the shapes of the world.
-#include "render/geometry/embree_geometry.h"
+#include "render/geometry/emitters.h"
+
+#include "render/geometry/surface.h"
 #include "render/scene/check.h"
 
 namespace latent::render {
 
-Status EmbreeGeometry::add_emitters() {
-    for (PlacedShape& placed : shapes_) {
+Result<std::vector<Emitter>> find_emitters(std::vector<PlacedShape>& shapes) {
+    std::vector<Emitter> emitters;
+    for (PlacedShape& placed : shapes) {
         const ShapeDescription& shape = placed.shape;
         if (shape.area_light == kNone) continue;
         if (const Refusals r = check_area_light(shape); !r.empty()) return Error{ErrorCode::kUnsupported, r.front()};
-        placed.first_emitter = static_cast<std::uint32_t>(emitters_.size());
+        placed.first_emitter = static_cast<std::uint32_t>(emitters.size());
         Emitter emitter{
             .area_light = shape.area_light, .inside_medium = shape.inside_medium, .outside_medium = shape.outside_medium};
         if (shape.kind == ShapeKind::kTriangles) {
@@ -22,7 +24,7 @@ Status EmbreeGeometry::add_emitters() {
                 emitter.area = 0.5 * length(cross(Vec3d(emitter.e1), Vec3d(emitter.e2)));
                 emitter.n = emitter.area > 0 ? hit.ng : Vec3f{};
                 emitter.is_half = shape.pairs;
-                emitters_.push_back(emitter);
+                emitters.push_back(emitter);
             }
         } else {
             const double radius = shape.radius * length(shape.to_world.x);
@@ -31,10 +33,10 @@ Status EmbreeGeometry::add_emitters() {
             emitter.radius = static_cast<float>(radius);
             emitter.inward = shape.flip_normal;
             emitter.area = 4 * std::numbers::pi * radius * radius;
-            emitters_.push_back(emitter);
+            emitters.push_back(emitter);
         }
     }
-    return {};
+    return emitters;
 }
 
 }  // namespace latent::render

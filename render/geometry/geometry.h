@@ -9,27 +9,11 @@
 #include <vector>
 
 #include "base/result.h"
+#include "render/geometry/spawn_ray.h"
 #include "render/math/vec.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
-
-struct Ray {
-    Vec3f o, d;  // d need not have unit length; t counts in lengths of d
-    float t_max = kInfinity;
-};
-
-// What a ray's float arithmetic adds to the error of a surface that it comes to, per length of the ray: eight half ulps.
-inline constexpr float kRayError = 0x1p-21f;
-
-// A point that rays may leave from or lead to: the true point is within `error` of `p` in each coordinate, seen by a ray of length
-// l within error + error_per_length l; `ng` is unit length, or 0 for a point that lies on no surface (in a medium, on a lens).
-struct Interaction {
-    Vec3f p;
-    float error = 0;
-    Vec3f ng;
-    float error_per_length = kRayError;
-};
 
 // Which primitive a ray hit, and where: numbers of Geometry's own.
 struct PrimitivePoint {
@@ -73,11 +57,6 @@ struct Emitter {
     bool is_half = false;  // triangle: of a flat patch, whose other half is as large
     std::uint32_t inside_medium = kNone, outside_medium = kNone;
 };
-
-// A ray from `from` in direction `d`: starts clear of the surface, on the side that d points to [PBRT4 6.8.6].
-Ray spawn_ray(const Interaction& from, const Vec3f& d);
-// The same to a point, clear of both surfaces: whatever else lies between them, nearer than that to the one or the other, is met.
-Ray spawn_ray(const Interaction& from, const Interaction& to);
 
 class Geometry {
  public:

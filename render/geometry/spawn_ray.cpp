@@ -1,4 +1,4 @@
-#include "render/geometry/geometry.h"
+#include "render/geometry/spawn_ray.h"
 
 namespace latent::render {
 

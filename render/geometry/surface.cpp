@@ -1,5 +1,4 @@
-// What the surface is like where a ray hit it.
-#include "render/geometry/embree_geometry.h"
+#include "render/geometry/surface.h"
 
 namespace latent::render {
 
@@ -88,11 +87,6 @@ SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
 }
 
 }  // namespace
-
-PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive) {
-    const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
-    return {Vec3d(mesh.positions[v[0]]), Vec3d(mesh.positions[v[1]]), Vec3d(mesh.positions[v[2]]), Vec3d(mesh.positions[v[3]])};
-}
 
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p) {
     SurfaceHit hit = placed.shape.kind == ShapeKind::kTriangles  ? triangle(placed, primitive, uv)

@@ -172,6 +172,13 @@ TEST(Structure, EveryRoomSaysWhatItIsFor) {
     }
 }
 
+TEST(Structure, EverySourceOfTheRendererHasAHeaderOfItsName) {
+    for (const std::string& file : all_sources()) {
+        if (top_folder(file) != "render" || fs::path(file).extension() != ".cpp" || file == "render/main.cpp") continue;
+        EXPECT_TRUE(fs::exists(latent::testing::in_tree(fs::path(file).replace_extension(".h").string()))) << file;
+    }
+}
+
 TEST(Structure, EveryMainIsATableOfContents) {
     for (const char* tool : {"render", "tools/merge", "tools/develop", "tools/convert", "tools/inspect"}) {
         const std::string main = content(std::string(tool) + "/main.cpp");

@@ -25,7 +25,7 @@ SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnosti
       diagnostics_(diagnostics),
       spectra_(files),
       textures_(scene, files, spectra_, diagnostics),
-      replace_integrator_(replace_integrator) {
+      options_(scene, diagnostics, replace_integrator) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
     interface_.push_back(false);
 }
@@ -60,7 +60,12 @@ std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation
 }
 
 void SceneBuilder::apply(const Directive& d) {
-    if (apply_transform(d) || apply_option(d) || apply_state(d)) return;
+    if (d.name == "Camera" && !in_world_) {
+        if (const std::optional<Affined> inverse = state_.ctm.inverse()) transforms_.name("camera", *inverse);
+    }
+    if (transforms_.apply(d, state_.ctm, diagnostics_) || options_.apply(d, in_world_, state_.ctm, state_.outside_medium) ||
+        apply_state(d))
+        return;
     if (!in_world_ && d.name != "MakeNamedMedium") return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
     if (d.name == "MakeNamedMedium") return add_medium(d);
@@ -89,6 +94,13 @@ bool SceneBuilder::apply_state(const Directive& d) {
     } else if (d.name == "ObjectEnd") {
         pop("ObjectBegin", d.where);
         object_ = kNone;
+    } else if (d.name == "WorldBegin" && in_world_) {
+        diagnostics_.error(d.where, "WorldBegin: given twice");
+    } else if (d.name == "WorldBegin") {
+        options_.place_camera(state_.ctm, state_.outside_medium);
+        in_world_ = true;
+        state_.ctm = {};
+        transforms_.name("world", {});
     } else if (d.name == "ReverseOrientation") {
         state_.reverse_orientation = !state_.reverse_orientation;
     } else if (d.name == "NamedMaterial") {

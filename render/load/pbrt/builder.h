@@ -11,8 +11,10 @@
 #include "render/load/files/scene_files.h"
 #include "render/load/mesh/placement.h"
 #include "render/load/pbrt/directive.h"
+#include "render/load/pbrt/options.h"
 #include "render/load/pbrt/spectra.h"
 #include "render/load/pbrt/textures.h"
+#include "render/load/pbrt/transforms.h"
 
 namespace latent::render {
 
@@ -58,8 +60,6 @@ class SceneBuilder {
 
     void push(const std::string& by, const SourceLocation& where);
     void pop(const std::string& by, const SourceLocation& where);
-    bool apply_transform(const Directive& d);
-    bool apply_option(const Directive& d);  // before WorldBegin
     bool apply_state(const Directive& d);
     std::uint32_t material(const std::string& text, const SourceLocation& where);  // by name
     MaterialDescription read_mixture(const ParameterList& list);
@@ -73,7 +73,6 @@ class SceneBuilder {
     Named& object(const std::string& text, const SourceLocation& where);
     ParameterList list(const Directive& d, std::string_view target);
     std::uint32_t medium(const std::string& text, const SourceLocation& where);
-    void place_camera();
 
     SceneDescription& scene_;
     SceneFiles& files_;
@@ -82,9 +81,8 @@ class SceneBuilder {
     SceneTextures textures_;
     State state_;
     std::vector<Pushed> stack_;
-    std::optional<Directive> camera_;  // built at WorldBegin: it needs the film's aspect
-    State camera_state_;
-    std::map<std::string, Affined> coordinate_systems_;
+    SceneOptions options_;
+    Transforms transforms_;
     Names materials_, media_, objects_;
     struct Mixture {
         SourceLocation where;
@@ -96,7 +94,6 @@ class SceneBuilder {
     std::vector<bool> interface_;                                          // of each material: "interface"
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
-    const bool replace_integrator_;
     bool in_world_ = false, complete_ = true;
 };
 

@@ -1,9 +1,9 @@
-// The directives before WorldBegin, which say how the world is looked at.
+#include "render/load/pbrt/options.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "render/load/pbrt/builder.h"
 #include "render/load/pbrt/film_camera.h"
 #include "render/scene/check.h"
 
@@ -23,50 +23,40 @@ constexpr std::string_view kHarmlessOptions[] = {"disabletexturefiltering",
 
 }  // namespace
 
-bool SceneBuilder::apply_option(const Directive& d) {
+bool SceneOptions::apply(const Directive& d, bool in_world, const Affined& ctm, std::uint32_t outside_medium) {
     const bool known = d.name == "Camera" || d.name == "Film" || d.name == "Integrator" || d.name == "Sampler" ||
-                       d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "WorldBegin" || d.name == "Option";
+                       d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option";
     if (!known) return false;
-    if (in_world_ && d.name != "Option") {
+    if (in_world && d.name != "Option") {
         diagnostics_.error(d.where, d.name + ": must come before WorldBegin");
     } else if (d.name == "Camera") {
-        camera_ = d;
-        camera_state_ = state_;
-        if (const std::optional<Affined> inverse = state_.ctm.inverse()) coordinate_systems_["camera"] = *inverse;
+        camera_ = {d, ctm, outside_medium};
     } else if (d.name == "Film") {
-        scene_.film = read_film(d.strings[0], list(d, "film"));
+        scene_.film = read_film(d.strings[0], ParameterList(d, {}, diagnostics_));
     } else if (d.name == "Integrator") {
-        read_integrator(d.strings[0], list(d, "integrator"), replace_integrator_, scene_);
+        read_integrator(d.strings[0], ParameterList(d, {}, diagnostics_), replace_integrator_, scene_);
     } else if (d.name == "Sampler") {
         diagnostics_.warn(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
     } else if (d.name == "PixelFilter") {
         diagnostics_.warn(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
     } else if (d.name == "Accelerator") {
         diagnostics_.warn(d.where, "Accelerator is ignored");
-    } else if (d.name == "Option") {
-        if (std::ranges::find(kHarmlessOptions, d.strings[0]) != std::end(kHarmlessOptions) || d.strings[1] == "false") {
-            diagnostics_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
-        } else {
-            diagnostics_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
-        }
+    } else if (std::ranges::find(kHarmlessOptions, d.strings[0]) != std::end(kHarmlessOptions) || d.strings[1] == "false") {
+        diagnostics_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
     } else {
-        place_camera();
-        in_world_ = true;
-        state_.ctm = {};
-        coordinate_systems_["world"] = {};
+        diagnostics_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
     }
     return true;
 }
 
-void SceneBuilder::place_camera() {
-    const Directive standard{.name = "Camera", .strings = {"perspective"}};
-    const Directive& d = camera_ ? *camera_ : standard;
-    const State& state = camera_ ? camera_state_ : state_;
-    const std::optional<Affined> inverse = state.ctm.inverse();
+void SceneOptions::place_camera(const Affined& ctm, std::uint32_t outside_medium) {
+    const CameraDirective standard{{.name = "Camera", .strings = {"perspective"}}, ctm, outside_medium};
+    const auto& [d, camera_from_world, medium] = camera_ ? *camera_ : standard;
+    const std::optional<Affined> inverse = camera_from_world.inverse();
     if (!inverse) diagnostics_.error(d.where, "Camera: the transformation is singular");
     scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, diagnostics_), scene_.film);
     scene_.camera.world_from_camera = inverse.value_or(Affined{});
-    scene_.camera.medium = state.outside_medium;
+    scene_.camera.medium = medium;
     for (const std::string& refusal : check_camera(scene_.camera)) diagnostics_.error(d.where, refusal);
 }
 

@@ -1,9 +1,8 @@
-// The directives that change the current transformation.
+#include "render/load/pbrt/transforms.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
-
-#include "render/load/pbrt/builder.h"
 
 namespace latent::render {
 
@@ -30,47 +29,47 @@ Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-bool SceneBuilder::apply_transform(const Directive& d) {
+bool Transforms::apply(const Directive& d, Affined& ctm, Diagnostics& diagnostics) {
     const std::vector<double>& n = d.numbers;
     if (d.name == "Identity") {
-        state_.ctm = {};
+        ctm = {};
     } else if (d.name == "Translate") {
-        state_.ctm = state_.ctm * translation(vec(n));
+        ctm = ctm * translation(vec(n));
     } else if (d.name == "Scale") {
-        state_.ctm = state_.ctm * Affined({n[0], 0, 0}, {0, n[1], 0}, {0, 0, n[2]}, {0, 0, 0});
+        ctm = ctm * Affined({n[0], 0, 0}, {0, n[1], 0}, {0, 0, n[2]}, {0, 0, 0});
     } else if (d.name == "Rotate") {
         const Vec3d axis{n[1], n[2], n[3]};
         if (!(length(axis) > 0)) {
-            diagnostics_.error(d.where, "Rotate: the axis is 0");
+            diagnostics.error(d.where, "Rotate: the axis is 0");
         } else {
-            state_.ctm = state_.ctm * rotation(n[0], axis);
+            ctm = ctm * rotation(n[0], axis);
         }
     } else if (d.name == "LookAt") {
         const std::optional<Affined> view = look_at(vec(n), vec(std::span(n).subspan(3)), vec(std::span(n).subspan(6)));
         if (view) {
-            state_.ctm = state_.ctm * *view;
+            ctm = ctm * *view;
         } else {
-            diagnostics_.error(d.where, "LookAt: the direction is 0, or parallel to up");
+            diagnostics.error(d.where, "LookAt: the direction is 0, or parallel to up");
         }
     } else if (d.name == "Transform" || d.name == "ConcatTransform") {
         // The file holds columns: the images of x, y, z and the origin, each with its w.
         const Affined map(vec(n), vec(std::span(n).subspan(4)), vec(std::span(n).subspan(8)), vec(std::span(n).subspan(12)));
         if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1)
-            diagnostics_.error(d.where, d.name + ": projective transformations are not supported");
-        state_.ctm = d.name == "Transform" ? map : state_.ctm * map;
+            diagnostics.error(d.where, d.name + ": projective transformations are not supported");
+        ctm = d.name == "Transform" ? map : ctm * map;
     } else if (d.name == "CoordinateSystem") {
-        coordinate_systems_[d.strings[0]] = state_.ctm;
+        named_[d.strings[0]] = ctm;
     } else if (d.name == "CoordSysTransform") {
-        const auto found = coordinate_systems_.find(d.strings[0]);
-        if (found == coordinate_systems_.end()) {
-            diagnostics_.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
+        const auto found = named_.find(d.strings[0]);
+        if (found == named_.end()) {
+            diagnostics.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
         } else {
-            state_.ctm = found->second;
+            ctm = found->second;
         }
     } else if (d.name == "ActiveTransform") {
-        if (d.strings[0] != "All") diagnostics_.error(d.where, "ActiveTransform: motion is not supported");
+        if (d.strings[0] != "All") diagnostics.error(d.where, "ActiveTransform: motion is not supported");
     } else if (d.name == "TransformTimes") {
-        diagnostics_.warn(d.where, "TransformTimes is ignored: motion is not supported");
+        diagnostics.warn(d.where, "TransformTimes is ignored: motion is not supported");
     } else {
         return false;
     }

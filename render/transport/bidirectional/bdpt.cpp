@@ -1,8 +1,7 @@
-// Bidirectional path tracing: a subpath from the camera and one from a light, joined in every way. docs/rendering.md,
-// "Bidirectional".
 #include "render/transport/bidirectional/bdpt.h"
 
-#include "render/transport/bidirectional/subpaths.h"
+#include "render/transport/bidirectional/join.h"
+#include "render/transport/bidirectional/walk.h"
 
 namespace latent::render {
 namespace {
@@ -15,7 +14,11 @@ class BdptIntegrator final : public Transport {
  protected:
     void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records& out,
                      RadianceFaults& faults) const override {
-        Bidirectional(world(), settings(), records(), sample, subpaths_.local(), camera, out, faults).trace(u, v);
+        const SubpathSample subpaths(world(), settings(), records(), sample, subpaths_.local(), camera, out, faults);
+        SubpathWalk walk(subpaths);
+        walk.trace_light();
+        walk.trace_camera(u, v);
+        SubpathJoin(subpaths).join_all(settings().connections);
     }
 
  private:

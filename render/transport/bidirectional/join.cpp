@@ -1,15 +1,11 @@
-// Joining the two subpaths: a light's point for the camera subpath (s = 1), the lens for the light subpath (t = 1), vertex to
-// vertex (s, t >= 2).
-#include "render/transport/bidirectional/subpaths.h"
+#include "render/transport/bidirectional/join.h"
 
 namespace latent::render {
 
-void Bidirectional::trace(double u, double v) {
-    trace_light();
-    trace_camera(u, v);
+void SubpathJoin::join_all(Connections connections) {
     for (std::size_t i = 1; i < light_subpath_.size(); ++i) join_lens(i);
     for (std::size_t i = 1; i < camera_subpath_.size(); ++i) join_light(i);
-    if (connect_all_) {
+    if (connections == Connections::kAll) {
         for (std::size_t i = 1; i < light_subpath_.size(); ++i) {
             for (std::size_t j = 1; j < camera_subpath_.size() && i + j + 2 <= max_vertices_; ++j) join(i, j, 1);
         }
@@ -18,7 +14,7 @@ void Bidirectional::trace(double u, double v) {
     }
 }
 
-void Bidirectional::join_light(std::size_t i) {
+void SubpathJoin::join_light(std::size_t i) {
     const SubpathVertex& z = camera_subpath_[i];
     if (!z.connectible() || lights_.size() == 0) return;
     const std::uint32_t chosen = lights_.choose(camera_number(i - 1, Dimension::kLight));
@@ -59,7 +55,7 @@ void Bidirectional::join_light(std::size_t i) {
     radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());
 }
 
-void Bidirectional::join_lens(std::size_t i) {
+void SubpathJoin::join_lens(std::size_t i) {
     const SubpathVertex& y = light_subpath_[i];
     if (!y.connectible()) return;
     CameraPoint point;
@@ -85,7 +81,7 @@ void Bidirectional::join_lens(std::size_t i) {
     splat(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));
 }
 
-void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
+void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
     const SubpathVertex& y = light_subpath_[i];
     const SubpathVertex& z = camera_subpath_[j];
     if (!y.connectible() || !z.connectible()) return;
@@ -111,12 +107,12 @@ void Bidirectional::join(std::size_t i, std::size_t j, float factor) {
     radiance_.add(value, dispersed, sample_.kept, sample_.k());
 }
 
-void Bidirectional::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, SampledSpectrum& value) {
+void SubpathJoin::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, SampledSpectrum& value) {
     y.scattering.multiply_f_cos(w_camera, y.wo, value);
     value *= y.cosine(w_camera) / y.cosine(y.wo);
 }
 
-void Bidirectional::join_one_of_each_length() {
+void SubpathJoin::join_one_of_each_length() {
     const std::size_t longest = std::min<std::size_t>(light_subpath_.size() + camera_subpath_.size() - 2, max_vertices_ - 2);
     for (std::size_t sum = 2; sum <= longest; ++sum) {  // i + j
         const std::size_t first = sum >= camera_subpath_.size() ? sum - camera_subpath_.size() + 1 : 1,

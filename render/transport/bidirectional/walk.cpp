@@ -1,11 +1,10 @@
-// The two subpaths, step by step, and what they meet by themselves: lights (s = 0) and the lens (t = 0).
-#include <algorithm>
+#include "render/transport/bidirectional/walk.h"
 
-#include "render/transport/bidirectional/subpaths.h"
+#include <algorithm>
 
 namespace latent::render {
 
-void Bidirectional::trace_camera(double u, double v) {
+void SubpathWalk::trace_camera(double u, double v) {
     const Camera& camera = world_.camera();
     const bool lens = camera.has_lens();
     camera_subpath_.resize(1);
@@ -27,7 +26,7 @@ void Bidirectional::trace_camera(double u, double v) {
     walk(camera_subpath_, true, step);
 }
 
-void Bidirectional::trace_light() {
+void SubpathWalk::trace_light() {
     light_subpath_.resize(1);
     if (lights_.size() == 0) return;  // media shine
     start_light_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
@@ -56,7 +55,7 @@ void Bidirectional::trace_light() {
     walk(light_subpath_, false, step);
 }
 
-void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
+void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
     float eta2 = 1;
     while (find_vertex(path, from_camera, step)) {
         const std::size_t i = path.size() - 1;
@@ -90,7 +89,7 @@ void Bidirectional::walk(Subpath& path, bool from_camera, Step& step) {
     }
 }
 
-bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
+bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
     const bool from_infinity = !from_camera && i == 1 && step.parallel;
     const Ray ray = from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
@@ -141,8 +140,8 @@ bool Bidirectional::find_vertex(Subpath& path, bool from_camera, Step& step) {
     }
 }
 
-bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const LineOfSight& line,
-                           float density) {
+bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const LineOfSight& line,
+                         float density) {
     const std::size_t i = path.size();
     if (i + 2 > max_vertices_) return false;
     const SubpathVertex& previous = path[i - 1];
@@ -160,7 +159,7 @@ bool Bidirectional::append(Subpath& path, bool from_camera, SubpathVertex& x, co
     return true;
 }
 
-float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
+float SubpathWalk::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
     const Light& light = lights_[start_light_];
     if (light.is_delta()) return 1;
     const float pdf = light.pdf_omega(x.at.p, x.scattering.light_sample_context(x.wo), {-d, first.at.p, first.normal});
@@ -168,8 +167,8 @@ float Bidirectional::light_point_ratio2(const SubpathVertex& x, const SubpathVer
     return ratio * ratio;
 }
 
-void Bidirectional::add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
-                                 float pdf_reverse) {
+void SubpathWalk::add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
+                               float pdf_reverse) {
     const SubpathVertex& last = camera_subpath_.back();
     const bool connected = camera_subpath_.size() >= 2 && !step.delta;
     const float sampled = connected ? mis_term(pdf_point, pdf_forward, 1) : 0;
@@ -178,7 +177,7 @@ void Bidirectional::add_emission(SampledSpectrum value, const Step& step, float 
     radiance_.add(value, step.dispersed, sample_.kept, sample_.k());
 }
 
-void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
+void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
     const Light& light = lights_[hit.emitter];
     SampledSpectrum value = step.beta;
     if (!light.multiply_emission(hit.ng, -step.d, sample_.spectra, value)) return;
@@ -191,7 +190,7 @@ void Bidirectional::see_light(const SurfaceHit& hit, const Step& step, const Lin
                  light.pdf_direction(hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
 }
 
-void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& line) {
+void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line) {
     const SubpathVertex& last = camera_subpath_.back();
     for (const std::uint32_t i : lights_.infinite()) {
         const Light& light = lights_[i];
@@ -205,7 +204,7 @@ void Bidirectional::see_infinite_lights(const Step& step, const LineOfSight& lin
     }
 }
 
-void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segment) {
+void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment) {
     CameraPoint point;
     if (!world_.camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
     if (lights_[start_light_].is_delta() && !step.scattered) return;
@@ -226,12 +225,6 @@ void Bidirectional::reach_lens(const Step& step, LineOfSight line, Segment segme
     value *= point.jacobian / (area * cosine) *
              mis_weight(mis_term(1 / area, pdf_forward, end + mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter)));
     splat(point, value, step.dispersed);
-}
-
-void Bidirectional::splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
-    Radiance radiance;
-    radiance.add(value, dispersed, sample_.kept, sample_.k());
-    records_.light(sample_.numbers.n, point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_, faults_);
 }
 
 }  // namespace latent::render

@@ -1,0 +1,13 @@
+// render/geometry/coordinates.h: how texture coordinates run over a surface, as pbrt-v4 has them.
+#pragma once
+
+#include "render/geometry/placed_shape.h"
+
+namespace latent::render {
+
+// In the space of the vertices, for a hit as surface_at takes it; `ns` is in the hemisphere of the shading normal.
+SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p, const Vec3f& ns);
+// The same seen from the world; `ns`: the shading normal of the object there.
+SurfaceCoordinates to_world(const SurfaceCoordinates& coordinates, const Vec3f& ns, const PlacedInstance& instance);
+
+}  // namespace latent::render

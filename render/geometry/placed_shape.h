@@ -1,0 +1,29 @@
+// render/geometry/placed_shape.h: shapes and instances as rays meet them.
+#pragma once
+
+#include <vector>
+
+#include "render/geometry/exact_shapes.h"
+#include "render/geometry/geometry.h"
+
+namespace latent::render {
+
+// One shape as geometry; Embree's user data points to it.
+struct PlacedShape {
+    ShapeDescription shape;
+    Affined from_world{};                 // quadrics
+    std::uint32_t first_emitter = kNone;  // of its primitives
+};
+
+struct PlacedInstance {
+    const std::vector<PlacedShape>* shapes;
+    Affined world_from_object, object_from_world;
+    float error_factor;  // error of a point per its size, from Embree's float transformation of the ray
+};
+
+inline PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive) {
+    const std::uint32_t* v = &mesh.indices[4 * std::size_t{primitive}];
+    return {Vec3d(mesh.positions[v[0]]), Vec3d(mesh.positions[v[1]]), Vec3d(mesh.positions[v[2]]), Vec3d(mesh.positions[v[3]])};
+}
+
+}  // namespace latent::render
