@@ -6,7 +6,7 @@ namespace latent::render {
 
 void March::cross() {
     left_ = std::max(left_ - segment_.length, 0.0f);
-    segment_.medium = medium_beyond(*hit_, ray_.d, segment_.medium);
+    segment_.medium = media_at(*hit_).towards(ray_.d, hit_->ng, segment_.medium);
     ++segment_.index;
     ray_.o = segment_.o = spawn_ray(hit_->interaction(), ray_.d).o;
     bool goes_on = true;

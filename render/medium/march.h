@@ -14,11 +14,17 @@ inline constexpr float kFar = 1e30f;
 // The material of surfaces that scatter nothing: where media meet.
 inline bool is_interface(std::uint32_t material) { return material == kNone; }
 
-// The medium on the side of `hit` that w points to, for a ray that came through `current`.
-inline std::uint32_t medium_beyond(const SurfaceHit& hit, const Vec3f& w, std::uint32_t current) {
-    if (hit.inside_medium == hit.outside_medium) return current;
-    return dot(w, hit.ng) > 0 ? hit.outside_medium : hit.inside_medium;
-}
+// The media on the sides of a surface.
+struct MediumInterface {
+    std::uint32_t inside = kNone, outside = kNone;
+
+    // The one on the side that w points to, for a ray that came through `current`.
+    std::uint32_t towards(const Vec3f& w, const Vec3f& ng, std::uint32_t current) const {
+        if (inside == outside) return current;
+        return dot(w, ng) > 0 ? outside : inside;
+    }
+};
+inline MediumInterface media_at(const SurfaceHit& hit) { return {hit.inside_medium, hit.outside_medium}; }
 
 // The part of a line that lies in one medium.
 struct Segment {

@@ -68,7 +68,7 @@ class Path {
             if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng});
             if (!is_interface(hit->material)) {
                 at_ = hit->interaction();
-                surface_ = *hit;
+                interface_ = media_at(*hit);
                 if (depth_ < max_depth_) scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
                 return true;
             }
@@ -125,7 +125,7 @@ class Path {
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
         if (!(scattering_pdf > 0)) return;
         SampledSpectrum value = beta_;
-        const std::uint32_t medium = scattering.in_medium() ? medium_ : medium_beyond(surface_, point.wi, medium_);
+        const std::uint32_t medium = scattering.in_medium() ? medium_ : interface_.towards(point.wi, at_.ng, medium_);
         LineOfSight line;
         if (!receive(at_, scattering, light, point, medium, value, line)) return;
         const float light_pdf = lights_.probability(i) * point.pdf_omega;
@@ -161,7 +161,7 @@ class Path {
         delta_ = next.delta;
         eta2_ *= next.eta2;
         d_ = next.wi;
-        if (!scattering.in_medium()) medium_ = medium_beyond(surface_, d_, medium_);
+        if (!scattering.in_medium()) medium_ = interface_.towards(d_, at_.ng, medium_);
 
         const float survival = survival_probability(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
         if (survival <= 0) return false;
@@ -178,11 +178,11 @@ class Path {
     std::uint32_t max_depth_;
     Radiance& camera_;
 
-    Interaction at_;      // the last vertex
-    SurfaceHit surface_;  // the same, if it is on a surface
-    Vec3f d_;             // from it, or towards the next one
-    Segment segment_;     // the last one in a medium
-    MediumStep step_;     // along it: to the last vertex, if that is in the medium
+    Interaction at_;             // the last vertex
+    MediumInterface interface_;  // there, if it is on a surface
+    Vec3f d_;                    // from it, or towards the next one
+    Segment segment_;            // the last one in a medium
+    MediumStep step_;            // along it: to the last vertex, if that is in the medium
     SampledSpectrum beta_{1.0f};
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one

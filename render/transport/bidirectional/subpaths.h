@@ -23,16 +23,13 @@ struct SubpathVertex {
     float to_previous_area = 0;  // times a direction's density [1/sr] here: density of the previous vertex from here
     MisPartial mis;
     std::uint32_t medium = kNone;  // that it was reached through
-    std::uint32_t inside_medium = kNone, outside_medium = kNone;
+    MediumInterface media;         // on the sides of its surface
     bool dispersed = false;
     bool in_medium = false;  // not on a surface, a light or the lens
 
     bool connectible() const { return !scattering.is_delta(); }
     float cosine(const Vec3f& w) const { return normal == Vec3f{} ? 1 : abs_dot(normal, w); }
-    std::uint32_t medium_towards(const Vec3f& w) const {
-        if (inside_medium == outside_medium) return medium;
-        return dot(w, at.ng) > 0 ? outside_medium : inside_medium;
-    }
+    std::uint32_t medium_towards(const Vec3f& w) const { return media.towards(w, at.ng, medium); }
 };
 
 using Subpath = std::vector<SubpathVertex>;

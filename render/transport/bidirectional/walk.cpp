@@ -133,8 +133,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
             x.at = hit->interaction();
             x.normal = hit->ng;
             x.scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
-            x.inside_medium = hit->inside_medium;
-            x.outside_medium = hit->outside_medium;
+            x.media = media_at(*hit);
             return append(path, from_camera, x, step, line, density);
         }
     }
