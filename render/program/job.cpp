@@ -131,18 +131,16 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     auto out = std::make_unique<RenderJob>();
     Result<std::string> simd = choose_simd(settings.simd);
     if (!simd) return simd.error();
-    out->simd = *simd;
     Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value());
     if (!scene) return scene.error();
     out->scene = std::move(*scene);
     const Hash128 content = make_canonical(out->scene.description);
     const SceneDescription& description = out->scene.description;
-    Result<std::unique_ptr<Geometry>> geometry = Geometry::build(description, out->simd);
-    if (!geometry) return geometry.error();
-    out->geometry = std::move(*geometry);
-    const IntegratorSettings& integrator_options = out->settings = integrator_settings(settings, description);
+    out->settings = integrator_settings(settings, description);
+    out->settings.simd = std::move(*simd);
+    const IntegratorSettings& integrator_options = out->settings;
     out->raw_sample_bytes = bytes_per_sample(integrator_options);
-    Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, *out->geometry, integrator_options);
+    Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, integrator_options);
     if (!integrator) return integrator.error();
     out->integrator = std::move(*integrator);
 

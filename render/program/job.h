@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/result.h"
-#include "render/geometry/geometry.h"
 #include "render/load/load_scene.h"
 #include "render/transport/integrator.h"
 #include "sampledb/data/coverage.h"
@@ -52,8 +51,6 @@ struct RenderSettings {
 // Everything that tracing needs. Parts refer to each other: it stays where it is.
 struct RenderJob {
     LoadedScene scene;
-    std::string simd;
-    std::unique_ptr<Geometry> geometry;
     std::unique_ptr<Integrator> integrator;
     sampledb::Job job;
     sampledb::SampleRange all;           // of all shards

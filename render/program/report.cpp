@@ -97,7 +97,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings) {
         out["resolution"] = {job.resolution.width, job.resolution.height};
     }
     if (settings.shard.count > 1) out["shard"] = fmt::format("{}/{}", settings.shard.index, settings.shard.count);
-    out["simd"] = job.simd;
+    out["simd"] = job.settings.simd;
     out["render_epoch"] = kRenderEpoch;
     out["host"] = host;
     out["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));

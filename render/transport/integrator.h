@@ -24,6 +24,7 @@ struct IntegratorSettings {
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
     sampledb::PositionSamplerSpec positions{};  // of film positions: sampledb::halton23(n, positions)
     std::uint64_t seed = 0;
+    std::string simd = "sse4.2";  // of Geometry; no record depends on it
     TextureSettings textures{};
 };
 

@@ -3,20 +3,24 @@
 #include <algorithm>
 
 #include "render/medium/make_medium.h"
+#include "render/world/texture_point.h"
 
 namespace latent::render {
 
-Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const Geometry& geometry,
+Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const std::string& simd,
                                             const TextureSettings& settings) {
     const Result<Camera> camera = Camera::make(scene.camera);
     if (!camera) return camera.error();
-    std::unique_ptr<World> world(new World(geometry, *camera,
-                                           Footprint(scene.camera, settings.width > 0 ? settings.width : scene.film.width,
-                                                     settings.height > 0 ? settings.height : scene.film.height)));
+    std::unique_ptr<World> world(new World(*camera, Footprint(scene.camera, settings.width > 0 ? settings.width : scene.film.width,
+                                                              settings.height > 0 ? settings.height : scene.film.height)));
 
     Result<Textures> textures = Textures::build(scene, settings.cache_bytes, world->library_);
     if (!textures) return textures.error();
     world->textures_ = std::move(*textures);
+    Result<std::unique_ptr<Geometry>> built = Geometry::build(scene, simd);
+    if (!built) return built.error();
+    world->geometry_ = std::move(*built);
+    const Geometry& geometry = *world->geometry_;
     for (const MaterialDescription& d : scene.materials) {
         world->materials_.emplace_back(d, world->textures_, world->library_);
         world->has_dispersion_ |= d.dispersive || d.layer.dispersive;
@@ -45,27 +49,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
 
 Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kept) const {
     const SurfaceCoordinates coordinates = geometry_->coordinates(hit);
-    fill_in(hit, coordinates, point);
+    fill_in(hit, coordinates, footprint_, point);
     const Material* material = &materials_[hit.material];
     while (material->is_mixture()) material = &materials_[material->chosen(point)];
     material->relief().tilt(point, coordinates, hit);
     return material->bsdf(hit, point, kept);
-}
-
-void World::fill_in(const SurfaceHit& hit, const SurfaceCoordinates& c, TexturePoint& point) const {
-    point.p = hit.p;
-    point.n = hit.ns;
-    point.uv = c.uv;
-    footprint_.at(hit.p, hit.ng, point.dpdx, point.dpdy);
-    // d = dpdu x + dpdv y, as nearly as a vector off the plane of both can be.
-    const float a = dot(c.dpdu, c.dpdu), b = dot(c.dpdu, c.dpdv), d = dot(c.dpdv, c.dpdv), determinant = a * d - b * b;
-    const auto solve = [&](const Vec3f& v) {
-        const float x = dot(c.dpdu, v), y = dot(c.dpdv, v);
-        const Vec2f out{(d * x - b * y) / determinant, (a * y - b * x) / determinant};
-        return std::abs(out.x) < 1e8f && std::abs(out.y) < 1e8f ? out : Vec2f{};
-    };
-    point.duvdx = solve(point.dpdx);
-    point.duvdy = solve(point.dpdy);
 }
 
 // Where a straight line from the camera, through everything, ends.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -21,8 +22,8 @@ namespace latent::render {
 
 class World {
  public:
-    // The geometry must outlive the world. Errors: kUnsupported, kOutOfRange; those of Textures.
-    static Result<std::unique_ptr<World>> build(const SceneDescription& scene, const Geometry& geometry,
+    // `simd`: of Geometry. Errors: kUnsupported, kOutOfRange; those of Textures.
+    static Result<std::unique_ptr<World>> build(const SceneDescription& scene, const std::string& simd,
                                                 const TextureSettings& textures = {});
     const Textures& textures() const { return textures_; }
 
@@ -53,19 +54,17 @@ class World {
                           SampledSpectrum& value, LineOfSight& line) const;
 
  private:
-    World(const Geometry& geometry, const Camera& camera, const Footprint& footprint)
-        : geometry_(&geometry), camera_(camera), footprint_(footprint) {}
+    World(const Camera& camera, const Footprint& footprint) : camera_(camera), footprint_(footprint) {}
     Bsdf textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kept) const;
-    void fill_in(const SurfaceHit& hit, const SurfaceCoordinates& coordinates, TexturePoint& point) const;
     std::uint32_t find_medium_at_infinity() const;
     bool connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
                  LineOfSight& line) const;
 
-    const Geometry* geometry_;
     Camera camera_;
     Footprint footprint_;
     SpectrumLibrary library_;
     Textures textures_;
+    std::unique_ptr<const Geometry> geometry_;
     std::vector<Material> materials_;
     std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<LightSet> lights_;

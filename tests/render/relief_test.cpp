@@ -28,10 +28,11 @@ Vec3f normal_at(const testing::Scene& scene, float x, float y) {
     SpectrumLibrary library;
     const Textures textures = Textures::build(scene.description, 1 << 20, library).value();
     const Vec3f origin = Vec3f(Vec3d(x, y, -5) - scene.description.origin);
-    std::optional<SurfaceHit> hit = scene.geometry->intersect({origin, {0, 0, 1}});
+    const std::unique_ptr<World> world = scene.world();
+    std::optional<SurfaceHit> hit = world->geometry().intersect({origin, {0, 0, 1}});
     EXPECT_TRUE(hit);
     const Relief relief(scene.description.materials[hit->material], textures);
-    const SurfaceCoordinates c = scene.geometry->coordinates(*hit);
+    const SurfaceCoordinates c = world->geometry().coordinates(*hit);
     TexturePoint point{};
     point.p = hit->p;
     point.n = hit->ns;

@@ -110,7 +110,7 @@ TEST(Integrator, BatchesOf4To32) {
         IntegratorSettings settings = bdpt(sampledb::RecordKind::kSpectral);
         settings.batch = k;
         settings.max_depth = 3;
-        const Result<std::unique_ptr<Integrator>> integrator = make_integrator(scene.description, *scene.geometry, settings);
+        const Result<std::unique_ptr<Integrator>> integrator = make_integrator(scene.description, settings);
         ASSERT_EQ(integrator.has_value(), k >= 4 && k <= 32) << k;
         if (!integrator) continue;
         const sampledb::Records r = trace(**integrator, 0, 500);

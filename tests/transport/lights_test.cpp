@@ -51,7 +51,7 @@ TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
                                           return p.wi;
                                       },
                                       .pdf_omega = [&](const Vec3f& w) -> double {
-                                          const auto hit = scene.geometry->intersect({from, w});
+                                          const auto hit = world->geometry().intersect({from, w});
                                           if (!hit || hit->emitter == kNone) return 0;
                                           if (!(light.pdf_direction(hit->ng, -w) > 0)) return 0;
                                           return static_cast<double>(light.pdf_omega(from, {}, {w, hit->p, hit->ng}));
@@ -136,7 +136,7 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
             const Uniform a = u(), b = u(), d = u(), e = u();
             light.sample_ray(a, b, d, e, ray);
             ASSERT_EQ(ray.pdf_position, light.pdf_position());
-            const Vec2f cell = c.even(ray.at.p, *scene.geometry);
+            const Vec2f cell = c.even(ray.at.p, world->geometry());
             const auto index = [](float x) { return static_cast<std::size_t>(std::clamp(x * kSide, 0.0f, kSide - 1.0f)); };
             ++counted[index(cell.x) * kSide + index(cell.y)];
         }

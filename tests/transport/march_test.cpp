@@ -20,12 +20,13 @@ class Nested : public ::testing::Test {
         scene_from("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n" + medium("a") + medium("b") +
                    "Material \"interface\"\n" + sphere("a", "", 3) + sphere("b", "a", 2) + sphere("", "b", 1) +
                    "MediumInterface \"\" \"\"\nMaterial \"diffuse\"\nTranslate 0 0 10\nShape \"disk\" \"float radius\" 20\n");
+    const std::unique_ptr<World> world_ = scene_.world();
     const std::vector<std::uint32_t> media_ = {kNone, 0, 1, kNone, 1, 0, kNone};
     const std::vector<float> ends_ = {2, 3, 4, 6, 7, 8, 15};  // of the segments, from z = -5
 };
 
 TEST_F(Nested, SegmentsLieEndToEndUpToTheFirstSurface) {
-    March march(*scene_.geometry, {{0.1f, 0.2f, -5}, {0, 0, 1}}, kNone);
+    March march(world_->geometry(), {{0.1f, 0.2f, -5}, {0, 0, 1}}, kNone);
     float from = 0;
     for (std::uint32_t i = 0; i < media_.size(); ++i, march.cross()) {
         SCOPED_TRACE(i);
@@ -49,7 +50,7 @@ TEST_F(Nested, ALineToAPointIsAsLongAsThePointIsFar) {
         const Vec3f from{0.1f, 0.2f, -5}, to{-0.1f, 0.1f, -5 + end};
         const Ray ray = spawn_ray(Interaction{from, 0, {}}, Interaction{to, 0, {}});
         float total = 0;
-        for (March march(*scene_.geometry, ray, length(to - from), kNone);; march.cross()) {
+        for (March march(world_->geometry(), ray, length(to - from), kNone);; march.cross()) {
             EXPECT_EQ(march.segment().medium, media_[march.segment().index]);
             total += march.segment().length;
             if (!march.hit()) break;

@@ -17,10 +17,9 @@ namespace latent::render::testing {
 
 struct Scene {
     SceneDescription description;
-    std::unique_ptr<Geometry> geometry;
 
     std::unique_ptr<World> world() const {
-        Result<std::unique_ptr<World>> world = World::build(description, *geometry);
+        Result<std::unique_ptr<World>> world = World::build(description, "sse4.2");
         if (!world) throw std::runtime_error(world.error().message);
         return std::move(*world);
     }
@@ -30,7 +29,7 @@ struct Scene {
         settings.positions.shift_u = static_cast<std::uint32_t>(settings.seed * 2654435761u);
         settings.positions.shift_v = static_cast<std::uint32_t>(settings.seed * 2246822519u);
         if (settings.max_depth == 0) settings.max_depth = description.max_depth;
-        Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, *geometry, settings);
+        Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, settings);
         if (!integrator) throw std::runtime_error(integrator.error().message);
         return std::move(*integrator);
     }
@@ -38,11 +37,7 @@ struct Scene {
 
 inline Scene scene_of(Result<LoadedScene> loaded) {
     if (!loaded) throw std::runtime_error(loaded.error().message);
-    Scene scene{std::move(loaded->description), nullptr};
-    Result<std::unique_ptr<Geometry>> geometry = Geometry::build(scene.description, "sse4.2");
-    if (!geometry) throw std::runtime_error(geometry.error().message);
-    scene.geometry = std::move(*geometry);
-    return scene;
+    return {std::move(loaded->description)};
 }
 // `text` is a whole .pbrt file.
 inline Scene scene_from(const std::string& text) { return scene_of(load(text)); }
