@@ -150,9 +150,13 @@ SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primi
     return quadric(placed, p, ns);
 }
 
-SurfaceCoordinates to_world(const SurfaceCoordinates& coordinates, const Vec3f& ns, const PlacedInstance& instance) {
+SurfaceCoordinates coordinates_at(const PlacedWorld& world, const SurfaceHit& hit) {
+    const PlacedShape& placed = world.shape(hit.on);
+    if (hit.on.instance == kNone) return coordinates_at(placed, hit.on.primitive, hit.on.uv, Vec3d(hit.p), hit.ns);
+    const PlacedInstance& instance = world.instance(hit.on);
     const Affined& map = instance.world_from_object;
-    SurfaceCoordinates c = coordinates;
+    const Vec3f ns(instance.object_from_world.normal(Vec3d(hit.ns)));
+    SurfaceCoordinates c = coordinates_at(placed, hit.on.primitive, hit.on.uv, instance.object_from_world.point(Vec3d(hit.p)), ns);
     c.dpdu = Vec3f(map.vector(Vec3d(c.dpdu)));
     c.dpdv = Vec3f(map.vector(Vec3d(c.dpdv)));
     // n = m / |m|, m the image of the object's normal.

@@ -1,5 +1,4 @@
-// render/geometry/embree_geometry.h: Geometry on Embree 3. Meshes are Embree's triangles, everything else is user geometry solved
-// in double.
+// render/geometry/embree_geometry.h: Geometry on Embree 3.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -24,7 +23,8 @@ using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
 class EmbreeGeometry final : public Geometry {
  public:
-    static Result<std::unique_ptr<EmbreeGeometry>> build(const SceneDescription& scene, const std::string& simd);
+    static Result<std::unique_ptr<EmbreeGeometry>> build(const SceneDescription& scene, const std::string& simd,
+                                                         const Opacity* opacity);
     std::optional<SurfaceHit> intersect(const Ray& ray) const override;
     bool occluded(const Ray& ray) const override;
     SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
@@ -36,10 +36,8 @@ class EmbreeGeometry final : public Geometry {
 
     FirstError fault_;  // of Embree, while building
     DeviceHandle device_;
-    std::vector<PlacedShape> shapes_;                // of the world; geomID is the index
-    std::vector<std::vector<PlacedShape>> objects_;  // geomID within an object is the index
+    PlacedWorld world_;  // Embree's geomIDs are the indices of shapes in it
     std::vector<SceneHandle> object_scenes_;
-    std::vector<PlacedInstance> instances_;  // geomID of the world less the number of shapes
     SceneHandle scene_;
 };
 

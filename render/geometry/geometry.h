@@ -58,11 +58,17 @@ struct Emitter {
     std::uint32_t inside_medium = kNone, outside_medium = kNone;
 };
 
+class Opacity;
+
+// A surface of alpha a is met with probability a, which a hash of the place and of the ray's direction decides. So light passes it
+// as it passes fine holes: straight on, as it is.
 class Geometry {
  public:
-    // `simd` is an Embree isa name (render/program/simd.h chooses). Errors: kUnsupported: what render/scene/check.h refuses;
-    // kOutOfRange: the scene does not fit into memory.
-    static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd);
+    // `simd` is an Embree isa name (render/program/simd.h chooses). `opacity` outlives the geometry; null: surfaces whose alpha is
+    // a texture are whole. Errors: kUnsupported: what render/scene/check.h refuses; kOutOfRange: the scene does not fit into
+    // memory.
+    static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd,
+                                                   const Opacity* opacity = nullptr);
     virtual ~Geometry() = default;
 
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.

@@ -1,4 +1,4 @@
-// render/geometry/placed_shape.h: shapes and instances as rays meet them.
+// render/geometry/placed_shape.h: the shapes and instances of a scene as rays meet them.
 #pragma once
 
 #include <vector>
@@ -13,12 +13,27 @@ struct PlacedShape {
     ShapeDescription shape;
     Affined from_world{};                 // quadrics
     std::uint32_t first_emitter = kNone;  // of its primitives
+
+    bool is_whole() const { return !shape.alpha.is_textured() && shape.alpha.value >= 1; }
+    bool is_invisible() const { return !shape.alpha.is_textured() && !(shape.alpha.value > 0); }
 };
 
 struct PlacedInstance {
     const std::vector<PlacedShape>* shapes;
     Affined world_from_object, object_from_world;
     float error_factor;  // error of a point per its size, from Embree's float transformation of the ray
+};
+
+struct PlacedWorld {
+    std::vector<PlacedShape> shapes{};                // of the world
+    std::vector<std::vector<PlacedShape>> objects{};  // of each
+    std::vector<PlacedInstance> instances{};          // their numbers follow those of the world's shapes
+    const Opacity* opacity = nullptr;
+
+    const PlacedShape& shape(const PrimitivePoint& on) const {
+        return on.instance == kNone ? shapes[on.shape] : (*instance(on).shapes)[on.shape];
+    }
+    const PlacedInstance& instance(const PrimitivePoint& on) const { return instances[on.instance - shapes.size()]; }
 };
 
 inline PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive) {

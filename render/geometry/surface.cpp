@@ -111,4 +111,11 @@ SurfaceHit to_world(const SurfaceHit& hit, const PlacedInstance& instance) {
     return out;
 }
 
+SurfaceHit surface_at(const PlacedWorld& world, const PrimitivePoint& on, const Vec3d& local) {
+    SurfaceHit hit = surface_at(world.shape(on), on.primitive, on.uv, local);
+    if (on.instance != kNone) hit = to_world(hit, world.instance(on));
+    hit.on = on;
+    return hit;
+}
+
 }  // namespace latent::render

@@ -10,5 +10,7 @@ namespace latent::render {
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p);
 // The same seen from the world.
 SurfaceHit to_world(const SurfaceHit& hit, const PlacedInstance& instance);
+// The surface of a world; `local` is near its point, in the space of the object that it belongs to.
+SurfaceHit surface_at(const PlacedWorld& world, const PrimitivePoint& on, const Vec3d& local);
 
 }  // namespace latent::render

@@ -154,6 +154,7 @@ struct ShapeDescription {
     double radius = 1, inner_radius = 0, height = 0;  // sphere: radius; disk: all
     bool flip_normal = false;                         // triangles: ng = -(p1 - p0) x (p2 - p0); quadrics: ng points inwards, down
     bool pairs = false;                               // triangles 2 i and 2 i + 1 are the halves of a flat patch
+    FloatInput alpha = 1;                             // share of the surface that is there; the rest are holes, too fine to see
     std::uint32_t material = kNone;                   // kNone: "interface", which scatters nothing
     std::uint32_t area_light = kNone;
     std::uint32_t inside_medium = kNone, outside_medium = kNone;  // equal: crossing the surface changes nothing, as in pbrt

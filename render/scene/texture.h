@@ -65,6 +65,7 @@ enum class TextureKind : std::uint8_t {
     kConstant,
     kScale,
     kMix,
+    kThreshold,
     kImage,
     kNormalMap,  // a picture that is no number and no spectrum
     kCheckerboard,
@@ -83,10 +84,10 @@ struct TextureDescription {
     TextureKind kind = TextureKind::kConstant;
     bool is_spectrum = false;
     SpectrumRole role = SpectrumRole::kReflectance;  // of a spectrum texture
-    // constant, scale: the first; mix, checkerboard, directionmix: two; dots: inside, outside; bilerp: v00 v01 v10 v11
+    // constant, scale, threshold: the first; mix, checkerboard, directionmix: two; dots: inside, outside; bilerp: v00 v01 v10 v11
     std::array<FloatInput, 4> numbers{};
     std::array<SpectrumInput, 4> spectra{};
-    FloatInput amount{};                // scale: the factor; mix: of the second
+    FloatInput amount{};                // scale: the factor; mix: of the second; threshold: from which on it is 1, not 0
     MappingDescription mapping{};       // of those that depend on the place
     PictureDescription picture{};       // image
     bool is_solid = false;              // checkerboard: of cubes

@@ -57,6 +57,16 @@ class Scale final : public Texture<Value> {
     FloatSource factor_;
 };
 
+// 1 where a value reaches the threshold, 0 elsewhere.
+class Threshold final : public FloatTexture {
+ public:
+    Threshold(const FloatSource& value, const FloatSource& threshold) : value_(value), threshold_(threshold) {}
+    float at(const TexturePoint& point) const override { return value_.at(point) >= threshold_.at(point) ? 1 : 0; }
+
+ private:
+    FloatSource value_, threshold_;
+};
+
 // Two textures by a weight of the second; neither is evaluated where it has none.
 template <class Value>
 Value blend(const Source<Value> (&of)[2], float t, const TexturePoint& point) {

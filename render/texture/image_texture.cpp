@@ -64,6 +64,7 @@ std::array<float, 4> ImageLookup::at(const TexturePoint& point) const {
     Vec2f st{c.st.x, 1 - c.st.y};
     if (octahedral_) st = wrapped_octahedron(st);
     pictures_->lookup(info_.index, sampling_, st.x, st.y, {c.dstdx.x, -c.dstdx.y}, {c.dstdy.x, -c.dstdy.y}, out);
+    if (info_.channels < 4) out[3] = 1;
     for (float& x : out) {
         x = invert_ ? 1 - scale_ * x : scale_ * x;
         x = x > 0 && x < kInfinity ? x : 0;
@@ -74,6 +75,7 @@ std::array<float, 4> ImageLookup::at(const TexturePoint& point) const {
 float FloatImage::at(const TexturePoint& point) const {
     const std::array<float, 4> x = image_.at(point);
     const image::PictureInfo& info = image_.info();
+    if (channel_ == 3) return x[3];
     if (info.channels == 1) return x[0];
     if (channel_ < info.channels) return x[channel_];
     return info.is_opaque ? (x[0] + x[1] + x[2]) / 3 : x[3];

@@ -15,7 +15,7 @@ class ImageLookup {
     ImageLookup(const TextureDescription& description, const image::Pictures& pictures, const image::PictureInfo& info);
 
     const image::PictureInfo& info() const { return info_; }
-    // scale x, or 1 - scale x, of each channel, not below 0.
+    // scale x, or 1 - scale x, of each channel, not below 0. Without a channel for alpha, x = 1 there.
     std::array<float, 4> at(const TexturePoint& point) const;
 
  private:
@@ -27,7 +27,7 @@ class ImageLookup {
     float scale_;
 };
 
-// One channel, or the mean of them, or alpha if it varies.
+// One channel (3: alpha), or the mean of them, or alpha if it varies.
 class FloatImage final : public FloatTexture {
  public:
     FloatImage(const ImageLookup& image, std::uint8_t channel) : image_(image), channel_(channel) {}

@@ -81,6 +81,9 @@ struct Textures::Builder {
                 return std::make_unique<Scale<Value>>(input(0), source(d.amount));
             case TextureKind::kMix:
                 return std::make_unique<Mix<Value>>(input(0), input(1), source(d.amount));
+            case TextureKind::kThreshold:
+                if constexpr (std::is_same_v<Value, float>) return std::make_unique<Threshold>(input(0), source(d.amount));
+                break;
             case TextureKind::kImage:
                 if (const Result<image::PictureInfo>& info = open(d.picture))
                     return make_image(Value{}, d, ImageLookup(d, *out.pictures_, *info));

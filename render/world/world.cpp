@@ -17,7 +17,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     Result<Textures> textures = Textures::build(scene, settings.cache_bytes, world->library_);
     if (!textures) return textures.error();
     world->textures_ = std::move(*textures);
-    Result<std::unique_ptr<Geometry>> built = Geometry::build(scene, simd);
+    Result<std::unique_ptr<Geometry>> built = Geometry::build(scene, simd, &world->opacity_);
     if (!built) return built.error();
     world->geometry_ = std::move(*built);
     const Geometry& geometry = *world->geometry_;

@@ -17,6 +17,7 @@
 #include "render/spectral/spectra.h"
 #include "render/texture/footprint.h"
 #include "render/texture/textures.h"
+#include "render/world/textured_opacity.h"
 
 namespace latent::render {
 
@@ -64,6 +65,7 @@ class World {
     Footprint footprint_;
     SpectrumLibrary library_;
     Textures textures_;
+    TexturedOpacity opacity_{textures_, footprint_};
     std::unique_ptr<const Geometry> geometry_;
     std::vector<Material> materials_;
     std::vector<std::unique_ptr<const Medium>> media_;

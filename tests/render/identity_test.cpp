@@ -170,7 +170,7 @@ AttributeBegin
   AreaLightSource "diffuse" "bool twosided" true
   Shape "trianglemesh" "point3 P" [0 0 0  2 0 0  0 1 0]
 AttributeEnd
-Shape "disk"
+Shape "disk" "texture alpha" "c"
 )"));
     EXPECT_TRUE(scene) << scene.error().message;
     return scene->description;

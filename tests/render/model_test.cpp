@@ -271,6 +271,37 @@ TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
     EXPECT_THAT(refusal("m.obj", obj), HasSubstr("m.mtl:2: "));
 }
 
+TEST_F(Models, AlphaOfTheBaseColourIsThatOfShapes) {
+    testing::write_exr(folder_ / "leaf.exr", 2, 1, {0.5f, 0.25f, 0.125f, 1, 0, 0});
+    GltfFile file = quad_and_lamp();
+    file.json["images"] = {{{"uri", "leaf.exr"}}};
+    file.json["textures"] = {{{"source", 0}}};
+    const auto alpha = [&](const Json& mode, bool textured, SceneDescription& scene) {
+        file.json["materials"][0] = {{"alphaMode", mode}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, .75}}}}};
+        if (textured) file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+        scene = described("room.glb", as_glb(file));
+        return scene.shapes.at(0).alpha;
+    };
+    SceneDescription scene;
+    EXPECT_EQ(alpha("OPAQUE", false, scene).value, 1);
+    EXPECT_EQ(alpha("BLEND", false, scene).value, 0.75f);
+    EXPECT_EQ(alpha("MASK", false, scene).value, 1);  // from 0.5 on
+    const FloatInput blended = alpha("BLEND", true, scene);
+    const TextureDescription blend = scene.textures.at(blended.texture);
+    EXPECT_EQ(blend.picture.channel, 3);
+    EXPECT_EQ(blend.picture.scale, 0.75);
+    const FloatInput masked = alpha("MASK", true, scene);
+    const TextureDescription mask = scene.textures.at(masked.texture);
+    EXPECT_EQ(mask.kind, TextureKind::kThreshold);
+    EXPECT_EQ(mask.amount.value, 0.5f);
+    EXPECT_EQ(scene.textures.at(mask.numbers[0].texture).picture.channel, 3);
+
+    folder_.write("m.mtl", "newmtl m\nd .25\nmap_d leaf.exr\n");
+    const SceneDescription model = described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    EXPECT_EQ(model.materials.at(model.shapes.at(0).material).kind, MaterialKind::kDiffuse);
+    EXPECT_EQ(model.textures.at(model.shapes.at(0).alpha.texture).picture.scale, 0.25);
+}
+
 TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
     const auto material = [&](const std::string& mtl) {
         folder_.write("m.mtl", "newmtl m\n" + mtl);

@@ -222,8 +222,6 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     const auto parameters = [&](const std::string& directive, std::initializer_list<const char*> unsupported) {
         for (const char* parameter : unsupported) lines.push_back(directive + " " + parameter);
     };
-    const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ]";
-    parameters(triangle, {"\"float alpha\" 0.5", "\"texture alpha\" \"t\""});
     parameters("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Shape \"sphere\"", {"\"float phimax\" 180", "\"float zmin\" 0", "\"float zmax\" 0.5"});
     parameters("Shape \"disk\"", {"\"float phimax\" 90"});
@@ -234,7 +232,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     parameters("LightSource \"spot\"", {"\"string filename\" \"x.exr\""});
     parameters("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]",
                {"\"string preset\" \"Apple\"", "\"float density\" 2"});
-    parameters("Attribute \"shape\"", {"\"float alpha\" 0.5", "\"string emissionfilename\" \"x.exr\""});
+    parameters("Attribute \"shape\"", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Attribute \"light\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
     parameters("Attribute \"medium\"", {"\"string preset\" \"Apple\""});
     parameters("Option", {"\"forcediffuse\" true", "\"disablepixeljitter\" true", "\"disablewavelengthjitter\" true", "\"new\" 1"});

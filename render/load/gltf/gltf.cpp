@@ -96,7 +96,7 @@ class GltfLoader {
         GltfTextures textures(document_, model_.scene.textures);
         for (std::size_t i = 0; i <= materials.size(); ++i) {
             GltfMaterial material = read_material(materials[i], colors_, textures);
-            Used used{.uv_set = material.uv_set};
+            Used used{.uv_set = material.uv_set, .alpha = material.alpha};
             if (material.emission) {
                 used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
                 model_.scene.area_lights.push_back(std::move(*material.emission));
@@ -227,6 +227,7 @@ class GltfLoader {
         LoadedShape out;
         out.shape.material = index_of(material);
         out.shape.area_light = used.area_light;
+        out.shape.alpha = used.alpha;
         out.shape.inside_medium = used.inside;
         out.mesh = std::move(mesh);
         return out;
@@ -249,6 +250,7 @@ class GltfLoader {
     // What shapes of a material carry.
     struct Used {
         std::uint32_t area_light = kNone, inside = kNone, uv_set = 0;
+        FloatInput alpha = 1;
     };
 
     const GltfDocument& document_;

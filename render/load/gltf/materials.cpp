@@ -82,6 +82,17 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
     }
 }
 
+// The base colour's alpha: the share of the surface that is there, or, by a mask, whether it is.
+void read_alpha(const GltfValue& material, double factor, GltfTextures& textures, GltfMaterial& out) {
+    const std::string mode = material["alphaMode"].text("OPAQUE");
+    if (mode == "OPAQUE") return;
+    if (mode != "MASK" && mode != "BLEND")
+        return material["alphaMode"].warn(fmt::format("\"{}\" is unknown; the material is opaque", mode));
+    out.alpha = static_cast<float>(factor);
+    out.alpha.texture = textures.number(material["pbrMetallicRoughness"]["baseColorTexture"], PictureChannel::kAlpha, factor);
+    if (mode == "MASK") out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].number(0.5)));
+}
+
 }  // namespace
 
 GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures) {
@@ -125,8 +136,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
         surface = {.name = surface.name, .reflectance = surface.reflectance};
     }
     if (material.extension("KHR_materials_unlit").exists()) material.warn("an unlit material is rendered as a matt one");
-    const std::string mode = material["alphaMode"].text("OPAQUE");
-    if (mode != "OPAQUE") material["alphaMode"].warn(fmt::format("{}: the material is rendered opaque", mode));
+    read_alpha(material, base[3], textures, out);
     for (const std::string& name : material["extensions"].keys()) {
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and ignored");
     }

@@ -14,6 +14,7 @@ struct GltfMaterial {
     MaterialDescription surface{};
     std::optional<AreaLightDescription> emission{};
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
+    FloatInput alpha = 1;                       // of its shapes
     std::uint32_t uv_set = 0;                   // of its textures
 };
 

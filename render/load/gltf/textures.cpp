@@ -55,6 +55,17 @@ std::uint32_t GltfTextures::number(const GltfValue& info, PictureChannel channel
     return static_cast<std::uint32_t>(textures_.size() - 1);
 }
 
+FloatInput GltfTextures::thresholded(const FloatInput& value, float threshold) {
+    if (!value.is_textured()) return value.value >= threshold ? 1.0f : 0.0f;
+    TextureDescription texture{.kind = TextureKind::kThreshold};
+    texture.numbers[0] = value;
+    texture.amount = threshold;
+    textures_.push_back(std::move(texture));
+    FloatInput out;
+    out.texture = static_cast<std::uint32_t>(textures_.size() - 1);
+    return out;
+}
+
 std::optional<TextureDescription> GltfTextures::read(const GltfValue& info, double scale) {
     if (!info.exists()) return std::nullopt;
     const GltfValue textures = document_.root()["textures"];

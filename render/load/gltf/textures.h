@@ -12,7 +12,7 @@
 
 namespace latent::render {
 
-enum class PictureChannel : std::uint8_t { kRed, kGreen, kBlue };
+enum class PictureChannel : std::uint8_t { kRed, kGreen, kBlue, kAlpha };
 
 class GltfTextures {
  public:
@@ -24,6 +24,8 @@ class GltfTextures {
     // scaled to nothing, or with an error. Colours are encoded like sRGB's, numbers are linear.
     std::uint32_t color(const GltfValue& info, double scale);
     std::uint32_t number(const GltfValue& info, PictureChannel channel, double scale);
+    // 1 where `value` reaches `threshold`, 0 elsewhere.
+    FloatInput thresholded(const FloatInput& value, float threshold);
 
     // Pictures out of buffers, as files without a name: textures find them as long as they are open.
     std::vector<File> take_embedded() { return std::move(embedded_); }

@@ -18,7 +18,7 @@ struct Block {
     int illum = 2;
     std::optional<double> roughness{}, metallic{};
     double coat = 0, coat_roughness = 0;
-    std::uint32_t kd_texture = kNone;
+    std::uint32_t kd_texture = kNone, opacity_texture = kNone;
 };
 
 constexpr std::string_view kIgnored[] = {"Ka", "Tf", "Ps", "aniso", "anisor", "sharpness", "xyz", "spectral"};
@@ -48,7 +48,8 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
     MtlMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = b.name;
-    const bool is_glass = b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || b.opacity < 0.5,
+    const bool is_glass =
+                   b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || (b.opacity < 0.5 && b.opacity_texture == kNone),
                is_mirror = b.illum == 3 || b.illum == 5 || b.illum == 8;
     if (is_glass) {
         surface.kind = MaterialKind::kDielectric;
@@ -83,8 +84,10 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
     }
     if (surface.kind != MaterialKind::kDielectric && !(is_mirror && surface.metallic.value == 1))
         surface.reflectance.texture = b.kd_texture;
-    if (!is_glass && b.opacity < 1)
-        diagnostics.warn(b.place, fmt::format("{}: d {} is ignored: the material is mostly opaque", b.name, b.opacity));
+    if (!is_glass) {
+        out.alpha = static_cast<float>(b.opacity);
+        out.alpha.texture = b.opacity_texture;
+    }
     if (std::ranges::max(b.ke) > 0) out.emission = AreaLightDescription{.spectrum = colors.emission(b.ke)};
     return out;
 }
@@ -123,21 +126,22 @@ void read_property(const Statements& s, Block& b) {
     }
 }
 
-// "map_Kd -s 2 2 wood.png": the index of the texture, kNone with an error.
-std::uint32_t read_map(const Statements& s, const SceneFiles& files, std::vector<TextureDescription>& textures) {
+// "map_Kd -s 2 2 wood.png", a colour, or a number: the index of the texture, kNone with an error.
+std::uint32_t read_map(const Statements& s, bool is_spectrum, const SceneFiles& files, std::vector<TextureDescription>& textures) {
     if (s.words().size() < 2) {
-        s.error("map_Kd: the file is missing");
+        s.error(fmt::format("{}: the file is missing", s.keyword()));
         return kNone;
     }
     const bool has_options = s.words()[1].starts_with('-');
-    if (has_options) s.warn("map_Kd: its options are ignored");
+    if (has_options) s.warn(fmt::format("{}: its options are ignored", s.keyword()));
     const std::string name = has_options ? std::string(s.words().back()) : s.rest();
     const Result<Hash128> content = files.hash(name);
     if (!content) {
         s.error(content.error().message);
         return kNone;
     }
-    TextureDescription texture{.kind = TextureKind::kImage, .is_spectrum = true};
+    TextureDescription texture{.kind = TextureKind::kImage, .is_spectrum = is_spectrum};
+    texture.picture.is_srgb = is_spectrum;
     texture.picture.path = files.resolve(name).string();
     texture.picture.content = *content;
     texture.picture.filter = TextureFilter::kTrilinear;
@@ -156,6 +160,7 @@ void read_mtl(std::string_view text, const std::string& name, const SceneFiles& 
         // The map is scaled by Kd; where that is black, the map is all there is.
         const double scale = std::ranges::max(block->kd);
         if (block->kd_texture != kNone) textures[block->kd_texture].picture.scale = scale > 0 ? scale : 1;
+        if (block->opacity_texture != kNone) textures[block->opacity_texture].picture.scale = block->opacity;
         materials[block->name] = described(*block, colors, diagnostics);
     };
     while (statements.next()) {
@@ -163,7 +168,9 @@ void read_mtl(std::string_view text, const std::string& name, const SceneFiles& 
             finish();
             block = Block{.place = statements.place(), .name = statements.rest()};
         } else if (block && statements.keyword() == "map_Kd") {
-            block->kd_texture = read_map(statements, files, textures);
+            block->kd_texture = read_map(statements, true, files, textures);
+        } else if (block && statements.keyword() == "map_d") {
+            block->opacity_texture = read_map(statements, false, files, textures);
         } else if (block) {
             read_property(statements, *block);
         } else {

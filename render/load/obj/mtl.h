@@ -16,6 +16,7 @@ namespace latent::render {
 struct MtlMaterial {
     MaterialDescription surface{};
     std::optional<AreaLightDescription> emission{};
+    FloatInput alpha = 1;  // of its shapes
 };
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 

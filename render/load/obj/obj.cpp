@@ -46,7 +46,7 @@ class ObjReader {
               Diagnostics& diagnostics)
         : statements_(text, name, diagnostics), files_(files), colors_(colors), diagnostics_(diagnostics) {
         model_.scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // of faces before any usemtl
-        area_lights_.push_back(kNone);
+        carried_.emplace_back();
     }
 
     Model read() {
@@ -57,7 +57,8 @@ class ObjReader {
         for (const Part& part : order_) {
             LoadedShape shape;
             shape.shape.material = part.material;
-            shape.shape.area_light = area_lights_[part.material];
+            shape.shape.area_light = carried_[part.material].area_light;
+            shape.shape.alpha = carried_[part.material].alpha;
             shape.mesh = std::move(parts_[part].mesh);
             model_.shapes.push_back(std::move(shape));
         }
@@ -114,9 +115,9 @@ class ObjReader {
         material_ = static_cast<std::uint32_t>(model_.scene.materials.size());
         used_[name] = material_;
         model_.scene.materials.push_back(found->second.surface);
-        area_lights_.push_back(kNone);
+        carried_.push_back({.alpha = found->second.alpha});
         if (!found->second.emission) return;
-        area_lights_.back() = static_cast<std::uint32_t>(model_.scene.area_lights.size());
+        carried_.back().area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
         model_.scene.area_lights.push_back(*found->second.emission);
     }
 
@@ -200,7 +201,11 @@ class ObjReader {
     std::vector<Vec2f> uvs_;
     MtlMaterials materials_;
     std::map<std::string, std::uint32_t> used_;  // to the model's materials
-    std::vector<std::uint32_t> area_lights_;     // of each of these
+    struct Carried {
+        std::uint32_t area_light = kNone;
+        FloatInput alpha = 1;
+    };
+    std::vector<Carried> carried_;  // of each of these, by its shapes
     std::uint32_t material_ = 0;
     std::map<Part, PartMesh> parts_;
     std::vector<Part> order_;  // as they were met

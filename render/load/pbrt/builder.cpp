@@ -15,7 +15,7 @@ namespace latent::render {
 namespace {
 
 // Parameters that would change everything that inherits them.
-constexpr std::string_view kEverywhere[] = {"alpha", "emissionfilename", "portal", "preset"};
+constexpr std::string_view kEverywhere[] = {"emissionfilename", "portal", "preset"};
 
 }  // namespace
 
@@ -216,7 +216,7 @@ void SceneBuilder::add_shape(const Directive& d) {
         return parameters.warn(fmt::format("Shape: ignored: the transformation is singular, so this {} is nowhere", d.strings[0]));
     }
     if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
-    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, files_)) {
+    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, textures_, files_)) {
         ShapeDescription& shape = loaded.shape;
         shape.material = state_.material;
         shape.area_light = state_.area_light;

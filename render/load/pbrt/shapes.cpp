@@ -125,10 +125,11 @@ bool is_finite(const LoadedShape& loaded) {
 }  // namespace
 
 std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
-                                    bool reverse_orientation, SceneFiles& files) {
+                                    bool reverse_orientation, SceneTextures& textures, SceneFiles& files) {
     std::vector<LoadedShape> shapes;
     ShapeDescription common{.location = list.directive().where};
     common.flip_normal = reverse_orientation != ctm.swaps_handedness();
+    common.alpha = textures.number(list, "alpha", 1);
     if (type == "trianglemesh") {
         LoadedMesh mesh = read_mesh(list, 3);
         transform(mesh, ctm, reverse_orientation);

@@ -7,6 +7,7 @@
 #include "render/load/files/scene_files.h"
 #include "render/load/mesh/placement.h"
 #include "render/load/pbrt/parameters.h"
+#include "render/load/pbrt/textures.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -16,6 +17,6 @@ namespace latent::render {
 // The shapes of one Shape directive (a mesh of triangles and quads is two), in the space that `ctm` maps to. Orientation is
 // resolved; material, light and media are the caller's.
 std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
-                                    bool reverse_orientation, SceneFiles& files);
+                                    bool reverse_orientation, SceneTextures& textures, SceneFiles& files);
 
 }  // namespace latent::render

@@ -1,0 +1,130 @@
+#include "render/geometry/embree_shapes.h"
+
+#include "render/geometry/coordinates.h"
+#include "render/geometry/opacity.h"
+#include "render/geometry/surface.h"
+#include "render/sampling/random.h"
+#include "render/scene/bounds.h"
+
+namespace latent::render {
+
+namespace {
+
+const PlacedWorld& world_of(const RTCIntersectContext* context) { return *reinterpret_cast<const TraceContext*>(context)->world; }
+Vec3f direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
+Vec3d point_on(const RTCRay& ray, double t) { return Vec3d(ray.org_x, ray.org_y, ray.org_z) + Vec3d(direction_of(ray)) * t; }
+
+// Whether a ray in direction d passes the surface at a point (`local`: in the space of its object) through a hole.
+bool is_hole(const PlacedWorld& world, const PrimitivePoint& on, const Vec3d& local, const Vec3f& d) {
+    const FloatInput& alpha = world.shape(on).shape.alpha;
+    if (alpha.is_textured() && world.opacity == nullptr) return false;
+    const SurfaceHit hit = surface_at(world, on, local);
+    const float share = alpha.is_textured() ? world.opacity->at(alpha, hit, coordinates_at(world, hit)) : alpha.value;
+    if (share >= 1) return false;
+    if (!(share > 0)) return true;
+    return static_cast<float>(mix(mix(0, hit.p), d) >> 40) * 0x1p-24f >= share;
+}
+
+// The box of a primitive of user geometry, in floats that contain it.
+void bounds_of(const RTCBoundsFunctionArguments* args) {
+    const PlacedShape& placed = *static_cast<const PlacedShape*>(args->geometryUserPtr);
+    const ShapeDescription& shape = placed.shape;
+    Box box;
+    if (shape.kind == ShapeKind::kBilinear) {
+        for (const Vec3d& c : patch_corners(*shape.mesh, args->primID)) box.add(c);
+    } else {
+        box = quadric_box(shape);
+    }
+    const auto down = [](double x) { return std::nextafter(static_cast<float>(x), -kInfinity); };
+    const auto up = [](double x) { return std::nextafter(static_cast<float>(x), kInfinity); };
+    *args->bounds_o = {down(box.low.x), down(box.low.y), down(box.low.z), 0, up(box.high.x), up(box.high.y), up(box.high.z), 0};
+}
+
+std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t primitive, const RTCRay& ray) {
+    const ShapeDescription& shape = placed.shape;
+    const Vec3d o(ray.org_x, ray.org_y, ray.org_z), d(ray.dir_x, ray.dir_y, ray.dir_z);
+    if (shape.kind == ShapeKind::kBilinear)
+        return intersect_patch(o, d, patch_corners(*shape.mesh, primitive), ray.tnear, ray.tfar);
+    const Vec3d local_o = placed.from_world.point(o), local_d = placed.from_world.vector(d);
+    if (shape.kind == ShapeKind::kSphere) return intersect_sphere(local_o, local_d, shape.radius, ray.tnear, ray.tfar);
+    return intersect_disk(local_o, local_d, shape.height, shape.inner_radius, shape.radius, ray.tnear, ray.tfar);
+}
+
+// The first hit that is not in a hole.
+std::optional<ExactHit> first_hit(const PlacedShape& placed, const RTCIntersectContext* context, unsigned shape,
+                                  std::uint32_t primitive, RTCRay ray) {
+    while (true) {
+        const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
+        if (!hit || placed.is_whole()) return hit;
+        const PrimitivePoint on{context->instID[0], shape, primitive, {static_cast<float>(hit->u), static_cast<float>(hit->v)}};
+        if (!is_hole(world_of(context), on, point_on(ray, hit->t), direction_of(ray))) return hit;
+        ray.tnear = std::nextafter(static_cast<float>(hit->t), kInfinity);
+    }
+}
+
+void intersect_user(const RTCIntersectFunctionNArguments* args) {
+    if (args->N != 1 || args->valid[0] == 0) return;  // only single rays are ever traced
+    RTCRayHit& rayhit = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+    const std::optional<ExactHit> hit =
+        first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, rayhit.ray);
+    if (!hit) return;
+    rayhit.ray.tfar = static_cast<float>(hit->t);
+    rayhit.hit.u = static_cast<float>(hit->u);
+    rayhit.hit.v = static_cast<float>(hit->v);
+    rayhit.hit.primID = args->primID;
+    rayhit.hit.geomID = args->geomID;
+    rayhit.hit.instID[0] = args->context->instID[0];
+}
+
+void occluded_user(const RTCOccludedFunctionNArguments* args) {
+    if (args->N != 1 || args->valid[0] == 0) return;
+    RTCRay& ray = *reinterpret_cast<RTCRay*>(args->ray);
+    if (first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, ray))
+        ray.tfar = -kInfinity;
+}
+
+// Of a mesh with holes: lets a ray through them.
+void filter(const RTCFilterFunctionNArguments* args) {
+    if (args->N != 1 || args->valid[0] == 0) return;
+    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+    const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+    const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}};
+    if (is_hole(world_of(args->context), on, point_on(ray, ray.tfar), direction_of(ray))) args->valid[0] = 0;
+}
+
+RTCGeometry new_mesh(RTCDevice device, PlacedShape& placed) {
+    const MeshDescription& mesh = *placed.shape.mesh;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float* p = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
+    if (p != nullptr) {
+        for (const Vec3f& v : mesh.positions) *p++ = v.x, *p++ = v.y, *p++ = v.z;
+    }
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(), 0,
+                               3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
+    if (!placed.is_whole()) {
+        rtcSetGeometryUserData(geometry, &placed);
+        rtcSetGeometryIntersectFilterFunction(geometry, filter);
+        rtcSetGeometryOccludedFilterFunction(geometry, filter);
+    }
+    return geometry;
+}
+
+RTCGeometry new_user_geometry(RTCDevice device, PlacedShape& placed) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    const bool patches = placed.shape.kind == ShapeKind::kBilinear;
+    rtcSetGeometryUserPrimitiveCount(geometry, patches ? static_cast<unsigned>(placed.shape.mesh->indices.size() / 4) : 1);
+    rtcSetGeometryUserData(geometry, &placed);
+    rtcSetGeometryBoundsFunction(geometry, bounds_of, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, intersect_user);
+    rtcSetGeometryOccludedFunction(geometry, occluded_user);
+    return geometry;
+}
+
+}  // namespace
+
+RTCGeometry new_geometry(RTCDevice device, PlacedShape& placed) {
+    return placed.shape.kind == ShapeKind::kTriangles ? new_mesh(device, placed) : new_user_geometry(device, placed);
+}
+
+}  // namespace latent::render

@@ -1,0 +1,118 @@
+// Surfaces that are there in part: how much light passes them, where a texture makes holes, and that nothing else changes.
+#include <fmt/format.h>
+
+#include <random>
+
+#include "tests/transport/picture_mean.h"
+#include "tests/transport/pictures.h"
+
+namespace latent::render::testing {
+namespace {
+
+// A lamp that fills the view, and something before it.
+std::string before_lamp(const std::string& what) {
+    return "LookAt 0 0 -4  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 8\nIntegrator \"path\" \"integer maxdepth\" 4\n"
+           "WorldBegin\nAttributeBegin\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+           "AreaLightSource \"diffuse\" \"bool twosided\" true\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 2  4 -4 2  -4 4 2  4 4 2]\nAttributeEnd\n"
+           "Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n" +
+           what;
+}
+const char* const kQuad =
+    "Shape \"trianglemesh\" \"point3 P\" [-2 -2 0  2 -2 0  2 2 0  -2 2 0] \"point2 uv\" [0 0 1 0 1 1 0 1] "
+    "\"integer indices\" [0 1 2 0 2 3] ";
+
+// A share of 1 - alpha passes each layer, whatever the shape and the integrator.
+TEST(Alpha, HidesItsShareOfTheLight) {
+    struct Case {
+        std::string shape;
+        int layers;
+    };
+    const std::string half = "\"float alpha\" .4\n";
+    const std::vector<Case> cases = {
+        {kQuad + half, 1},
+        {"Shape \"disk\" \"float radius\" 2 " + half, 1},
+        {"Shape \"sphere\" \"float radius\" 1 " + half, 2},
+        {"Shape \"bilinearmesh\" \"point3 P\" [-2 -2 0  2 -2 .1  -2 2 .1  2 2 0] " + half, 1},
+        {"ObjectBegin \"o\"\n" + std::string(kQuad) + half + "Shape \"sphere\" \"float radius\" 1 " + half +
+             "ObjectEnd\nScale 1.5 1.5 -.5\nRotate 20 0 0 1\nObjectInstance \"o\"\n",
+         3},
+        {"Texture \"a\" \"float\" \"constant\" \"float value\" .4\n" + std::string(kQuad) + "\"texture alpha\" \"a\"\n", 1},
+        {kQuad + std::string("\"float alpha\" 0\n"), 0},
+        {"Attribute \"shape\" \"float alpha\" 1\n" + std::string(kQuad), -1},
+    };
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.shape);
+        const Scene scene = scene_from(before_lamp(c.shape));
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = 4, .seed = 1}, 20'000);
+            const double passed = c.layers < 0 ? 0 : std::pow(0.6, c.layers);
+            EXPECT_NEAR(mean.xyz[1], passed, 4.5 * mean.error[1]);
+            EXPECT_LT(mean.error[1], 0.01);
+        }
+    }
+}
+
+// Cells of a checkerboard that are there, and cells that are not.
+TEST(Alpha, OfATextureCutsHoles) {
+    const Scene scene = scene_from(before_lamp(
+        "Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"float tex1\" 1 \"float tex2\" 0\n" +
+        std::string(kQuad) + "\"texture alpha\" \"holes\"\n"));
+    const std::unique_ptr<World> world = scene.world();
+    const Vec3f origin(scene.description.origin);
+    for (int x = 0; x < 4; ++x) {
+        for (int y = 0; y < 4; ++y) {
+            const Vec3f p = Vec3f{static_cast<float>(x) - 1.5f, static_cast<float>(y) - 1.5f, -1} - origin;
+            const auto hit = world->geometry().intersect({p, {0, 0, 1}});
+            ASSERT_TRUE(hit);
+            EXPECT_NEAR(hit->t, (x + y) % 2 == 0 ? 1 : 3, 1e-5) << x << ", " << y;
+        }
+    }
+}
+
+// One ray meets the same surfaces whether it is asked for the first or for any.
+TEST(Alpha, ARayIsBlockedIfItMeetsSomething) {
+    std::string shapes;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> even(-1, 1);
+    for (int i = 0; i < 40; ++i) {
+        shapes += fmt::format("AttributeBegin\nTranslate {} {} {}\nRotate {} 1 2 3\n{}\"float alpha\" .3\nAttributeEnd\n",
+                              even(random), even(random), even(random), 180 * even(random),
+                              i % 2 == 0 ? "Shape \"sphere\" \"float radius\" .4 " : "Scale .3 .3 .3\n" + std::string(kQuad));
+    }
+    const Scene scene = scene_from("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n" + shapes);
+    const std::unique_ptr<World> world = scene.world();
+    int met = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Ray ray{{even(random), even(random), even(random)}, {even(random), even(random), even(random)}, 1.5f};
+        const bool blocked = world->geometry().occluded(ray);
+        EXPECT_EQ(world->geometry().intersect(ray).has_value(), blocked);
+        met += blocked;
+    }
+    EXPECT_GT(met, 500);
+    EXPECT_LT(met, 4500);
+}
+
+// Leaves before a lamp and the sky, with holes by a texture and by a number, in fog too.
+TEST(Alpha, PathAndBdptMakeOnePicture) {
+    const std::string room =
+        "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float focaldistance\" "
+        "3\n"
+        "Integrator \"path\" \"integer maxdepth\" 4\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.2 .3 .6]\n"
+        "AttributeBegin\nTranslate -.6 -.3 2\nAreaLightSource \"diffuse\" \"blackbody L\" 3000 \"float scale\" 12\n"
+        "Shape \"sphere\" \"float radius\" .3\nAttributeEnd\n"
+        "Material \"diffuse\" \"rgb reflectance\" [.5 .4 .3]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-4 -4 -.8  4 -4 -.8  4 4 -.8  -4 4 -.8] \"integer indices\" [0 1 2 0 2 3]\n"
+        "Texture \"holes\" \"float\" \"fbm\"\n"
+        "Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .1] \"rgb transmittance\" [.3 .5 .2]\n"
+        "AttributeBegin\nTranslate 0 0 .8\nRotate 30 0 1 1\nScale .4 .4 .4\n" +
+        std::string(kQuad) +
+        "\"texture alpha\" \"holes\"\nAttributeEnd\nMaterial \"conductor\" \"float roughness\" .1\n"
+        "Shape \"sphere\" \"float radius\" .6 \"float alpha\" .5\n";
+    const Scene scene = scene_from(room);
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096),
+                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, 2048));
+}
+
+}  // namespace
+}  // namespace latent::render::testing
