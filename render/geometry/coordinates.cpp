@@ -4,8 +4,6 @@ namespace latent::render {
 
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 // Any two directions along the surface.
 void span_plane(const Vec3d& n, SurfaceCoordinates& c) {
     const Frame frame = Frame::from_z(Vec3f(normalize(n)));
@@ -103,32 +101,43 @@ SurfaceCoordinates patch(const PlacedShape& placed, std::uint32_t primitive, Vec
 SurfaceCoordinates quadric(const PlacedShape& placed, const Vec3d& p, const Vec3f& ns) {
     const ShapeDescription& shape = placed.shape;
     const Vec3d local = placed.from_world.point(p);
-    double phi = std::atan2(local.y, local.x) / kTurn;
-    if (phi < 0) phi += 1;
+    const double phi_max = std::max(placed.part.phi_max, 1e-9);
+    const float u = static_cast<float>(QuadricPart::angle_about_z(local) / phi_max);
     const double ring = std::hypot(local.x, local.y);
     const double cos_phi = ring > 0 ? local.x / ring : 1, sin_phi = ring > 0 ? local.y / ring : 0;
     SurfaceCoordinates c{};
-    Vec3d dpdu, dpdv;
-    const bool sphere = shape.kind == ShapeKind::kSphere;
-    if (sphere) {
+    Vec3d dpdu, dpdv, n, dndu, dndv;  // a normal in the quadric's own space, and how it turns
+    if (shape.kind == ShapeKind::kSphere) {
         const double theta = std::atan2(ring, local.z);
-        c.uv = {static_cast<float>(phi), static_cast<float>(1 - theta / std::numbers::pi)};
+        const double first = std::acos(std::clamp(shape.z_min / shape.radius, -1.0, 1.0)),
+                     last = std::acos(std::clamp(shape.z_max / shape.radius, -1.0, 1.0)), turn = std::max(first - last, 1e-6);
+        c.uv = {u, static_cast<float>((first - theta) / turn)};
         const double r = shape.radius * std::max(std::sin(theta), 1e-6);  // at the poles: the direction along u, however short
-        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (kTurn * r);
-        dpdv = Vec3d(-std::cos(theta) * cos_phi, -std::cos(theta) * sin_phi, std::sin(theta)) * (std::numbers::pi * shape.radius);
+        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (phi_max * r);
+        dpdv = Vec3d(-std::cos(theta) * cos_phi, -std::cos(theta) * sin_phi, std::sin(theta)) * (turn * shape.radius);
+        n = normalize(local);
+        dndu = dpdu / shape.radius;
+        dndv = dpdv / shape.radius;
+    } else if (shape.kind == ShapeKind::kCylinder) {
+        const double size = std::max(shape.z_max - shape.z_min, 1e-6 * shape.radius);
+        c.uv = {u, static_cast<float>((local.z - shape.z_min) / size)};
+        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (phi_max * shape.radius);
+        dpdv = {0, 0, size};
+        n = {cos_phi, sin_phi, 0};
+        dndu = dpdu / shape.radius;
     } else {
         const double width = shape.radius - shape.inner_radius;
-        c.uv = {static_cast<float>(phi), static_cast<float>(width > 0 ? (shape.radius - ring) / width : 0)};
-        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (kTurn * std::max(ring, 1e-6 * shape.radius));
+        c.uv = {u, static_cast<float>(width > 0 ? (shape.radius - ring) / width : 0)};
+        dpdu = Vec3d(-sin_phi, cos_phi, 0) * (phi_max * std::max(ring, 1e-6 * shape.radius));
         dpdv = Vec3d(-cos_phi, -sin_phi, 0) * std::max(width, 1e-6 * shape.radius);
     }
     const Affined& map = shape.to_world;
-    if (sphere) {
-        // The normal of the unit sphere is the point itself; the map turns it as it turns normals.
-        const Vec3d n = map.normal(normalize(local));
-        const double side = dot(n, Vec3d(ns)) < 0 ? -1 : 1;
-        c.dndu = derivative_of_unit(n, map.normal(dpdu / shape.radius)) * static_cast<float>(side);
-        c.dndv = derivative_of_unit(n, map.normal(dpdv / shape.radius)) * static_cast<float>(side);
+    if (shape.kind != ShapeKind::kDisk) {
+        // The map turns the change of a normal as it turns normals.
+        const Vec3d image = map.normal(n);
+        const float side = dot(image, Vec3d(ns)) < 0 ? -1 : 1;
+        c.dndu = derivative_of_unit(image, map.normal(dndu)) * side;
+        c.dndv = derivative_of_unit(image, map.normal(dndv)) * side;
     }
     c.dpdu = Vec3f(map.vector(dpdu));
     c.dpdv = Vec3f(map.vector(dpdv));
@@ -145,6 +154,7 @@ SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primi
             return patch(placed, primitive, uv, ns);
         case ShapeKind::kSphere:
         case ShapeKind::kDisk:
+        case ShapeKind::kCylinder:
             break;
     }
     return quadric(placed, p, ns);

@@ -6,12 +6,20 @@
 #include "render/geometry/embree_shapes.h"
 #include "render/geometry/emitters.h"
 #include "render/geometry/surface.h"
+#include "render/scene/quadric.h"
 
 namespace latent::render {
 
 namespace {
 
-PlacedShape place(const ShapeDescription& shape) { return {.shape = shape, .from_world = shape.to_world.inverse().value()}; }
+PlacedShape place(const ShapeDescription& shape) {
+    PlacedShape placed{.shape = shape, .from_world = shape.to_world.inverse().value()};
+    placed.part.phi_max = phi_max(shape);
+    const bool ball = shape.kind == ShapeKind::kSphere, tube = shape.kind == ShapeKind::kCylinder;
+    if (tube || (ball && shape.z_min > -shape.radius)) placed.part.z_min = shape.z_min;
+    if (tube || (ball && shape.z_max < shape.radius)) placed.part.z_max = shape.z_max;
+    return placed;
+}
 
 // Embree takes the ray into the object with a float matrix: 8 half ulps of what is added up there, seen from the world.
 float instance_error_factor(const Affined& m) {

@@ -46,8 +46,10 @@ std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t
     if (shape.kind == ShapeKind::kBilinear)
         return intersect_patch(o, d, patch_corners(*shape.mesh, primitive), ray.tnear, ray.tfar);
     const Vec3d local_o = placed.from_world.point(o), local_d = placed.from_world.vector(d);
-    if (shape.kind == ShapeKind::kSphere) return intersect_sphere(local_o, local_d, shape.radius, ray.tnear, ray.tfar);
-    return intersect_disk(local_o, local_d, shape.height, shape.inner_radius, shape.radius, ray.tnear, ray.tfar);
+    if (shape.kind == ShapeKind::kSphere) return intersect_sphere(local_o, local_d, shape.radius, placed.part, ray.tnear, ray.tfar);
+    if (shape.kind == ShapeKind::kCylinder)
+        return intersect_cylinder(local_o, local_d, shape.radius, placed.part, ray.tnear, ray.tfar);
+    return intersect_disk(local_o, local_d, shape.height, shape.inner_radius, shape.radius, placed.part, ray.tnear, ray.tfar);
 }
 
 // The first hit that is not in a hole.

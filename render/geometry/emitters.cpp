@@ -2,6 +2,7 @@
 
 #include "render/geometry/surface.h"
 #include "render/scene/check.h"
+#include "render/scene/quadric.h"
 
 namespace latent::render {
 
@@ -12,12 +13,15 @@ Result<std::vector<Emitter>> find_emitters(std::vector<PlacedShape>& shapes) {
         if (shape.area_light == kNone) continue;
         if (const Refusals r = check_area_light(shape); !r.empty()) return Error{ErrorCode::kUnsupported, r.front()};
         placed.first_emitter = static_cast<std::uint32_t>(emitters.size());
-        Emitter emitter{
-            .area_light = shape.area_light, .inside_medium = shape.inside_medium, .outside_medium = shape.outside_medium};
+        Emitter emitter{.area_light = shape.area_light,
+                        .shape = static_cast<std::uint32_t>(&placed - shapes.data()),
+                        .inside_medium = shape.inside_medium,
+                        .outside_medium = shape.outside_medium};
         if (shape.kind == ShapeKind::kTriangles) {
             const MeshDescription& mesh = *shape.mesh;
             for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-                const SurfaceHit hit = surface_at(placed, static_cast<std::uint32_t>(i / 3), {1 / 3.0f, 1 / 3.0f}, {});
+                emitter.primitive = static_cast<std::uint32_t>(i / 3);
+                const SurfaceHit hit = surface_at(placed, emitter.primitive, {1 / 3.0f, 1 / 3.0f}, {});
                 emitter.p = mesh.positions[mesh.indices[i]];
                 emitter.e1 = mesh.positions[mesh.indices[i + 1]] - emitter.p;
                 emitter.e2 = mesh.positions[mesh.indices[i + 2]] - emitter.p;
@@ -27,12 +31,12 @@ Result<std::vector<Emitter>> find_emitters(std::vector<PlacedShape>& shapes) {
                 emitters.push_back(emitter);
             }
         } else {
-            const double radius = shape.radius * length(shape.to_world.x);
-            emitter.is_sphere = true;
+            const double scale = length(shape.to_world.x);
+            emitter.kind = is_whole_sphere(shape) ? EmitterKind::kSphere : EmitterKind::kQuadric;
             emitter.p = Vec3f(shape.to_world.t);
-            emitter.radius = static_cast<float>(radius);
+            emitter.radius = static_cast<float>(shape.radius * scale);
             emitter.inward = shape.flip_normal;
-            emitter.area = 4 * std::numbers::pi * radius * radius;
+            emitter.area = quadric_area(shape) * scale * scale;
             emitters.push_back(emitter);
         }
     }

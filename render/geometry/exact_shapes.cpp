@@ -18,9 +18,10 @@ std::optional<std::array<double, 2>> roots(double a, double b, double c) {
     return std::array{t0, t1};
 }
 
-}  // namespace
-
-std::optional<ExactHit> intersect_sphere(const Vec3d& o, const Vec3d& d, double radius, double low, double high) {
+// The first root of |o + t d| = radius between low and high whose point is accepted.
+template <class Accept>
+std::optional<ExactHit> first_on_sphere(const Vec3d& o, const Vec3d& d, double radius, double low, double high,
+                                        const Accept& accept) {
     const double a = dot(d, d), b = dot(o, d);
     // The discriminant from the distance of the ray's line to the centre: exact where b^2 - a c would cancel.
     const Vec3d closest = o - d * (b / a);
@@ -31,18 +32,31 @@ std::optional<ExactHit> intersect_sphere(const Vec3d& o, const Vec3d& d, double 
     double t0 = q / a, t1 = q == 0 ? t0 : c / q;
     if (t0 > t1) std::swap(t0, t1);
     for (const double t : {t0, t1}) {
-        if (t > low && t < high) return ExactHit{t};
+        if (t > low && t < high && accept(t)) return ExactHit{t};
     }
     return std::nullopt;
 }
 
-std::optional<ExactHit> intersect_disk(const Vec3d& o, const Vec3d& d, double height, double inner, double radius, double low,
-                                       double high) {
+}  // namespace
+
+std::optional<ExactHit> intersect_sphere(const Vec3d& o, const Vec3d& d, double radius, const QuadricPart& part, double low,
+                                         double high) {
+    return first_on_sphere(o, d, radius, low, high, [&](double t) { return part.holds(o + d * t); });
+}
+
+std::optional<ExactHit> intersect_cylinder(const Vec3d& o, const Vec3d& d, double radius, const QuadricPart& part, double low,
+                                           double high) {
+    if (d.x == 0 && d.y == 0) return std::nullopt;
+    return first_on_sphere({o.x, o.y, 0}, {d.x, d.y, 0}, radius, low, high, [&](double t) { return part.holds(o + d * t); });
+}
+
+std::optional<ExactHit> intersect_disk(const Vec3d& o, const Vec3d& d, double height, double inner, double radius,
+                                       const QuadricPart& part, double low, double high) {
     if (d.z == 0) return std::nullopt;
     const double t = (height - o.z) / d.z;
     if (!(t > low && t < high)) return std::nullopt;
     const double x = o.x + t * d.x, y = o.y + t * d.y, squared = x * x + y * y;
-    if (squared > radius * radius || squared < inner * inner) return std::nullopt;
+    if (squared > radius * radius || squared < inner * inner || !part.holds({x, y, height})) return std::nullopt;
     return ExactHit{t};
 }
 

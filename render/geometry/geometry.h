@@ -45,10 +45,14 @@ struct SurfaceCoordinates {
     Vec3f dndu, dndv;  // of the shading normal, turned as SurfaceHit::ns
 };
 
-// A primitive that emits: one triangle, or one whole sphere (of a uniform scale). What it emits is render/light's concern.
+// A primitive that emits: one triangle, one whole sphere or another quadric (of a uniform scale). What it emits is render/light's
+// concern.
+enum class EmitterKind : std::uint8_t { kTriangle, kSphere, kQuadric };
 struct Emitter {
     std::uint32_t area_light = kNone;  // index into SceneDescription::area_lights
-    bool is_sphere = false;
+    std::uint32_t shape = kNone;       // index into SceneDescription::shapes
+    std::uint32_t primitive = 0;       // of the shape
+    EmitterKind kind = EmitterKind::kTriangle;
     Vec3f p{}, e1{}, e2{};  // triangle: a vertex and the edges from it; sphere: its centre in p
     Vec3f n{};              // triangle: unit normal as SurfaceHit::ng
     float radius = 0;       // sphere

@@ -12,6 +12,7 @@ namespace latent::render {
 struct PlacedShape {
     ShapeDescription shape;
     Affined from_world{};                 // quadrics
+    QuadricPart part{};                   // of them
     std::uint32_t first_emitter = kNone;  // of its primitives
 
     bool is_whole() const { return !shape.alpha.is_textured() && shape.alpha.value >= 1; }

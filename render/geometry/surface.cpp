@@ -73,13 +73,22 @@ SurfaceHit patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv) {
 SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
     const ShapeDescription& shape = placed.shape;
     const Vec3d local = placed.from_world.point(p);
-    const bool sphere = shape.kind == ShapeKind::kSphere;
-    const Vec3d on = sphere ? local * (shape.radius / length(local)) : Vec3d(local.x, local.y, shape.height);
+    Vec3d on, n;  // the point, and the normal there
+    if (shape.kind == ShapeKind::kSphere) {
+        n = on = local * (shape.radius / length(local));
+    } else if (shape.kind == ShapeKind::kCylinder) {
+        const double share = shape.radius / std::hypot(local.x, local.y);
+        on = {local.x * share, local.y * share, local.z};
+        n = {on.x, on.y, 0};
+    } else {
+        on = {local.x, local.y, shape.height};
+        n = {0, 0, 1};
+    }
 
     SurfaceHit hit = common_hit(shape);
     hit.p = Vec3f(shape.to_world.point(on));
     hit.error = 2 * kHalfUlp * max_abs(hit.p);
-    const Vec3d n = shape.to_world.normal(sphere ? on : Vec3d(0, 0, 1));
+    n = shape.to_world.normal(n);
     hit.ng = Vec3f(n * ((shape.flip_normal ? -1 : 1) / length(n)));
     hit.ns = hit.ng;
     hit.dpdu = Vec3f(shape.to_world.vector(on.x != 0 || on.y != 0 ? Vec3d(-on.y, on.x, 0) : Vec3d(1, 0, 0)));

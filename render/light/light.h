@@ -6,6 +6,7 @@
 #include "render/light/distant_light.h"
 #include "render/light/image_infinite_light.h"
 #include "render/light/point_light.h"
+#include "render/light/quadric_light.h"
 #include "render/light/sphere_light.h"
 #include "render/light/spot_light.h"
 #include "render/light/triangle_light.h"
@@ -19,6 +20,7 @@ using LightList = std::variant<L...>;
 using AnyLight = LightList<  //
     TriangleLight,           //
     SphereLight,             //
+    QuadricLight,            //
     PointLight,              //
     SpotLight,               //
     DistantLight,            //

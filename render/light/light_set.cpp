@@ -44,10 +44,17 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
         std::optional<Source>& s = of_area[e.area_light];
         if (!s) s = source(e.area_light, d.spectrum);
         const AreaEmission area(d, s->spectrum, e);
-        if (e.is_sphere) {
-            add(*s, SphereLight(e, area));
-        } else {
-            add(*s, TriangleLight(e, area));
+        switch (e.kind) {
+            case EmitterKind::kTriangle:
+                add(*s, TriangleLight(e, area));
+                break;
+            case EmitterKind::kSphere:
+                add(*s, SphereLight(e, area));
+                break;
+            case EmitterKind::kQuadric:
+                quadrics_.push_back(std::make_unique<ShapeDescription>(scene.shapes[e.shape]));
+                add(*s, QuadricLight(*quadrics_.back(), area));
+                break;
         }
     }
     for (const LightDescription& d : scene.lights) {

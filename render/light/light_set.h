@@ -32,7 +32,9 @@ class LightSet {
     std::vector<Light> lights_;
     std::vector<std::uint32_t> infinite_;
     std::vector<LightSpectrum> spectra_;
-    std::vector<std::unique_ptr<const EnvironmentMap>> maps_;  // that lights point to
+    // That lights point to.
+    std::vector<std::unique_ptr<const EnvironmentMap>> maps_;
+    std::vector<std::unique_ptr<const ShapeDescription>> quadrics_;
     AliasTable table_;
 };
 

@@ -26,13 +26,19 @@ struct Box {
     static constexpr double kEmpty = std::numeric_limits<double>::infinity();
 };
 
-// About a sphere or disk, in the space that it is mapped to: the image of the ball (disk) of radius r reaches r |row of the linear
-// part| along each axis.
+// About a whole quadric, in the space that it is mapped to: the image of the ball (disk) of radius r reaches r |row of the linear
+// part| along each axis, that of a cylinder its axis further.
 inline Box quadric_box(const ShapeDescription& shape) {
     const Affined& m = shape.to_world;
-    const bool ball = shape.kind == ShapeKind::kSphere;
-    const Vec3d center = m.point({0, 0, ball ? 0 : shape.height});
-    const auto reach = [&](double x, double y, double z) { return shape.radius * std::hypot(x, y, ball ? z : 0.0); };
+    const bool ball = shape.kind == ShapeKind::kSphere, tube = shape.kind == ShapeKind::kCylinder;
+    const double middle = ball   ? 0
+                          : tube ? 0.5 * (shape.z_min + shape.z_max)
+                                 : shape.height,
+                 along = tube ? 0.5 * (shape.z_max - shape.z_min) : 0;
+    const Vec3d center = m.point({0, 0, middle});
+    const auto reach = [&](double x, double y, double z) {
+        return shape.radius * std::hypot(x, y, ball ? z : 0.0) + along * std::abs(z);
+    };
     const Vec3d half(reach(m.x.x, m.y.x, m.z.x), reach(m.x.y, m.y.y, m.z.y), reach(m.x.z, m.y.z, m.z.z));
     Box box;
     box.add(center - half);

@@ -80,7 +80,9 @@ Refusals check_area_light(const ShapeDescription& shape) {
         case ShapeKind::kSphere:
             return is_even(shape.to_world, 1e-5) ? Refusals{} : refuse("a sphere that is stretched");
         case ShapeKind::kDisk:
-            return refuse("a disk");
+            return is_even(shape.to_world, 1e-5) ? Refusals{} : refuse("a disk that is stretched");
+        case ShapeKind::kCylinder:
+            return is_even(shape.to_world, 1e-5) ? Refusals{} : refuse("a cylinder that is stretched");
         case ShapeKind::kBilinear:
             break;
     }

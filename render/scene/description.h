@@ -137,7 +137,7 @@ struct LightDescription {
     SourceLocation location{};
 };
 
-enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kSphere, kDisk };
+enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kSphere, kDisk, kCylinder };
 
 // Vertices are in the space of the world or of the object that the shape belongs to, counted from the origin of either.
 struct MeshDescription {
@@ -150,12 +150,16 @@ struct MeshDescription {
 struct ShapeDescription {
     ShapeKind kind = ShapeKind::kTriangles;
     std::shared_ptr<const MeshDescription> mesh{};
-    Affined to_world{};                               // sphere and disk: from their own space
-    double radius = 1, inner_radius = 0, height = 0;  // sphere: radius; disk: all
-    bool flip_normal = false;                         // triangles: ng = -(p1 - p0) x (p2 - p0); quadrics: ng points inwards, down
-    bool pairs = false;                               // triangles 2 i and 2 i + 1 are the halves of a flat patch
-    FloatInput alpha = 1;                             // share of the surface that is there; the rest are holes, too fine to see
-    std::uint32_t material = kNone;                   // kNone: "interface", which scatters nothing
+    Affined to_world{};  // quadrics: from their own space
+    // Quadrics: |p| = radius of a sphere; inner_radius <= |(x, y)| <= radius at z = height of a disk; |(x, y)| = radius of a
+    // cylinder.
+    double radius = 1, inner_radius = 0, height = 0;
+    double z_min = -1, z_max = 1;    // of a sphere and a cylinder: the part between these, not beyond the sphere
+    double phi_max_degrees = 360;    // the part up to this angle from x about z
+    bool flip_normal = false;        // triangles: ng = -(p1 - p0) x (p2 - p0); quadrics: ng points inwards, down
+    bool pairs = false;              // triangles 2 i and 2 i + 1 are the halves of a flat patch
+    FloatInput alpha = 1;            // share of the surface that is there; the rest are holes, too fine to see
+    std::uint32_t material = kNone;  // kNone: "interface", which scatters nothing
     std::uint32_t area_light = kNone;
     std::uint32_t inside_medium = kNone, outside_medium = kNone;  // equal: crossing the surface changes nothing, as in pbrt
     SourceLocation location{};

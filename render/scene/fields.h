@@ -158,9 +158,9 @@ void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<ShapeDescription> auto& shape, Visit&& visit) {
-    auto& [kind, mesh, to_world, radius, inner_radius, height, flip_normal, pairs, alpha, material, area_light, inside_medium,
-           outside_medium, location] = shape;
-    visit(kind, mesh, to_world, radius, inner_radius, height, flip_normal, pairs, alpha);
+    auto& [kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, pairs, alpha, material,
+           area_light, inside_medium, outside_medium, location] = shape;
+    visit(kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, pairs, alpha);
     visit.template index<MaterialDescription>(material);
     visit.template index<AreaLightDescription>(area_light);
     visit.template index<MediumDescription>(inside_medium, outside_medium);

@@ -1,4 +1,4 @@
-// Spheres, disks and patches against what their equations say.
+// Quadrics and patches against what their equations say.
 #include "render/geometry/exact_shapes.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST(Sphere, HitsLieOnItAndAreTheFirst) {
     for (int i = 0; i < 20000; ++i) {
         const double radius = std::exp(random(-3, 3));
         const Vec3d o = random.vector(4 * radius), d = random.vector(1.5 * radius) - o;
-        const auto hit = intersect_sphere(o, d, radius, 0, kFar);
+        const auto hit = intersect_sphere(o, d, radius, {}, 0, kFar);
         // Nearest point of the ray to the centre decides whether there is a hit at all.
         const double nearest = std::max(0.0, -dot(o, d) / dot(d, d));
         const bool inside = length(o) < radius, expected = inside || length(o + d * nearest) < radius;
@@ -42,11 +42,11 @@ TEST(Sphere, HitsLieOnItAndAreTheFirst) {
 TEST(Sphere, FarAndGrazingRaysKeepTheirPrecision) {
     for (const double distance : {1e2, 1e4, 1e6}) {
         for (const double height : {0.0, 0.5, 0.999, 0.9999999}) {
-            const auto hit = intersect_sphere({height, 0, -distance}, {0, 0, 1}, 1, 0, kFar);
+            const auto hit = intersect_sphere({height, 0, -distance}, {0, 0, 1}, 1, {}, 0, kFar);
             ASSERT_TRUE(hit);
             EXPECT_NEAR(hit->t, distance - std::sqrt((1 - height) * (1 + height)), 1e-9 * distance);
         }
-        EXPECT_FALSE(intersect_sphere({1.0000001, 0, -distance}, {0, 0, 1}, 1, 0, kFar));
+        EXPECT_FALSE(intersect_sphere({1.0000001, 0, -distance}, {0, 0, 1}, 1, {}, 0, kFar));
     }
 }
 
@@ -56,20 +56,71 @@ TEST(Sphere, OriginOnTheSurfaceKnowsItsSide) {
         const Vec3d n = normalize(random.vector(1)), tangent = normalize(cross(n, random.vector(1)));
         const double cosine = std::exp(random(-8, 0));
         const Vec3d out = n * cosine + tangent * std::sqrt(1 - cosine * cosine);
-        EXPECT_FALSE(intersect_sphere(n * (1 + 1e-14), out, 1, 0, kFar));
-        const auto in = intersect_sphere(n * (1 - 1e-14), -out, 1, 0, kFar);
+        EXPECT_FALSE(intersect_sphere(n * (1 + 1e-14), out, 1, {}, 0, kFar));
+        const auto in = intersect_sphere(n * (1 - 1e-14), -out, 1, {}, 0, kFar);
         ASSERT_TRUE(in);
         EXPECT_NEAR(in->t, 2 * cosine, 1e-9 + 1e-13 / cosine);  // the chord
     }
 }
 
+TEST(Cylinder, HitsLieOnItAndAreTheFirst) {
+    Random random;
+    int hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double radius = std::exp(random(-3, 3));
+        const Vec3d o = random.vector(4 * radius), d = random.vector(1.5 * radius) - o;
+        const auto hit = intersect_cylinder(o, d, radius, {}, 0, kFar);
+        // The nearest that the ray comes to the axis decides whether there is a hit at all.
+        const auto ring = [](const Vec3d& p) { return std::hypot(p.x, p.y); };
+        const double nearest = std::max(0.0, -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y));
+        const bool inside = ring(o) < radius, expected = inside || ring(o + d * nearest) < radius;
+        ASSERT_EQ(hit.has_value(), expected);
+        if (!hit) continue;
+        ++hits;
+        EXPECT_NEAR(ring(o + d * hit->t), radius, 1e-9 * (radius + length(o)));
+        EXPECT_EQ(ring(o + d * (hit->t / 2)) < radius, inside);  // nothing in between
+    }
+    EXPECT_GT(hits, 3000);
+    EXPECT_FALSE(intersect_cylinder({0.5, 0, 5}, {0, 0, -1}, 1, {}, 0, kFar));  // along its axis
+}
+
+// Of the points of a whole quadric that a ray meets, a part has those that lie on it.
+TEST(Quadrics, APartIsMetWhereItIs) {
+    Random random;
+    int met = 0, missed = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const QuadricPart part{random(-1, 0), random(0, 1), random(0.5, 6)};
+        const Vec3d o = random.vector(2), d = random.vector(1.2) - o;
+        const auto check = [&](const auto& intersect) {
+            double low = 0;
+            std::optional<ExactHit> expected;
+            while (const std::optional<ExactHit> whole = intersect(QuadricPart{}, low)) {
+                if (part.holds(o + d * whole->t)) {
+                    expected = whole;
+                    break;
+                }
+                low = whole->t;
+            }
+            const std::optional<ExactHit> hit = intersect(part, 0.0);
+            ASSERT_EQ(hit.has_value(), expected.has_value());
+            if (hit) EXPECT_EQ(hit->t, expected->t);
+            ++(hit ? met : missed);
+        };
+        check([&](const QuadricPart& p, double low) { return intersect_sphere(o, d, 1, p, low, kFar); });
+        check([&](const QuadricPart& p, double low) { return intersect_cylinder(o, d, 1, p, low, kFar); });
+        check([&](const QuadricPart& p, double low) { return intersect_disk(o, d, 0.2, 0.3, 1, p, low, kFar); });
+    }
+    EXPECT_GT(met, 10000);
+    EXPECT_GT(missed, 10000);
+}
+
 TEST(Disk, IsItsRing) {
     for (double r = 0; r < 3; r += 0.0625) {
         const bool expected = r >= 0.5 && r <= 2;
-        EXPECT_EQ(intersect_disk({r, 0, 5}, {0, 0, -1}, 1, 0.5, 2, 0, kFar).has_value(), expected) << r;
-        EXPECT_FALSE(intersect_disk({r, 0, 5}, {0, 0, 1}, 1, 0.5, 2, 0, kFar));
+        EXPECT_EQ(intersect_disk({r, 0, 5}, {0, 0, -1}, 1, 0.5, 2, {}, 0, kFar).has_value(), expected) << r;
+        EXPECT_FALSE(intersect_disk({r, 0, 5}, {0, 0, 1}, 1, 0.5, 2, {}, 0, kFar));
     }
-    EXPECT_EQ(intersect_disk({1, 0, 5}, {0, 0, -2}, 1, 0, 2, 0, kFar)->t, 2);
+    EXPECT_EQ(intersect_disk({1, 0, 5}, {0, 0, -2}, 1, 0, 2, {}, 0, kFar)->t, 2);
 }
 
 TEST(Patch, RaysToItsPointsHitThereUnlessSomethingIsInFront) {

@@ -1,6 +1,8 @@
 // Geometry against brute force, and the promises that light transport builds on: orientation, clear ray origins, emitters.
 #include "render/geometry/geometry.h"
 
+#include <functional>
+#include <numbers>
 #include <random>
 
 #include "render/geometry/exact_shapes.h"
@@ -331,7 +333,7 @@ TEST(Emitters, HoldAreaAndNormal) {
         "0 9 1 ]\n");
     const std::vector<Emitter>& e = scene.geometry->emitters();
     ASSERT_EQ(e.size(), 6u);
-    EXPECT_TRUE(e[0].is_sphere);
+    EXPECT_EQ(e[0].kind, EmitterKind::kSphere);
     EXPECT_EQ(e[0].p, Vec3f(0, 3, 0));
     EXPECT_NEAR(e[0].radius, 1, 1e-6f);
     EXPECT_NEAR(e[0].area, 4 * kPi, 1e-5);
@@ -354,13 +356,61 @@ TEST(Emitters, HoldAreaAndNormal) {
 
 // The loader has told it before; a description may come from elsewhere.
 TEST(Emitters, OfShapesThatCannotBeSampledAreRefused) {
-    Result<LoadedScene> scene = load_world("Shape \"disk\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\n");
+    Result<LoadedScene> scene = load_world("Scale 1 2 1\nShape \"disk\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\n");
     ASSERT_TRUE(scene);
     EXPECT_TRUE(Geometry::build(scene->description, "sse4.2"));
     scene->description.shapes[0].area_light = 0;
     const auto geometry = Geometry::build(scene->description, "sse4.2");
     ASSERT_FALSE(geometry);
-    EXPECT_EQ(geometry.error().message, "an area light on a disk is not supported");
+    EXPECT_EQ(geometry.error().message, "an area light on a disk that is stretched is not supported");
+}
+
+// Along u and v a quadric moves as dpdu and dpdv say, and its normal as dndu and dndv do.
+TEST(Coordinates, OfQuadricsRunFromNoughtToOneOverTheirPart) {
+    struct Case {
+        std::string text;
+        std::function<Vec3d(double u, double v)> point;
+    };
+    const double turn = 250 * std::numbers::pi / 180;
+    const auto at = [=](double u, double ring, double z) { return Vec3d(ring * std::cos(u * turn), ring * std::sin(u * turn), z); };
+    const std::vector<Case> cases = {
+        {"\"cylinder\" \"float radius\" 2 \"float zmin\" 3 \"float zmax\" -1",
+         [=](double u, double v) { return at(u, 2, 4 * v - 1); }},
+        {"\"disk\" \"float radius\" 2 \"float innerradius\" .5 \"float height\" 1",
+         [=](double u, double v) { return at(u, 2 - 1.5 * v, 1); }},
+        {"\"sphere\" \"float radius\" 2 \"float zmin\" -1 \"float zmax\" 1.5",
+         [=](double u, double v) {
+             const double theta = std::acos(-.5) + v * (std::acos(.75) - std::acos(-.5));
+             return at(u, 2 * std::sin(theta), 2 * std::cos(theta));
+         }},
+    };
+    for (const Case& c : cases) {
+        SCOPED_TRACE(c.text);
+        const Built scene = build("Shape " + c.text + " \"float phimax\" 250\n");
+        for (double u = 0.1; u < 1; u += 0.2) {
+            for (double v = 0.1; v < 1; v += 0.2) {
+                const Vec3d p = c.point(u, v);
+                const double h = 1e-5;
+                const Vec3d du = (c.point(u + h, v) - c.point(u - h, v)) / (2 * h),
+                            dv = (c.point(u, v + h) - c.point(u, v - h)) / (2 * h);
+                const Vec3d n = normalize(cross(du, dv));
+                const auto hit = scene.geometry->intersect({Vec3f(p + n * 0.01), Vec3f(-n)});
+                ASSERT_TRUE(hit);
+                EXPECT_NEAR(hit->t, 0.01, 1e-5);
+                const SurfaceCoordinates at_hit = scene.geometry->coordinates(*hit);
+                EXPECT_NEAR(static_cast<double>(at_hit.uv.x), u, 1e-5);
+                EXPECT_NEAR(static_cast<double>(at_hit.uv.y), v, 1e-5);
+                EXPECT_LT(length(Vec3d(at_hit.dpdu) - du), 1e-3);
+                EXPECT_LT(length(Vec3d(at_hit.dpdv) - dv), 1e-3);
+                const auto normal = [&](double x, double y) {
+                    return normalize(cross(c.point(x + h, y) - c.point(x - h, y), c.point(x, y + h) - c.point(x, y - h)));
+                };
+                const double k = 1e-3;
+                EXPECT_LT(length(Vec3d(at_hit.dndu) - (normal(u + k, v) - normal(u - k, v)) / (2 * k)), 1e-2);
+                EXPECT_LT(length(Vec3d(at_hit.dndv) - (normal(u, v + k) - normal(u, v - k)) / (2 * k)), 1e-2);
+            }
+        }
+    }
 }
 
 // What makes a render repeatable: the same scene, the same level, the same bits.

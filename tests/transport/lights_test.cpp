@@ -29,6 +29,15 @@ const std::vector<Case> kAreas = {
      "AttributeBegin ReverseOrientation Translate 0.2 0.1 0 AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" Shape "
      "\"sphere\" \"float radius\" 2.5 "
      "AttributeEnd\n"},
+    {"disk",
+     "AttributeBegin Translate 1 2 3 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"disk\" \"float radius\" 2 "
+     "\"float innerradius\" 0.5 \"float phimax\" 200 AttributeEnd\n"},
+    {"cylinder",
+     "AttributeBegin Translate 1 2 0.5 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"cylinder\" \"float radius\" 1.5 "
+     "\"float zmin\" -1 \"float zmax\" 2 \"float phimax\" 250 AttributeEnd\n"},
+    {"part of a sphere",
+     "AttributeBegin Translate 1 2 0.5 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"sphere\" \"float radius\" 1.5 "
+     "\"float zmin\" -1 \"float zmax\" 0.5 \"float phimax\" 250 AttributeEnd\n"},
 };
 
 Scene with_light(const std::string& light) {
@@ -93,7 +102,7 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
     }
 }
 
-// Where rays start: evenly on triangles, spheres, and the disk across which a light at infinity shines. Each point becomes two
+// Where rays start: evenly on triangles and quadrics, and the disk across which a light at infinity shines. Each point becomes two
 // numbers that are then even in [0, 1): counts of a 16 x 16 grid of them.
 TEST(Lights, RaysStartEvenlyOnTheirLight) {
     struct StartCase {
@@ -101,6 +110,10 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
         std::function<Vec2f(const Vec3f& p, const Geometry&)> even;
     };
     const auto turns = [](float y, float x) { return std::atan2(y, x) / (2 * kPi) + 0.5f; };
+    const auto from_x = [](const Vec3f& d) {  // degrees about z
+        const float degrees = std::atan2(d.y, d.x) * 180 / kPi;
+        return degrees < 0 ? degrees + 360 : degrees;
+    };
     const auto on_triangle = [](const Vec3f& p, const Geometry& geometry) {
         const Emitter& e = geometry.emitters()[0];
         const Vec3f n = cross(e.e1, e.e2), d = p - e.p;
@@ -117,6 +130,21 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
         {kAreas[1], on_triangle},
         {kAreas[2], on_sphere},
         {kAreas[3], on_sphere},
+        {kAreas[4],
+         [&](const Vec3f& p, const Geometry& geometry) {
+             const Vec3f d = p - geometry.emitters()[0].p;
+             return Vec2f{(d.x * d.x + d.y * d.y - 0.25f) / 3.75f, from_x(d) / 200};
+         }},
+        {kAreas[5],
+         [&](const Vec3f& p, const Geometry& geometry) {
+             const Vec3f d = p - geometry.emitters()[0].p;
+             return Vec2f{(d.z + 1) / 3, from_x(d) / 250};
+         }},
+        {kAreas[6],
+         [&](const Vec3f& p, const Geometry& geometry) {
+             const Vec3f d = p - geometry.emitters()[0].p;
+             return Vec2f{(d.z + 1) / 1.5f, from_x(d) / 250};
+         }},
         {{"distant", "LightSource \"distant\" \"point3 from\" [1 2 3] \"point3 to\" [0 0 0]\n"},
          [&](const Vec3f& p, const Geometry& geometry) {
              const Vec3f d = Frame::from_z(normalize(Vec3f{1, 2, 3})).to_local(p - geometry.center());

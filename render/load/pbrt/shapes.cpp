@@ -112,13 +112,34 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (shapes.empty()) list.warn(*name + ": has no faces");
 }
 
-// Whether every vertex, or the corners of the box around a sphere or disk, can be told as floats.
+// A part of a sphere or cylinder lies between z_min and z_max, whichever is given first.
+void read_quadric(const std::string& type, const ParameterList& list, ShapeDescription& shape) {
+    shape.kind = type == "sphere" ? ShapeKind::kSphere : type == "disk" ? ShapeKind::kDisk : ShapeKind::kCylinder;
+    shape.radius = list.number("radius", 1, 1e-30, 1e30);
+    shape.phi_max_degrees = list.number("phimax", 360, 0, 360);
+    if (shape.kind == ShapeKind::kDisk) {
+        shape.height = list.number("height", 0);
+        shape.inner_radius = list.number("innerradius", 0, 0, shape.radius);
+        return;
+    }
+    const double reach = shape.kind == ShapeKind::kSphere ? shape.radius : 1, a = list.number("zmin", -reach),
+                 b = list.number("zmax", reach);
+    shape.z_min = std::min(a, b);
+    shape.z_max = std::max(a, b);
+    if (shape.kind == ShapeKind::kSphere) {
+        shape.z_min = std::clamp(shape.z_min, -shape.radius, shape.radius);
+        shape.z_max = std::clamp(shape.z_max, -shape.radius, shape.radius);
+    }
+}
+
+// Whether every vertex, or the corners of the box around a quadric, can be told as floats.
 bool is_finite(const LoadedShape& loaded) {
     const auto finite = [](const Vec3d& p) { return max_abs(Vec3f(p)) < kInfinity; };
     if (loaded.mesh) return std::ranges::all_of(loaded.mesh->positions, finite);
     const ShapeDescription& shape = loaded.shape;
     const Affined& map = shape.to_world;
-    const double reach = (max_abs(map.x) + max_abs(map.y) + max_abs(map.z)) * std::max(shape.radius, std::abs(shape.height));
+    const double reach = (max_abs(map.x) + max_abs(map.y) + max_abs(map.z)) *
+                         std::max({shape.radius, std::abs(shape.height), std::abs(shape.z_min), std::abs(shape.z_max)});
     return finite({max_abs(map.t) + reach, 0, 0});
 }
 
@@ -149,23 +170,14 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         }
     } else if (type == "plymesh") {
         read_ply(list, ctm, reverse_orientation, common, files, shapes);
-    } else if (type == "sphere" || type == "disk") {
-        common.kind = type == "sphere" ? ShapeKind::kSphere : ShapeKind::kDisk;
+    } else if (type == "sphere" || type == "disk" || type == "cylinder") {
+        read_quadric(type, list, common);
         common.to_world = ctm;
         common.flip_normal = reverse_orientation;
-        common.radius = list.number("radius", 1, 1e-30, 1e30);
-        if (list.number("phimax", 360, 0, 360) != 360) list.error("phimax: only whole quadrics are supported");
-        if (common.kind == ShapeKind::kSphere) {
-            if (list.number("zmin", -common.radius) > -common.radius || list.number("zmax", common.radius) < common.radius)
-                list.error("zmin, zmax: only whole spheres are supported");
-        } else {
-            common.height = list.number("height", 0);
-            common.inner_radius = list.number("innerradius", 0, 0, common.radius);
-        }
         shapes.push_back({common});
     } else {
-        list.error(
-            fmt::format("Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, loopsubdiv, sphere, disk)", type));
+        list.error(fmt::format(
+            "Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, loopsubdiv, sphere, disk, cylinder)", type));
         return {};
     }
     if (!std::ranges::all_of(shapes, is_finite)) list.error("Shape: exceeds the range of single precision");
