@@ -16,7 +16,7 @@ struct PlacedShape {
     std::uint32_t first_emitter = kNone;  // of its primitives
 
     bool is_whole() const { return !shape.alpha.is_textured() && shape.alpha.value >= 1; }
-    bool is_invisible() const { return !shape.alpha.is_textured() && !(shape.alpha.value > 0); }
+    bool is_invisible() const { return is_nowhere(shape.alpha); }
 };
 
 struct PlacedInstance {

@@ -2,16 +2,37 @@
 
 namespace latent::render {
 
-AreaEmission::AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter)
+// Looked up without a footprint, so that all strategies find the same.
+void EmissionPattern::multiply(std::uint32_t primitive, const EmissionPoint& at, SampledSpectra& spectra,
+                               SampledSpectrum& value) const {
+    SurfaceHit hit{};
+    hit.p = at.p;
+    hit.ng = hit.ns = at.ng;
+    hit.on = {kNone, shape, primitive, at.uv};
+    TexturePoint point{};
+    point.p = at.p;
+    point.n = at.ng;
+    point.uv = geometry->coordinates(hit).uv;
+    point.spectra = &spectra;
+    if (picture) value *= picture->at(point);
+    if (!at.is_met) value *= std::clamp(alpha.at(point), 0.0f, 1.0f);
+}
+
+AreaEmission::AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter,
+                           const EmissionPattern* pattern)
     : emission_{spectrum, 0},
       area_(static_cast<float>(emitter.area)),
+      mean_(static_cast<float>(light.mean_luminance)),
       two_sided_(light.two_sided),
       inside_medium_(emitter.inside_medium),
-      outside_medium_(emitter.outside_medium) {
+      outside_medium_(emitter.outside_medium),
+      primitive_(emitter.primitive),
+      pattern_(pattern) {
     if (!(emitter.area > 0)) return;  // black
     // `power` is that of a whole patch, where the scene has one.
     const double sides = two_sided_ ? 2 : 1, area = emitter.is_half ? 2 * emitter.area : emitter.area;
-    emission_.scale = static_cast<float>(light.scale * (light.power ? *light.power / (std::numbers::pi * area * sides) : 1));
+    const double per_scale = std::numbers::pi * area * sides * light.mean_luminance;
+    emission_.scale = static_cast<float>(light.scale * (light.power ? *light.power / per_scale : 1));
 }
 
 void AreaEmission::sample_direction(const Interaction& at, Uniform s, Uniform t, LightRay& out) const {

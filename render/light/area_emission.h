@@ -1,19 +1,33 @@
 // render/light/area_emission.h: what a point of a surface emits, whatever the surface's shape: one radiance for all directions of a
-// side, or of both.
+// side, or of both, the same everywhere or as a picture has it.
 #pragma once
+
+#include <optional>
 
 #include "render/light/light_type.h"
 #include "render/scene/description.h"
+#include "render/texture/texture.h"
 
 namespace latent::render {
 
+// How emission varies over a shape: a picture, and holes.
+struct EmissionPattern {
+    const Geometry* geometry;
+    std::uint32_t shape;  // index into SceneDescription::shapes
+    std::optional<SpectrumSource> picture{};
+    FloatSource alpha{.value = 1};
+
+    // value *= that of a point.
+    void multiply(std::uint32_t primitive, const EmissionPoint& at, SampledSpectra& spectra, SampledSpectrum& value) const;
+};
+
 class AreaEmission {
  public:
-    // `spectrum`: of the library.
-    AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter);
+    // `spectrum`: of the library. `pattern` outlives this; null: the same everywhere.
+    AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter, const EmissionPattern* pattern);
 
     const Emission& emission() const { return emission_; }
-    double extent() const { return std::numbers::pi * static_cast<double>(area_) * (two_sided_ ? 2 : 1); }
+    double extent() const { return std::numbers::pi * static_cast<double>(area_) * (two_sided_ ? 2 : 1) * mean_; }
     bool shines(const Vec3f& ng, const Vec3f& d) const { return two_sided_ || dot(ng, d) > 0; }
 
     float pdf_position() const { return 1 / area_; }
@@ -29,17 +43,20 @@ class AreaEmission {
         const float c = dot(ng, d);
         return two_sided_ ? 0.5f * kInvPi * std::abs(c) : kInvPi * std::max(0.0f, c);
     }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
-        if (!shines(ng, d)) return false;
+    bool multiply_emission(const EmissionPoint& at, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
+        if (!shines(at.ng, d)) return false;
         emission_.multiply(spectra, value);
+        if (pattern_ != nullptr) pattern_->multiply(primitive_, at, spectra, value);
         return true;
     }
 
  private:
     Emission emission_;
     float area_;
+    float mean_;  // luminance of the picture
     bool two_sided_;
-    std::uint32_t inside_medium_, outside_medium_;
+    std::uint32_t inside_medium_, outside_medium_, primitive_;
+    const EmissionPattern* pattern_;
 };
 
 }  // namespace latent::render

@@ -20,7 +20,7 @@ class ImageInfiniteLight {
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return ball_.pdf_position(); }
     float pdf_direction(const Vec3f&, const Vec3f& d) const { return map_->pdf_omega(-d); }
-    bool multiply_emission(const Vec3f&, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
+    bool multiply_emission(const EmissionPoint&, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
         emission_.multiply(spectra, value);
         map_->multiply(-d, spectra, value);
         return true;

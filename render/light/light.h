@@ -36,7 +36,8 @@ class Light {
  public:
     // `id`: of the light as the scene gives it, which may be many of these.
     template <LightType L>
-    Light(std::uint32_t id, const L& light) : id_(id), infinite_(L::kIsInfinite), delta_(L::kIsDelta), light_(light) {}
+    Light(std::uint32_t id, const L& light, bool is_hidden = false)
+        : id_(id), infinite_(L::kIsInfinite), delta_(L::kIsDelta), hidden_(is_hidden), light_(light) {}
 
     // Every triangle of a mesh has the id of its area light: index into SceneDescription::area_lights, or their number plus the
     // index into SceneDescription::lights.
@@ -44,6 +45,8 @@ class Light {
     bool is_infinite() const { return infinite_; }
     bool is_delta() const { return delta_; }
     bool has_area() const { return !infinite_ && !delta_; }
+    // Whether rays can run into it: not a point, a single direction, nor a surface that is nowhere.
+    bool can_be_met() const { return !delta_ && !hidden_; }
     const PointSource* point_source() const {  // of a light that is a point; else null
         return visit([](const auto& light) -> const PointSource* {
             if constexpr (requires { light.source(); }) {
@@ -75,13 +78,13 @@ class Light {
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const {
         return visit([&](const auto& light) { return light.pdf_direction(ng, d); });
     }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
-        return visit([&](const auto& light) { return light.multiply_emission(ng, d, spectra, value); });
+    bool multiply_emission(const EmissionPoint& at, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
+        return visit([&](const auto& light) { return light.multiply_emission(at, d, spectra, value); });
     }
 
  private:
     std::uint32_t id_;
-    bool infinite_, delta_;
+    bool infinite_, delta_, hidden_;
     AnyLight light_;
 };
 

@@ -16,7 +16,8 @@ const color::Spectrum& choice_weight() {
 
 }  // namespace
 
-LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, const SceneBall& ball, SpectrumLibrary& library) {
+LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, const Textures& textures, const SceneBall& ball,
+                   SpectrumLibrary& library) {
     // The lights of one source in the scene share its spectrum: a mesh may be a million lights.
     struct Source {
         std::uint32_t id, spectrum;  // of the library
@@ -29,8 +30,8 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
                 integral_of_product(spectrum, choice_weight()), luminance(spectrum)};
     };
     std::vector<double> power;  // of each light, weighed
-    const auto add = [&](const Source& s, const auto& type) {
-        const Light light(s.id, type);
+    const auto add = [&](const Source& s, const auto& type, bool is_hidden = false) {
+        const Light light(s.id, type, is_hidden);
         const double size = static_cast<double>(light.emission().scale) * light.extent();
         power.push_back(size * s.weighed);
         spectra_[s.of_density].luminous_power += size * s.luminance;
@@ -43,17 +44,25 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
         const AreaLightDescription& d = scene.area_lights[e.area_light];
         std::optional<Source>& s = of_area[e.area_light];
         if (!s) s = source(e.area_light, d.spectrum);
-        const AreaEmission area(d, s->spectrum, e);
+        const ShapeDescription& shape = scene.shapes[e.shape];
+        const bool is_hidden = is_nowhere(shape.alpha);
+        if (e.primitive == 0 && (d.picture != kNone || shape.alpha.is_textured() || (shape.alpha.value < 1 && !is_hidden))) {
+            EmissionPattern pattern{.geometry = &geometry, .shape = e.shape, .alpha = textures.source(shape.alpha)};
+            if (d.picture != kNone) pattern.picture = textures.spectrum(d.picture);
+            patterns_.push_back(std::make_unique<EmissionPattern>(pattern));
+        }
+        const bool varies = !patterns_.empty() && patterns_.back()->shape == e.shape;
+        const AreaEmission area(d, s->spectrum, e, varies ? patterns_.back().get() : nullptr);
         switch (e.kind) {
             case EmitterKind::kTriangle:
-                add(*s, TriangleLight(e, area));
+                add(*s, TriangleLight(e, area), is_hidden);
                 break;
             case EmitterKind::kSphere:
-                add(*s, SphereLight(e, area));
+                add(*s, SphereLight(e, area), is_hidden);
                 break;
             case EmitterKind::kQuadric:
-                quadrics_.push_back(std::make_unique<ShapeDescription>(scene.shapes[e.shape]));
-                add(*s, QuadricLight(*quadrics_.back(), area));
+                quadrics_.push_back(std::make_unique<ShapeDescription>(shape));
+                add(*s, QuadricLight(*quadrics_.back(), area), is_hidden);
                 break;
         }
     }

@@ -9,13 +9,16 @@
 #include "render/sampling/alias_table.h"
 #include "render/scene/description.h"
 #include "render/spectral/wavelength_density.h"
+#include "render/texture/textures.h"
 
 namespace latent::render {
 
 // Does not change once built: any thread.
 class LightSet {
  public:
-    LightSet(const SceneDescription& scene, const Geometry& geometry, const SceneBall& ball, SpectrumLibrary& library);
+    // Geometry and textures outlive it.
+    LightSet(const SceneDescription& scene, const Geometry& geometry, const Textures& textures, const SceneBall& ball,
+             SpectrumLibrary& library);
 
     std::size_t size() const { return lights_.size(); }
     const Light& operator[](std::uint32_t i) const { return lights_[i]; }  // emitter i of the geometry is light i
@@ -35,6 +38,7 @@ class LightSet {
     // That lights point to.
     std::vector<std::unique_ptr<const EnvironmentMap>> maps_;
     std::vector<std::unique_ptr<const ShapeDescription>> quadrics_;
+    std::vector<std::unique_ptr<const EmissionPattern>> patterns_;
     AliasTable table_;
 };
 

@@ -14,10 +14,20 @@
 
 namespace latent::render {
 
+// A point of a light and its geometric normal; 0 at infinity.
+struct EmissionPoint {
+    Vec3f p{}, ng{};
+    Vec2f uv{};           // PrimitivePoint::uv
+    bool is_met = false;  // by a ray, which passes through holes; any other point may lie in one
+};
+
 // Where a line of sight ends on a light.
 struct LightHit {
     Vec3f wi;         // unit, towards the light
-    Vec3f p{}, ng{};  // the point and its geometric normal; 0 at infinity
+    Vec3f p{}, ng{};  // EmissionPoint's
+    Vec2f uv{};
+
+    EmissionPoint point() const { return {p, ng, uv, true}; }
 };
 
 // A point of a light (or a direction to an infinite one), drawn for a point that it lights.
@@ -27,6 +37,9 @@ struct LightPoint {
     float distance;     // kInfinity for infinite lights
     float pdf_omega;    // 1/sr at the point that is lit; 1 for a delta light
     float falloff = 1;  // delta lights: 1/d^2, times the spot's profile
+    Vec2f uv{};         // EmissionPoint's
+
+    EmissionPoint point() const { return {at.p, at.ng, uv}; }
 
     // Sets wi and distance from `at`. False: it is where it is seen from.
     bool look_from(const Vec3f& from) {
@@ -48,6 +61,9 @@ struct LightRay {
     float cosine = 1;     // of d to the light's normal; 1 for points and infinite lights
     float profile = 1;    // spot: its profile
     std::uint32_t medium = kNone;
+    Vec2f uv{};  // EmissionPoint's
+
+    EmissionPoint point() const { return {at.p, at.ng, uv}; }
 };
 
 // Where a light of a single point stands and what it shines on: all that sampling along a ray needs.
@@ -79,12 +95,12 @@ struct Emission {
 //   sample_ray         draws a ray; u, v for the position, s, t for the direction
 //   pdf_position       1/m^2: on an area light, or on the disk of an infinite one; 1 for points
 //   pdf_direction      1/sr: of rays in direction d from a point with normal ng; 0 for a single direction
-//   multiply_emission  value *= what is sent in direction d (from the light) by a point with normal ng, without falloff or profile;
-//                      false: nothing is ever sent that way, and value is as it was
+//   multiply_emission  value *= what a point sends in direction d (from the light), without falloff or profile; false: nothing is
+//                      ever sent that way, and value is as it was
 template <class L>
 concept LightType = std::is_trivially_copyable_v<L> &&
-    requires(const L& light, const Vec3f& v, const LightSampleContext& context, Uniform u, const LightHit& hit, LightPoint& point,
-             LightRay& ray, SampledSpectra& spectra, SampledSpectrum& value) {
+    requires(const L& light, const Vec3f& v, const EmissionPoint& at, const LightSampleContext& context, Uniform u,
+             const LightHit& hit, LightPoint& point, LightRay& ray, SampledSpectra& spectra, SampledSpectrum& value) {
     { L::kIsInfinite } -> std::convertible_to<bool>;
     { L::kIsDelta } -> std::convertible_to<bool>;
     { light.emission() } -> std::same_as<const Emission&>;
@@ -94,7 +110,7 @@ concept LightType = std::is_trivially_copyable_v<L> &&
     { light.sample_ray(u, u, u, u, ray) } -> std::same_as<void>;
     { light.pdf_position() } -> std::same_as<float>;
     { light.pdf_direction(v, v) } -> std::same_as<float>;
-    { light.multiply_emission(v, v, spectra, value) } -> std::same_as<bool>;
+    { light.multiply_emission(at, v, spectra, value) } -> std::same_as<bool>;
 };
 
 }  // namespace latent::render

@@ -19,7 +19,7 @@ class PointLight {
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return 1; }
     float pdf_direction(const Vec3f&, const Vec3f&) const { return kInv4Pi; }
-    bool multiply_emission(const Vec3f&, const Vec3f&, SampledSpectra& spectra, SampledSpectrum& value) const {
+    bool multiply_emission(const EmissionPoint&, const Vec3f&, SampledSpectra& spectra, SampledSpectrum& value) const {
         emission_.multiply(spectra, value);
         return true;
     }

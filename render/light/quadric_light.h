@@ -20,8 +20,8 @@ class QuadricLight {
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
     float pdf_position() const { return area_.pdf_position(); }
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }
-    bool multiply_emission(const Vec3f& ng, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
-        return area_.multiply_emission(ng, d, spectra, value);
+    bool multiply_emission(const EmissionPoint& at, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
+        return area_.multiply_emission(at, d, spectra, value);
     }
 
  private:

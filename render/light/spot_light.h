@@ -22,7 +22,7 @@ class SpotLight {
     float pdf_direction(const Vec3f&, const Vec3f& d) const {
         return one_minus_dot(d, source_.axis) > source_.outer ? 0 : pdf_of_cone(source_.outer);
     }
-    bool multiply_emission(const Vec3f&, const Vec3f&, SampledSpectra& spectra, SampledSpectrum& value) const {
+    bool multiply_emission(const EmissionPoint&, const Vec3f&, SampledSpectra& spectra, SampledSpectrum& value) const {
         emission_.multiply(spectra, value);
         return true;
     }

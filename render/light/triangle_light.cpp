@@ -2,13 +2,13 @@
 
 namespace latent::render {
 
-Interaction TriangleLight::sample(Uniform u, Uniform v) const {
-    const Vec2f b = sample_triangle(u, v);
+Interaction TriangleLight::at(const Vec2f& b) const {
     return {p_ + e1_ * b.x + e2_ * b.y, 4e-7f * (max_abs(p_) + max_abs(e1_) + max_abs(e2_)), n_};
 }
 
 bool TriangleLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform u, Uniform v, LightPoint& out) const {
-    out.at = sample(u, v);
+    out.uv = sample_triangle(u, v);
+    out.at = at(out.uv);
     out.falloff = 1;
     if (!out.look_from(from) || !area_.shines(n_, -out.wi)) return false;
     out.pdf_omega = area_.pdf_omega(from, out.at.p, n_);
@@ -16,7 +16,8 @@ bool TriangleLight::sample_point(const Vec3f& from, const LightSampleContext&, U
 }
 
 void TriangleLight::sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const {
-    area_.sample_direction(sample(u, v), s, t, out);
+    out.uv = sample_triangle(u, v);
+    area_.sample_direction(at(out.uv), s, t, out);
 }
 
 }  // namespace latent::render

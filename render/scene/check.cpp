@@ -73,7 +73,6 @@ Refusals check_camera(const CameraDescription& d) {
 
 Refusals check_area_light(const ShapeDescription& shape) {
     const auto refuse = [](const std::string& what) { return Refusals{"an area light on " + what + " is not supported"}; };
-    if (shape.alpha.is_textured() || shape.alpha.value < 1) return refuse("a shape with alpha");
     switch (shape.kind) {
         case ShapeKind::kTriangles:
             return {};

@@ -112,6 +112,8 @@ struct AreaLightDescription {
     double scale = 1;
     std::optional<double> power{};  // of each triangle, patch or sphere by itself
     bool two_sided = false;         // else emits on the side of the geometric normal
+    std::uint32_t picture = kNone;  // index into SceneDescription::textures: a spectrum that varies, times the other one
+    double mean_luminance = 1;      // of that picture
     SourceLocation location{};
 };
 
@@ -164,6 +166,8 @@ struct ShapeDescription {
     std::uint32_t inside_medium = kNone, outside_medium = kNone;  // equal: crossing the surface changes nothing, as in pbrt
     SourceLocation location{};
 };
+
+inline bool is_nowhere(const FloatInput& alpha) { return !alpha.is_textured() && !(alpha.value > 0); }
 
 // Shapes that are placed several times; they carry no area lights.
 struct ObjectDescription {

@@ -130,8 +130,9 @@ void each_field(Of<VoxelGrid> auto& grid, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<AreaLightDescription> auto& light, Visit&& visit) {
-    auto& [spectrum, scale, power, two_sided, location] = light;
-    visit(spectrum, scale, power, two_sided);
+    auto& [spectrum, scale, power, two_sided, picture, mean_luminance, location] = light;
+    visit(spectrum, scale, power, two_sided, mean_luminance);
+    visit.template index<TextureDescription>(picture);
     visit.label(location);
 }
 

@@ -29,6 +29,7 @@ class Textures {
     // The parameter that `input` describes. Textures live as long as this.
     FloatSource source(const FloatInput& input) const;
     SpectrumSource source(const SpectrumInput& input, SpectrumLibrary& library) const;
+    SpectrumSource spectrum(std::uint32_t texture) const { return {0, spectra_[texture].get()}; }
     const ImageLookup& image(std::uint32_t texture) const { return *images_[texture]; }  // a normal map
 
  private:

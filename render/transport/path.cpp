@@ -65,7 +65,7 @@ class Path {
                 for (const std::uint32_t i : lights_.infinite()) see_light(i, {d_});
                 return false;
             }
-            if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng});
+            if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng, hit->on.uv});
             if (!is_interface(hit->material)) {
                 at_ = hit->interaction();
                 interface_ = media_at(*hit);
@@ -79,7 +79,7 @@ class Path {
     void see_light(std::uint32_t i, const LightHit& hit) {
         const Light& light = lights_[i];
         SampledSpectrum value = beta_;
-        if (!light.multiply_emission(hit.ng, -d_, sample_.spectra, value)) return;
+        if (!light.multiply_emission(hit.point(), -d_, sample_.spectra, value)) return;
         if (!delta_) {
             const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, context_, hit);
             value *= power_heuristic(pdf_ * transmittance_, light_pdf);
@@ -134,7 +134,7 @@ class Path {
             const float pdf = equiangular_to(*source).pdf(step_.t);
             value *= step_.density / (step_.density + pdf);
         }
-        if (!light.is_delta()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
+        if (light.can_be_met()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
         camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
     }
 
@@ -142,7 +142,7 @@ class Path {
     bool receive(const Interaction& at, const Scattering& scattering, const Light& light, const LightPoint& point,
                  std::uint32_t medium, SampledSpectrum& value, LineOfSight& line) {
         scattering.multiply_f_cos(-d_, point.wi, value);
-        if (!light.multiply_emission(point.at.ng, -point.wi, sample_.spectra, value) || value.is_black()) return false;
+        if (!light.multiply_emission(point.point(), -point.wi, sample_.spectra, value) || value.is_black()) return false;
         return light.is_infinite() ? world_.connect_infinite(at, point.wi, medium, sample_, value, line)
                                    : world_.connect(at, point.at, medium, sample_, value, line);
     }

@@ -39,7 +39,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     const float radius =
         std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
     const SceneBall ball{geometry.center(), std::max(radius, 1e-6f)};
-    world->lights_ = std::make_unique<LightSet>(scene, geometry, ball, world->library_);
+    world->lights_ = std::make_unique<LightSet>(scene, geometry, world->textures_, ball, world->library_);
     const bool glows =
         std::any_of(world->media_.begin(), world->media_.end(), [](const auto& medium) { return medium->is_emissive(); });
     if (world->lights_->size() == 0 && !glows)

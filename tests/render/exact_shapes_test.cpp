@@ -103,7 +103,9 @@ TEST(Quadrics, APartIsMetWhereItIs) {
             }
             const std::optional<ExactHit> hit = intersect(part, 0.0);
             ASSERT_EQ(hit.has_value(), expected.has_value());
-            if (hit) EXPECT_EQ(hit->t, expected->t);
+            if (hit) {
+                EXPECT_EQ(hit->t, expected->t);
+            }
             ++(hit ? met : missed);
         };
         check([&](const QuadricPart& p, double low) { return intersect_sphere(o, d, 1, p, low, kFar); });

@@ -356,7 +356,8 @@ TEST(Emitters, HoldAreaAndNormal) {
 
 // The loader has told it before; a description may come from elsewhere.
 TEST(Emitters, OfShapesThatCannotBeSampledAreRefused) {
-    Result<LoadedScene> scene = load_world("Scale 1 2 1\nShape \"disk\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\n");
+    Result<LoadedScene> scene =
+        load_world("AttributeBegin\nScale 1 2 1\nShape \"disk\"\nAttributeEnd\nAreaLightSource \"diffuse\"\nShape \"sphere\"\n");
     ASSERT_TRUE(scene);
     EXPECT_TRUE(Geometry::build(scene->description, "sse4.2"));
     scene->description.shapes[0].area_light = 0;

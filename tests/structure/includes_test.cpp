@@ -39,7 +39,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/geometry", {"render/sampling", "render/scene"}},
         {"render/bsdf", {"render/sampling", "render/scene"}},
         {"render/camera", {"render/sampling", "render/scene"}},
-        {"render/light", {"render/geometry", "render/bsdf", "render/camera"}},
+        {"render/light", {"render/geometry", "render/bsdf", "render/camera", "render/texture"}},
         {"render/medium", {"render/light", "render/texture"}},
         {"render/texture", {"render/sampling", "render/scene", "image"}},
         {"render/material", {"render/light", "render/texture"}},

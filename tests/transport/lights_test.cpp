@@ -32,6 +32,9 @@ const std::vector<Case> kAreas = {
     {"disk",
      "AttributeBegin Translate 1 2 3 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"disk\" \"float radius\" 2 "
      "\"float innerradius\" 0.5 \"float phimax\" 200 AttributeEnd\n"},
+};
+// Their densities grow beyond all bounds along their edges, where numbers of a grid miss them.
+const std::vector<Case> kRound = {
     {"cylinder",
      "AttributeBegin Translate 1 2 0.5 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"cylinder\" \"float radius\" 1.5 "
      "\"float zmin\" -1 \"float zmax\" 2 \"float phimax\" 250 AttributeEnd\n"},
@@ -83,6 +86,7 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
         {"image infinite", "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"},
     };
     cases.insert(cases.end(), kAreas.begin(), kAreas.end());
+    cases.insert(cases.end(), kRound.begin(), kRound.end());
     for (const Case& c : cases) {
         SCOPED_TRACE(c.name);
         const Scene scene = scene_under_sky("WorldBegin\nAttributeBegin\n" + c.text + "AttributeEnd\n" + kFloor);
@@ -135,12 +139,12 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
              const Vec3f d = p - geometry.emitters()[0].p;
              return Vec2f{(d.x * d.x + d.y * d.y - 0.25f) / 3.75f, from_x(d) / 200};
          }},
-        {kAreas[5],
+        {kRound[0],
          [&](const Vec3f& p, const Geometry& geometry) {
              const Vec3f d = p - geometry.emitters()[0].p;
              return Vec2f{(d.z + 1) / 3, from_x(d) / 250};
          }},
-        {kAreas[6],
+        {kRound[1],
          [&](const Vec3f& p, const Geometry& geometry) {
              const Vec3f d = p - geometry.emitters()[0].p;
              return Vec2f{(d.z + 1) / 1.5f, from_x(d) / 250};

@@ -27,14 +27,22 @@ LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback) {
 
 float fraction_of(const GltfValue& value, double fallback) { return static_cast<float>(value.number(fallback, 0, 1)); }
 
-void read_emission(const GltfValue& material, const ModelColors& colors, GltfMaterial& out) {
+void read_emission(const GltfValue& material, const ModelColors& colors, GltfTextures& textures, GltfMaterial& out) {
     const LinearRgb rgb = rgb_of(material["emissiveFactor"], {0, 0, 0});
     const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0, 1e30);
     if (std::ranges::max(rgb) * strength == 0) return;
-    if (material["emissiveTexture"].exists())
-        return material["emissiveTexture"].warn("is not supported: the material does not emit");
-    out.emission =
-        AreaLightDescription{.spectrum = colors.emission(rgb), .scale = strength, .two_sided = material["doubleSided"].flag(false)};
+    AreaLightDescription emission{
+        .spectrum = colors.emission(rgb), .scale = strength, .two_sided = material["doubleSided"].flag(false)};
+    if (const GltfValue info = material["emissiveTexture"]; info.exists()) {
+        const std::uint32_t picture = textures.emission(info);
+        if (picture == kNone) return;
+        const Result<double> mean = textures.mean_luminance(picture);
+        if (!mean) return info.error(mean.error().message);
+        if (*mean == 0) return;
+        emission.picture = picture;
+        emission.mean_luminance = *mean;
+    }
+    out.emission = std::move(emission);
 }
 
 // Glass: thin without a thickness, else with a medium inside.
@@ -72,14 +80,22 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
     surface.coat.texture = textures.number(coat["clearcoatTexture"], PictureChannel::kRed, coat["clearcoatFactor"].number(0, 0, 1));
     surface.coat_roughness.texture = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
                                                      coat["clearcoatRoughnessFactor"].number(0, 0, 1));
-    out.uv_set = uv_set_of(color.exists() ? color : rough);
-    for (const GltfValue& info : {rough, coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"]}) {
+    const GltfValue all[] = {color,
+                             rough,
+                             coat["clearcoatTexture"],
+                             coat["clearcoatRoughnessTexture"],
+                             material["normalTexture"],
+                             material["emissiveTexture"]};
+    for (const GltfValue& info : all) {
+        if (!info.exists()) continue;
+        out.uv_set = uv_set_of(info);  // of the first one
+        break;
+    }
+    for (const GltfValue& info : all) {
         if (info.exists() && uv_set_of(info) != out.uv_set)
             info.warn("its texture coordinates are replaced by those of the first texture");
     }
-    for (const char* ignored : {"normalTexture", "occlusionTexture"}) {
-        if (material[ignored].exists()) material[ignored].warn("is ignored");
-    }
+    if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored: light is traced");
 }
 
 // The base colour's alpha: the share of the surface that is there, or, by a mask, whether it is.
@@ -136,11 +152,15 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
         surface = {.name = surface.name, .reflectance = surface.reflectance};
     }
     if (material.extension("KHR_materials_unlit").exists()) material.warn("an unlit material is rendered as a matt one");
+    if (const GltfValue normal = material["normalTexture"]; normal.exists()) {
+        surface.normal_map = textures.normal_map(normal);
+        if (normal["scale"].number(1) != 1) normal["scale"].warn("is ignored");
+    }
     read_alpha(material, base[3], textures, out);
     for (const std::string& name : material["extensions"].keys()) {
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and ignored");
     }
-    read_emission(material, colors, out);
+    read_emission(material, colors, textures, out);
     return out;
 }
 

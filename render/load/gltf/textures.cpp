@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "render/load/files/pictures.h"
 #include "render/load/gltf/accessors.h"
 
 namespace latent::render {
@@ -43,6 +44,24 @@ std::uint32_t GltfTextures::color(const GltfValue& info, double scale) {
     texture->is_spectrum = true;
     textures_.push_back(std::move(*texture));
     return static_cast<std::uint32_t>(textures_.size() - 1);
+}
+
+std::uint32_t GltfTextures::emission(const GltfValue& info) {
+    const std::uint32_t i = color(info, 1);
+    if (i != kNone) textures_[i].role = SpectrumRole::kUnbounded;
+    return i;
+}
+
+Result<double> GltfTextures::mean_luminance(std::uint32_t texture) const {
+    const Result<LoadedPicture> picture = read_picture(textures_[texture].picture.path);
+    if (!picture) return picture.error();
+    return render::mean_luminance(picture->image);
+}
+
+std::uint32_t GltfTextures::normal_map(const GltfValue& info) {
+    const std::uint32_t i = number(info, PictureChannel::kRed, 1);
+    if (i != kNone) textures_[i].kind = TextureKind::kNormalMap;
+    return i;
 }
 
 std::uint32_t GltfTextures::number(const GltfValue& info, PictureChannel channel, double scale) {

@@ -23,7 +23,11 @@ class GltfTextures {
     // A textureInfo of a material, times `scale`: the index of the texture that it becomes. kNone if there is none, if it is
     // scaled to nothing, or with an error. Colours are encoded like sRGB's, numbers are linear.
     std::uint32_t color(const GltfValue& info, double scale);
+    std::uint32_t emission(const GltfValue& info);
+    std::uint32_t normal_map(const GltfValue& info);
     std::uint32_t number(const GltfValue& info, PictureChannel channel, double scale);
+    // Of a texture that is a picture. Errors: those of read_picture.
+    Result<double> mean_luminance(std::uint32_t texture) const;
     // 1 where `value` reaches `threshold`, 0 elsewhere.
     FloatInput thresholded(const FloatInput& value, float threshold);
 

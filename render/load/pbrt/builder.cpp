@@ -206,7 +206,7 @@ void SceneBuilder::add_medium(const Directive& d) {
 
 void SceneBuilder::add_area_light(const Directive& d) {
     state_.area_light = static_cast<std::uint32_t>(scene_.area_lights.size());
-    scene_.area_lights.push_back(read_area_light(d.strings[0], list(d, "light"), spectra_));
+    scene_.area_lights.push_back(read_area_light(d.strings[0], list(d, "light"), spectra_, textures_, files_));
 }
 
 void SceneBuilder::add_shape(const Directive& d) {

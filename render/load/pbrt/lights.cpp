@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "render/load/pbrt/environment_image.h"
+#include "render/load/files/pictures.h"
+#include "render/load/pbrt/light_pictures.h"
 
 namespace latent::render {
 
@@ -16,17 +17,27 @@ std::optional<double> positive(const ParameterList& list, std::string_view name)
 
 }  // namespace
 
-AreaLightDescription read_area_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra) {
+AreaLightDescription read_area_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra,
+                                     SceneTextures& textures, SceneFiles& files) {
     AreaLightDescription light{.location = list.directive().where};
     if (type != "diffuse") {
         list.error(fmt::format("AreaLightSource \"{}\" is not supported (diffuse)", type));
         return light;
     }
-    light.spectrum = spectra.emission(list, "L");
+    if (const std::optional<std::string> name = list.string("filename")) {
+        if (list.find("L", {"rgb", "spectrum", "blackbody"}) != nullptr) list.error("L and filename cannot be combined");
+        light.spectrum = spectra.white();
+        if (const std::shared_ptr<const ImageDescription> image = read_light_picture(list, *name, files)) {
+            light.picture = textures.emission(list, *name);
+            light.mean_luminance = mean_luminance(*image);
+            if (!(light.mean_luminance > 0)) list.error(fmt::format("{}: is black", *name));
+        }
+    } else {
+        light.spectrum = spectra.emission(list, "L");
+    }
     light.scale = list.number("scale", 1, 0, 1e30);
     light.power = positive(list, "power");
     light.two_sided = list.flag("twosided", false);
-    if (const Parameter* image = list.find("filename", {"string"})) list.error(*image, "images on area lights are not supported");
     list.report_unused();
     return light;
 }

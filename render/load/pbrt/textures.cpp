@@ -62,16 +62,28 @@ std::optional<std::uint32_t> SceneTextures::find_texture(const ParameterList& li
     return use(list, *p, false, SpectrumRole::kUnbounded);
 }
 
-std::uint32_t SceneTextures::normal_map(const ParameterList& list) {
-    const std::optional<std::string> name = list.string("normalmap");
-    if (!name) return kNone;
-    PictureDescription picture{.is_srgb = false};
-    const Result<Hash128> content = files_.hash(*name);
+std::uint32_t SceneTextures::use_picture(const ParameterList& list, const std::string& file, TextureDescription texture) {
+    const Result<Hash128> content = files_.hash(file);
     if (!content) list.error(content.error().message);
-    picture.path = files_.resolve(*name).string();
-    picture.content = content.value_or(Hash128{});
-    uses_.push_back({false, SpectrumRole::kUnbounded, *name, list.directive().where, picture});
+    texture.picture.path = files_.resolve(file).string();
+    texture.picture.content = content.value_or(Hash128{});
+    texture.location = list.directive().where;
+    uses_.push_back({texture.is_spectrum, texture.role, file, texture.location, std::move(texture)});
     return static_cast<std::uint32_t>(uses_.size() - 1);
+}
+
+std::uint32_t SceneTextures::normal_map(const ParameterList& list) {
+    const std::optional<std::string> file = list.string("normalmap");
+    if (!file) return kNone;
+    return use_picture(list, *file, {.kind = TextureKind::kNormalMap, .picture = {.is_srgb = false}});
+}
+
+std::uint32_t SceneTextures::emission(const ParameterList& list, const std::string& file) {
+    return use_picture(list, file,
+                       {.kind = TextureKind::kImage,
+                        .is_spectrum = true,
+                        .role = SpectrumRole::kUnbounded,
+                        .picture = {.wrap = TextureWrap::kClamp}});
 }
 
 FloatInput SceneTextures::number(const ParameterList& list, std::string_view name, double otherwise, double low, double high) {
@@ -232,8 +244,8 @@ void SceneTextures::finish() {
     for (std::size_t i = 0; i < uses_.size(); ++i) {  // reading one may add to them
         const Use use = uses_[i];
         scene_.textures.emplace_back();
-        if (use.normal_map) {
-            scene_.textures[i] = {.kind = TextureKind::kNormalMap, .picture = *use.normal_map, .location = use.where};
+        if (use.picture) {
+            scene_.textures[i] = *use.picture;
             continue;
         }
         const auto found = definitions_.find({use.is_spectrum, use.name});

@@ -35,6 +35,8 @@ class SceneTextures {
         return spectra_.find(list, name, role);  // where pbrt takes no texture
     }
     std::uint32_t normal_map(const ParameterList& list);  // of "normalmap"; kNone if it is not there
+    // A picture over the uv of a shape, of any magnitude.
+    std::uint32_t emission(const ParameterList& list, const std::string& file);
     std::optional<std::uint32_t> find_texture(const ParameterList& list, std::string_view name);  // of numbers
 
     // After the last directive, unless a part of the scene is missing: reads the textures that were used, and what they use.
@@ -51,9 +53,10 @@ class SceneTextures {
         bool is_spectrum;
         SpectrumRole role;
         std::string name;
-        SourceLocation where;                            // first
-        std::optional<PictureDescription> normal_map{};  // no texture by name
+        SourceLocation where;                         // first
+        std::optional<TextureDescription> picture{};  // not by name
     };
+    std::uint32_t use_picture(const ParameterList& list, const std::string& file, TextureDescription texture);
     std::uint32_t use(const ParameterList& list, const Parameter& p, bool is_spectrum, SpectrumRole role);
     TextureDescription read(const Definition& definition, const Use& use);
     void read_mapping(const ParameterList& list, const Affined& ctm, bool is_solid, MappingDescription& mapping);

@@ -27,7 +27,7 @@ void SubpathJoin::join_light(std::size_t i) {
     if (!(scattering_pdf > 0)) return;
     SampledSpectrum value = z.beta;
     z.scattering.multiply_f_cos(z.wo, point.wi, value);
-    if (!light.multiply_emission(point.at.ng, -point.wi, sample_.spectra, value) || value.is_black()) return;
+    if (!light.multiply_emission(point.point(), -point.wi, sample_.spectra, value) || value.is_black()) return;
     LineOfSight line;
     const std::uint32_t medium = z.medium_towards(point.wi);
     const bool seen = light.is_infinite() ? world_.connect_infinite(z.at, point.wi, medium, sample_, value, line)
@@ -49,7 +49,7 @@ void SubpathJoin::join_light(std::size_t i) {
         const float to_area = abs_dot(point.at.ng, point.wi) / (point.distance * point.distance);
         pdf_reverse *= light.pdf_position() / (point.pdf_omega * to_area);
     }
-    const float hit = light.is_delta() ? 0 : mis_term(scattering_pdf * line.transmittance, sampled, 1);
+    const float hit = light.can_be_met() ? mis_term(scattering_pdf * line.transmittance, sampled, 1) : 0;
     const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
     value *= mis_weight(hit + mis_sum(camera_subpath_, i, pdf_reverse, previous_pdf_reverse));
     radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());

@@ -41,7 +41,7 @@ void SubpathWalk::trace_light() {
     x.at = ray.at;
     x.normal = ray.at.ng;
     x.pdf_forward = probability * (light.is_infinite() ? ray.pdf_direction : ray.pdf_position);
-    x.mis.end = light.is_delta() ? 0 : 1;
+    x.mis.end = light.can_be_met() ? 1 : 0;
     Step step;
     step.d = ray.d;
     step.pdf = light.is_infinite() ? ray.pdf_position : ray.pdf_direction;
@@ -51,7 +51,7 @@ void SubpathWalk::trace_light() {
     if (!(ray.pdf_direction > 0)) return;
     if (light.is_infinite() && !world_.is_open()) return;  // nothing comes through
     step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
-    if (!light.multiply_emission(ray.at.ng, ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
+    if (!light.multiply_emission(ray.point(), ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
     walk(light_subpath_, false, step);
 }
 
@@ -179,13 +179,13 @@ void SubpathWalk::add_emission(SampledSpectrum value, const Step& step, float pd
 void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
     const Light& light = lights_[hit.emitter];
     SampledSpectrum value = step.beta;
-    if (!light.multiply_emission(hit.ng, -step.d, sample_.spectra, value)) return;
+    const LightHit at{step.d, hit.p, hit.ng, hit.on.uv};
+    if (!light.multiply_emission(at.point(), -step.d, sample_.spectra, value)) return;
     const SubpathVertex& last = camera_subpath_.back();
     const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
                 probability = lights_.probability(hit.emitter);
     add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance,
-                 probability * light.pdf_omega(last.at.p, {}, {step.d, hit.p, hit.ng}) * to_area,
-                 probability * light.pdf_position(),
+                 probability * light.pdf_omega(last.at.p, {}, at) * to_area, probability * light.pdf_position(),
                  light.pdf_direction(hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
 }
 
@@ -206,7 +206,7 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
 void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment) {
     CameraPoint point;
     if (!world_.camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
-    if (lights_[start_light_].is_delta() && !step.scattered) return;
+    if (!lights_[start_light_].can_be_met() && !step.scattered) return;
     SampledSpectrum value = step.beta;
     segment.length = point.distance;
     if (step.medium == kNone) {

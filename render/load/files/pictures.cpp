@@ -1,8 +1,7 @@
-#include "render/load/pbrt/environment_image.h"
-
-#include <fmt/format.h>
+#include "render/load/files/pictures.h"
 
 #include <array>
+#include <cmath>
 
 #include "base/file.h"
 #include "color/to_srgb.h"
@@ -71,38 +70,28 @@ Result<FilePicture> read_other(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::shared_ptr<const ImageDescription> read_environment(const ParameterList& list, const std::string& name, SceneFiles& files) {
-    const std::filesystem::path path = files.resolve(name);
-    if (const Result<File> there = File::open_read(path); !there) {
-        list.error(there.error().message);
-        return nullptr;
-    }
+Result<LoadedPicture> read_picture(const std::filesystem::path& path) {
+    if (const Result<File> there = File::open_read(path); !there) return there.error();
     const Result<FilePicture> picture = path.extension() == ".exr" ? read_exr(path) : read_other(path);
-    if (!picture) {
-        list.error(picture.error().message);
-        return nullptr;
-    }
-    if (picture->width == 0 || picture->width != picture->height) {
-        list.error(
-            fmt::format("{}: {} x {} is not square, as the equal-area mapping requires; convert it with imgtool makeequiarea", name,
-                        picture->width, picture->height));
-        return nullptr;
-    }
-    auto out = std::make_shared<ImageDescription>();
-    out->width = picture->width;
-    out->height = picture->height;
-    out->rgb.reserve(picture->rgb.size());
-    std::size_t refused = 0;
+    if (!picture) return picture.error();
+    LoadedPicture out{.image = {.width = picture->width, .height = picture->height}};
+    out.image.rgb.reserve(picture->rgb.size());
     for (std::size_t i = 0; i < picture->rgb.size(); i += 3) {
         const float* rgb = &picture->rgb[i];
         for (const double x : picture->srgb_from_file* std::array<double, 3>{rgb[0], rgb[1], rgb[2]}) {
             const bool good = std::isfinite(x) && x >= 0;
-            refused += good ? 0 : 1;
-            out->rgb.push_back(good ? static_cast<float>(x) : 0);
+            out.refused += good ? 0 : 1;
+            out.image.rgb.push_back(good ? static_cast<float>(x) : 0);
         }
     }
-    if (refused > 0) list.warn(fmt::format("{}: {} negative or non-finite values count as 0", name, refused));
     return out;
+}
+
+double mean_luminance(const ImageDescription& image) {
+    const auto& row = color::RgbSpace::srgb().luminance_row;
+    double sum = 0;
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) sum += row[i % 3] * static_cast<double>(image.rgb[i]);
+    return image.rgb.empty() ? 0 : sum / (static_cast<double>(image.rgb.size()) / 3);
 }
 
 }  // namespace latent::render
