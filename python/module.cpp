@@ -59,6 +59,19 @@ class Reader : public std::enable_shared_from_this<Reader> {
         reader_.reset(opened);
         job_.size = sizeof job_;
         check(latent_reader_job(opened, &job_, &error), error);
+        names_ = {"sample", "class", "u", "v", "share"};
+        for (const char* name : {"x", "y", "z"}) {
+            if (job_.kind == LATENT_XYZ) names_.emplace_back(name);
+        }
+        for (const char* name : {"power", "wavelengths"}) {
+            if (job_.kind == LATENT_SPECTRAL) names_.emplace_back(name);
+        }
+        own_ = names_.size();
+        for (std::size_t i = 0; i < job_.extra_count; ++i) {
+            std::string name = text(job_.extra[i].name);
+            while (std::find(names_.begin(), names_.end(), name) != names_.end()) name.insert(0, "extra.");
+            names_.push_back(std::move(name));
+        }
     }
 
     py::dict job() const {
@@ -76,7 +89,7 @@ class Reader : public std::enable_shared_from_this<Reader> {
         d["precision"] = job_.precision;
         d["run_samples"] = job_.run_samples;
         py::dict extra;
-        for (std::size_t i = 0; i < job_.extra_count; ++i) extra[job_.extra[i].name] = kTypes[job_.extra[i].type];
+        for (std::size_t i = 0; i < job_.extra_count; ++i) extra[extra_name(i).c_str()] = kTypes[job_.extra[i].type];
         d["extra"] = extra;
         return d;
     }
@@ -105,15 +118,26 @@ class Reader : public std::enable_shared_from_this<Reader> {
         return items;
     }
 
+    // Of all columns; extra ones come last, as extra.NAME where the name is taken.
+    const std::vector<std::string>& names() const { return names_; }
+    const std::string& extra_name(std::size_t i) const { return names_[own_ + i]; }
     const latent_job& c_job() const { return job_; }
     const latent_reader* get() const { return reader_.get(); }
 
  private:
+    // Names in files need not be UTF-8.
+    static std::string text(const char* name) {
+        const auto decoded = PyUnicode_DecodeUTF8(name, static_cast<py::ssize_t>(std::strlen(name)), "backslashreplace");
+        return py::reinterpret_steal<py::str>(decoded).cast<std::string>();
+    }
+
     struct Closer {
         void operator()(latent_reader* reader) const { latent_reader_close(reader); }
     };
     std::unique_ptr<latent_reader, Closer> reader_;
     latent_job job_{};
+    std::vector<std::string> names_;
+    std::size_t own_ = 0;  // of these, the ones that are not extra columns
 };
 
 // An iterator over pages: a dict of arrays for each.
@@ -157,17 +181,16 @@ class Pages {
     }
 
  private:
-    bool wants(const char* name) const { return !wanted_ || std::find(wanted_->begin(), wanted_->end(), name) != wanted_->end(); }
+    bool wants(const std::string& name) const {
+        return !wanted_ || std::find(wanted_->begin(), wanted_->end(), name) != wanted_->end();
+    }
 
     std::uint32_t columns_of_request() const {
         const latent_job& job = reader_->c_job();
-        std::vector<std::string> known = {"sample", "class", "u", "v", "share"};
-        const auto own =
-            job.kind == LATENT_XYZ ? std::vector<std::string>{"x", "y", "z"} : std::vector<std::string>{"power", "wavelengths"};
-        known.insert(known.end(), own.begin(), own.end());
+        const std::vector<std::string>& known = reader_->names();
         std::uint32_t columns = 0;
         bool extra = false;
-        for (std::size_t i = 0; i < job.extra_count; ++i) known.emplace_back(job.extra[i].name), extra |= wants(job.extra[i].name);
+        for (std::size_t i = 0; i < job.extra_count; ++i) extra |= wants(reader_->extra_name(i));
         for (const std::string& name : wanted_.value_or(std::vector<std::string>{})) {
             if (std::find(known.begin(), known.end(), name) == known.end()) throw py::key_error("no column " + name);
         }
@@ -216,8 +239,9 @@ class Pages {
             if (wants("wavelengths")) page["wavelengths"] = rows(r, r.lambda_nm, job.batch);
         }
         for (std::size_t i = 0; i < job.extra_count; ++i) {
-            if (wants(job.extra[i].name))
-                page[job.extra[i].name] = py::array(py::dtype(kTypes[job.extra[i].type]), std::vector<py::ssize_t>{n}, r.extra[i]);
+            const std::string& name = reader_->extra_name(i);
+            if (wants(name))
+                page[name.c_str()] = py::array(py::dtype(kTypes[job.extra[i].type]), std::vector<py::ssize_t>{n}, r.extra[i]);
         }
         return page;
     }

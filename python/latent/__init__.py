@@ -9,7 +9,7 @@ Records are columns: arrays of the same length n, one for each property.
     x, y, z      (n,) float32  XYZ jobs: CIE 1931, not normalised
     power        (n, k) float32  spectral jobs: radiance / (k p), p the density of wavelengths in 1/nm
     wavelengths  (n, k) float32  spectral jobs: nm; pairs that a record does not have are 0 in both
-    ...          (n,)          the extra columns of the job
+    ...          (n,)          the extra columns of the job; extra.NAME if the name is taken
 
 What the numbers mean: docs/format.md, "Records". A pixel is sum(value) / sum(share) over its camera records.
 """
@@ -74,7 +74,7 @@ class Reader:
 
         columns: names, default all. region: (u0, v0, u1, v1) in 0..1. samples: (first, end). classes: "camera", "light" or "both".
         runs: (first, end), to divide the work. The arrays are yours. Raises latent.Error where a page is damaged; `next` on the same
-        iterator goes on behind it.
+        iterator continues after it.
         """
         if classes not in ("both", "camera", "light"):
             raise ValueError("classes is 'camera', 'light' or 'both'")

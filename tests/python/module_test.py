@@ -123,7 +123,7 @@ class Module(unittest.TestCase):
         self.assertRaises(ValueError, night.pages, samples=(5, 5))
         self.assertRaises(ValueError, night.pages, classes="none")
         self.assertRaises(TypeError, latent.Writer, self.path("w.latent"))
-        self.assertRaises(latent.Error, latent.Writer, self.path("w.latent"), job_id="1" * 32, samples=(1, 2))
+        self.assertRaises(latent.Error, latent.Writer, self.path("w.latent"), job_id="1" * 32, samples=(2, 2))
         part = latent.Writer(self.path("w.latent"), job_id="1" * 32, samples=(0, 1024))
         one = np.zeros(1)
         self.assertRaises(ValueError, part.submit, (0, 1024), sample=[0], u=one, v=one)
