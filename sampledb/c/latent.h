@@ -139,7 +139,7 @@ typedef struct latent_writer latent_writer;
 
 typedef struct latent_write_options {
     size_t size;
-    latent_range samples;      /* of this part; begins at a multiple of S, which is 2^22 or a divisor of it */
+    latent_range samples;      /* of this part; best begun at a multiple of S, samples per run */
     double checkpoint_seconds; /* how much rendering a kill may cost; 0: 60 */
     const char* provenance;    /* a JSON object: who wrote this, where and when; or null */
     uint32_t replace;          /* 1: start over, whatever is there under this name */
@@ -152,7 +152,8 @@ typedef struct latent_writer_info {
     uint64_t bytes_written, runs_written, checkpoints_written;
 } latent_writer_info;
 
-/* `path` ends in .latent. LATENT_MISMATCH if a file of another job or another range is there under this name. */
+/* `path` ends in .latent. A finished file that holds a part of the range is extended. LATENT_MISMATCH if a file of another job, or
+ * one with other samples, too, is there under this name. */
 LATENT_API latent_status latent_writer_open(const char* path, const latent_job* job, const latent_write_options* options,
                                             latent_writer** writer, latent_error* error);
 /* Number of intervals of samples that were missing when the part was opened; the first `capacity` of them are stored in `ranges`,

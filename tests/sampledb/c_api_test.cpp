@@ -371,7 +371,7 @@ TEST(CApi, MisuseIsAnErrorWithAMessage) {
         return open(path.c_str(), &good.c, &bad);
     };
     refused(how([](latent_write_options& o) { o.samples = {5, 5}; }), LATENT_USAGE);
-    refused(how([](latent_write_options& o) { o.samples = {1, 5000}; }), LATENT_USAGE);
+    refused(how([](latent_write_options& o) { o.samples = {6, 5}; }), LATENT_USAGE);
     refused(how([](latent_write_options& o) { o.checkpoint_seconds = -1; }), LATENT_OUT_OF_RANGE);
     refused(how([](latent_write_options& o) { o.provenance = "[1]"; }), LATENT_OUT_OF_RANGE);
     EXPECT_TRUE(folder.names().empty());
