@@ -47,11 +47,9 @@ std::vector<double> luminances(const Job& job, const Page& page) {
             y[row] = static_cast<double>(page.y[row]);
             continue;
         }
-        if (page.pairs[row] > 0) job.density.batch(page.xi[row], lambda);
-        for (std::uint32_t i = 0; i < page.pairs[row]; ++i, ++first) {
-            const float nm = lambda[page.index[row] == kNoIndex ? i : page.index[row]];
-            y[row] += static_cast<double>(page.power[first]) * color::Observer::cie1931().at(static_cast<double>(nm))[1];
-        }
+        wavelengths_of(job.density, job.batch, page, row, std::span(lambda).first(page.pairs[row]));
+        for (std::uint32_t i = 0; i < page.pairs[row]; ++i, ++first)
+            y[row] += static_cast<double>(page.power[first]) * color::Observer::cie1931().at(static_cast<double>(lambda[i]))[1];
     }
     return y;
 }

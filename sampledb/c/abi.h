@@ -8,7 +8,6 @@
 
 #include "base/result.h"
 #include "sampledb/c/latent.h"
-#include "sampledb/data/job.h"
 
 namespace latent::c {
 
@@ -55,8 +54,5 @@ latent_status guarded(latent_error* error, const Call& call) noexcept {
         return report(current_error(), error);
     }
 }
-
-// Errors: kUsage, kOutOfRange, kUnsupported, naming the field.
-Result<sampledb::Job> job_from(const latent_job* job);
 
 }  // namespace latent::c

@@ -1,8 +1,11 @@
-// Jobs from C, and what follows from a job alone.
+#include "sampledb/c/job.h"
+
+#include <algorithm>
 #include <numeric>
 
 #include "sampledb/c/abi.h"
 #include "sampledb/data/limits.h"
+#include "sampledb/data/page.h"
 
 namespace latent::c {
 
@@ -12,14 +15,7 @@ using namespace sampledb;
 
 // Of a sample with one record that is as large as it can be.
 std::uint64_t bytes_per_sample(const Job& job) {
-    std::uint64_t bytes = 21;
-    if (job.kind == RecordKind::kXyz) {
-        bytes += 12;
-    } else {
-        bytes += 2 + (job.density.empty() ? 8u : 4u) * std::uint64_t{job.batch} + (job.density.empty() ? 0 : 6);
-    }
-    for (const ExtraColumnSpec& column : job.extra) bytes += width(column.type);
-    return bytes;
+    return sizeof(RecordClass) + decoded_page_size(job, RecordClass::kCamera, 1, job.batch);
 }
 
 Error out_of_range(const char* what) { return {ErrorCode::kOutOfRange, std::string("job: ") + what}; }

@@ -77,14 +77,8 @@ Result<Records> records_from(const Job& job, const latent_records* records) {
 
 void RecordView::derive_wavelengths(const Job& job, const Page& page, std::size_t pairs) {
     lambda_nm_.resize(pairs);
-    for (std::size_t i = 0; i < page.count; ++i) {
-        const std::span<float> to = std::span(lambda_nm_).subspan(page.first_pair[i], page.pairs[i]);
-        if (to.size() == job.batch) {
-            job.density.batch(page.xi[i], to);
-        } else if (to.size() == 1) {
-            to[0] = job.density.wavelength(page.xi[i], page.index[i], job.batch);
-        }
-    }
+    for (std::size_t i = 0; i < page.count; ++i)
+        wavelengths_of(job.density, job.batch, page, i, std::span(lambda_nm_).subspan(page.first_pair[i], page.pairs[i]));
 }
 
 latent_records RecordView::of(const Job& job, const Page& page, std::uint32_t columns) {

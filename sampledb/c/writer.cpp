@@ -7,6 +7,7 @@
 
 #include "base/json.h"
 #include "sampledb/c/abi.h"
+#include "sampledb/c/job.h"
 #include "sampledb/c/records.h"
 #include "sampledb/codec/record_check.h"
 #include "sampledb/data/limits.h"

@@ -7,8 +7,8 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/planes.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/data/z_order.h"
-#include "sampledb/format/file_format.h"
 
 namespace latent::sampledb {
 

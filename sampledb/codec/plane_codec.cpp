@@ -44,7 +44,7 @@ constexpr auto kSelfInformation = [] {
 }();
 
 // What up to 32 blocks of 64 bytes tell of a plane; contiguous ones, so that no stride of the data can hide in them.
-struct Sample {
+struct PlaneSample {
     std::uint64_t size = 0;
     std::array<std::uint32_t, 256> counts{};  // of each value
     std::uint64_t values = 0;                 // that occur
@@ -60,10 +60,10 @@ struct Sample {
     }
 };
 
-Sample sample_of(ByteSpan plane) {
+PlaneSample sample_of(ByteSpan plane) {
     const std::size_t step = std::max(4 * kBlock, (plane.size() + kMostBlocks - 1) / kMostBlocks);
     std::array<std::array<std::uint16_t, 256>, 4> counts{};  // four, so that equal neighbours do not wait for each other
-    Sample sample;
+    PlaneSample sample;
     for (std::size_t at = 0; at < plane.size(); at += step) {
         const ByteSpan block = plane.subspan(at, std::min(kBlock, plane.size() - at));
         for (std::size_t i = 0; i < block.size(); ++i) ++counts[i % 4][static_cast<std::uint8_t>(block[i])];
@@ -82,7 +82,7 @@ Sample sample_of(ByteSpan plane) {
 }
 
 // Whether neighbours are equal in more than half of the cases that chance leaves room for: then zstd finds repetitions.
-bool repeats(ByteSpan plane, const Sample& sample) {
+bool repeats(ByteSpan plane, const PlaneSample& sample) {
     std::uint64_t squares = 0, equal = 0;
     for (const std::uint64_t count : sample.counts) squares += count * count;
     const hn::FixedTag<std::uint8_t, 16> d;
@@ -207,7 +207,7 @@ bool pack_plane(ByteSpan plane, const Dictionary& dictionary, unsigned bits, std
 }
 
 // Appends the plane by its dictionary, if it has one of a size that suits the sample.
-bool encode_dictionary(ByteSpan plane, const Sample& sample, const PlaneChoice& choice, Bytes& out) {
+bool encode_dictionary(ByteSpan plane, const PlaneSample& sample, const PlaneChoice& choice, Bytes& out) {
     const auto suits = [&](const Dictionary& dictionary) {
         const unsigned bits = dictionary.bits();
         return bits <= kMostDictionaryBits && sample.fills(bits, choice) &&
@@ -296,7 +296,7 @@ PlaneEntry PlaneEncoder::encode(ByteSpan plane, Bytes& out, const PlaneChoice& c
         return entry(PlaneCodec::kConstant);
     }
     if (plane.size() >= kMinCompressed) {
-        const Sample sample = sample_of(plane);
+        const PlaneSample sample = sample_of(plane);
         if (encode_dictionary(plane, sample, choice, out)) return entry(PlaneCodec::kDictionary);
         if (const std::size_t size = sample.would_shrink(choice) ? compress(plane) : 0; size > 0) {
             out.insert(out.end(), buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));

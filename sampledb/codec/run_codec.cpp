@@ -10,6 +10,9 @@
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/record_check.h"
 #include "sampledb/codec/rounding.h"
+#include "sampledb/data/limits.h"
+#include "sampledb/format/frames.h"
+#include "sampledb/format/run_header.h"
 
 namespace latent::sampledb {
 

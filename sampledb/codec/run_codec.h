@@ -13,7 +13,7 @@
 #include "sampledb/codec/row_sorter.h"
 #include "sampledb/data/page.h"
 #include "sampledb/data/record.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_index.h"
 
 namespace latent::sampledb {
 

@@ -18,6 +18,17 @@ std::vector<ExtraColumn> extra_columns(const Job& job) {
     return columns;
 }
 
+void wavelengths_of(const WavelengthDensity& density, std::size_t k, const Page& page, std::size_t row,
+                    std::span<float> lambda_nm) {
+    if (density.empty()) {
+        std::copy_n(page.lambda_nm.begin() + page.first_pair[row], lambda_nm.size(), lambda_nm.begin());
+    } else if (lambda_nm.size() == k) {
+        density.batch(page.xi[row], lambda_nm);
+    } else if (lambda_nm.size() == 1) {
+        lambda_nm[0] = density.wavelength(page.xi[row], page.index[row], static_cast<std::uint32_t>(k));
+    }
+}
+
 std::uint64_t decoded_page_size(const Job& job, RecordClass record_class, std::uint64_t records, std::uint64_t pairs) {
     std::uint64_t row = 0, pair = 0;
     for_each_column([&](auto column) {

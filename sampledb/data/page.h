@@ -41,6 +41,14 @@ struct Page : Columns {
     std::vector<std::uint32_t> first_pair;  // spectral: where each record's pairs begin in `power`; one more at the end
 };
 
+// Of a row: 0 of a light record, 1 where the page stores none.
+inline float share_of(const Page& page, std::size_t row) {
+    return page.record_class == RecordClass::kLight ? 0.0f : page.unit_share ? 1.0f : page.share[row];
+}
+
+// The wavelengths [nm] of a row, one for each of its pairs: those that are stored, or, in jobs with a density, of a batch of k.
+void wavelengths_of(const WavelengthDensity& density, std::size_t k, const Page& page, std::size_t row, std::span<float> lambda_nm);
+
 // Whether pages of this class, in files of this job, have a column.
 inline bool has_column(const Job& job, RecordClass record_class, Presence presence) {
     return is_present(presence, job.kind, !job.density.empty(), record_class);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/hash.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/format/frames.h"
 
 namespace latent::sampledb {

@@ -10,7 +10,7 @@
 
 #include "base/bytes.h"
 #include "base/result.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_header.h"
 
 namespace latent::sampledb {
 

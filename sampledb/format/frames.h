@@ -9,9 +9,10 @@
 #include "base/hash.h"
 #include "base/result.h"
 #include "sampledb/data/unreadable.h"
-#include "sampledb/format/file_format.h"
 
 namespace latent::sampledb {
+
+inline constexpr std::uint64_t kBlock = 4096;  // headers, runs and the footer begin at multiples of it
 
 // A byte that is no text, what follows, and a line end that text-mode transfers would break.
 using Magic = std::array<unsigned char, 8>;

@@ -1,10 +1,12 @@
+#include "sampledb/format/run_index.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "sampledb/data/limits.h"
 #include "sampledb/data/z_order.h"
-#include "sampledb/format/file_format.h"
 #include "sampledb/format/frames.h"
 
 namespace latent::sampledb {

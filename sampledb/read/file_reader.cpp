@@ -7,6 +7,8 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/page_decoder.h"
+#include "sampledb/data/limits.h"
+#include "sampledb/format/frames.h"
 #include "sampledb/read/footer_reader.h"
 #include "sampledb/read/run_walk.h"
 

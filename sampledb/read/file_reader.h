@@ -9,7 +9,8 @@
 
 #include "base/result.h"
 #include "sampledb/data/page.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/file_header.h"
+#include "sampledb/format/run_index.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/damage.h"
 

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/hash.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/format/frames.h"
 
 namespace latent::sampledb {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sampledb/data/limits.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/format/frames.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_header.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/damage.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sampledb/data/coverage.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_header.h"
 
 namespace latent::sampledb {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_header.h"
 #include "sampledb/write/run_assembler.h"
 
 namespace latent::sampledb {

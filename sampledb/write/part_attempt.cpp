@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "sampledb/data/limits.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/read/part_name.h"
 

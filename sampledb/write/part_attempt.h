@@ -6,7 +6,8 @@
 
 #include "base/file.h"
 #include "base/result.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/file_header.h"
+#include "sampledb/format/run_header.h"
 #include "sampledb/write/earlier_attempts.h"
 
 namespace latent::sampledb {

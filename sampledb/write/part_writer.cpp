@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "sampledb/format/file_format.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/read/part_name.h"
 #include "sampledb/write/committer.h"
 #include "sampledb/write/earlier_attempts.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "tests/convert/test_picture.h"
-#include "tools/convert/display.h"
+#include "tools/convert/icc.h"
 
 namespace latent::convert {
 namespace {

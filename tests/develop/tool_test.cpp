@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sampledb/codec/run_codec.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/file_header.h"
 #include "tests/faults/process.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/picture.h"

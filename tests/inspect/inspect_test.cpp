@@ -654,7 +654,7 @@ TEST_F(InspectTest, GenReachesSampleNumbersBeyondTwoToTheThirtyTwo) {
 
 TEST(Synthetic, ExpectedLuminanceIsTheSameForBothKinds) {
     SyntheticScene scene;
-    scene.texture = Texture::kUniform;
+    scene.subject = Subject::kUniform;
     scene.kind = RecordKind::kSpectral;
     const Job job = synthetic_job(scene);
     const Grain grain = synthetic_grain(scene, job, {0, 1024});

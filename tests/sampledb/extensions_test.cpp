@@ -7,9 +7,10 @@
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/page_encoder.h"
 #include "sampledb/codec/run_codec.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/file_header.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/format/frames.h"
+#include "sampledb/format/run_index.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

@@ -7,6 +7,8 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/run_codec.h"
+#include "sampledb/data/limits.h"
+#include "sampledb/format/frames.h"
 #include "sampledb/read/file_reader.h"
 #include "sampledb/read/footer_reader.h"
 #include "tests/support/synthetic.h"

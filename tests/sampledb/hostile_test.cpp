@@ -7,6 +7,7 @@
 #include "sampledb/codec/column_decode.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/run_codec.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/read/file_reader.h"
 #include "tests/support/synthetic.h"
 

@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 
-#include "sampledb/format/file_format.h"
+#include "sampledb/data/limits.h"
+#include "sampledb/format/file_header.h"
+#include "sampledb/format/frames.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

@@ -1,3 +1,4 @@
+#include "sampledb/data/limits.h"
 #include "sampledb/write/part_writer.h"
 
 #include <fmt/format.h>

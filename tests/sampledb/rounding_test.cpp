@@ -11,6 +11,7 @@
 #include <random>
 
 #include "sampledb/codec/run_codec.h"
+#include "sampledb/format/file_header.h"
 #include "sampledb/format/frames.h"
 #include "tests/support/synthetic.h"
 

@@ -12,6 +12,7 @@
 
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/data/z_order.h"
+#include "sampledb/format/frames.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {

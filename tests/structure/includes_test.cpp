@@ -135,6 +135,30 @@ TEST(Structure, EveryFileIsInARoom) {
     EXPECT_EQ(room_of("render/transport/bidirectional/walk.cpp"), "render/transport/bidirectional");
 }
 
+// Sources whose header has another name: those behind an interface for other programs, of a module, or of a large part of a class.
+const std::map<std::string, std::string>& other_headers() {
+    static const std::map<std::string, std::string> table = {
+        {"sampledb/c/reader.cpp", "sampledb/c/latent.h"},
+        {"sampledb/c/writer.cpp", "sampledb/c/latent.h"},
+        {"image/oiio/oiio_pictures.cpp", "image/pictures.h"},
+        {"color/observer_csv.cpp", "color/observer.h"},
+    };
+    return table;
+}
+
+// In render, a class may have several sources.
+TEST(Structure, EverySourceOutsideRenderHasAHeaderOfItsName) {
+    const std::vector<std::string> files = all_sources();
+    const std::set<std::string> there(files.begin(), files.end());
+    for (const std::string& name : files) {
+        const fs::path file = name;
+        if (file.extension() != ".cpp" || file.filename() == "main.cpp" || top_folder(name) == "render") continue;
+        const auto other = other_headers().find(name);
+        const std::string header = other == other_headers().end() ? fs::path(file).replace_extension(".h").string() : other->second;
+        EXPECT_TRUE(there.contains(header)) << name << " has no " << header;
+    }
+}
+
 TEST(Structure, EveryIncludePointsDownTheArrows) {
     for (const std::string& file : all_sources()) {
         if (room_of(file).empty()) continue;

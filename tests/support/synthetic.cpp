@@ -8,9 +8,10 @@
 
 #include "base/hash.h"
 #include "sampledb/codec/run_codec.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/file_header.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/format/frames.h"
+#include "sampledb/format/run_header.h"
 
 namespace latent::synthetic {
 

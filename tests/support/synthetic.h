@@ -12,7 +12,7 @@
 #include "sampledb/data/coverage.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/record.h"
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_header.h"
 
 namespace latent::synthetic {
 

@@ -186,7 +186,7 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     if (!print) return print.error();
 
     std::vector<std::unique_ptr<Sink>> sinks;
-    const Picture picture{source->area, image.display_window, settings.sigma, *white};
+    const PrintedPicture picture{source->area, image.display_window, settings.sigma, *white};
     MemoryNeed need;
     for (const std::filesystem::path& path : options.outputs) {
         Result<std::unique_ptr<Sink>> sink = open_sink(path, picture, *display, options);

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/parse.h"
+#include "tools/convert/icc.h"
 
 namespace latent::convert {
 

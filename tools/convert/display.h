@@ -26,8 +26,4 @@ struct Display {
 // Errors: kUsage, with the choices; kNotFound; kUnsupported for profiles made of tables, or of a curve that no power describes.
 Result<Display> display_from(const std::string& text, const std::optional<std::array<double, 3>>& luminance_row);
 
-// tools/convert/icc.cpp. The profile of a space with primaries; always the same bytes for the same space.
-Bytes icc_of(const color::RgbSpace& space);
-Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row);
-
 }  // namespace latent::convert

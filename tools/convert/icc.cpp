@@ -1,4 +1,5 @@
-// Matrix profiles through Little CMS [ICC]: written for our spaces, read from files.
+#include "tools/convert/icc.h"
+
 #include <fmt/format.h>
 #include <lcms2.h>
 
@@ -9,7 +10,6 @@
 
 #include "base/file.h"
 #include "color/adaptation.h"
-#include "tools/convert/display.h"
 
 namespace latent::convert {
 

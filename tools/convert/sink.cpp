@@ -54,7 +54,7 @@ class WriterSink final : public Sink {
     using WriteRows = std::function<Status(Writer&, std::size_t level, ByteSpan rows)>;
 
     // `levels`: 1 without a pyramid.
-    WriterSink(std::unique_ptr<Writer> writer, const Picture& picture, const Encoder& encoder, std::size_t levels,
+    WriterSink(std::unique_ptr<Writer> writer, const PrintedPicture& picture, const Encoder& encoder, std::size_t levels,
                std::size_t rows_held, WriteRows write_rows)
         : writer_(std::move(writer)),
           area_(picture.area),
@@ -121,7 +121,7 @@ class WriterSink final : public Sink {
 };
 
 // What a file says about the print. Numbers as they were used, no names of files.
-std::vector<std::pair<std::string, std::string>> texts(const Picture& picture, const Display& display,
+std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& picture, const Display& display,
                                                        const ConvertOptions& options) {
     return {{"Software", "latent-convert " LATENT_VERSION},
             {"Sensitivity", fmt::format("{}", picture.sigma)},
@@ -132,7 +132,7 @@ std::vector<std::pair<std::string, std::string>> texts(const Picture& picture, c
             {"Adaptation", options.adapt}};
 }
 
-Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>> writer, const Picture& picture,
+Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>> writer, const PrintedPicture& picture,
                                         const Encoder& encoder) {
     if (!writer) return writer.error();
     return std::make_unique<WriterSink<image::RowWriter>>(
@@ -140,7 +140,7 @@ Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>
         [](image::RowWriter& w, std::size_t, ByteSpan rows) { return w.write_rows(rows); });
 }
 
-Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const Picture& picture, const Display& display,
+Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const PrintedPicture& picture, const Display& display,
                                        const ConvertOptions& options) {
     image::ExrTags tags;
     tags.pixels_per_inch = options.dpi;
@@ -154,7 +154,7 @@ Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const Picture& picture, c
         picture, Encoder{SampleType::kF32, color::Transfer::linear(), false});
 }
 
-Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const Picture& picture, const image::ImageTags& tags,
+Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const PrintedPicture& picture, const image::ImageTags& tags,
                                         const Encoder& encoder, const ConvertOptions& options) {
     std::vector<PixelFormat> formats{{picture.area.width(), picture.area.height(), encoder.sample}};
     while (options.pyramid && std::max(formats.back().width, formats.back().height) > image::kTiffTile) {
@@ -169,8 +169,8 @@ Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const Picture& picture, 
         [](image::TiffWriter& w, std::size_t level, ByteSpan rows) { return w.write_rows(level, rows); });
 }
 
-Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, const Picture& picture, const Display& display,
-                                             const Encoder& encoder, const ConvertOptions& options) {
+Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, const PrintedPicture& picture,
+                                             const Display& display, const Encoder& encoder, const ConvertOptions& options) {
     image::DeepZoomOptions how;
     how.overlap = options.overlap;
     how.png = options.png_tiles;
@@ -191,7 +191,7 @@ Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, 
 
 }  // namespace
 
-Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const Picture& picture, const Display& display,
+Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const PrintedPicture& picture, const Display& display,
                                         const ConvertOptions& options) {
     std::string type = path.extension().string();
     for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -31,7 +31,7 @@ struct Band {
 };
 
 // The picture that all outputs show.
-struct Picture {
+struct PrintedPicture {
     image::Rect area;            // coordinates of the display window
     image::Rect display_window;  // EXR keeps it
     double sigma = 1;
@@ -55,7 +55,7 @@ class Sink {
 };
 
 // The output `path` by its extension: .png, .tif, .tiff, .jpg, .jpeg, .exr, .dzi. Errors: kUsage, kExists, kOutOfRange (JPEG), kIo.
-Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const Picture& picture, const Display& display,
+Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const PrintedPicture& picture, const Display& display,
                                         const ConvertOptions& options);
 
 }  // namespace latent::convert

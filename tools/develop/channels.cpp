@@ -222,19 +222,11 @@ void Channels::add_pair(float lambda_nm, float power, float* out) const {
 
 void Channels::spectral_row(const sampledb::Page& page, std::size_t row, float* out) const {
     const std::size_t n = page.pairs[row];
-    const std::size_t first = page.first_pair[row];
-    const float* power = page.power.data() + first;
-    if (density_.empty()) {
-        for (std::size_t i = 0; i < n; ++i) add_pair(page.lambda_nm[first + i], power[i], out);
-    } else if (n == 1 && page.index[row] != sampledb::kNoIndex) {
-        add_pair(density_.wavelength(page.xi[row], page.index[row], batch_), power[0], out);
-    } else if (n > 0 && !response_.empty()) {
-        response_.xyz(page.xi[row], power, out);
-    } else if (n > 0) {
-        std::array<float, sampledb::kMaxPairs> lambda;
-        density_.batch(page.xi[row], std::span(lambda).first(n));
-        for (std::size_t i = 0; i < n; ++i) add_pair(lambda[i], power[i], out);
-    }
+    const float* power = page.power.data() + page.first_pair[row];
+    if (n == static_cast<std::size_t>(batch_) && !response_.empty()) return response_.xyz(page.xi[row], power, out);
+    std::array<float, sampledb::kMaxPairs> lambda;
+    sampledb::wavelengths_of(density_, static_cast<std::size_t>(batch_), page, row, std::span(lambda).first(n));
+    for (std::size_t i = 0; i < n; ++i) add_pair(lambda[i], power[i], out);
 }
 
 // The lanes behind the share.
@@ -275,7 +267,7 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
-        float share = !camera ? 0.0f : page.unit_share ? 1.0f : page.share[row];
+        float share = sampledb::share_of(page, row);
         std::fill(out, out + step, 0.0f);
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];

@@ -66,8 +66,8 @@ void add_gen_options(CLI::App& gen, GenOptions& options) {
     cli::add_count<std::uint16_t>(gen, "--wavelengths", scene.batch, "wavelengths per sample, if spectral", 1, 1024);
     cli::add_number(gen, "--light", scene.light_records, "light records per camera record", 0, 1000);
     cli::add_number(gen, "--single", scene.single_wavelengths, "fraction of records with one wavelength, if spectral", 0, 1);
-    cli::add_choice<Texture>(gen, "--texture", scene.texture,
-                             {{"textured", Texture::kTextured}, {"uniform", Texture::kUniform}, {"black", Texture::kBlack}},
+    cli::add_choice<Subject>(gen, "--texture", scene.subject,
+                             {{"textured", Subject::kTextured}, {"uniform", Subject::kUniform}, {"black", Subject::kBlack}},
                              "values of the records: a texture, 1 everywhere, or 0 everywhere");
     cli::add_parsed(gen, "--aspect", scene.aspect, parse_aspect, "aspect ratio of the film")->type_name("W:H")->default_str("1:1");
     cli::add_count(gen, "--first", options.first, "first sample number; a multiple of the run length");

@@ -108,13 +108,8 @@ void NpyRows::put_pairs(const Field& field, const Page& page, std::size_t rows, 
         const std::uint16_t n = page.pairs[i];
         const float* from = page.power.data() + page.first_pair[i];
         if (field.source == Source::kLambda) {
-            if (job_->density.empty()) {
-                from = page.lambda_nm.data() + page.first_pair[i];
-            } else {
-                if (n == job_->batch) job_->density.batch(page.xi[i], lambda);
-                if (n == 1 && job_->batch > 1) lambda[0] = job_->density.wavelength(page.xi[i], page.index[i], job_->batch);
-                from = lambda.data();
-            }
+            wavelengths_of(job_->density, job_->batch, page, i, std::span(lambda).first(n));
+            from = lambda.data();
         }
         for (std::size_t p = 0; p < field.count; ++p) store_le(to + p * sizeof(float), p < n ? from[p] : 0.0f);
     }
@@ -135,11 +130,8 @@ void NpyRows::put(const Field& field, const Page& page, std::size_t rows, std::b
             return scatter<double>(to, row_bytes_, rows, [&](std::size_t i) { return page.u[i] * 0x1p-32; });
         case Source::kV:
             return scatter<double>(to, row_bytes_, rows, [&](std::size_t i) { return page.v[i] * 0x1p-32; });
-        case Source::kShare: {
-            if (page.record_class == RecordClass::kCamera && !page.unit_share) return column(page.share);
-            const float share = page.record_class == RecordClass::kCamera ? 1.0f : 0.0f;
-            return scatter<float>(to, row_bytes_, rows, [&](std::size_t) { return share; });
-        }
+        case Source::kShare:
+            return scatter<float>(to, row_bytes_, rows, [&](std::size_t i) { return share_of(page, i); });
         case Source::kX:
             return column(page.x);
         case Source::kY:

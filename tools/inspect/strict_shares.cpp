@@ -17,8 +17,6 @@ constexpr std::uint64_t kMarked = std::uint64_t{1} << 25;  // samples with marks
 constexpr std::uint64_t kAdded = std::uint64_t{1} << 21;   // samples with sums at once: 8 MiB
 constexpr float kTolerance = 0x1p-12f;                     // 1024 shares, rounded and added up in float
 
-float share_of(const Page& page, std::size_t row) { return page.unit_share ? 1.0f : page.share[row]; }
-
 }  // namespace
 
 ShareCheck::ShareCheck(const Coverage& coverage, std::size_t number, Violations& violations)

@@ -92,8 +92,8 @@ class Painter {
         records_.share.push_back(share);
         const std::uint64_t bits = mix(scene_.seed, n, dimension);
         float luminance = 0, warmth = 0;
-        if (scene_.texture == Texture::kUniform) luminance = 1;
-        if (scene_.texture == Texture::kTextured && bits % 8 != 0) {  // an eighth of the paths meet no light
+        if (scene_.subject == Subject::kUniform) luminance = 1;
+        if (scene_.subject == Subject::kTextured && bits % 8 != 0) {  // an eighth of the paths meet no light
             const float noise = unit(bits);
             luminance = patches(scene_.seed, at.u, at.v) * 4 * noise * noise * noise;  // mean 1, with a long tail
             warmth = unit(mix(scene_.seed, at.u >> 27, at.v >> 27)) - 0.5f + 0.05f * unit(bits << 24);
@@ -157,7 +157,7 @@ Job synthetic_job(const SyntheticScene& scene) {
     std::string description =
         fmt::format("synthetic 1: {} {}:{} k={} light={} single={} texture={} random={} explicit={} every={} seed={} S={} R={}",
                     spectral ? "spectral" : "xyz", job.aspect_width, job.aspect_height, job.batch, scene.light_records,
-                    scene.single_wavelengths, static_cast<int>(scene.texture), scene.random_positions, scene.explicit_wavelengths,
+                    scene.single_wavelengths, static_cast<int>(scene.subject), scene.random_positions, scene.explicit_wavelengths,
                     scene.every, scene.seed, job.run_samples, job.run_bytes);
     if (job.precision != kFullPrecision) description += fmt::format(" precision={}", job.precision);
     job.id = hash128(std::as_bytes(std::span(description)));

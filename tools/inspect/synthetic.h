@@ -8,7 +8,8 @@
 
 namespace latent::inspect {
 
-enum class Texture : std::uint8_t {
+// What there is to see.
+enum class Subject : std::uint8_t {
     kTextured,  // smooth patches in many sizes, times noise as a path tracer makes it
     kUniform,   // every record is equal-energy white of luminance 1: develops flat
     kBlack,     // every record is 0: the smallest files
@@ -24,7 +25,7 @@ struct SyntheticScene {
     std::uint16_t batch = 28;       // spectral: wavelengths of a sample
     double light_records = 0;       // per camera record, on average; a sample has one light path if this is not 0
     double single_wavelengths = 0;  // spectral: fraction of camera records that keep one wavelength
-    Texture texture = Texture::kTextured;
+    Subject subject = Subject::kTextured;
     bool random_positions = false;      // stored positions, instead of Halton points that need not be stored
     bool explicit_wavelengths = false;  // spectral: stored wavelengths, as foreign writers have them
     std::uint64_t every = 1;            // only sample numbers divisible by this have records

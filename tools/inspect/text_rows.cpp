@@ -62,10 +62,6 @@ constexpr bool is_spectral(Presence presence) {
     return presence == Presence::kSpectral || presence == Presence::kDensity || presence == Presence::kNoDensity;
 }
 
-float share_of(const Page& page, std::size_t row) {
-    return page.record_class == RecordClass::kLight ? 0.0f : page.unit_share ? 1.0f : page.share[row];
-}
-
 std::span<const float> powers(const Page& page, std::size_t row) {
     return {page.power.data() + page.first_pair[row], page.pairs[row]};
 }
@@ -134,14 +130,9 @@ void TextRows::put_list(std::string& line, std::span<const float> values) const 
 }
 
 std::span<const float> TextRows::wavelengths(const Page& page, std::size_t row) {
-    const std::uint16_t n = page.pairs[row];
-    if (job_.density.empty()) return {page.lambda_nm.data() + page.first_pair[row], n};
-    if (n == job_.batch) {
-        job_.density.batch(page.xi[row], std::span(lambda_).first(n));
-    } else if (n == 1) {
-        lambda_[0] = job_.density.wavelength(page.xi[row], page.index[row], job_.batch);
-    }
-    return {lambda_.data(), n};
+    const std::span<float> lambda = std::span(lambda_).first(page.pairs[row]);
+    wavelengths_of(job_.density, job_.batch, page, row, lambda);
+    return lambda;
 }
 
 }  // namespace latent::inspect

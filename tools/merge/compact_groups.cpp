@@ -1,10 +1,11 @@
-// Which runs are compacted together: compact_groups.
+#include "tools/merge/compact_groups.h"
+
 #include <algorithm>
 #include <span>
 
 #include "sampledb/codec/run_codec.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/data/page.h"
-#include "tools/merge/compact.h"
 
 namespace latent::merge {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/file.h"
+#include "sampledb/data/limits.h"
 #include "tools/merge/output.h"
 #include "tools/merge/plan.h"
 #include "tools/merge/provenance.h"

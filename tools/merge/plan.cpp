@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/merge/compact.h"
+#include "tools/merge/compact_groups.h"
 
 namespace latent::merge {
 

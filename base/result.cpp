@@ -1,11 +1,11 @@
+#include "base/result.h"
+
 #include <cerrno>
 #include <cstring>
 #include <exception>
 #include <new>
 #include <stdexcept>
 #include <system_error>
-
-#include "base/result.h"
 
 namespace latent {
 

@@ -1,4 +1,6 @@
-#include "sampledb/format/file_format.h"
+#include "sampledb/format/run_header.h"
+
+#include "sampledb/data/limits.h"
 #include "sampledb/format/frames.h"
 
 namespace latent::sampledb {

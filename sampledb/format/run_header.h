@@ -1,41 +1,22 @@
-// sampledb/format/file_format.h: the frames of a file: header, run headers, run index. Bytes <-> structs. docs/format.md rules.
+// sampledb/format/run_header.h: the header of a run, bytes <-> struct. docs/format.md, "Run".
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "base/bytes.h"
 #include "base/hash.h"
 #include "base/result.h"
 #include "sampledb/data/coverage.h"
 #include "sampledb/data/job.h"
-#include "sampledb/data/limits.h"
-#include "sampledb/data/page.h"
 
 namespace latent::sampledb {
 
-inline constexpr std::uint64_t kBlock = 4096;  // headers, runs and the footer begin at multiples of it
 inline constexpr std::uint16_t kRunMinor = 0;  // the version of a run that this program writes
 inline constexpr std::size_t kRunHeaderSize = 256;
 inline constexpr std::size_t kIntervalSize = 16;
 inline constexpr std::size_t kPageEntrySize = 48;
 inline constexpr std::size_t kRunEntrySize = 128;  // a run in the footer: its header without what is the same in all
-
-// The file header: the job, and where this file comes from. It stands twice at the start of a file, so that no single
-// damage makes the runs behind it unreadable.
-struct FileHeader {
-    Job job;
-    std::string provenance_json;  // "" or a JSON object
-};
-// Both copies, ready to be written at offset 0; a multiple of kBlock. Errors: kOutOfRange (job.validate(), provenance too long).
-Result<Bytes> encode_file_header(const FileHeader& header);
-// Decodes one copy from bytes that begin with it. `copy_size`, if given, becomes the bytes that one copy occupies.
-// Errors: kForeign (another magic), kTruncated, kUnsupported (a newer format), kCorrupt.
-Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size = nullptr);
 
 // What stands at the front of a run. All but pages_size and index_hash is a function of (job, coverage).
 struct RunHeader {
@@ -74,47 +55,6 @@ Result<RunFrame> decode_run_frame(ByteSpan bytes);
 // A header as it stands in a footer: kRunEntrySize bytes. Errors as of decode_run_header.
 void put_run_entry(ByteWriter& out, const RunHeader& header);
 Result<RunHeader> decode_run_entry(ByteSpan entry);
-
-// A run's coverage and pages, as they stand behind its pages.
-struct RunIndex {
-    Coverage coverage;
-    std::vector<PageInfo> pages;  // offsets are relative to the run's first byte
-};
-// The index and its padding, which end the run; fills in the header's counts, sizes and hashes.
-Bytes encode_run_index(const RunIndex& index, RunHeader& header);
-// `bytes`: index and padding. Checks everything that the header says about it.
-Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const Job& job);
-
-// The same of an index that is read a piece at a time, for it may be long.
-class RunIndexDecoder {
- public:
-    // Takes pages as they come, before all of the index is known to be sound. What it returns ends the decoding.
-    using TakePage = std::function<Status(const PageInfo&)>;
-
-    // Both are kept.
-    RunIndexDecoder(const RunHeader& header, const Job& job, TakePage take);
-
-    std::size_t next_size() const;  // bytes that `add` takes next; 0: there are no more
-    // Errors: those of TakePage.
-    Status add(ByteSpan piece);
-    // After the last piece: the coverage. Errors: kTruncated, kCorrupt.
-    Result<Coverage> finish();
-
- private:
-    void add_intervals(ByteSpan piece);
-    Status add_pages(ByteSpan piece);
-    void refuse(std::string why);
-
-    const RunHeader& header_;
-    const Job& job_;
-    std::uint64_t position_ = 0;
-    Hasher64 hasher_;
-    Hasher128 content_;
-    std::vector<SampleRange> intervals_;
-    TakePage take_;
-    RunHeader sums_;  // of the pages
-    std::optional<Error> error_;
-};
 
 // A run and where it begins in its file.
 struct RunInfo {

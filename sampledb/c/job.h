@@ -1,0 +1,13 @@
+// sampledb/c/job.h: jobs from C, and what follows from a job alone.
+#pragma once
+
+#include "base/result.h"
+#include "sampledb/c/latent.h"
+#include "sampledb/data/job.h"
+
+namespace latent::c {
+
+// Errors: kUsage, kOutOfRange, kUnsupported, naming the field.
+Result<sampledb::Job> job_from(const latent_job* job);
+
+}  // namespace latent::c
