@@ -42,8 +42,8 @@ int main(int argc, char** argv) {
         return fail(&error);
     }
     if (!all) {
-        printf("%" PRIu64 " samples in %" PRIu64 " runs of %" PRIu64 " files, film %" PRIu32 ":%" PRIu32 "\n", info.samples,
-               info.runs, info.files, job.aspect_width, job.aspect_height);
+        printf("%" PRIu64 " samples, film %" PRIu32 ":%" PRIu32 " (files: %" PRIu64 ", runs: %" PRIu64 ")\n", info.samples,
+               job.aspect_width, job.aspect_height, info.files, info.runs);
     }
     int status = info.left_out > 0 ? 3 : 0;
     for (uint64_t i = 0; i < info.left_out; ++i) fprintf(stderr, "read: left out: %s\n", latent_reader_left_out(reader, i));

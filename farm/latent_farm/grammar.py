@@ -115,6 +115,11 @@ Examples:
 Use it after tasks have failed, or were cancelled. It names what is missing, and
 submits only that.
 
+Examples:
+  latent-farm resume night
+  latent-farm resume night --engine shell
+      on this machine
+
 {STATUSES}""")
     resume.argument("out", "folder of the plan", metavar="DIR")
     add_steps(resume)
@@ -124,6 +129,10 @@ submits only that.
 
 Everything is read from the files in DIR, so it works for all engines, and while
 they run. A machine's rate and its last commit come from the parts it writes.
+
+Examples:
+  latent-farm status night
+  latent-farm status night --json
 
 {STATUSES}""")
     status.argument("out", "folder of the plan", metavar="DIR")

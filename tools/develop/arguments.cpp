@@ -38,7 +38,7 @@ Examples:
       a very large picture, with smaller levels
   latent-develop night.latent --size 32768 --crop 0,0,512,512 -o corner.exr
       a corner of it, with the same pixels
-  latent-develop night.latent --size 2048 --observer kodak_trix_400
+  latent-develop night.latent --size 2048 --observer kodak_trix_400 \
       --lens-filter wratten-25 --filter-factor auto -o film.exr
       on film behind a red filter, for spectral records
   latent-develop parts/ --size 1024 --samples 0:1048576 -o preview.exr

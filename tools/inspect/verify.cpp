@@ -166,13 +166,14 @@ std::string place_of(const Violation& violation) {
 std::string to_text(const VerifyReport& report) {
     std::string text;
     for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", report.path.string(), damage);
-    text += fmt::format("{}: {}: {} run{}, {} pages, {} records, {} ({} checked)\n", report.path.string(),
+    const auto s = [](std::uint64_t count) { return count == 1 ? "" : "s"; };
+    text += fmt::format("{}: {}: {} run{}, {} page{}, {} record{}, {} ({} checked)\n", report.path.string(),
                         !report.damage.empty()          ? "DAMAGED"
                         : report.violations.count() > 0 ? "readable, but VIOLATES THE FORMAT"
                         : report.strict                 ? "sound, and follows the format"
                                                         : "sound",
-                        report.runs, report.runs == 1 ? "" : "s", report.pages, report.records, format_size(report.size),
-                        what_was_looked_at(report.level));
+                        report.runs, s(report.runs), report.pages, s(report.pages), report.records, s(report.records),
+                        format_size(report.size), what_was_looked_at(report.level));
     if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", report.path.string());
         text += report.unfinished_tail > 0
