@@ -511,8 +511,9 @@ double seconds_lost_to_a_kill(const std::string& interval, std::chrono::millisec
         return gathering ? (*gathering)->coverage() : Coverage();
     };
     {
-        Child child({tool("example_write"), part, "100000000", "7", interval},
-                    {{"LD_PRELOAD", tool("liblatent_submit_shim.so")}, {"LATENT_TEST_SUBMITTED", log}});
+        Child child({tool("example_write"), part, "100000000", "7", interval}, {{"LD_PRELOAD", tool("liblatent_submit_shim.so")},
+                                                                                {"LATENT_TEST_SUBMITTED", log},
+                                                                                {"ASAN_OPTIONS", "verify_asan_link_order=0"}});
         const auto submitted = [&] { return fs::exists(log) ? fs::file_size(log) / sizeof(SubmittedGrain) * LATENT_GRAIN : 0; };
         while (!enough(submitted(), on_disk().size())) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         std::this_thread::sleep_for(pause);

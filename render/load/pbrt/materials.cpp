@@ -161,7 +161,7 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         list.error(
             fmt::format("Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, "
                         "diffusetransmission, coateddiffuse, "
-                        "coatedconductor, interface)",
+                        "coatedconductor, mix, interface)",
                         type));
         return std::nullopt;
     }
