@@ -84,8 +84,8 @@ def check_verify(inspect, folder, files):
             expected = {VALID: True, UNFINISHED: True, CARELESS: level != "strict", DAMAGED: not reached, REFUSED: False}[outcome]
             if level == "strict":
                 sound = sound and report["violation_count"] == 0
-            same(name, f"verify, level {level}, finds it sound ({report.get('damage')}, {report.get('violations')}, {report.get('error')})",
-                 sound, expected)
+            found = [report.get(key) for key in ("damage", "violations", "error")]
+            same(name, f"verify, level {level}, finds it sound ({found})", sound, expected)
 
 
 def check_recover(inspect, folder, name, entry, out):

@@ -1,7 +1,8 @@
 """Damaged files: bits that flipped, files that were cut, and fields that contradict the format although every hash is right."""
 import struct
 
-from corpus import DAMAGED, REFUSED, Prefer, case, column, file_of, flipped, job_of, offsets, planes, records_of, run_of, two_runs, writer
+from corpus import (DAMAGED, REFUSED, Prefer, case, column, file_of, flipped, job_of, offsets, planes, records_of, run_of, two_runs,
+                    writer)
 from forged import BLOCK, HEADER, File, first_form_of, footer_of, seal_header
 from rule_cases import field, first_page
 
@@ -247,15 +248,14 @@ for name, place, layout, value, about, found in [
         ("page-hash", 24, "Q", 1, "the content hash is not that of the columns", "full")]:
     case(f"entry-{name}", DAMAGED, "Run", about, found)(entry_field(place, layout, value))
 
-for name, intervals, about in [("overlap", [(0, 30), (20, 40)], "intervals overlap"),
-    ("touch", [(0, 20), (20, 40)], "intervals touch"),
-                               ("descend", [(30, 40), (0, 30)], "intervals descend"),
-                                ("empty", [(0, 0), (1, 40)], "an empty interval")]:
+for name, intervals, about in [
+        ("overlap", [(0, 30), (20, 40)], "intervals overlap"), ("touch", [(0, 20), (20, 40)], "intervals touch"),
+        ("descend", [(30, 40), (0, 30)], "intervals descend"), ("empty", [(0, 0), (1, 40)], "an empty interval")]:
     def make(intervals=intervals):
         job, runs = two_runs()
         runs[0].intervals = bytearray(b"".join(struct.pack("<QQ", *pair) for pair in intervals))
-        struct.pack_into("<QQQ", runs[0].header, 40, intervals[0][0], intervals[-1][1],
-            sum(end - first for first, end in intervals))
+        samples = sum(end - first for first, end in intervals)
+        struct.pack_into("<QQQ", runs[0].header, 40, intervals[0][0], intervals[-1][1], samples)
         return file_of(job, [runs[0].sealed(sums=True), runs[1]]), [runs[1]]
     case(f"intervals-{name}", DAMAGED, "Run", about, "headers" if name == "descend" else "quick")(make)
 

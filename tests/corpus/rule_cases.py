@@ -1,7 +1,8 @@
 """Careless files: they break rules that readers rely on but need not check. Every hash is right."""
 import struct
 
-from corpus import CARELESS, Plain, Prefer, case, column, column_offsets, file_of, job_of, planes, records_of, run_of, two_runs, writer
+from corpus import (CARELESS, Plain, Prefer, case, column, column_offsets, file_of, job_of, planes, records_of, run_of, two_runs,
+                    writer)
 from forged import File, seal_header
 from valid_cases import one_run, with_header
 

@@ -2,7 +2,9 @@
 import random
 import struct
 
-from corpus import UNFINISHED, VALID, Plain, Prefer, Record, case, column_offsets, file_of, job_of, offsets, records_of, run_of, two_runs, writer
+from corpus import (UNFINISHED, VALID, Plain, Prefer, Record, case, column_offsets, file_of, job_of, offsets, records_of, run_of,
+    two_runs,
+                    writer)
 from forged import File, first_form_of, footer_of, seal_header
 from write_latent import Smallest, Varied
 
@@ -28,11 +30,11 @@ def smallest():
 
 
 for kind in KINDS:
-    for name, choice in {"plain": Plain, "compact": Smallest}.items():
-        case(f"{kind}-{name}", VALID, "Page", f"{kind} records, each column stored in the {'simplest' if choice is Plain else 'shortest'} way")(
+    for name, (choice, way) in {"plain": (Plain, "simplest"), "compact": (Smallest, "shortest")}.items():
+        case(f"{kind}-{name}", VALID, "Page", f"{kind} records, each column stored in the {way} way")(
             whole(lambda kind=kind, choice=choice: two_runs(kind, choice())))
     for seed in range(1, 5):
-        case(f"{kind}-varied-{seed}", VALID, "Page", f"{kind} records, each column and plane stored in any way that the page allows")(
+        case(f"{kind}-varied-{seed}", VALID, "Page", f"{kind} records, each column stored in any way that the page allows")(
             whole(lambda kind=kind, seed=seed: two_runs(kind, Varied(seed))))
     for bits in (1, 9, 15, 22):
         case(f"{kind}-precision-{bits}", VALID, "Rounding", f"values rounded to {bits} bits of mantissa, header version 1.1")(
@@ -82,12 +84,13 @@ for number, (name, kind, precision) in TRANSFORMS.items():
 # ---- records
 
 
-def one_run(kind, change, **fields):
+def one_run(kind, change=lambda job, records: records, samples=60, **fields):
+    """`change` may return other records, or change those that it is given."""
     def make():
         job = job_of(kind, **fields)
-        records = records_of(job, [(0, 60)])
+        records = records_of(job, [(0, samples)])
         records = change(job, records) or records
-        run = run_of(job, [(0, 60)], records)
+        run = run_of(job, [(0, samples)], records)
         return file_of(job, [run]), [run]
     return make
 
@@ -129,7 +132,7 @@ def groups_of_lights(job, records):
 
 
 def only_light(job, records):
-    return [record for record in records_of(job, [(0, 600)]) if record.light and record.sample < 600][:40]
+    return [record for record in records if record.light][:40]
 
 
 def one_place(job, records):
@@ -140,12 +143,16 @@ def one_place(job, records):
 
 def borders(job, records):
     ends = [0, 1, 2**16 - 1, 2**16, 2**31 - 1, 2**31, 2**32 - 2**16 - 1, 2**32 - 1]
-    return [Record(8 * i + j, u, v, xyz=(0x3F800000, 0x3F800000, 0x3F800000)) for i, u in enumerate(ends[:7]) for j,
-        v in enumerate(ends)]
+    places = [(u, v) for u in ends[:7] for v in ends]
+    return [Record(n, u, v, xyz=(0x3F800000, 0x3F800000, 0x3F800000)) for n, (u, v) in enumerate(places)]
+
+
+def even_density(knots):
+    return [(i * 2**48 // (knots - 1), (360 << 20) + i * (470 << 20) // (knots - 1)) for i in range(knots)]
 
 
 for kind in KINDS:
-    case(f"{kind}-special-floats", VALID, "Records", "zeros of both signs, subnormal and largest numbers, infinities, NaNs with payloads")(
+    case(f"{kind}-special-floats", VALID, "Records", "zeros of both signs, subnormal and largest numbers, infinities, NaNs")(
         one_run(kind, special_floats))
     case(f"{kind}-black", VALID, "Records", "black records only")(one_run(kind, all_black))
 case("shares-of-a-quarter", VALID, "Records", "four camera records for a sample, with shares of 1/4")(
@@ -153,7 +160,7 @@ case("shares-of-a-quarter", VALID, "Records", "four camera records for a sample,
 case("shares-of-light-groups", VALID, "Records", "three camera records for a sample at one position, with shares of 1, 0, 0")(
     one_run("xyz", groups_of_lights, halton=False, extra=[("light_group", "u8")]))
 case("light-records-only", VALID, "Records", "samples without camera records")(
-    lambda: (lambda job: (lambda run: (file_of(job, [run]), [run]))(run_of(job, [(0, 600)], only_light(job, []))))(job_of("xyz")))
+    one_run("xyz", only_light, samples=600))
 case("one-place", VALID, "Pages", "more than M records with one Z prefix: several pages share a node")(
     one_run("explicit", one_place, k=1024, halton=False))
 case("corners-of-the-film", VALID, "Order", "positions at the ends of the film and of the squares' sides")(
@@ -165,11 +172,9 @@ for k in (1, 2, 1024):
         whole(lambda k=k: two_runs("explicit", Varied(k), k=min(k, 40)) if k < 1024 else two_runs("explicit", k=1024)))
 for knots in (2, 4096):
     case(f"density-of-{knots}-knots", VALID, "Wavelengths", f"a density of {knots} knots")(
-        whole(lambda knots=knots: two_runs("spectral", samples=6,
-        knots=[(i * 2**48 // (knots - 1), (360 << 20) + i * (470 << 20) // (knots - 1)) for i in range(knots)])))
+        whole(lambda knots=knots: two_runs("spectral", samples=6, knots=even_density(knots))))
 case("many-pages", VALID, "Pages", "records that need several pages, at several levels")(
-    lambda: (lambda job: (lambda run: (file_of(job, [run]), [run]))(run_of(job, [(0, 400)])))(
-    job_of("explicit", k=1024, light_paths=1)))
+    one_run("explicit", samples=400, k=1024, light_paths=1))
 
 
 # ---- header
@@ -206,12 +211,13 @@ for size in (8192, 2**20):
         with_header(with_copy_size(size)))
 case("header-of-a-later-minor-version", VALID, "Versions and extensions",
     "minor version 7, with fields behind those of this page")(with_header(later_minor))
-for name, fields in {"aspect-wide": {"aspect": (2**32 - 1, 2**32 - 2)}, "light-unit-683": {"light_unit": 683.0},
-    "light-paths-2^32-1": {"light_paths": 2**32 - 1},
-                     "run-bytes-least": {"run_bytes": 2**16}, "run-bytes-most": {"run_bytes": 2**30},
-                     "run-samples-most": {"run_samples": 2**22},
-                     "no-light-paths": {"light_paths": 0}, "no-sampler": {"halton": False, "shifts": (0, 0)},
-                     "shifts-most": {"shifts": (2**32 - 1, 2**32 - 1)}}.items():
+JOBS = {"aspect-wide": {"aspect": (2**32 - 1, 2**32 - 2)}, "light-unit-683": {"light_unit": 683.0},
+    "no-light-paths": {"light_paths": 0},
+        "light-paths-2^32-1": {"light_paths": 2**32 - 1}, "run-bytes-least": {"run_bytes": 2**16},
+        "run-bytes-most": {"run_bytes": 2**30},
+        "run-samples-most": {"run_samples": 2**22}, "no-sampler": {"halton": False},
+        "shifts-most": {"shifts": (2**32 - 1, 2**32 - 1)}}
+for name, fields in JOBS.items():
     case(f"job-{name}", VALID, "Header", "a job with " + ", ".join(f"{key} {value}" for key, value in fields.items()))(
         whole(lambda fields=fields: two_runs("xyz", **fields)))
 
@@ -287,7 +293,8 @@ def first_form():
     return data + first_form_of(at[-1], list(zip(at, [run.header for run in runs])), b'{"parts": []}'), runs
 
 
-MERGED = {"merged": b'{"parts": [{"provenance": {"host": "a"}, "samples": [[0, 60]]}, {"provenance": {}, "samples": [[1024, 1084]]}]}',
+PART = b'{"provenance": {"host": "a"}, "samples": [[0, 40]]}'
+MERGED = {"merged": b'{"parts": [' + PART + b", " + PART + b"]}",
           "incomplete": b'{"incomplete": true, "parts": []}', "nested": b'{"a":' * 63 + b"{}" + b"}" * 63}
 for name, text in MERGED.items():
     def merged(text=text):

@@ -31,8 +31,10 @@ def main(tools):
                 if not (ROOT / "packaging/man" / ("-".join(command) + ".h2m")).exists():
                     missing.append("manual page of " + " ".join(command))
                 for option in options_of(tools, *command):
-                    spelled = {"bash": option, "zsh": f"*{option}[", "fish": ("-l " if option[:2] == "--" else "-s ") + option.lstrip("-")}
-                    missing += [f"{shell}: {' '.join(command)} {option}" for shell, text in texts.items() if spelled[shell] not in text]
+                    long_or_short = "-l " if option.startswith("--") else "-s "
+                    spelled = {"bash": option, "zsh": f"*{option}[", "fish": long_or_short + option.lstrip("-")}
+                    without = [shell for shell, text in texts.items() if spelled[shell] not in text]
+                    missing += [f"{shell}: {' '.join(command)} {option}" for shell in without]
     print("\n".join(missing) or "all options are completed")
     return 1 if missing else 0
 
