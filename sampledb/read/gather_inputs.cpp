@@ -20,6 +20,14 @@ namespace {
 
 constexpr std::uint64_t kLeastForLists = std::uint64_t{1} << 18;  // a tool that needs more for other things says so itself
 
+// The clause that follows the name of a file.
+std::string reason_of(const Error& error, const fs::path& file) {
+    const std::string place = file.string() + ": ";
+    return error.message.starts_with(place) ? error.message.substr(place.size()) : error.message;
+}
+
+bool is_called_a_part(const fs::path& path) { return path.extension() == ".latent" || is_attempt(path); }
+
 // Which files are of the job, one after another, and what is wrong with the others.
 class InputReader {
  public:
@@ -28,9 +36,16 @@ class InputReader {
     }
 
     Result<GatheredInputs> read() {
-        const Result<std::vector<InputFile>> inputs = list_input_files(options_.inputs);
-        if (!inputs) return inputs.error();
-        if (Status s = read_inputs(*inputs); !s) return s.error();
+        for (const fs::path& input : options_.inputs) {
+            const Result<std::vector<InputFile>> files = list_input_files({input});
+            if (!files && !options_.keep_going) return files.error();
+            if (!files) {
+                leave_out(found_.report.left_out, {input.string(), reason_of(files.error(), input)});
+            } else if (Status s = read_inputs(*files); !s) {
+                return s.error();
+            }
+        }
+        if (found_.files.empty()) return nothing_found();
         if (Status s = check_jobs(); !s) return s.error();
         if (Status s = check_repeats(); !s) return s.error();
         return std::move(found_);
@@ -38,6 +53,8 @@ class InputReader {
 
  private:
     Status read_inputs(const std::vector<InputFile>& inputs);
+    Error nothing_found() const;
+    bool may_refuse(const InputFile& input) const { return input.named && !options_.keep_going; }
     Status take_file(const InputFile& input, FoundFile file);
     Status take_runs(const std::string& name, const FileSource& source, FileContents& file);
     Status count_memory(const FileContents& file);
@@ -61,7 +78,10 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
         Result<FoundFile> file = open_file(input.path, options_.verify);
         if (Status s = file ? take_file(input, std::move(*file)) : refuse_or_leave_out(input, file.error()); !s) return s;
     }
-    if (!found_.files.empty()) return {};
+    return {};
+}
+
+Error InputReader::nothing_found() const {
     if (!jobs_not_taken_.empty()) {
         std::string found;
         for (const auto& [id, file] : jobs_not_taken_)
@@ -77,23 +97,25 @@ Status InputReader::read_inputs(const std::vector<InputFile>& inputs) {
 
 // A file that cannot be read at all. Damage costs a file; a file that should not be there at all costs the command, if the user
 // named it. A read that the system refuses says nothing about the samples: it costs the command, which may fare better next time.
-// What the user may not read is as foreign.
+// What the user may not read is as foreign. What lies in a folder and is no sample file even by its name, such as a log, is no
+// loss.
 Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& error) {
     const bool forbidden = ::access(input.path.c_str(), R_OK) != 0 && errno == EACCES;
-    if (error.code == ErrorCode::kIo && !forbidden) return error;
+    if (error.code == ErrorCode::kIo && !forbidden && !options_.keep_going) return error;
     const bool damaged = is_damage(error);
     std::error_code ignored;
     const bool just_begun =
         is_attempt(input.path) && (error.code == ErrorCode::kTruncated || fs::file_size(input.path, ignored) == 0);
     const std::string name = input.path.string();
+    const std::string reason =
+        fs::is_directory(input.path, ignored) ? "a folder inside a folder is not searched" : reason_of(error, input.path);
     if (just_begun) {
         found_.report.notes.push_back(name + ": holds no run yet");
-    } else if (input.named && !damaged) {
+    } else if (may_refuse(input) && !damaged) {
         return error;
+    } else if (!input.named && error.code == ErrorCode::kForeign && !is_called_a_part(input.path)) {
+        found_.report.notes.push_back(fmt::format("{}: {}, skipped", name, reason));
     } else {
-        std::string reason = error.message;
-        if (reason.starts_with(name + ": ")) reason.erase(0, name.size() + 2);
-        if (fs::is_directory(input.path, ignored)) reason = "a folder inside a folder is not searched";
         leave_out(found_.report.left_out, {name, reason});
     }
     return {};
@@ -115,8 +137,8 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     } else if (const Status same = same_job(found_.job, file.header.job); !same) {
         const Error error{ErrorCode::kMismatch, fmt::format("{}: does not belong to the job of {}: {}", name,
                                                             found_.files[0].string(), same.error().message)};
-        if (input.named) return error;
-        leave_out(found_.report.left_out, {name, error.message.substr(name.size() + 2)});
+        if (may_refuse(input)) return error;
+        leave_out(found_.report.left_out, {name, reason_of(error, input.path)});
         return {};
     }
     report_state(input, file);
@@ -124,7 +146,7 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     found_.files.push_back(input.path);
     if (options_.announced_reads) opened.source->file().expect_scattered_reads();
     sources_.insert(number, opened.source, 1);  // stays open: an attempt may lose its name any time
-    must_not_repeat_.push_back(input.named && !is_attempt(input.path));
+    must_not_repeat_.push_back(may_refuse(input) && !is_attempt(input.path));
     return take_runs(name, *opened.source, file);
 }
 

@@ -27,6 +27,7 @@ struct DamagedRun {
 struct GatherOptions {
     std::vector<std::filesystem::path> inputs;   // files, folders (all that they hold), or NAME.latent not yet published
     bool skip_duplicates = false;                // files named one by one may cover a sample twice: the repeat is dropped
+    bool keep_going = false;                     // what is wrong with a file named one by one costs that file, as in a folder
     std::optional<JobId> job;                    // keep this job, leave others out
     std::optional<SampleRange> samples;          // only these sample numbers
     VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more

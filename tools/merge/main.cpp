@@ -15,6 +15,10 @@ No sample is counted twice: if two named parts hold the same samples, they are
 refused, unless --skip-duplicates is given. If a folder holds several jobs,
 choose one with --job.
 
+Folders may hold thousands of parts, finished or not. What is no sample file, such
+as a log, is listed and is no loss. An input that was named must be usable, unless
+--keep-going is given. --require is checked before anything is written.
+
 Runs are copied unchanged. On XFS and btrfs the output shares its blocks with
 the parts. The copies are verified; damaged runs are left out and listed. After
 exit status 0 the parts can be deleted, unless --verify quick was used.
@@ -57,6 +61,7 @@ int main(int argc, char** argv) try {
                                  "how thoroughly to check the runs; see below");
     app.add_flag("--compact", options.compact, "rewrite many small runs as a few large ones; records do not change");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "accept parts that hold the same samples; each sample is used once");
+    app.add_flag("--keep-going", options.keep_going, "leave out and list every input that cannot be used, even if it was named");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
                     "job to merge, if folders hold several (32 hexadecimal digits)")
         ->type_name("ID");

@@ -45,6 +45,7 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
     GatherOptions gather;
     gather.inputs = options.inputs;
     gather.skip_duplicates = options.skip_duplicates;
+    gather.keep_going = options.keep_going;
     gather.job = options.job;
     gather.verify = VerifyLevel::kQuick;  // before runs are chosen; the rest while they are copied
     gather.memory = options.memory;

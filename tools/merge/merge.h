@@ -20,6 +20,7 @@ struct MergeOptions {
     std::filesystem::path output;
     bool replace = false;                          // --force
     bool skip_duplicates = false;                  // a part that was named twice counts once
+    bool keep_going = false;                       // parts that cannot be used are left out, though they were named
     std::optional<sampledb::JobId> job;            // keep only this job
     std::optional<sampledb::SampleRange> require;  // fail unless all of these samples are there
     // Of the copies of runs, before they count; kQuick also of all runs before they are chosen.
