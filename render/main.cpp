@@ -62,7 +62,7 @@ int main(int argc, char** argv) try {
                    "the same set")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
-    app.add_flag("--dry-run", dry_run, "render for two seconds, then print the expected time and file size, and the free space");
+    app.add_flag("--dry-run", dry_run, "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
     app.add_flag("--ignore-space", ignore_space, "start even if the file is not expected to fit on the disk");
     cli::add_common(app, common, false);
     app.footer(
@@ -94,7 +94,7 @@ int main(int argc, char** argv) try {
 
     const std::atomic<bool>& stop_requested = commit_on_signals();
     if (dry_run) {
-        const Result<Forecast> expected = forecast(**job, options, 2, stop_requested);
+        const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), stop_requested);
         if (!expected) return cli::fail(expected.error());
         if (!expected->fits()) cli::warn(too_large(*expected, options.output));
         cli::print(to_text(*expected, **job, common.json));

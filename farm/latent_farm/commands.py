@@ -5,19 +5,25 @@ import re
 import sys
 
 from latent_farm import engines, planning, ranges, scripts, slurm, state, units
+from latent_farm import frames as frames_module
 from latent_farm import status as status_of
 from latent_farm.errors import DONE, Failure, Misuse
-from latent_farm.plan import Folder, check_render_options
+from latent_farm.frames import frames_of
+from latent_farm.plan import check_render_options
 
 
-def prepare(args):
-    """The folder and its plan: made, extended, or as it was."""
-    folder = Folder(args.out)
+def check(args):
+    """What can be said before anything is done, for all frames."""
     check_render_options(args.options)
     if args.engine is None:
         args.engine = "slurm" if slurm.is_here() else "shell"
     if args.hosts and args.engine != "parallel":
         raise Misuse("--hosts: is only for --engine parallel")
+
+
+def prepare(folder, args, like, share):
+    """The plan of a folder: made, extended, or as it was. `like`: a plan of another frame, whose rate stands for this one's;
+    `share`: of the machines."""
     nodes = slurm.nodes() if args.engine == "slurm" else []
     if folder.has_plan():
         folder.make()
@@ -25,14 +31,15 @@ def prepare(args):
     elif args.scene and args.spp:
         if not args.cpus and nodes:
             args.cpus = min(cpus for _, cpus in nodes)
+        machines = max(1, round((args.machines or count_machines(args, nodes)) * share))
         with folder.made():
-            plan = planning.make_plan(folder, args, args.machines or count_machines(args, nodes))
+            plan = planning.make_plan(folder, args, machines, like)
     else:
         raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp")
     folder.write_plan(plan)
     name = re.sub(r"[^\w.-]", "_", os.path.splitext(os.path.basename(plan.scene))[0])
     scripts.write_scripts(folder, plan, name, minutes=args.time and max(1, round(args.time / 60)))
-    return folder, plan
+    return plan
 
 
 def count_machines(args, nodes):
@@ -54,13 +61,12 @@ def lines_of(folder, plan, args, missing, steps):
 def report_of(folder, plan, found, missing, steps, lines):
     machines = max(1, plan.machines)
     left = sum(ranges.size(ranges.missing(plan.range_of(task), found.held_by(task))) for task in missing)
-    parts = plan.bytes
+    whole = plan.bytes * (1 if plan.until == "render" else 2)
     return {"folder": str(folder.path), "job": plan.job, "samples": plan.samples, "tasks": plan.tasks,
             "task_samples": plan.task_samples, "task_seconds": plan.task_seconds, "run_samples": plan.run_samples,
             "machines": machines, "samples_per_second": plan.rate, "missing_tasks": ranges.array_list(missing),
             "missing_samples": left, "seconds": left / plan.rate / min(machines, max(1, len(missing))),
-            "bytes": parts * (1 if plan.until == "render" else 2), "free_bytes": found.free,
-            "fits": parts * (1 if plan.until == "render" else 2) - found.disk <= found.free,
+            "bytes": whole, "bytes_needed": whole - found.disk, "free_bytes": found.free, "fits": whole - found.disk <= found.free,
             "steps": (["render"] if missing else []) + steps, "commands": lines}
 
 
@@ -76,58 +82,81 @@ def to_text(report):
     return text + "\n" + "\n".join(report["commands"]) + "\n"
 
 
+class Frame:
+    """A folder, its plan, and what is still to be done of it."""
+
+    def __init__(self, folder, args, like, share):
+        self.folder, self.plan = folder, prepare(folder, args, like, share)
+        found = state.read_state(folder, self.plan)
+        self.missing = state.unfinished(self.plan, found)
+        self.steps = state.steps_left(folder, self.plan, found, self.missing)
+        self.lines = lines_of(folder, self.plan, args, self.missing, self.steps)
+        self.report = report_of(folder, self.plan, found, self.missing, self.steps, self.lines)
+
+    def has_work(self):
+        return bool(self.missing or self.steps)
+
+    def submit(self, args):
+        self.report["jobs"] = slurm.Chain(self.folder, self.plan, args.sbatch, args.throttle).submit(self.missing, self.steps)
+
+
 def survey(args):
-    folder, plan = prepare(args)
-    found = state.read_state(folder, plan)
-    missing = state.unfinished(plan, found)
-    steps = state.steps_left(folder, plan, found, missing)
-    lines = lines_of(folder, plan, args, missing, steps)
-    return folder, plan, missing, steps, lines, report_of(folder, plan, found, missing, steps, lines)
+    check(args)
+    frames = []
+    found = frames_of(args)
+    for folder, own in found:
+        frames.append(Frame(folder, own, frames[0].plan if frames else None, 1 / len(found)))
+    needed = sum(max(0, frame.report["bytes_needed"]) for frame in frames)
+    free = frames[0].report["free_bytes"]
+    too_large = "" if needed <= free else (f"{args.out}: needs about {units.format_size(needed)} more, but only "
+                                           f"{units.format_size(free)} are free")
+    return frames, too_large
 
 
-def show(report, as_json):
-    print(json.dumps(report, indent=2) if as_json else to_text(report), end="\n" if as_json else "")
+def show(frames, as_json):
+    reports = [frame.report for frame in frames]
+    if as_json:
+        print(json.dumps(reports[0] if len(reports) == 1 else reports, indent=2))
+    else:
+        print("\n".join((f"{report['folder']}: " if len(reports) > 1 else "") + to_text(report) for report in reports), end="")
     sys.stdout.flush()
 
 
 def plan_command(args):
-    report = survey(args)[-1]
-    if not report["fits"]:
-        planning.note(too_large(report))
-    show(report, args.json)
+    frames, too_large = survey(args)
+    if too_large:
+        planning.note(too_large)
+    show(frames, args.json)
     return DONE
 
 
-def too_large(report):
-    return (f"{report['folder']}: needs about {units.format_size(report['bytes'])}, but only "
-            f"{units.format_size(report['free_bytes'])} are free")
-
-
 def submit_command(args):
-    if Folder(args.out).has_plan() and (waiting := slurm.in_queue(Folder(args.out))):
-        raise Failure(f"{args.out}: still in Slurm's queue: {', '.join(waiting[:4])}{' ...' if len(waiting) > 4 else ''}; "
-                      "wait for them, or cancel them with scancel")
-    folder, plan, missing, steps, lines, report = survey(args)
-    if not report["fits"] and not args.ignore_space:
-        raise Failure(too_large(report) + "; to submit anyway, use --ignore-space")
-    if args.engine == "slurm" and report["steps"]:
-        report["jobs"] = slurm.Chain(folder, plan, args.sbatch, args.throttle).submit(missing, steps)
-    show(report, args.json)
-    if args.engine == "slurm" and report["steps"]:
-        if not args.json:
-            print(f"submitted: jobs {', '.join(report['jobs'])}")
+    for folder in frames_module.planned(args.out):
+        if waiting := slurm.in_queue(folder):
+            raise Failure(f"{folder.path}: still in Slurm's queue: {', '.join(waiting[:4])}{' ...' if len(waiting) > 4 else ''}; "
+                          "wait for them, or cancel them with scancel")
+    frames, too_large = survey(args)
+    if too_large and not args.ignore_space:
+        raise Failure(too_large + "; to submit anyway, use --ignore-space")
+    working = [frame for frame in frames if frame.has_work()]
+    if args.engine == "slurm":
+        for frame in working:
+            frame.submit(args)
+    show(frames, args.json)
+    if args.engine == "slurm":
+        if working and not args.json:
+            print(f"submitted: jobs {', '.join(job for frame in working for job in frame.report['jobs'])}")
         return DONE
-    return engines.run(lines)
+    return engines.run([line for frame in working for line in frame.lines])
 
 
 def resume_command(args):
-    if not Folder(args.out).has_plan():
-        raise Failure(f"{args.out}: holds no plan; make one with latent-farm plan")
+    frames_module.existing(args.out)
     return submit_command(args)
 
 
 def status_command(args):
-    print(status_of.status(Folder(args.out), args.json, args.stalled_after), end="")
+    print(status_of.status(frames_module.existing(args.out), args.json, args.stalled_after), end="")
     return DONE
 
 

@@ -60,7 +60,8 @@ def add_steps(command):
 
 
 def add_scene(command, required):
-    command.argument("scene", "scene file, as for latent-render", metavar="SCENE", **({} if required else {"nargs": "?"}))
+    command.argument("scene", "scene file, as for latent-render; several are the frames of an animation", metavar="SCENE",
+                     nargs="+" if required else "*")
     command.option("--out", "DIR", "folder of the plan, its parts and its pictures", required=True)
     command.option("--spp", "N", "samples per pixel, as for latent-render", type=spp)
     command.option("--tasks", "auto|N", "number of tasks", type=tasks, default=0, shown_default="auto")
@@ -74,7 +75,7 @@ For help on a command, with examples: latent-farm COMMAND --help
 {STATUSES}""")
     rest = "Options after -- are passed on to latent-render."
     plan = Command("latent-farm plan", "Divide a render into tasks, and print how to run them.",
-                   "latent-farm plan SCENE --spp N --out DIR [OPTIONS] [-- RENDER OPTIONS]", f"""
+                   "latent-farm plan SCENE... --spp N --out DIR [OPTIONS] [-- RENDER OPTIONS]", f"""
 {rest}
 {FORMATS}
 
@@ -90,11 +91,13 @@ Examples:
       for machines that ssh reaches, with GNU parallel
   latent-farm plan scene.pbrt --spp 256 --out night -- --integrator bdpt
       with options of latent-render
+  latent-farm plan frame-*.pbrt --spp 64 --out film
+      an animation: every frame has its own folder in film
 
 {STATUSES}""")
     add_scene(plan, required=True)
     submit = Command("latent-farm submit", "Plan, and run what is missing.",
-                     "latent-farm submit [SCENE] --out DIR [OPTIONS] [-- RENDER OPTIONS]", f"""
+                     "latent-farm submit [SCENE...] --out DIR [OPTIONS] [-- RENDER OPTIONS]", f"""
 {rest}
 {FORMATS}
 

@@ -28,6 +28,7 @@ class Plan:
     machines: int  # that work at once, as far as is known; for predictions only
     cpus: int  # of a task; 0: all that the machine has
     develop: list  # options of latent-develop
+    develop_since: float = 0  # when these were chosen; an older picture is another
     until: str = "develop"  # the last step: render, merge or develop
     checkpoint: float = 60  # seconds
     version: int = VERSION
@@ -119,7 +120,8 @@ class Folder:
             raise Failure(f"{path}: cannot be written: {error.strerror}") from None
 
 
-TAKEN = {"-o", "--output", "--spp", "--samples", "--shard", "--threads", "--dry-run", "--json", "--force", "--quiet", "-q", "--checkpoint"}
+TAKEN = {"-o", "--output", "--spp", "--samples", "--shard", "--threads", "--dry-run", "--json", "--force", "--quiet", "-q", "--checkpoint",
+         "--max-time", "--more-than"}
 
 
 def check_render_options(options):

@@ -2,6 +2,7 @@
 import os
 import resource
 import sys
+import time
 
 from latent_farm import sizing, tools
 from latent_farm.errors import Failure, Misuse
@@ -18,16 +19,18 @@ def trial(folder, arguments, cpus):
     return answer, answer["samples"] / answer["seconds"] * (cpus or here) / threads
 
 
-def make_plan(folder, args, machines):
-    """Measures and cuts. `folder` has its parts folder."""
+def make_plan(folder, args, machines, like=None):
+    """Measures and cuts. `folder` has its parts folder. `like`: a plan of a similar scene, which was measured for longer."""
     scene = os.path.abspath(args.scene)
     arguments = [scene, *args.options, "--spp", f"{args.spp:.17g}"]
-    answer, rate = trial(folder, arguments, args.cpus)
+    brief = ["--max-time", "0.1"]
+    answer, rate = trial(folder, [*arguments, *(brief if like else [])], args.cpus)
     tasks = args.tasks or sizing.count_tasks(answer["samples"] / rate, machines)
     fixed = any(option.split("=")[0] == "--run-samples" for option in args.options)
     task_samples, run_samples = sizing.cut(answer["samples"], tasks, answer["run_samples"], may_shorten=not fixed)
     if run_samples != answer["run_samples"]:  # which makes another job
-        answer, rate = trial(folder, [*arguments, "--run-samples", str(run_samples)], args.cpus)
+        answer, _ = trial(folder, [*arguments, "--run-samples", str(run_samples), *brief], args.cpus)
+    rate = like.rate if like else rate
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
     return Plan(scene=scene, spp=args.spp, options=args.options, samples=answer["samples"], task_samples=task_samples,
                 run_samples=run_samples, job=answer["job"], rate=rate, bytes_per_sample=answer["bytes"] / answer["samples"],
@@ -56,7 +59,8 @@ def extend_plan(folder, plan, args, machines):
     if args.cpus:
         plan.cpus = args.cpus
     plan.memory = args.memory or plan.memory
-    plan.develop = args.develop or plan.develop
+    if args.develop and args.develop != plan.develop:
+        plan.develop, plan.develop_since = args.develop, time.time()
     plan.until = args.until or plan.until
     plan.checkpoint = args.checkpoint or plan.checkpoint
     plan.machines = machines or plan.machines

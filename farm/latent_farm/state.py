@@ -113,7 +113,7 @@ def steps_left(folder, plan, state, tasks):
     if tasks or ranges.missing((0, plan.samples), state.merged):
         steps.append("merge")
     if plan.until == "develop":
-        picture = folder.picture
-        if steps or not picture.exists() or picture.stat().st_mtime < folder.merged.stat().st_mtime:
+        made = folder.picture.stat().st_mtime if folder.picture.exists() else 0
+        if steps or made < max(plan.develop_since, folder.merged.stat().st_mtime):
             steps.append("develop")
     return steps

@@ -86,8 +86,23 @@ def to_text(report, now):
     return "\n".join(lines) + "\n"
 
 
-def status(folder, as_json, stalled_after):
-    plan = folder.read_plan()
+def status(folders, as_json, stalled_after):
+    """Of one folder, or of the frames of an animation."""
     now = time.time()
-    report = summary(folder, plan, state.read_state(folder, plan), now, stalled_after)
-    return json.dumps(report, indent=2) + "\n" if as_json else to_text(report, now)
+    reports = []
+    for folder in folders:
+        plan = folder.read_plan()
+        reports.append(summary(folder, plan, state.read_state(folder, plan), now, stalled_after))
+    if as_json:
+        return json.dumps(reports[0] if len(reports) == 1 else reports, indent=2) + "\n"
+    return "\n".join(to_text(report, now) for report in reports) + (totals(reports) if len(reports) > 1 else "")
+
+
+def totals(reports):
+    done = sum(not report["steps_left"] and not report["missing_tasks"] for report in reports)
+    samples, committed = (sum(report[key] for report in reports) for key in ("samples", "committed"))
+    rate = sum(report["samples_per_second"] for report in reports)
+    text = f"\n{done} of {len(reports)} frames are done; {committed} of {samples} samples committed ({100 * committed / samples:.1f} %)"
+    if rate and committed < samples:
+        text += f", {units.format_duration((samples - committed) / rate)} left"
+    return text + "\n"

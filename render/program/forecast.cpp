@@ -30,6 +30,11 @@ std::uint64_t scaled(std::uint64_t bytes, double factor) {
 
 }  // namespace
 
+double trial_seconds(const RenderOptions& options) {
+    constexpr double kMost = 2;
+    return options.max_seconds > 0 ? std::min(options.max_seconds, kMost) : kMost;
+}
+
 Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
     const Result<sampledb::Coverage> missing = sampledb::PartWriter::find_missing(part_options(job, options), job.job);
     if (!missing) return missing.error();

@@ -27,6 +27,9 @@ struct Forecast {
     bool fits() const { return !free_bytes || committed == samples || bytes <= *free_bytes; }
 };
 
+// Of a dry run: two, or less if --max-time says so.
+double trial_seconds(const RenderOptions& options);
+
 // From `seconds` of rendering into a temporary file that is gone afterwards. Errors: those of `render`, and kStopped if not one
 // sample was finished.
 Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop);

@@ -94,9 +94,36 @@ class Plan(FarmTest):
         self.fail_with("none.pbrt: cannot open: No such file", "latent-farm", "plan", self.folder / "none.pbrt", "--spp", 4, "--out", self.folder / "y")
         self.fail_with("holds no plan", "latent-farm", "resume", self.folder / "z")
         self.fail_with("holds no plan", "latent-farm", "status", self.folder / "z")
-        self.fail_with("--out", "latent-farm", "plan", SCENE, status=2)
+        self.fail_with("--out", "latent-farm", "plan", SCENE, "--spp", 4, status=2)
         for name in ("x", "y", "z"):
             self.assertFalse((self.folder / name).exists(), name)
+
+    def test_other_options_of_develop_make_the_picture_anew(self):
+        self.plan("--tasks", 2, "--develop=--size 16", command="submit")
+        first = (self.folder / "night/picture.exr").read_bytes()
+        self.assertEqual(self.plan("--develop=--size 16", command="submit")["steps"], [])
+        self.assertEqual(self.plan("--develop=--size 32", command="submit")["steps"], ["develop"])
+        self.assertNotEqual((self.folder / "night/picture.exr").read_bytes(), first)
+
+    def test_an_animation_has_a_chain_for_each_frame(self):
+        for number in range(3):
+            text = SCENE.read_text().replace("2856", str(2856 + number))
+            (self.folder / f"frame-{number}.pbrt").write_text(text)
+        film = self.folder / "film"
+        arguments = ["--spp", 2, "--out", film, "--engine", "shell", "--machines", 6, "--", "--resolution", "64x64"]
+        scenes = sorted(self.folder.glob("frame-*.pbrt"))
+        frames = json.loads(self.succeed("latent-farm", "plan", "--json", *scenes, *arguments).stdout)
+        self.assertEqual([frame["tasks"] for frame in frames], [2, 2, 2])
+        self.assertEqual(len({frame["job"] for frame in frames}), 3)
+        self.succeed("/bin/sh", "-c", frames[1]["commands"][0])
+        self.assertIn("1 of 3 frames are done", self.succeed("latent-farm", "status", film).stdout)
+        self.succeed("latent-farm", "resume", film, "--engine", "shell")
+        pictures = {(film / f"frame-{number}/picture.exr").read_bytes() for number in range(3)}
+        self.assertEqual(len(pictures), 3)
+        status = json.loads(self.succeed("latent-farm", "status", film, "--json").stdout)
+        self.assertEqual([frame["steps_left"] for frame in status], [[], [], []])
+        self.fail_with("frames of an animation", "latent-farm", "plan", scenes[0], *arguments, status=2)
+        self.fail_with("same folder", "latent-farm", "plan", scenes[0], scenes[0], "--spp", 1, "--out", self.folder / "x", status=2)
 
     def test_a_scene_that_has_changed_is_another_job(self):
         scene = self.folder / "scene.pbrt"

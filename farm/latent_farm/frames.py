@@ -1,0 +1,46 @@
+"""One scene, or the frames of an animation: which folders a command is about."""
+import argparse
+import pathlib
+
+from latent_farm.errors import Failure, Misuse
+from latent_farm.plan import Folder
+
+
+def planned(out):
+    """The folder itself, if it holds a plan, or those of the frames in it."""
+    if Folder(out).has_plan():
+        return [Folder(out)]
+    return [Folder(path.parent) for path in sorted(pathlib.Path(out).glob("*/plan.json"))]
+
+
+def existing(out):
+    """The same, where there must be something."""
+    folders = planned(out)
+    if not folders:
+        raise Failure(f"{out}: holds no plan; make one with latent-farm plan")
+    return folders
+
+
+def frames_of(args):
+    """[(folder, arguments)]: one for each scene, with a folder of its own in --out if there are several; without scenes, what is
+    planned already."""
+    def frame(folder, scene):
+        return folder, argparse.Namespace(**{**vars(args), "scene": scene})
+
+    scenes = args.scene or []
+    folders = planned(args.out)
+    if not scenes:
+        if not folders:
+            raise Misuse(f"{args.out}: holds no plan yet; name a scene and --spp")
+        return [frame(folder, None) for folder in folders]
+    if len(scenes) == 1:
+        if folders and not Folder(args.out).has_plan():
+            raise Misuse(f"{args.out}: holds the frames of an animation; choose another --out, or name all its scenes")
+        return [frame(Folder(args.out), scenes[0])]
+    if Folder(args.out).has_plan():
+        raise Misuse(f"{args.out}: holds the plan of a single scene; choose another --out")
+    names = [pathlib.Path(scene).name.split(".")[0] for scene in scenes]
+    for name in names:
+        if names.count(name) > 1:
+            raise Misuse(f"{name}: several scenes have this name, and their frames would have the same folder")
+    return [frame(Folder(pathlib.Path(args.out) / name), scene) for name, scene in zip(names, scenes)]
