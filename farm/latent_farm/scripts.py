@@ -87,7 +87,9 @@ def minutes_of(plan):
     return max(15, math.ceil(2 * plan.task_seconds / 60) + 10)
 
 
-def write_scripts(folder, plan, name, minutes=None, notice=180):
+def write_scripts(folder, plan, name, minutes=None):
+    minutes = minutes or minutes_of(plan)
+    notice = min(180, 15 * minutes)  # seconds before the limit
     path, logs = folder.path, str(folder.logs).replace("%", "%%")
     options = shlex.join([*plan.options, "--run-samples", str(plan.run_samples)])
     folder.write(path / "task", TASK.format(
@@ -98,7 +100,7 @@ def write_scripts(folder, plan, name, minutes=None, notice=180):
                                                   options=shlex.join(plan.develop)), 0o755)
     cpus = f" --cpus-per-task={plan.cpus}" if plan.cpus else ""
     folder.write(path / "render.sbatch", RENDER_JOB.format(
-        name=name, cpus=cpus, memory=plan.memory >> 20, minutes=minutes or minutes_of(plan), notice=notice, logs=logs,
+        name=name, cpus=cpus, memory=plan.memory >> 20, minutes=minutes, notice=notice, logs=logs,
         task=shlex.quote(str(path / "task"))))
     for step in ("merge", "develop"):
         folder.write(path / f"{step}.sbatch", STEP_JOB.format(

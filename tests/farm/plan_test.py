@@ -3,6 +3,7 @@ import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import time
 import unittest
@@ -146,6 +147,37 @@ class Parallel(FarmTest):
         report = self.plan("--tasks", 3, engine="parallel", command="submit")
         self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
         self.assertIn("task 2", (self.folder / "night/logs/parallel.log").read_text())
+
+    @unittest.skipUnless(os.path.exists("/usr/sbin/sshd") and os.path.isdir("/run/sshd") and os.geteuid() == 0,
+                         "no ssh server can be started here (root, openssh-server, /run/sshd)")
+    def test_parallel_reaches_machines_over_ssh_and_tries_a_task_again_on_another(self):
+        for key in ("host", "user"):
+            self.succeed("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", self.folder / key)
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        server = subprocess.Popen(["/usr/sbin/sshd", "-D", "-e", "-f", "/dev/null", "-h", self.folder / "host", "-p", str(port),
+                                   "-o", "ListenAddress=127.0.0.1", "-o", "StrictModes=no", "-o", "PidFile=none",
+                                   "-o", f"AuthorizedKeysFile={self.folder / 'user.pub'}"], stderr=subprocess.DEVNULL)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.terminate)
+        ssh = f"ssh -p {port} -i {self.folder / 'user'} -o StrictHostKeyChecking=no -o UserKnownHostsFile=/dev/null -o LogLevel=ERROR"
+        for _ in range(100):
+            if run(*ssh.split(), "root@127.0.0.1", "true").returncode == 0:
+                break
+            time.sleep(0.1)
+        hosts = self.folder / "hosts"
+        hosts.write_text(f"# two machines that are one\n{ssh} root@127.0.0.1\n{ssh} root@localhost\n")
+        report = self.plan("--tasks", 5, "--hosts", hosts, engine="parallel")
+        self.assertEqual(report["machines"], 2)
+        task = self.folder / "night/task"
+        once = self.folder / "once"
+        task.write_text(task.read_text().replace("#!/bin/sh\n", f"#!/bin/sh\n[ $1 != 2 ] || ! mkdir {once} 2>/dev/null || exit 1\n"))
+        self.succeed("/bin/bash", "-c", report["commands"][0])
+        self.assertTrue(once.is_dir())
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
+        log = (self.folder / "night/logs/parallel.log").read_text()
+        self.assertTrue("127.0.0.1" in log and "localhost" in log, log)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@
 //                                          renameat2), renameat2 (that alone), create (open with O_CREAT or O_TMPFILE), lock
 //                                          (flock)
 //                                    N     the N-th such call, counted from 1; "N+" that one and all later ones
-//                                    WHAT  EIO, ENOSPC, EDQUOT, EINTR, EXDEV, EROFS, EACCES, EMFILE, EINVAL, ENOLCK: fail so;
+//                                    WHAT  EIO, ENOSPC, EDQUOT, EINTR, EXDEV, EROFS, EACCES, EMFILE, EINVAL, ENOLCK, EPERM: fail
+//                                    so;
 //                                          short: transfer half of the bytes (1 at least); zero: return 0, nothing transferred;
 //                                          flip: transfer all, but with a bit of the middle byte flipped;
 //                                          kill, kill-after: SIGKILL before or after the call;
@@ -102,8 +103,9 @@ int errno_named(const std::string& name) {
     static const struct {
         const char* name;
         int value;
-    } kTable[] = {{"EIO", EIO},     {"ENOSPC", ENOSPC}, {"EDQUOT", EDQUOT}, {"EINTR", EINTR},   {"EXDEV", EXDEV},
-                  {"EROFS", EROFS}, {"EACCES", EACCES}, {"EMFILE", EMFILE}, {"EINVAL", EINVAL}, {"ENOLCK", ENOLCK}};
+    } kTable[] = {{"EIO", EIO},       {"ENOSPC", ENOSPC}, {"EDQUOT", EDQUOT}, {"EINTR", EINTR},
+                  {"EXDEV", EXDEV},   {"EROFS", EROFS},   {"EACCES", EACCES}, {"EMFILE", EMFILE},
+                  {"EINVAL", EINVAL}, {"ENOLCK", ENOLCK}, {"EPERM", EPERM}};
     for (const auto& entry : kTable) {
         if (name == entry.name) return entry.value;
     }

@@ -188,6 +188,37 @@ TEST_F(PartWriterFaults, KilledBeforeOrAfterAnyCallItGoesOn) {
     }
 }
 
+TEST_F(PartWriterFaults, WithoutHardLinksThePartIsRenamedAndWithoutEitherTheAttemptKeepsEverything) {
+    const FaultOutcome renamed = write_with("link:1:EPERM");
+    EXPECT_TRUE(renamed.happened);
+    EXPECT_EQ(renamed.status, 0) << renamed.err;
+    finish_undisturbed();
+    const FaultOutcome neither = write_with("link:1:EPERM,renameat2:1+:EINVAL");
+    EXPECT_EQ(neither.status, 1);
+    EXPECT_NE(neither.err.find("cannot name the finished file"), std::string::npos) << neither.err;
+    EXPECT_FALSE(fs::exists(name_));
+    EXPECT_EQ(seen(name_).runs, expected_);
+    finish_undisturbed();
+}
+
+TEST_F(PartWriterFaults, AnExtensionThatIsKilledAtAnyCallLosesNothingAndGoesOn) {
+    Setting shorter = setting_;
+    shorter.samples = 6000;
+    for (const char* call : {"create", "write", "sync", "link", "unlink"}) {
+        for (const char* what : {"kill", "kill-after", "EPERM"}) {
+            for (int nth = 1; nth < 6; ++nth) {
+                const std::string rule = std::string(call) + ":" + std::to_string(nth) + ":" + what;
+                SCOPED_TRACE(rule);
+                ASSERT_EQ(run(writer(name_, shorter, 1)).status, 0);
+                const FaultOutcome outcome = write_with(rule);
+                const std::uint64_t kept = seen(folder_.path()).samples;  // the finished part, and attempts at a longer one
+                EXPECT_GE(kept, std::max<std::uint64_t>(6000, last(outcome.out, "committed")));
+                finish_undisturbed();
+            }
+        }
+    }
+}
+
 TEST_F(PartWriterFaults, RunsOfOtherAttemptsAreAdoptedByAnyMeansOfCopying) {
     for (const char* rule : {"copy:1:EXDEV", "copy:1:short", "copy:1:zero", "copy:1:EIO", "copy:1:ENOSPC", "read:4:EIO"}) {
         SCOPED_TRACE(rule);

@@ -41,8 +41,8 @@ Examples:
   latent-develop night.latent --size 2048 --observer kodak_trix_400 \
       --lens-filter wratten-25 --filter-factor auto -o film.exr
       on film behind a red filter, for spectral records
-  latent-develop parts/ --size 1024 --samples 0:1048576 -o preview.exr
-      a preview from some of the samples, before the parts are merged
+  latent-develop parts/ --budget 10s -o preview.exr
+      what there is by now of a render that goes on, in about ten seconds
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged,
 foreign, missing or non-finite input was left out, or the report could not be
@@ -80,6 +80,12 @@ Result<double> parse_filter_factor(std::string_view text) {
     return Error{ErrorCode::kUsage, fmt::format("'{}' is not a filter factor (try none, auto or 8)", text)};
 }
 
+Result<double> parse_fraction(std::string_view text) {
+    const Result<double> fraction = parse_number(text);
+    if (fraction && *fraction > 0 && *fraction <= 1) return fraction;
+    return Error{ErrorCode::kUsage, fmt::format("'{}' is not a fraction (try 0.01)", text)};
+}
+
 void add_arguments(CLI::App& app, PictureOptions& options) {
     app.footer(kHelp);
     app.add_option("FILE", options.inputs, "files of one job, or folders of files")->required();
@@ -96,6 +102,11 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     add_observer(app, options.observer);
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
         ->type_name("A:B");
+    auto* fraction = cli::add_parsed(app, "--fraction", options.fraction, parse_fraction,
+                                     "preview: develop runs that hold this part of the samples, spread over the whole picture")
+                         ->type_name("0..1");
+    cli::add_duration(app, "--budget", options.budget_seconds, "preview: develop as many runs as take about this long")
+        ->excludes(fraction);
     app.add_option("--image", options.image, "camera image, light image, or both (the picture is their sum)")
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();

@@ -9,6 +9,9 @@ namespace latent::develop {
 // Everything but what all tools take.
 void add_arguments(CLI::App& app, PictureOptions& options);
 
+// Of --fraction: above 0, at most 1. Errors: kUsage.
+Result<double> parse_fraction(std::string_view text);
+
 // Of --filter-factor: "none", "auto" (0) or a number above 0. Errors: kUsage.
 Result<double> parse_filter_factor(std::string_view text);
 

@@ -12,7 +12,9 @@
 #include "base/stopwatch.h"
 #include "color/rgb_space.h"
 #include "image/exr_tile_writer.h"
+#include "tools/develop/preview.h"
 #include "tools/develop/splat.h"
+#include "tools/develop/subset.h"
 
 namespace latent::develop {
 
@@ -113,18 +115,14 @@ Error nothing_to_develop(sampledb::GatherOptions options) {
     return {ErrorCode::kOutOfRange, message};
 }
 
-Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Progress& progress) {
-    sampledb::GatherOptions gather;
-    gather.inputs = options.inputs;
-    gather.skip_duplicates = options.skip_duplicates;
-    gather.job = options.job;
-    gather.samples = options.samples;
-    gather.verify = verify;
-    gather.memory = options.memory;
-    gather.announced_reads = true;
-    const auto gathered = sampledb::Gathering::open(gather);
-    if (!gathered) return gathered.error();
-    const sampledb::Gathering& gathering = **gathered;
+// What is asked for of some of the runs, or all.
+struct Share {
+    std::uint64_t available = 0;  // samples of all runs
+    bool publish = true;          // false: to see how long it takes
+};
+
+Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb::GatherOptions& gather,
+                                   const sampledb::Gathering& gathering, const Share& share, const Progress& progress) {
     const sampledb::Job& job = gathering.job();
 
     PictureReport report;
@@ -132,13 +130,16 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     report.job = job.id;
     report.coverage = gathering.coverage();
     if (report.coverage.empty()) return nothing_to_develop(gather);
-    if (options.samples) report.missing.add(*options.samples);
+    report.available = share.available;
+    if (options.samples && !options.is_preview()) report.missing.add(*options.samples);
     report.missing.remove(report.coverage);
     report.files = gathering.files().size();
     report.runs = gathering.runs().size();
     report.gathering = gathering.report();
-    const Result<Size> size =
-        options.size.empty() ? default_size(job, gathering.coverage().size()) : parse_size_on_film(options.size, job);
+    const std::uint64_t samples = gathering.coverage().size();
+    const Result<Size> size = options.size.empty()
+                                  ? default_size(job, std::min(share.available, options.is_preview() ? 16 * samples : samples))
+                                  : parse_size_on_film(options.size, job);
     if (!size) return size.error();
     report.width = size->width;
     report.height = size->height;
@@ -195,13 +196,50 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(options.threads).run([&] { counts = develop(gathering, *channels, settings, sink, progress); });
     if (!counts) return counts.error();
-    if (Status s = (*writer)->finish(); !s) return s.error();
-    if (Status s = out->publish(); !s) return s.error();
+    if (share.publish) {
+        if (Status s = (*writer)->finish(); !s) return s.error();
+        if (Status s = out->publish(); !s) return s.error();
+    }
     report.counts = *counts;
     report.bytes_read = gathering.bytes_read();
     report.seconds = stopwatch.seconds();
     advise(options, report, report.warnings);
     return report;
+}
+
+// `running`: since the command began.
+Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
+                                   const Progress& progress) {
+    sampledb::GatherOptions gather;
+    gather.inputs = options.inputs;
+    gather.skip_duplicates = options.skip_duplicates;
+    gather.job = options.job;
+    gather.samples = options.samples;
+    gather.verify = verify;
+    gather.memory = options.memory;
+    gather.announced_reads = true;
+    const auto gathered = sampledb::Gathering::open(gather);
+    if (!gathered) return gathered.error();
+    const sampledb::Gathering& all = **gathered;
+    const std::uint64_t available = all.coverage().size();
+    if (!options.is_preview()) return develop_runs(options, gather, all, {available}, progress);
+
+    const std::vector<std::uint32_t> order = shuffled_runs(all);
+    const auto first = [&](std::size_t count) {
+        return Subset(all, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)});
+    };
+    Result<std::size_t> count = count_for(all, order, options.fraction);
+    if (options.budget_seconds > 0) {
+        const Trial trial = [&](std::size_t runs) -> Result<double> {
+            const Stopwatch stopwatch;
+            const Result<PictureReport> tried = develop_runs(options, gather, first(runs), {available, false}, {});
+            if (!tried) return tried.error();
+            return stopwatch.seconds();
+        };
+        count = runs_within(options.budget_seconds - running.seconds(), order.size(), trial);
+        if (!count) return count.error();
+    }
+    return develop_runs(options, gather, first(*count), {available}, progress);
 }
 
 }  // namespace
@@ -237,9 +275,10 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
 
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
     if (Status s = set_simd_level(options.simd); !s) return s.error();
-    Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, progress);
+    const Stopwatch running;
+    Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, progress);
     const bool damaged = !report && sampledb::is_unreadable(report.error());
-    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, progress) : report;
+    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, running, progress) : report;
 }
 
 }  // namespace latent::develop

@@ -27,10 +27,14 @@ struct PictureOptions {
     Layers layers;
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     std::optional<sampledb::SampleRange> samples;
+    double fraction = 1;        // of these: a preview of some of the runs
+    double budget_seconds = 0;  // or as many as can be developed in that time; 0: all
     std::optional<sampledb::JobId> job;
     std::uint64_t memory = std::uint64_t{1} << 30;
     int threads = 0;
     std::string simd = "best";
+
+    bool is_preview() const { return fraction < 1 || budget_seconds > 0; }
 };
 
 struct PictureReport {
@@ -42,6 +46,7 @@ struct PictureReport {
     double filter_factor = 1;  // of a filter in front of the lens
     sampledb::JobId job;
     sampledb::Coverage coverage, missing;  // samples in the picture; those that were asked for by number, but are in no file
+    std::uint64_t available = 0;           // samples that could be in it; a preview leaves some out
     std::size_t files = 0, runs = 0;
     std::uint64_t bytes_stored = 0;  // of the selected runs
     std::uint64_t bytes_read = 0;
@@ -56,7 +61,7 @@ struct PictureReport {
     }
 };
 
-// The size that gives at least 16 samples per pixel, in the film's shape.
+// The size that gives at least 16 samples per pixel, in the film's shape. (Of a preview, one sample of those it is made of.)
 struct Size {
     std::uint32_t width, height;
 };

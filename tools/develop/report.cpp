@@ -29,6 +29,7 @@ std::string to_json(const PictureReport& r) {
                              {"filter_factor", r.filter_factor},
                              {"job", to_hex(r.job)},
                              {"files", r.files},
+                             {"available_samples", r.available},
                              {"runs", r.runs},
                              {"light_paths", c.light_paths},
                              {"camera_records", c.camera_records},
@@ -61,6 +62,9 @@ std::string to_text(const PictureReport& r) {
     text += fmt::format("read {} of {} in {}, {} region{}, decode factor {:.2f}\n", format_size(r.bytes_read),
                         format_size(r.bytes_stored), format_duration(r.seconds), c.regions, c.regions == 1 ? "" : "s",
                         c.decode_factor());
+    if (r.coverage.size() < r.available)
+        text += fmt::format("a preview of {:.2g} % of the samples\n",
+                            100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));
     if (r.filter_factor != 1) text += fmt::format("filter factor {:.4g}\n", r.filter_factor);
     if (const auto& fit = r.camera_fit)
         text += fmt::format("camera: CIEDE2000 {:.2f} on average, {:.2f} at most, of the 24 ColorChecker patches under D65\n",
