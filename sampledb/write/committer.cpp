@@ -1,6 +1,7 @@
 #include "sampledb/write/committer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/parallel.h"
@@ -68,19 +69,23 @@ Result<bool> Committer::add_next() {
         if (Status s = close(assembler_.skip(stored->samples())); !s) return s.error();
         return true;
     }
-    Result<GrainPtr> grain = earlier_.take_grain(next);
-    if (!grain) {
+    Result<EarlierAttempts::Taken> earlier = earlier_.take_grain(next);
+    if (!earlier) {
         published_ = publisher_.published_elsewhere();
-        if (!published_) return grain.error();
+        if (!published_) return earlier.error();
         return true;
     }
-    if (!*grain) {
+    GrainPtr grain = std::move(earlier->grain);
+    if (!grain) {
         GrainWindow::Submitted taken = window_.take(next, unsaved_.empty() ? GrainWindow::Time::max() : clock_.due());
         if (!taken.grain) return false;
-        *grain = taken.grain;
+        grain = taken.grain;
+        std::ranges::move(std::exchange(again_, {}), std::back_inserter(unsaved_));
         unsaved_.push_back(std::move(taken));
+    } else if (earlier->save_again) {
+        again_.push_back({grain, Clock::now()});
     }
-    if (Status s = close(assembler_.add(std::move(*grain))); !s) return s.error();
+    if (Status s = close(assembler_.add(std::move(grain))); !s) return s.error();
     return true;
 }
 
@@ -90,7 +95,9 @@ Status Committer::close(std::vector<AssembledRun> runs) {
             publisher_.adopt(*stored);
             continue;
         }
-        std::erase_if(unsaved_, [&](const auto& taken) { return taken.grain->range.end <= run.samples.end; });
+        const auto held = [&](const GrainWindow::Submitted& taken) { return taken.grain->range.end <= run.samples.end; };
+        std::erase_if(unsaved_, held);
+        std::erase_if(again_, held);
         if (Status s = commit(std::move(run.grains), run.samples.end, &WriterCounts::runs_written); !s) return s;
     }
     return {};

@@ -58,6 +58,7 @@ class Committer {
     EarlierAttempts earlier_;
     RunAssembler assembler_;
     std::vector<GrainWindow::Submitted> unsaved_;  // taken from the window, in no run on disk
+    std::vector<GrainWindow::Submitted> again_;    // from earlier attempts: to be saved together with the next of these
     CheckpointClock clock_;
     RunBuilder builder_;
     Bytes encoded_;  // the run that was written last; its memory serves the next

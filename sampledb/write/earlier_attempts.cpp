@@ -97,9 +97,12 @@ void EarlierAttempts::believe() {
         const Result<DecodedRun> run = read_run(stored, job_);
         if (!run) return true;
         LooseGrains loose{stored, {}};
+        Coverage whole;
         for (const GrainPtr& grain : split(run->records, run->coverage, range_)) {
+            whole.add(grain->range);
             if (!committed_.contains(grain->range)) loose.grains.add(grain->range);
         }
+        loose.with_piece = whole != run->coverage.intersection(Coverage(range_));
         committed_.add(loose.grains);
         if (!loose.grains.empty()) loose_.push_back(std::move(loose));
         return stored.run.header.interval_count != 1;
@@ -116,7 +119,7 @@ const StoredRun* EarlierAttempts::run_of(SampleRange samples) const {
     return at == others_.end() ? nullptr : &at->second;
 }
 
-Result<GrainPtr> EarlierAttempts::take_grain(std::uint64_t sample) {
+Result<EarlierAttempts::Taken> EarlierAttempts::take_grain(std::uint64_t sample) {
     if (const auto holder = std::ranges::find_if(loose_,
                                                  [&](const LooseGrains& loose) {
                                                      return loose.grains.intersects({sample, sample + 1});
@@ -127,11 +130,12 @@ Result<GrainPtr> EarlierAttempts::take_grain(std::uint64_t sample) {
         const Result<DecodedRun> run = read_run(loose.stored, job_);
         if (!run) return run.error();
         for (GrainPtr& grain : split(run->records, run->coverage, range_)) {
-            if (loose.grains.contains(grain->range)) grains_.emplace(grain->range.first, std::move(grain));
+            const std::uint64_t first = grain->range.first;
+            if (loose.grains.contains(grain->range)) grains_.emplace(first, Taken{std::move(grain), loose.with_piece});
         }
     }
     const auto at = grains_.find(sample);
-    return at == grains_.end() ? GrainPtr() : std::move(grains_.extract(at).mapped());
+    return at == grains_.end() ? Taken{} : std::move(grains_.extract(at).mapped());
 }
 
 }  // namespace latent::sampledb

@@ -40,7 +40,13 @@ class EarlierAttempts {
     // The canonical run that begins at `sample`; null if there is none.
     const StoredRun* canonical_at(std::uint64_t sample) const;
     // The grain that begins at `sample`, from its run, which is read again; null if there is none. Each grain is given once.
-    Result<GrainPtr> take_grain(std::uint64_t sample);
+    struct Taken {
+        GrainPtr grain;
+        // Its run also holds a piece of a grain, which is rendered again as a whole. No reader can use both: the next checkpoint is
+        // to hold this grain too, and so all that the run holds.
+        bool save_again = false;
+    };
+    Result<Taken> take_grain(std::uint64_t sample);
     // A run of exactly these samples, should they turn out to be a run of the result; null if there is none.
     const StoredRun* run_of(SampleRange samples) const;
 
@@ -48,6 +54,7 @@ class EarlierAttempts {
     struct LooseGrains {
         StoredRun stored;
         Coverage grains;
+        bool with_piece = false;
     };
 
     void add(const StoredRun& stored);
@@ -58,7 +65,7 @@ class EarlierAttempts {
     std::map<std::uint64_t, StoredRun> canonical_;  // by first sample: a run from there to a multiple of S can only have one end
     std::map<SampleRange, StoredRun> others_;
     std::vector<LooseGrains> loose_;
-    std::map<std::uint64_t, GrainPtr> grains_;  // read, not yet taken; by first sample
+    std::map<std::uint64_t, Taken> grains_;  // read, not yet taken; by first sample
     Coverage committed_;
 };
 
