@@ -1,11 +1,12 @@
 // Profiles as Little CMS understands them.
+#include "tools/convert/icc.h"
+
 #include <lcms2.h>
 
 #include <cmath>
 #include <fstream>
 
 #include "tests/convert/test_picture.h"
-#include "tools/convert/icc.h"
 
 namespace latent::convert {
 namespace {

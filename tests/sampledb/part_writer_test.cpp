@@ -1,4 +1,3 @@
-#include "sampledb/data/limits.h"
 #include "sampledb/write/part_writer.h"
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <random>
 #include <thread>
 
+#include "sampledb/data/limits.h"
 #include "sampledb/read/file_reader.h"
 #include "sampledb/read/part_name.h"
 #include "sampledb/write/grain_queue.h"

@@ -48,7 +48,8 @@ TEST_F(AreaLight, PowerIsThatOfThePictureAltogether) {
 
 const char* const kRoom =
     "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float focaldistance\" 3\n"
-    "Integrator \"path\" \"integer maxdepth\" 3\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.1 .1 .1]\nMaterial \"diffuse\" \"rgb reflectance\" [.5 .4 .3]\n"
+    "Integrator \"path\" \"integer maxdepth\" 3\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.1 .1 .1]\nMaterial \"diffuse\" "
+    "\"rgb reflectance\" [.5 .4 .3]\n"
     "Shape \"trianglemesh\" \"point3 P\" [-4 -4 -.8  4 -4 -.8  4 4 -.8  -4 4 -.8] \"integer indices\" [0 1 2 0 2 3]\n"
     "Material \"conductor\" \"float roughness\" .5\nShape \"sphere\" \"float radius\" .4\nMaterial \"diffuse\"\n"
     "Translate .1 -.2 1.1\nRotate 160 1 .2 0\n";

@@ -253,7 +253,8 @@ TEST(GridMedium, AUniformGridOfColoursIsAHomogeneousMedium) {
     const Scene grid = scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" " + kGrid + "\"rgb sigma_s\" [" +
                                                repeated("0.5 1 2 ", 6 * 7 * 8) + "] \"rgb sigma_a\" [" +
                                                repeated("0.4 0.1 0.02 ", 6 * 7 * 8) + "] " + scale)));
-    expect_equal(picture_of(grid, {.kind = IntegratorKind::kPath}, 4096), picture_of(homogeneous, {.kind = IntegratorKind::kPath}, 4096));
+    expect_equal(picture_of(grid, {.kind = IntegratorKind::kPath}, 4096),
+                 picture_of(homogeneous, {.kind = IntegratorKind::kPath}, 4096));
 }
 
 // Matter that scatters half and emits what it absorbs of Le: where one sees nothing else, one sees Le.
@@ -311,7 +312,8 @@ TEST(GridMedium, PathAndBdptAgreeOnACloud) {
         "\"float density\" [" +
         density + "]\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
-    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096), picture_of(scene, {.kind = IntegratorKind::kBdpt}, 4096));
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096),
+                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, 4096));
 }
 
 TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
@@ -320,7 +322,8 @@ TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
         "\"cloud\" "
         "\"rgb sigma_s\" [4 5 6] \"rgb sigma_a\" [.5 .3 .1] \"float density\" 2 \"float frequency\" 3\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
-    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 1500), picture_of(scene, {.kind = IntegratorKind::kBdpt}, 1500));
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 1500),
+                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, 1500));
 }
 
 }  // namespace
