@@ -42,7 +42,7 @@ Examples:
       --lens-filter wratten-25 --filter-factor auto -o film.exr
       on film behind a red filter, for spectral records
   latent-develop parts/ --budget 10s -o preview.exr
-      what there is by now of a render that goes on, in about ten seconds
+      what a running render has so far, in about ten seconds
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged,
 foreign, missing or non-finite input was left out, or the report could not be

@@ -15,9 +15,9 @@ No sample is counted twice: if two named parts hold the same samples, they are
 refused, unless --skip-duplicates is given. If a folder holds several jobs,
 choose one with --job.
 
-Folders may hold thousands of parts, finished or not. What is no sample file, such
-as a log, is listed and is no loss. An input that was named must be usable, unless
---keep-going is given. --require is checked before anything is written.
+Folders may hold thousands of parts, finished or not. Other files in them, such
+as logs, are listed, and are no loss. An input that was named must be usable,
+unless --keep-going is given. --require is checked before anything is written.
 
 Runs are copied unchanged. On XFS and btrfs the output shares its blocks with
 the parts. The copies are verified; damaged runs are left out and listed. After
