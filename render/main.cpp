@@ -62,7 +62,8 @@ int main(int argc, char** argv) try {
                    "the same set")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
-    app.add_flag("--dry-run", dry_run, "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
+    app.add_flag("--dry-run", dry_run,
+                 "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
     app.add_flag("--ignore-space", ignore_space, "start even if the file is not expected to fit on the disk");
     cli::add_common(app, common, false);
     app.footer(
