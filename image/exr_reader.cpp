@@ -59,7 +59,7 @@ Rect rect_of(const exr_attr_box2i_t& box) { return {box.min.x, box.min.y, box.ma
 
 struct ExrReader::Scratch::State {
     exr_const_context_t context = nullptr;
-    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+    exr_decode_pipeline_t pipeline{};
     Bytes packed;
 
     ~State() {

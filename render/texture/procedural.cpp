@@ -48,7 +48,7 @@ std::array<float, 3> marble_colour(float t) {
                                              {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
                                              {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
     constexpr std::size_t kPieces = 6;  // cubic Bezier curves, each beginning one control point after the other
-    const float along = std::clamp(t, 0.0f, 1.0f) * kPieces;
+    const float along = (t > 0 ? std::min(t, 1.0f) : 0) * kPieces;  // 0 for NaN
     const std::size_t first = std::min(static_cast<std::size_t>(along), kPieces - 1);
     const float u = along - static_cast<float>(first), v = 1 - u;
     const float weight[4] = {v * v * v, 3 * v * v * u, 3 * v * u * u, u * u * u};

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "tests/faults/process.h"
+#include "tests/support/sanitizers.h"
 
 namespace latent::testing {
 namespace {
@@ -21,18 +22,10 @@ constexpr int kAborted = 1;
 constexpr int kAborted = 128 + SIGABRT;
 #endif
 
-bool has_sanitizer() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    return true;  // its allocator is not the one that the shim replaces
-#else
-    return false;
-#endif
-}
-
 class Exhaustion : public ::testing::Test {
  protected:
     static void SetUpTestSuite() {
-        if (has_sanitizer()) return;
+        if (kSanitized) return;
         inputs_ = std::make_unique<TemporaryFolder>();
         const Outcome gen = run(
             {tool("latent-inspect"), "gen", "-o", in("a.latent"), "--records", "40000", "--light", "0.2", "--run-samples", "4096"});
@@ -42,7 +35,7 @@ class Exhaustion : public ::testing::Test {
     }
     static void TearDownTestSuite() { inputs_.reset(); }
     void SetUp() override {
-        if (has_sanitizer()) GTEST_SKIP() << "needs the C library's allocator";
+        if (kSanitized) GTEST_SKIP() << "needs the C library's allocator";
     }
     static std::string in(const std::string& name) { return *inputs_ / name; }
 

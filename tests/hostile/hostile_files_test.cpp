@@ -2,16 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/faults/process.h"
+#include "tests/support/sanitizers.h"
 
 namespace latent {
 namespace {
 
 TEST(HostileFiles, NoToolFailsOrTakesMuchMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    const char* const memory = "100000";  // sanitizers take their own
-#else
-    const char* const memory = "164";
-#endif
+    const char* const memory = testing::kSanitized ? "100000" : "164";
     const std::string tools = std::filesystem::path(testing::tool("latent-inspect")).parent_path();
     const testing::Outcome outcome =
         testing::run_python("tests/hostile/run_hostile_files.py", {tools, "--small", "--memory", memory});

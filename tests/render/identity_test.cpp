@@ -106,7 +106,7 @@ class Mutation {
     }
     template <class... T>
     void mutate(std::variant<T...>& x) {
-        std::visit([this](auto& value) { mutate(value); }, x);
+        std::visit([this](auto& value) { this->mutate(value); }, x);
     }
     template <class T>
     void mutate(std::shared_ptr<const T>& x) {

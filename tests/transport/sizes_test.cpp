@@ -64,7 +64,7 @@ class Sizes : public ::testing::Test {
         if (!read) throw std::runtime_error(read.error().message);
         return picture;
     }
-    const Folder folder_;
+    const Folder folder_{};
 };
 
 // Splats across the cut are in both parts: light paths do not know of crops.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <ranges>
 
 #include "sampledb/data/z_order.h"
 
@@ -13,8 +12,15 @@ namespace latent::merge {
 using namespace sampledb;
 
 std::size_t DecodedPage::end_of(const SortKey& last) const {
-    return *std::ranges::partition_point(std::views::iota(used, std::size_t{page.count}),
-                                         [&](std::size_t row) { return key(row) <= last; });
+    std::size_t first = used;  // by hand, for clang 14 cannot compile libstdc++'s std::views::iota
+    for (std::size_t count = page.count - used; count > 0;) {
+        const std::size_t half = count / 2;
+        if (key(first + half) <= last)
+            first += half + 1, count -= half + 1;
+        else
+            count = half;
+    }
+    return first;
 }
 
 Status RunFront::open() {

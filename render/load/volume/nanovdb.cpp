@@ -48,13 +48,13 @@ class GridBytes {
  public:
     explicit GridBytes(std::uint64_t size)
         : size_(size), blocks_(static_cast<std::size_t>((size + sizeof(Block) - 1) / sizeof(Block))) {}
-    std::byte* data() { return blocks_.data()->bytes; }
+    std::byte* data() { return reinterpret_cast<std::byte*>(blocks_.data()); }
     std::uint64_t size() const { return size_; }
     // A node; null if it does not lie within the grid.
     template <class T>
     const T* at(std::uint64_t offset, std::uint64_t count = 1) const {
         if (offset % alignof(T) != 0 || offset > size_ || count > (size_ - offset) / sizeof(T)) return nullptr;
-        return reinterpret_cast<const T*>(blocks_.data()->bytes + offset);
+        return reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(blocks_.data()) + offset);
     }
 
  private:
