@@ -414,6 +414,7 @@ enums:
     8: stepped_cross
     9: stepped_delta2
     10: stepped_sparse_cross
+    11: packed_delta2
   codec:
     0: raw
     1: zstd

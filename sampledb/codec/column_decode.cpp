@@ -7,21 +7,15 @@
 #include <bit>
 #include <cstring>
 
-#include "hwy/highway.h"
+#include "sampledb/codec/delta2.h"
 #include "sampledb/codec/planes.h"
+#include "sampledb/codec/zigzag.h"
 #include "sampledb/data/film_position.h"
 #include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
 
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-std::uint32_t unzigzag(std::uint32_t coded) { return coded >> 1 ^ (0u - (coded & 1)); }
-
-// Of differences that are counted in steps of 2^step.
-std::uint32_t unzigzag(std::uint32_t coded, unsigned step) { return unzigzag(coded) << step; }
 
 constexpr unsigned kMostStep = 22;
 
@@ -140,107 +134,45 @@ Status ColumnDecoder::crossed(const ColumnEntry& entry, std::span<float> values,
     return {};
 }
 
-namespace {
-
-// The values of records from their second differences: those of four records of equal length at once, one record in each lane.
-class Sums {
- public:
-    Sums(std::span<const std::uint32_t> words, unsigned step, std::span<float> values)
-        : words_(words.data()), step_(step), values_(values.data()) {}
-
-    // The next record, of n values.
-    void add(std::size_t n) {
-        if (n < 4) {
-            add_up_one(at_, n);
-        } else {
-            if (n != length_) finish();
-            length_ = n;
-            starts_[count_++] = at_;
-            if (count_ == 4) add_up_four();
+// The first three say how long the others are.
+Result<ColumnDecoder::PackedPlanes> ColumnDecoder::packed_planes(const ColumnEntry& entry, const Delta2Blocks& blocks) {
+    if (entry.planes.size() != kDelta2Planes) return corrupt("a column without all of its planes");
+    std::array<std::size_t, kDelta2Planes> sizes{(blocks.k() + 1) * sizeof(std::uint32_t), blocks.count(), blocks.count()};
+    PackedPlanes planes;
+    ByteSpan stored = entry.stored;
+    for (std::size_t p = 0; p < kDelta2Planes; ++p) {
+        if (p == kFields) {
+            const auto more = Delta2Unpacker::sizes(blocks, planes[kWidths], planes[kCounts]);
+            if (!more) return more.error();
+            sizes[kFields] = more->fields;
+            sizes[kPositions] = sizes[kExtraLow] = sizes[kExtraHigh] = more->exceptions;
         }
-        at_ += n;
+        const PlaneEntry& plane = entry.planes[p];
+        const Result<ByteSpan> bytes = planes_.decode(plane, stored.first(plane.stored_size), sizes[p], plane_[p]);
+        if (!bytes) return bytes.error();
+        planes[p] = *bytes;
+        stored = stored.subspan(plane.stored_size);
     }
-    // Those that are fewer than four.
-    void finish() {
-        for (std::size_t i = 0; i < count_; ++i) add_up_one(starts_[i], length_);
-        count_ = 0;
-    }
+    return planes;
+}
 
- private:
-    using Tag = hn::FixedTag<std::uint32_t, 4>;
-    using Lanes = hn::Vec<Tag>;
-
-    void add_up_one(std::size_t at, std::size_t n, std::size_t i = 0, std::uint32_t bits = 0, std::uint32_t slope = 0) const {
-        for (; i < n; ++i) {
-            slope = i == 0 ? 0 : slope + unzigzag(words_[at + i], step_);
-            bits = i == 0 ? words_[at] << step_ : bits + slope;
-            values_[at + i] = std::bit_cast<float>(bits);
-        }
-    }
-
-    static void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
-        const Tag tag;
-        const hn::FixedTag<std::uint64_t, 2> two;
-        const auto ab = hn::BitCast(two, hn::InterleaveLower(tag, a, b)), cd = hn::BitCast(two, hn::InterleaveLower(tag, c, d));
-        const auto ab2 = hn::BitCast(two, hn::InterleaveUpper(tag, a, b)), cd2 = hn::BitCast(two, hn::InterleaveUpper(tag, c, d));
-        a = hn::BitCast(tag, hn::InterleaveLower(two, ab, cd)), b = hn::BitCast(tag, hn::InterleaveUpper(two, ab, cd));
-        c = hn::BitCast(tag, hn::InterleaveLower(two, ab2, cd2)), d = hn::BitCast(tag, hn::InterleaveUpper(two, ab2, cd2));
-    }
-
-    void add_up_four() {
-        const Tag tag;
-        const int step = static_cast<int>(step_);
-        auto bits = hn::Zero(tag), slope = hn::Zero(tag);
-        const auto next = [&](Lanes& coded) {
-            const auto sign = hn::Sub(hn::Zero(tag), hn::And(coded, hn::Set(tag, 1)));
-            slope = hn::Add(slope, hn::ShiftLeftSame(hn::Xor(hn::ShiftRight<1>(coded), sign), step));
-            coded = bits = hn::Add(bits, slope);
-        };
-        std::size_t i = 0;
-        for (; i + 4 <= length_; i += 4) {
-            const auto load = [&](std::size_t record) { return hn::LoadU(tag, words_ + starts_[record] + i); };
-            auto a = load(0), b = load(1), c = load(2), d = load(3);
-            transpose(a, b, c, d);
-            if (i == 0) {
-                a = bits = hn::ShiftLeftSame(a, step);
-            } else {
-                next(a);
-            }
-            next(b), next(c), next(d);
-            transpose(a, b, c, d);
-            const auto store = [&](std::size_t record, Lanes v) {
-                hn::StoreU(hn::BitCast(hn::FixedTag<float, 4>(), v), hn::FixedTag<float, 4>(), values_ + starts_[record] + i);
-            };
-            store(0, a), store(1, b), store(2, c), store(3, d);
-        }
-        std::array<std::uint32_t, 4> before, difference;
-        hn::StoreU(bits, tag, before.data());
-        hn::StoreU(slope, tag, difference.data());
-        for (std::size_t r = 0; r < 4 && i < length_; ++r) add_up_one(starts_[r], length_, i, before[r], difference[r]);
-        count_ = 0;
-    }
-
-    const std::uint32_t* words_;
-    unsigned step_;
-    float* values_;
-    std::size_t at_ = 0;
-    std::size_t length_ = 0, count_ = 0;  // of the records that wait
-    std::array<std::size_t, 4> starts_{};
-};
-
-}  // namespace
-
-Status ColumnDecoder::along_records(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs) {
+Status ColumnDecoder::along_records(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs,
+                                    std::size_t k) {
     const std::span<std::byte> bytes = std::as_writable_bytes(values);
-    const bool stepped = entry.transform == Transform::kSteppedDelta2;
+    const bool packed = entry.transform == Transform::kPackedDelta2;
+    const bool stepped = entry.transform == Transform::kSteppedDelta2 || packed;
     if (entry.transform != Transform::kDelta2 && !stepped) return plain(entry, bytes, 4);
     const Result<unsigned> step = step_of(entry, stepped);
     if (!step) return step.error();
+    if (packed) {
+        const Delta2Blocks blocks(pairs, k);
+        const Result<PackedPlanes> planes = packed_planes(entry, blocks);
+        if (!planes) return planes.error();
+        return delta2_.unpack(blocks, *planes, pairs, *step, values);
+    }
     const std::span<std::uint32_t> words = at_least(words_, values.size());
     if (Status s = load_planes(entry, 0, entry.stored, std::as_writable_bytes(words), 4); !s) return s;
-    Sums sums(words, *step, values);
-    for (const std::uint16_t n : pairs) sums.add(n);
-    sums.finish();
+    from_delta2(words, pairs, *step, values);
     return {};
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "sampledb/codec/packed_delta2.h"
 #include "sampledb/codec/page_layout.h"
 
 namespace latent::sampledb {
@@ -31,8 +32,12 @@ class ColumnDecoder {
     Status luminance(const ColumnEntry& entry, std::span<float> values, BrightRows& bright);
     // x and z by their difference to y, whose rows `y` and `bright` are.
     Status crossed(const ColumnEntry& entry, std::span<float> values, std::span<const float> y, const BrightRows& bright);
-    // power and lambda by second differences along each record of `pairs` values, which add up to values.size().
-    Status along_records(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs);
+    // power and lambda by second differences along each record of `pairs` values, at most k, which add up to values.size().
+    Status along_records(const ColumnEntry& entry, std::span<float> values, std::span<const std::uint16_t> pairs, std::size_t k);
+
+    // The planes of a column in packed fields. They are good until the next call.
+    using PackedPlanes = std::array<ByteSpan, kDelta2Planes>;
+    Result<PackedPlanes> packed_planes(const ColumnEntry& entry, const Delta2Blocks& blocks);
 
  private:
     // Joins a column's byte planes, those from `first` on, into `values`. `stored` begins with them.
@@ -43,6 +48,7 @@ class ColumnDecoder {
     PlaneDecoder planes_;
     std::array<Bytes, kMaxPlanes> plane_;
     std::vector<std::uint32_t> words_;
+    Delta2Unpacker delta2_;
 };
 
 }  // namespace latent::sampledb

@@ -109,7 +109,7 @@ class PageDecoder::Decoding {
         } else if constexpr (spec.coding == Coding::kLuminance) {
             decoded = columns_.luminance(entry, values, decoder_.bright_);
         } else if constexpr (spec.coding == Coding::kAlongRecords) {
-            decoded = columns_.along_records(entry, values, rows(page_.pairs, page_.count));
+            decoded = columns_.along_records(entry, values, rows(page_.pairs, page_.count), job_.batch);
         } else {
             decoded = columns_.plain(entry, std::as_writable_bytes(values), sizeof(Value));
         }

@@ -6,19 +6,15 @@
 #include <cstring>
 
 #include "base/hash.h"
+#include "sampledb/codec/delta2.h"
 #include "sampledb/codec/planes.h"
+#include "sampledb/codec/zigzag.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/data/z_order.h"
 
 namespace latent::sampledb {
 
 namespace {
-
-std::uint32_t zigzag(std::uint32_t difference) { return difference << 1 ^ (0u - (difference >> 31)); }
-// Of a multiple of 2^step, counted in these: what rounding has made zero takes no room.
-std::uint32_t zigzag(std::uint32_t difference, unsigned step) {
-    return zigzag(static_cast<std::uint32_t>(static_cast<std::int32_t>(difference) >> step));
-}
 
 // The differences of rounded values are multiples of 2^step. `bits`: all of them, or-ed.
 unsigned step_of(const Job& job, std::uint32_t bits) {
@@ -29,6 +25,8 @@ void set_transform(ColumnEntry& entry, unsigned step, Transform plain, Transform
     entry.transform = step == 0 ? plain : stepped;
     entry.bits = static_cast<std::uint8_t>(step);
 }
+
+constexpr std::size_t kLookedAt = 1 << 12;  // values from which the size of byte planes is estimated
 
 FilmNode node_of(const Page& page) {
     std::uint32_t different_u = 0, different_v = 0;
@@ -189,26 +187,54 @@ void PageEncoder::encode_crossed(const Job& job, Column number, std::span<const 
     }
 }
 
-// First value as it is, then zigzag(b1 - b0), then zigzag(b_i - 2 b_{i-1} + b_{i-2}), for each record on its own.
 void PageEncoder::encode_along_records(const Job& job, Column number, std::span<const float> values,
                                        std::span<const std::uint16_t> pairs) {
     if (begin_column(number, std::as_bytes(values), 4)) return;
-    const std::span<std::uint32_t> words = at_least(words_, values.size());
     std::uint32_t all = 0;
     for (const float value : values) all |= std::bit_cast<std::uint32_t>(value);
     const unsigned step = step_of(job, all);
-    std::size_t at = 0;
-    for (const std::uint16_t n : pairs) {
-        std::uint32_t before = 0, slope = 0;
-        for (std::uint16_t i = 0; i < n; ++i, ++at) {
-            const std::uint32_t bits = std::bit_cast<std::uint32_t>(values[at]);
-            words[at] = i == 0 ? bits >> step : zigzag(bits - before - slope, step);
-            slope = i == 0 ? 0 : bits - before;
-            before = bits;
-        }
-    }
+    if (step > 0 && encode_packed(job, values, pairs, step)) return;
+    const std::span<std::uint32_t> words = at_least(words_, values.size());
+    to_delta2(values, pairs, step, words);
     set_transform(table_.back(), step, Transform::kDelta2, Transform::kSteppedDelta2);
     store_planes(std::as_bytes(words), 4);
+}
+
+// False if byte planes would be much smaller, as far as a part of the records shows: values that repeat, or of few records.
+bool PageEncoder::encode_packed(const Job& job, std::span<const float> values, std::span<const std::uint16_t> pairs,
+                                unsigned step) {
+    delta2_.pack(values, pairs, job.batch, step);
+    if (8 * delta2_.size() > 9 * planes_size(values, pairs, step)) return false;  // they are faster to read
+    set_transform(table_.back(), step, Transform::kDelta2, Transform::kPackedDelta2);
+    for (std::size_t p = 0; p < kDelta2Planes; ++p) {
+        const Bytes& plane = delta2_.planes()[p];
+        const bool noise = plane.empty() || p == kFields || p == kPositions;
+        table_.back().planes.push_back(noise ? PlaneEncoder::encode_raw(plane, payload_)
+                                             : planes_.encode(plane, payload_, kQuickPlanes));
+    }
+    return true;
+}
+
+// About the bytes that the column would take as byte planes.
+std::size_t PageEncoder::planes_size(std::span<const float> values, std::span<const std::uint16_t> pairs, unsigned step) {
+    const std::size_t every = std::max<std::size_t>(1, values.size() / kLookedAt);
+    std::vector<float> some;
+    std::vector<std::uint16_t> their_pairs;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < pairs.size(); at += pairs[i++]) {
+        if (i % every != 0) continue;
+        some.insert(some.end(), values.begin() + static_cast<std::ptrdiff_t>(at),
+                    values.begin() + static_cast<std::ptrdiff_t>(at + pairs[i]));
+        their_pairs.push_back(pairs[i]);
+    }
+    if (some.empty()) return values.size_bytes();
+    const std::span<std::uint32_t> words = at_least(words_, some.size());
+    to_delta2(some, their_pairs, step, words);
+    const std::span<std::byte> planes = at_least(scratch_, words.size_bytes());
+    split_planes(std::as_bytes(words), 4, planes);
+    std::size_t size = 0;
+    for (std::size_t p = 0; p < 4; ++p) size += PlaneEncoder::estimate(planes.subspan(p * some.size(), some.size()));
+    return size * values.size() / some.size();
 }
 
 template <std::size_t i>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "sampledb/codec/packed_delta2.h"
 #include "sampledb/codec/page_layout.h"
 #include "sampledb/codec/plane_codec.h"
 #include "sampledb/data/job.h"
@@ -33,6 +34,8 @@ class PageEncoder {
     void encode_luminance(std::span<const float> y);
     void encode_crossed(const Job& job, Column number, std::span<const float> values, std::span<const float> y);
     void encode_along_records(const Job& job, Column number, std::span<const float> values, std::span<const std::uint16_t> pairs);
+    bool encode_packed(const Job& job, std::span<const float> values, std::span<const std::uint16_t> pairs, unsigned step);
+    std::size_t planes_size(std::span<const float> values, std::span<const std::uint16_t> pairs, unsigned step);
     template <std::size_t i>
     void encode_column(const Job& job, const Page& page, ColumnAt<i> column);
 
@@ -52,6 +55,7 @@ class PageEncoder {
     std::vector<std::uint32_t> u_, v_;  // longer
 
     PlaneEncoder planes_;
+    Delta2Packer delta2_;
     Bytes scratch_;
     std::vector<std::uint32_t> words_;
     std::vector<std::uint64_t> numbers_;

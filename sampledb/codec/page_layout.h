@@ -30,6 +30,7 @@ enum class Transform : std::uint8_t {
     kSteppedCross = 8,   // these three as kCross, kDelta2 and kSparseCross, of differences that are multiples of 2^bits,
     kSteppedDelta2 = 9,  //   counted in these
     kSteppedSparseCross = 10,
+    kPackedDelta2 = 11,  // as kSteppedDelta2, in fields of few bits instead of byte planes
 };
 
 constexpr std::size_t kColumnEntrySize = 24;
@@ -37,7 +38,7 @@ constexpr std::size_t kColumnEntrySize = 24;
 struct ColumnEntry {
     Column column{};
     Transform transform = Transform::kPlanes;
-    std::uint8_t bits = 0;          // of kPacked and kLattice; the step of kStepped...
+    std::uint8_t bits = 0;          // of kPacked and kLattice; the step of kStepped... and kPackedDelta2
     std::uint8_t lattice_bits = 0;  // s of kLattice
     std::uint64_t base = 0;
     std::uint64_t hash = 0;  // XXH3-64 of the decoded values

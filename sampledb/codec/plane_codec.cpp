@@ -303,8 +303,17 @@ PlaneEntry PlaneEncoder::encode(ByteSpan plane, Bytes& out, const PlaneChoice& c
             return entry(PlaneCodec::kZstd);
         }
     }
+    return encode_raw(plane, out);
+}
+
+PlaneEntry PlaneEncoder::encode_raw(ByteSpan plane, Bytes& out) {
     out.insert(out.end(), plane.begin(), plane.end());
-    return entry(PlaneCodec::kRaw);
+    return {PlaneCodec::kRaw, static_cast<std::uint32_t>(plane.size())};
+}
+
+std::size_t PlaneEncoder::estimate(ByteSpan plane) {
+    const PlaneSample sample = sample_of(plane);
+    return std::min<std::size_t>(plane.size(), plane.size() * sample.information / (8 * kBit * sample.size));
 }
 
 // Exactly one frame, and no skippable one, that fills the plane.

@@ -38,6 +38,10 @@ class PlaneEncoder {
  public:
     // Appends the plane to `out`, by a codec that makes it small at little cost to write and to read.
     PlaneEntry encode(ByteSpan plane, Bytes& out, const PlaneChoice& choice = kSmallPlanes);
+    // Appends the plane as it is.
+    static PlaneEntry encode_raw(ByteSpan plane, Bytes& out);
+    // About how many bytes `encode` would take, from the entropy of a sample.
+    static std::size_t estimate(ByteSpan plane);
 
  private:
     std::size_t compress(ByteSpan plane);  // into buffer_; 0 if zstd makes it no smaller

@@ -1,6 +1,6 @@
 #include "sampledb/codec/xyz_rows.h"
 
-#include "hwy/highway.h"
+#include "sampledb/codec/four_by_four.h"
 
 namespace latent::sampledb {
 
@@ -8,9 +8,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-const hn::FixedTag<std::uint32_t, 4> kFour;
-const hn::FixedTag<std::uint64_t, 2> kTwo;
-using Four = hn::Vec<hn::FixedTag<std::uint32_t, 4>>;
+constexpr four::Tag kFour;
 
 constexpr std::size_t kAhead = 16;  // rows on their way from memory while some are copied
 
@@ -19,27 +17,6 @@ constexpr std::size_t offset_of(Column column) { return row_offset(RecordKind::k
 static_assert(offset_of(Column::kSample) == 0 && offset_of(Column::kU) == 8 && offset_of(Column::kV) == 12);
 static_assert(offset_of(Column::kShare) == 16 && offset_of(Column::kX) == 20 && offset_of(Column::kY) == 24 &&
               offset_of(Column::kZ) == 28);
-
-template <class T>
-Four load(const T* from) {
-    return hn::LoadU(kFour, reinterpret_cast<const std::uint32_t*>(from));
-}
-template <class T>
-void store(Four four, T* to) {
-    hn::StoreU(four, kFour, reinterpret_cast<std::uint32_t*>(to));
-}
-// Both lower halves, both upper halves.
-Four lower(Four a, Four b) { return hn::BitCast(kFour, hn::InterleaveLower(kTwo, hn::BitCast(kTwo, a), hn::BitCast(kTwo, b))); }
-Four upper(Four a, Four b) { return hn::BitCast(kFour, hn::InterleaveUpper(kTwo, hn::BitCast(kTwo, a), hn::BitCast(kTwo, b))); }
-
-struct Square {
-    Four a, b, c, d;
-};
-Square transposed(const Square& s) {
-    const Four ab_low = hn::InterleaveLower(kFour, s.a, s.b), cd_low = hn::InterleaveLower(kFour, s.c, s.d);
-    const Four ab_high = hn::InterleaveUpper(kFour, s.a, s.b), cd_high = hn::InterleaveUpper(kFour, s.c, s.d);
-    return {lower(ab_low, cd_low), upper(ab_low, cd_low), lower(ab_high, cd_high), upper(ab_high, cd_high)};
-}
 
 void load_row(const Columns& columns, std::size_t at, SorterRow& row) {
     for_each_column([&](auto column) {
@@ -75,8 +52,8 @@ void load_xyz_rows(const Columns& columns, std::size_t first, std::span<SorterRo
     }
     for (std::size_t i = 0; i < whole; i += 4) {
         const std::size_t at = first + i;
-        const Square four =
-            transposed({load(&columns.share[at]), load(&columns.x[at]), load(&columns.y[at]), load(&columns.z[at])});
+        const FourByFour four =
+            FourByFour{load(&columns.share[at]), load(&columns.x[at]), load(&columns.y[at]), load(&columns.z[at])}.transposed();
         store(four.a, &rows[i].bytes[16]);
         store(four.b, &rows[i + 1].bytes[16]);
         store(four.c, &rows[i + 2].bytes[16]);
@@ -100,7 +77,8 @@ bool gather_xyz_rows(const SorterRow* rows, std::span<const std::uint32_t> place
         const Four uv_low = upper(a0, b0), uv_high = upper(c0, d0);  // u v u v
         store(hn::ConcatEven(kFour, uv_high, uv_low), &columns.u[i]);
         store(hn::ConcatOdd(kFour, uv_high, uv_low), &columns.v[i]);
-        const Square four = transposed({load(&a.bytes[16]), load(&b.bytes[16]), load(&c.bytes[16]), load(&d.bytes[16])});
+        const FourByFour four =
+            FourByFour{load(&a.bytes[16]), load(&b.bytes[16]), load(&c.bytes[16]), load(&d.bytes[16])}.transposed();
         store(four.a, &columns.share[i]);
         store(four.b, &columns.x[i]);
         store(four.c, &columns.y[i]);

@@ -271,7 +271,7 @@ def broken_page(change, **fields):
 
 for name, number, place, layout, value, about, section in [
         ("column-order", 3, 0, "B", 4, "a column is named twice", "Page"),
-        ("transform-11", 7, 1, "B", 11, "transform 11, which does not exist yet", LATER),
+        ("transform-12", 7, 1, "B", 12, "transform 12, which does not exist yet", LATER),
         ("transform-named-codecs", 7, 1, "B", 64, "transform 64, planes with named codecs", LATER),
         ("transform-private", 7, 1, "B", 200, "a private transform", LATER),
         ("transform-of-another-column", 3, 1, "B", 2, "the lattice, for v", "Transforms"),

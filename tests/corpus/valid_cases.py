@@ -45,7 +45,8 @@ for kind in KINDS:
 
 TRANSFORMS = {0: ("planes", "xyz", 23), 1: ("packed", "xyz", 23), 2: ("lattice", "xyz", 23), 3: ("sampler", "xyz", 23),
               4: ("cross", "xyz", 23), 5: ("delta2", "explicit", 23), 6: ("sparse", "xyz", 23), 7: ("sparse-cross", "xyz", 23),
-              8: ("stepped-cross", "xyz", 9), 9: ("stepped-delta2", "explicit", 9), 10: ("stepped-sparse-cross", "xyz", 9)}
+              8: ("stepped-cross", "xyz", 9), 9: ("stepped-delta2", "explicit", 9), 10: ("stepped-sparse-cross", "xyz", 9),
+              11: ("packed-delta2", "spectral", 9)}
 
 
 class PreferSparse(Prefer):

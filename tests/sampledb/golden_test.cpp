@@ -49,6 +49,7 @@ TEST(Golden, FilesAreReadAsTheyWereWritten) {
         {"xyz_extra.latent.part.golden", "93c0899602b185fffaa39bc0661c1621"},
         {"sparse.latent", "a7847b189d86f79b827e8412258811aa"},
         {"rounded.latent", "29cdcc8d65ea9a12e2285ac71223ba81"},
+        {"packed.latent", "7a63291c848ce960228e846ec54927fb"},
         {"spectral.latent", "78d681be18208cd7f3973773c6d7f6b5"},
         {"explicit.latent", "60d0773f5532369c59a4f7a8b22012cd"},
     };

@@ -321,7 +321,7 @@ TEST(Hostile, StepsOfImpossibleSizeAreRefused) {
         entry.transform = Transform::kSteppedCross;
         EXPECT_EQ(bool(decoder.crossed(entry, values, y, {})), possible) << bits;
         entry.transform = Transform::kSteppedDelta2;
-        EXPECT_EQ(bool(decoder.along_records(entry, values, pairs)), possible) << bits;
+        EXPECT_EQ(bool(decoder.along_records(entry, values, pairs, 3)), possible) << bits;
     }
 }
 

@@ -248,6 +248,65 @@ def from_delta2(planes, counts, step=0):
     return values
 
 
+def packed_blocks(counts, k):
+    """(numbers, which base) of every block of packed delta2."""
+    cut = lambda n: [min(128, n - at) for at in range(0, n, 128)]
+    rest = sum(n for n in counts if n != k)
+    return [(n, i) for n in cut(counts.count(k)) for i in range(k)] + [(n, k) for n in cut(rest)]
+
+
+def fields_size(n, width):
+    return 16 * (((n + 3) // 4 * width + 31) // 32)
+
+
+def from_fields(data, n, width):
+    words = fields("%dI" % (len(data) // 4), data, 0)
+    lanes = [sum(word << 32 * i for i, word in enumerate(words[lane::4])) for lane in range(4)]
+    rule(all(lanes[i] >> (n + 3 - i) // 4 * width == 0 for i in range(4)), "bits that no field uses")
+    return [lanes[j % 4] >> j // 4 * width & (1 << width) - 1 for j in range(n)]
+
+
+def from_packed_delta2(plane, counts, k, step):
+    """plane(i, size) decodes plane i to so many bytes."""
+    blocks = packed_blocks(counts, k)
+    bases = fields("%dI" % (k + 1), plane(0, 4 * k + 4), 0)
+    widths, exceptions = plane(1, len(blocks)), plane(2, len(blocks))
+    check(all(width <= 24 for width in widths), "width of fields")
+    check(all(e <= n for e, (n, _) in zip(exceptions, blocks)), "number of exceptions")
+    sizes = [fields_size(n, width) for (n, _), width in zip(blocks, widths)]
+    data = plane(3, sum(sizes))
+    positions, low, high = (plane(i, sum(exceptions)) for i in (4, 5, 6))
+    numbers, field, exception = [], 0, 0
+    for (n, base), width, count, size in zip(blocks, widths, exceptions, sizes):
+        block = [bases[base] - (1 << width) // 2 + f for f in from_fields(data[field : field + size], n, width)]
+        end = exception + count
+        rule(all(a < b for a, b in zip(positions[exception:end], positions[exception + 1 : end])), "order of exceptions")
+        for position, extra in zip(positions[exception:end], zip(low[exception:end], high[exception:end])):
+            check(position < n, "an exception outside its block")
+            extra = int.from_bytes(bytes(extra), "little", signed=True)
+            rule(extra != 0, "an exception that adds nothing")
+            block[position] += extra << width
+        numbers.append(block)
+        field, exception = field + size, end
+    whole, rest = [], []
+    while len(numbers) >= k and len(whole) < counts.count(k):
+        whole += zip(*numbers[:k])  # of each record
+        del numbers[:k]
+    rest = [number for block in numbers for number in block]
+    values, whole = [], iter(whole)
+    for n in counts:
+        if n == k:
+            differences = next(whole)
+        else:
+            differences, rest = rest[:n], rest[n:]
+        value = slope = 0
+        for i, number in enumerate(differences):
+            slope = slope + number if i > 0 else 0
+            value = value + slope if i > 0 else number
+            values.append(value << step & M32)
+    return values
+
+
 def stored_rows(bitmap, records):
     check(int.from_bytes(bitmap, "little") >> records == 0, "a bitmap with more rows than the page")
     rows = [i for i, bit in enumerate(numbers(bitmap, 1, records)) if bit]
@@ -263,6 +322,11 @@ def from_sparse(rows, values, records):
 # ---- page
 
 
+def check_column(number, width, values, column_hash):
+    decoded = b"".join(value.to_bytes(width, "little") for value in values)
+    check(hash64(decoded) == column_hash, "column %d does not decode to its hash" % number)
+
+
 def decode_page(job, data, camera, records, pair_count, content_hash):
     """Column number -> its values."""
     (count,) = fields("I", data, 0)
@@ -272,8 +336,8 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     for number, width in expected:
         (column, transform, bits, plane_count, s, base, column_hash) = fields("BBBBIQQ", data, at)
         check(column == number, "column %d instead of %d" % (column, number))
-        check(transform <= 10 and bits <= 64 and plane_count <= 8 and s <= 32, "table of columns")
-        stepped = transform in (8, 9, 10)
+        check(transform <= 11 and bits <= 64 and plane_count <= 8 and s <= 32, "table of columns")
+        stepped = transform in (8, 9, 10, 11)
         rule(transform in (1, 2) or base == 0, "base of the table")
         check(not stepped or 1 <= bits <= 22, "bits of a stepped transform")
         rule(bits == 23 - job.precision if stepped else transform in (1, 2) or bits == 0, "bits of the table")
@@ -296,8 +360,8 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
     order = sorted(table, key=lambda t: (t[0] != 1, t[0] != 6))  # samples before positions, y before x and z
     rows = None
     for number, width, transform, bits, s, base, column_hash, words in order:
-        allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7, 8, 10), 6: (0, 1, 6), 7: (0, 1, 4, 7, 8, 10), 11: (0, 1, 5, 9),
-                   12: (0, 1, 5, 9)}
+        allowed = {1: (1, 2), 2: (0, 1, 3), 3: (0, 1, 3), 5: (0, 1, 4, 7, 8, 10), 6: (0, 1, 6), 7: (0, 1, 4, 7, 8, 10), 11: (0, 1, 5, 9, 11),
+                   12: (0, 1, 5, 9, 11)}
         check(transform in allowed.get(number, (0, 1)), "transform %d of column %d" % (transform, number))
         check(number == 1 or transform != 1 or bits == 0, "packed column %d" % number)
         rule(transform != 1 or bits > 0 or base < 256**width, "constant column %d" % number)
@@ -307,6 +371,13 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
             rows = stored_rows(planes[0], records)
         check(transform not in (7, 10) or rows, "a sparse column beside a y that is not")
         size = (n * bits + 7) // 8 if transform in (1, 2) else len(rows) if transform in (6, 7, 10) else n
+        if transform == 11 and n > 0:
+            check(len(words) == 7, "number of planes")
+            values = from_packed_delta2(lambda i, size: decode_plane(*stored[number][i], size), columns[8], job.k, bits)
+            check(len(values) == n, "numbers of pairs")
+            check_column(number, width, values, column_hash)
+            columns[number] = values
+            continue
         planes = [decode_plane(*plane, size) for plane in stored[number][len(planes) :]]
         check(len(planes) == (bits > 0 if transform in (1, 2) else 0 if transform == 3 or n == 0 else width), "number of planes")
         if transform == 3:
@@ -331,8 +402,7 @@ def decode_page(job, data, camera, records, pair_count, content_hash):
                 9: lambda: from_delta2(planes, columns[8], bits),
                 10: lambda: from_sparse(rows, from_cross(planes, [columns[6][i] for i in rows], bits), records),
             }[transform]()
-        decoded = b"".join(value.to_bytes(width, "little") for value in values)
-        check(hash64(decoded) == column_hash, "column %d does not decode to its hash" % number)
+        check_column(number, width, values, column_hash)
         columns[number] = values
     if job.kind == 1:
         counts = columns[8]
@@ -707,6 +777,10 @@ def check_vectors(page):
         elif name in ("delta2", "stepped-delta2"):
             step = int(case.get("bits", ["0"])[0])
             expect(name, from_delta2(planes(case), ints(case["pairs"]), step), hex_numbers(case["values"]))
+        elif name == "packed-delta2":
+            stored, (k,), (step,) = planes(case), ints(case["k"]), ints(case["bits"])
+            sized = lambda i, size: stored[i] if len(stored[i]) == size else check(False, "size of plane %d" % i)
+            expect(name, from_packed_delta2(sized, ints(case["pairs"]), k, step), hex_numbers(case["values"]))
         elif name == "sparse":
             ys, xs = hex_numbers(case["y"]), hex_numbers(case["x"])
             rows = stored_rows(plane(case, "bitmap"), len(ys))

@@ -219,8 +219,9 @@ void check_delta2(const Vector& vector) {
     Bytes stored;
     std::vector<float> values(vector.fields.at("values").size());
     ColumnEntry entry = column(vector, Transform::kDelta2, stored);
-    set_step(vector, Transform::kSteppedDelta2, entry);
-    ASSERT_TRUE(ColumnDecoder().along_records(entry, values, vector.decimal<std::uint16_t>("pairs")));
+    set_step(vector, vector.fields.contains("k") ? Transform::kPackedDelta2 : Transform::kSteppedDelta2, entry);
+    const std::size_t k = vector.fields.contains("k") ? vector.one<std::size_t>("k") : 3;
+    ASSERT_TRUE(ColumnDecoder().along_records(entry, values, vector.decimal<std::uint16_t>("pairs"), k));
     EXPECT_EQ(bits(values), vector.hex<std::uint32_t>("values"));
 }
 
@@ -342,6 +343,7 @@ const std::map<std::string, std::function<void(const Vector&)>> kChecks = {
     {"delta2", check_delta2},
     {"stepped-cross", check_cross},
     {"stepped-delta2", check_delta2},
+    {"packed-delta2", check_delta2},
     {"sparse", check_sparse},
     {"codec", check_codec},
     {"halton23", check_halton},

@@ -237,6 +237,45 @@ def as_delta2(values, counts, bits=0):
     return (9 if bits else 5, bits, 0, 0, byte_planes(words, 4))
 
 
+def as_fields(numbers, width):
+    """Numbers below 2^width, in four lanes."""
+    words = ((len(numbers) + 3) // 4 * width + 31) // 32
+    lanes = [sum(number << j * width for j, number in enumerate(numbers[lane::4])) for lane in range(4)]
+    return b"".join(struct.pack("<I", lanes[lane] >> 32 * i & M32) for i in range(words) for lane in range(4))
+
+
+def as_packed_delta2(values, counts, k, bits, exceptions):
+    """About so many exceptions in each block."""
+    whole, rest, at = [], [], 0
+    for n in counts:
+        b = values[at : at + n]
+        differences = [y - x for x, y in zip(b[:1], b[1:2])] + [z - 2 * y + x for x, y, z in zip(b, b[1:], b[2:])]
+        numbers = [value >> bits for value in b[:1]] + [signed(d) >> bits for d in differences]
+        if n == k:
+            whole.append(numbers)
+        else:
+            rest += numbers
+        at += n
+    blocks = [([numbers[i] for numbers in whole[at : at + 128]], i) for at in range(0, len(whole), 128) for i in range(k)]
+    blocks += [(rest[at : at + 128], k) for at in range(0, len(rest), 128)]
+    middle = lambda numbers: sorted(numbers)[len(numbers) // 2] if numbers else 0
+    bases = [middle([numbers[i] for numbers in whole]) for i in range(k)] + [middle(rest)]
+    planes = [b"".join(struct.pack("<I", base & M32) for base in bases)] + [b""] * 6
+    for numbers, base in blocks:
+        differences = [signed(number - bases[base]) for number in numbers]
+        needed = sorted((d ^ d >> 63).bit_length() + (d != 0) for d in differences)
+        width = min(24, max(0, needed[-1] - 15, needed[max(0, len(needed) - 1 - exceptions)]))
+        shifted = [d + (1 << width) // 2 for d in differences]
+        extra = [(i, number >> width) for i, number in enumerate(shifted) if number >> width]
+        planes[1] += bytes([width])
+        planes[2] += bytes([len(extra)])
+        planes[3] += as_fields([number % (1 << width) for number in shifted], width)
+        planes[4] += bytes(i for i, _ in extra)
+        planes[5] += bytes(e & 255 for _, e in extra)
+        planes[6] += bytes(e >> 8 & 255 for _, e in extra)
+    return (11, bits, 0, 0, planes)
+
+
 def as_sparse(ys, stored):
     return (6, 0, 0, 0, [packed(stored, 1)] + byte_planes([y for y, s in zip(ys, stored) if s], 4))
 
@@ -353,7 +392,9 @@ def encode_columns(job, light, rows, choice):
         if not job.knots:
             pairs.append((12, [l for r in rows for l in r.lambdas]))
         for number, values in pairs:
-            add(number, 4, values, [as_delta2(values, counts, bits) for bits in {0, step_of(job, values)}] if values else [])
+            bits = step_of(job, values) if values else 0
+            add(number, 4, values, ([as_delta2(values, counts, b) for b in {0, bits}] if values else []) +
+                ([as_packed_delta2(values, counts, job.k, bits, exceptions) for exceptions in (0, 3)] if bits else []))
     for i, (_, kind) in enumerate(job.extra):
         add(64 + i, WIDTH[kind], [r.extra[i] for r in rows])
     return columns

@@ -6,6 +6,8 @@
 #include <array>
 #include <bit>
 
+#include "sampledb/codec/column_decode.h"
+#include "sampledb/codec/packed_fields.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/page_layout.h"
 #include "sampledb/codec/planes.h"
@@ -51,9 +53,9 @@ class PageCheck {
  private:
     void check_fields(const ColumnEntry& entry) {
         const bool packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
-        const bool stepped = entry.transform >= Transform::kSteppedCross && entry.transform <= Transform::kSteppedSparseCross;
+        const bool stepped = entry.transform >= Transform::kSteppedCross && entry.transform <= Transform::kPackedDelta2;
         if (!packed && !stepped && entry.bits != 0)
-            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1, 2, 8, 9 or 10");
+            wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1, 2 or 8 to 11");
         if (!packed && entry.base != 0)
             wrong(entry, "", fmt::format("base is {:#x}", entry.base), "0, unless the transform is 1 or 2");
         if (entry.transform != Transform::kLattice && entry.lattice_bits != 0)
@@ -75,6 +77,10 @@ class PageCheck {
     // Planes in the order of their storage.
     Status check_planes(const ColumnEntry& entry) {
         if (values_of(entry.column) == 0) return {};
+        packed_ = {};
+        if (entry.transform == Transform::kPackedDelta2) {
+            if (Status s = check_packed_delta2(entry); !s) return s;
+        }
         ByteSpan rest = entry.stored;
         for (std::size_t p = 0; p < entry.planes.size(); ++p) {
             const PlaneEntry& plane = entry.planes[p];
@@ -95,6 +101,46 @@ class PageCheck {
                 wrong(entry, place, "padding bits after the last number are set", "zero");
         }
         return {};
+    }
+
+    // Bits that no field uses, and exceptions that are none.
+    Status check_packed_delta2(const ColumnEntry& entry) {
+        std::vector<std::uint16_t> pairs(info_.record_count);
+        const auto column = std::ranges::find(table_, Column::kPairs, &ColumnEntry::column);
+        if (Status s = decoder_.plain(*column, std::as_writable_bytes(std::span(pairs)), sizeof(pairs[0])); !s) return s;
+        const Delta2Blocks blocks(pairs, job_.batch);
+        const Result<ColumnDecoder::PackedPlanes> planes = decoder_.packed_planes(entry, blocks);
+        if (!planes) return planes.error();
+        packed_ = *planes;
+        bool padded = false, ascending = true, needed = true;
+        std::size_t field = 0, exception = 0;
+        for (std::size_t block = 0; block < blocks.count(); ++block) {
+            const unsigned bits = std::to_integer<unsigned>(packed_[kWidths][block]);
+            const std::size_t size = packed_fields_size(blocks.size(block), bits);
+            padded |= has_padding(packed_[kFields].subspan(field, size), blocks.size(block), bits);
+            field += size;
+            const std::size_t first = exception, end = first + std::to_integer<std::size_t>(packed_[kCounts][block]);
+            for (; exception < end; ++exception) {
+                ascending &= exception == first || packed_[kPositions][exception - 1] < packed_[kPositions][exception];
+                needed &= packed_[kExtraLow][exception] != std::byte{0} || packed_[kExtraHigh][exception] != std::byte{0};
+            }
+        }
+        if (padded) wrong(entry, fmt::format(", plane {}", +kFields), "bits that no field uses are set", "zero");
+        if (!ascending)
+            wrong(entry, fmt::format(", plane {}", +kPositions), "positions in a block do not ascend", "ascending positions");
+        if (!needed) wrong(entry, fmt::format(", plane {}", +kExtraLow), "an exception adds 0", "no such exception");
+        return {};
+    }
+
+    // Whether bits of a block are set that none of its n fields uses.
+    static bool has_padding(ByteSpan packed, std::size_t n, unsigned bits) {
+        if (n == 0 || bits == 0) return false;
+        FieldBlock fields;
+        unpack_fields(packed.data(), n, bits, fields);
+        std::fill(fields.begin() + static_cast<std::ptrdiff_t>(n), fields.end(), 0u);
+        Bytes clean(packed.size());
+        pack_fields(fields, n, bits, clean.data());
+        return !std::ranges::equal(clean, packed);
     }
 
     void check_dictionary(const ColumnEntry& entry, const std::string& place, ByteSpan stored, std::size_t size) {
@@ -127,6 +173,8 @@ class PageCheck {
             case Transform::kPacked:
             case Transform::kLattice:
                 return packed_size(values, entry.bits);
+            case Transform::kPackedDelta2:
+                return packed_[plane].size();
             case Transform::kSparse:
                 return plane == 0 ? (values + 7) / 8 : stored_rows();
             case Transform::kSparseCross:
@@ -171,6 +219,8 @@ class PageCheck {
     std::vector<StoredColumn> columns_;
     std::size_t bright_ = kUnknown;
     PlaneDecoder planes_;
+    ColumnDecoder decoder_;
+    ColumnDecoder::PackedPlanes packed_;  // of a column in packed fields
     Bytes scratch_;
     std::vector<std::uint64_t> numbers_;
 };
