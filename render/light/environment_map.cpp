@@ -10,23 +10,14 @@ namespace {
 
 Affinef rotation(const Affined& a) { return Affinef(Affined(normalize(a.x), normalize(a.y), normalize(a.z), {0, 0, 0})); }
 
-double luminance(const float* rgb) {
-    const auto& row = color::RgbSpace::srgb().luminance_row;
-    return row[0] * static_cast<double>(rgb[0]) + row[1] * static_cast<double>(rgb[1]) + row[2] * static_cast<double>(rgb[2]);
-}
-
 }  // namespace
 
 EnvironmentMap::EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light,
                                SpectrumLibrary& library)
-    : image_(std::move(image)), world_from_light_(rotation(world_from_light)), light_from_world_(*world_from_light_.inverse()) {
-    const color::RgbToSpectrum to_spectrum(color::RgbSpace::srgb(), color::illuminant_d65());
-    const color::Rgb colours[6] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}};
-    for (int c = 0; c < 6; ++c) {
-        const color::SigmoidSpectrum sigmoid = to_spectrum.reflectance(colours[c]);
-        const auto value = [&](double nm) { return sigmoid(static_cast<float>(nm)); };
-        basis_[c] = library.add(color::Spectrum::from_function(value, color::Outside::kClamped), Lookup::kLinear);
-    }
+    : image_(std::move(image)),
+      world_from_light_(rotation(world_from_light)),
+      light_from_world_(*world_from_light_.inverse()),
+      colors_(library) {
     std::vector<double> weight(std::size_t{image_->width} * image_->height);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = std::max(0.0, luminance(&image_->rgb[3 * i]));
     for (const double w : weight) mean_luminance_ += w / static_cast<double>(weight.size());
@@ -68,15 +59,7 @@ float EnvironmentMap::pdf_omega(const Vec3f& w) const {
 
 void EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const {
     const Pixel p = pixel(w);
-    const float* rgb = &image_->rgb[3 * (std::size_t{p.y} * image_->width + p.x)];
-    std::array<int, 3> order = {0, 1, 2};  // by falling value
-    if (rgb[order[0]] < rgb[order[1]]) std::swap(order[0], order[1]);
-    if (rgb[order[1]] < rgb[order[2]]) std::swap(order[1], order[2]);
-    if (rgb[order[0]] < rgb[order[1]]) std::swap(order[0], order[1]);
-    const float white = rgb[order[2]], secondary = rgb[order[1]] - white, primary = rgb[order[0]] - rgb[order[1]];
-    const SampledSpectrum& first = spectra[basis_[order[0]]];
-    const SampledSpectrum& second = spectra[basis_[3 + order[2]]];  // the complement of the smallest component
-    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= white + secondary * second.v[i] + primary * first.v[i];
+    colors_.multiply(&image_->rgb[3 * (std::size_t{p.y} * image_->width + p.x)], spectra, value);
 }
 
 double EnvironmentMap::upper_illuminance() const {

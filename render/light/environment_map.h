@@ -1,8 +1,7 @@
 // render/light/environment_map.h: an image of all directions, on the equal-area square. docs/rendering.md, "Lights".
 #pragma once
 
-#include "color/named_spectra.h"
-#include "color/rgb_to_spectrum.h"
+#include "render/light/rgb_illuminant.h"
 #include "render/math/equal_area.h"
 #include "render/sampling/piecewise_constant.h"
 #include "render/scene/description.h"
@@ -10,10 +9,7 @@
 
 namespace latent::render {
 
-// Every pixel is a constant radiance: rgb as a spectrum times the light's illuminant. The spectrum of rgb is a sum of smooth ones
-// of fixed colours, so that no pixel needs to be solved for: the smallest component of white (1 at every wavelength), what the
-// middle one exceeds it by of the secondary colour of the two larger ones, the rest of the largest's primary [Smits99]. Its colour
-// under the illuminant is rgb exactly, as colours add up.
+// Every pixel is a constant: rgb as a spectrum times the light's illuminant.
 class EnvironmentMap {
  public:
     EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library);
@@ -33,7 +29,7 @@ class EnvironmentMap {
 
     std::shared_ptr<const ImageDescription> image_;
     Affinef world_from_light_, light_from_world_;  // rotations
-    std::uint32_t basis_[6];                       // red, green, blue, cyan, magenta, yellow
+    RgbIlluminant colors_;
     PiecewiseConstant rows_;
     std::vector<PiecewiseConstant> columns_;  // of the pixels of each row
     double mean_luminance_ = 0;

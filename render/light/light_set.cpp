@@ -75,6 +75,17 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
             case LightKind::kSpot:
                 add(s, SpotLight(d, s.spectrum));
                 break;
+            case LightKind::kGoniometric: {
+                // pbrt-v4 exchanges y and z of light space.
+                const Affined& m = d.world_from_light;
+                maps_.push_back(std::make_unique<EnvironmentMap>(d.image, Affined(m.x, m.z, m.y, m.t), library));
+                add(s, GoniometricLight(d, *maps_.back(), s.spectrum));
+                break;
+            }
+            case LightKind::kProjection:
+                projections_.push_back(std::make_unique<ProjectionMap>(d.image, d.world_from_light, d.fov_degrees, library));
+                add(s, ProjectionLight(d, *projections_.back(), s.spectrum));
+                break;
             case LightKind::kDistant:
                 add(s, DistantLight(d, s.spectrum, ball));
                 break;

@@ -71,6 +71,15 @@ struct PointSource {
     Vec3f p;
     Vec3f axis{};     // of a cone; unit
     float outer = 2;  // 1 - cos of the cone's half angle; 2: every direction
+
+    // LightType's, without what varies with direction.
+    bool sample_point(const Vec3f& from, LightPoint& out) const {
+        out.at = {p, 0, {}};
+        if (!out.look_from(from)) return false;
+        out.pdf_omega = 1;
+        out.falloff = 1 / length_squared(p - from);
+        return out.falloff > 0;
+    }
 };
 
 // What is emitted: `scale` times a spectrum of the library: radiance, or the intensity of a point.

@@ -9,11 +9,7 @@ PointLight::PointLight(const LightDescription& light, std::uint32_t spectrum)
 }
 
 bool PointLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform, Uniform, LightPoint& out) const {
-    out.at = {source_.p, 0, {}};
-    if (!out.look_from(from)) return false;
-    out.pdf_omega = 1;
-    out.falloff = 1 / length_squared(source_.p - from);
-    return out.falloff > 0;
+    return source_.sample_point(from, out);
 }
 
 void PointLight::sample_ray(Uniform, Uniform, Uniform s, Uniform t, LightRay& out) const {

@@ -27,10 +27,7 @@ float SpotLight::profile(const Vec3f& d) const {
 }
 
 bool SpotLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform, Uniform, LightPoint& out) const {
-    out.at = {source_.p, 0, {}};
-    if (!out.look_from(from)) return false;
-    out.pdf_omega = 1;
-    out.falloff = 1 / length_squared(source_.p - from);
+    if (!source_.sample_point(from, out)) return false;
     out.falloff *= profile(-out.wi);
     return out.falloff > 0;
 }

@@ -117,24 +117,25 @@ struct AreaLightDescription {
     SourceLocation location{};
 };
 
-// Linear rgb with sRGB primaries, rows from the top: the square of pbrt's equal-area octahedral mapping.
+// Linear rgb with sRGB primaries, rows from the top. Of all directions: the square of pbrt's equal-area octahedral mapping.
 struct ImageDescription {
     std::uint32_t width = 0, height = 0;
     std::vector<float> rgb{};
 };
 
-enum class LightKind : std::uint8_t { kPoint, kSpot, kDistant, kInfinite };
+enum class LightKind : std::uint8_t { kPoint, kSpot, kDistant, kInfinite, kGoniometric, kProjection };
 
 struct LightDescription {
     LightKind kind = LightKind::kPoint;
     color::Spectrum spectrum{};  // of an image: the normalised illuminant that its rgb multiplies
     double scale = 1;
-    std::optional<double> power{};        // point, spot
+    std::optional<double> power{};        // those of a point
     std::optional<double> illuminance{};  // distant, infinite
     Affined world_from_light{};           // the current transformation alone; `from` and `to` are not part of it
     Vec3d from{0, 0, 0}, to{0, 0, 1};     // in light space: point, spot and distant
     double cone_degrees = 30, cone_delta_degrees = 5;
-    std::shared_ptr<const ImageDescription> image{};  // infinite; null: constant
+    double fov_degrees = 90;                          // projection: of the shorter side
+    std::shared_ptr<const ImageDescription> image{};  // goniometric, projection; infinite: or null, constant
     std::uint32_t medium = kNone;                     // that a point or spot light lies in
     SourceLocation location{};
 };

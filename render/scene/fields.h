@@ -144,9 +144,10 @@ void each_field(Of<ImageDescription> auto& image, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<LightDescription> auto& light, Visit&& visit) {
-    auto& [kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, image, medium,
-           location] = light;
-    visit(kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, image);
+    auto& [kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
+           image, medium, location] = light;
+    visit(kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
+          image);
     visit.template index<MediumDescription>(medium);
     visit.label(location);
 }

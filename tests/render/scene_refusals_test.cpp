@@ -215,7 +215,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     };
     directives("Shape", {"curve", "nurbs"});
     directives("Material", {"hair", "measured", "subsurface"});
-    directives("LightSource", {"goniometric", "projection"});
+    directives("LightSource", {"goniometric", "projection"});  // without pictures
     directives("AreaLightSource", {"area"});
     lines.push_back("MakeNamedMedium \"m\" \"string type\" \"marsh\"");
 

@@ -5,7 +5,7 @@
 #include "render/light/light_set.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/numbers.h"
-#include "tests/transport/world_builder.h"
+#include "tests/transport/pictures.h"
 
 namespace latent::render::testing {
 namespace {
@@ -82,6 +82,8 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
         {"spot",
          "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 1 0] \"point3 to\" [1 -1 0.5] \"float "
          "coneangle\" 40\n"},
+        {"goniometric", "Rotate 50 1 2 3 LightSource \"goniometric\" \"string filename\" \"sky.exr\"\n"},
+        {"projection", "Rotate 50 1 2 3 LightSource \"projection\" \"string filename\" \"sky.exr\" \"float fov\" 80\n"},
         {"uniform infinite", "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n"},
         {"image infinite", "LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"},
     };
@@ -222,6 +224,77 @@ TEST(Lights, RaysCarryThePowerOfTheLight) {
             sum += static_cast<double>(light.emission().scale * ray.cosine * ray.profile / (ray.pdf_position * ray.pdf_direction));
         }
         EXPECT_NEAR(sum / kCount, power, 0.01 * power);
+    }
+}
+
+// The same for points that shine as a picture: of greys, so that any wavelength has it.
+TEST(Lights, PicturesOfAPointCarryItsPower) {
+    const Folder folder;
+    std::vector<float> greys;
+    for (int i = 0; i < 16; ++i) greys.insert(greys.end(), 3, static_cast<float>(i * i % 7));
+    write_exr(folder / "greys.exr", 4, 4, greys);
+    for (const std::string& type : {"\"goniometric\"", "\"projection\" \"float fov\" 50"}) {
+        const Scene scene = scene_of(load_scene(folder.write(
+            "room.pbrt", "WorldBegin\nLightSource " + type + " \"string filename\" \"greys.exr\" \"float power\" 7\n")));
+        const std::unique_ptr<World> world = scene.world();
+        const Light& light = world->lights()[0];
+        SampledSpectra spectra(world->library());
+        WavelengthSampler(wavelength_density({}), 32).draw(1u << 31, spectra.wavelengths);
+        spectra.start_sample();
+        const float illuminant = spectra[light.emission().spectrum][0];
+        Numbers u(16);
+        double sum = 0;
+        constexpr int kCount = 40'000;
+        for (int n = 0; n < kCount; ++n) {
+            LightRay ray;
+            const Uniform a = u(), b = u(), d = u(), e = u();
+            light.sample_ray(a, b, d, e, ray);
+            SampledSpectrum value(1.0f);
+            ASSERT_TRUE(light.multiply_emission(ray.point(), ray.d, spectra, value));
+            sum += static_cast<double>(value[0] / (illuminant * ray.pdf_direction));
+        }
+        EXPECT_NEAR(sum / kCount, 7, 0.01 * 7) << type;
+    }
+}
+
+// From the top left of the picture, as seen from the light, and from a goniometric map's middle, which lies along y.
+TEST(Lights, PicturesStandUpright) {
+    const Folder folder;
+    write_exr(folder / "dots.exr", 2, 2, {9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+    const auto value = [&](const std::string& light, const Vec3f& d) {
+        const Scene scene = scene_of(
+            load_scene(folder.write("room.pbrt", "WorldBegin\nLightSource " + light + " \"string filename\" \"dots.exr\"\n")));
+        const std::unique_ptr<World> world = scene.world();
+        SampledSpectra spectra(world->library());
+        WavelengthSampler(wavelength_density({}), 32).draw(1u << 31, spectra.wavelengths);
+        spectra.start_sample();
+        SampledSpectrum out(1.0f);
+        return world->lights()[0].multiply_emission({}, normalize(d), spectra, out) ? out.max() : 0;
+    };
+    const std::string projection = "\"projection\" \"float fov\" 90";
+    EXPECT_GT(value(projection, {-.9f, .9f, 1}), 0);
+    for (const Vec3f& d :
+         {Vec3f{.9f, .9f, 1}, Vec3f{-.9f, -.9f, 1}, Vec3f{-1.1f, .9f, 1}, Vec3f{-.9f, 1.1f, 1}, Vec3f{-.9f, .9f, -1}})
+        EXPECT_EQ(value(projection, d), 0) << d.x << ", " << d.y << ", " << d.z;
+    // The square's quarters meet along y of light space, and its rows follow z.
+    EXPECT_GT(value("\"goniometric\"", {-.1f, 1, -.1f}), 0);
+    for (const Vec3f& d : {Vec3f{.1f, 1, -.1f}, Vec3f{-.1f, 1, .1f}, Vec3f{.1f, 1, .1f}})
+        EXPECT_EQ(value("\"goniometric\"", d), 0) << d.x << ", " << d.y << ", " << d.z;
+}
+
+TEST(Lights, OfPicturesLookAlikeToPathAndBdpt) {
+    for (const std::string& light : {"\"goniometric\" \"float scale\" .3", "\"projection\" \"float fov\" 70"}) {
+        const Scene scene = scene_under_sky(
+            "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float "
+            "focaldistance\" 3\n"
+            "Integrator \"path\" \"integer maxdepth\" 3\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.1 .1 .1]\nMaterial "
+            "\"diffuse\" \"rgb reflectance\" [.5 .4 .3]\n"
+            "Shape \"trianglemesh\" \"point3 P\" [-4 -4 -.8  4 -4 -.8  4 4 -.8  -4 4 -.8] \"integer indices\" [0 1 2 0 2 3]\n"
+            "Material \"conductor\" \"float roughness\" .3\nShape \"sphere\" \"float radius\" .4\n"
+            "Translate .3 -.4 1.6\nRotate 170 1 .1 0\nLightSource " +
+            light + " \"string filename\" \"sky.exr\"\n");
+        expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096),
+                     picture_of(scene, {.kind = IntegratorKind::kBdpt}, 2048));
     }
 }
 

@@ -15,6 +15,18 @@ std::optional<double> positive(const ParameterList& list, std::string_view name)
     return value && *value > 0 ? value : std::nullopt;
 }
 
+// Of a goniometric light: the mean of each pixel.
+std::shared_ptr<const ImageDescription> read_intensities(const ParameterList& list, const std::string& name, SceneFiles& files) {
+    const std::shared_ptr<const ImageDescription> image = read_environment(list, name, files);
+    if (!image) return nullptr;
+    auto grey = std::make_shared<ImageDescription>(*image);
+    for (std::size_t i = 0; i < grey->rgb.size(); i += 3) {
+        float* const rgb = &grey->rgb[i];
+        rgb[0] = rgb[1] = rgb[2] = (rgb[0] + rgb[1] + rgb[2]) / 3;
+    }
+    return grey;
+}
+
 }  // namespace
 
 AreaLightDescription read_area_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra,
@@ -55,6 +67,19 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
             light.cone_degrees = list.number("coneangle", 30, 0, 180);
             light.cone_delta_degrees = list.number("conedeltaangle", 5, 0, 180);
         }
+    } else if (type == "goniometric" || type == "projection") {
+        const bool is_map = type == "goniometric";
+        light.kind = is_map ? LightKind::kGoniometric : LightKind::kProjection;
+        light.spectrum = is_map ? spectra.emission(list, "I") : spectra.white();
+        light.power = positive(list, "power");
+        if (!is_map) light.fov_degrees = list.number("fov", 90, 1e-3, 179);
+        const std::optional<std::string> name = list.string("filename");
+        if (!name) {
+            list.error("filename: missing");
+        } else {
+            light.image = is_map ? read_intensities(list, *name, files) : read_light_picture(list, *name, files);
+        }
+        if (light.image && !(mean_luminance(*light.image) > 0)) list.error(fmt::format("{}: is black", *name));
     } else if (type == "distant") {
         light.kind = LightKind::kDistant;
         light.spectrum = spectra.emission(list, "L");
@@ -72,7 +97,8 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
             light.spectrum = spectra.emission(list, "L");
         }
     } else {
-        list.error(fmt::format("LightSource \"{}\" is not supported (point, spot, distant, infinite)", type));
+        list.error(
+            fmt::format("LightSource \"{}\" is not supported (point, spot, goniometric, projection, distant, infinite)", type));
         return light;
     }
     if ((light.kind == LightKind::kSpot || light.kind == LightKind::kDistant) && light.from == light.to)

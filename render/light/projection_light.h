@@ -1,0 +1,36 @@
+// render/light/projection_light.h: a point that projects a picture.
+#pragma once
+
+#include "render/light/light_type.h"
+#include "render/light/projection_map.h"
+
+namespace latent::render {
+
+class ProjectionLight {
+ public:
+    static constexpr bool kIsInfinite = false, kIsDelta = true;
+    // The map must outlive the light.
+    ProjectionLight(const LightDescription& light, const ProjectionMap& map, std::uint32_t spectrum);
+
+    const PointSource& source() const { return source_; }
+    const Emission& emission() const { return emission_; }
+    double extent() const { return map_->luminous_intensity(); }
+    bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
+    float pdf_omega(const Vec3f&, const LightSampleContext&, const LightHit&) const { return 0; }
+    void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
+    float pdf_position() const { return 1; }
+    float pdf_direction(const Vec3f&, const Vec3f& d) const { return map_->pdf_omega(d); }
+    bool multiply_emission(const EmissionPoint&, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
+        if (!map_->multiply(d, spectra, value)) return false;
+        emission_.multiply(spectra, value);
+        return true;
+    }
+
+ private:
+    PointSource source_;
+    const ProjectionMap* map_;
+    Emission emission_;
+    std::uint32_t medium_;
+};
+
+}  // namespace latent::render
