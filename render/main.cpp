@@ -6,7 +6,9 @@
 #include "base/parallel.h"
 #include "base/simd.h"
 #include "base/terminal.h"
+#include "render/load/list_features.h"
 #include "render/program/arguments.h"
+#include "render/program/help.h"
 #include "render/program/loop.h"
 #include "render/program/report.h"
 #include "render/program/stop_signals.h"
@@ -64,22 +66,13 @@ int main(int argc, char** argv) try {
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
     app.add_flag("--dry-run", dry_run,
                  "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
+    app.add_flag("--strict", settings.strict, "refuse a scene of which anything would be ignored, instead of warning");
+    app.add_flag_callback(
+        "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },
+        "list what scene files may contain, and exit");
     app.add_flag("--ignore-space", ignore_space, "start even if the file is not expected to fit on the disk");
     cli::add_common(app, common, false);
-    app.footer(
-        "Run the same command again to resume an interrupted render. With a larger --spp,\n"
-        "it extends a finished one. To use several machines, see latent-farm, or render\n"
-        "one shard on each, with the same settings, and join them with latent-merge.\n\n"
-        "Examples:\n"
-        "  latent-render scenes/cornell.pbrt -o cornell.latent --spp 64\n"
-        "      render a scene\n"
-        "  latent-render scenes/cornell.pbrt -o half0.latent --spp 64 --shard 0/2\n"
-        "  latent-render scenes/cornell.pbrt -o half1.latent --spp 64 --shard 1/2\n"
-        "      render the same samples in two processes\n"
-        "  latent-render scenes/cornell.pbrt -o big.latent --resolution 16Kx16K --dry-run\n"
-        "      estimate time and file size first\n\n"
-        "Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not\n"
-        "be written; 75 interrupted, all finished work saved: run again to resume.");
+    app.footer(kBelowOptions);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.force = common.force;

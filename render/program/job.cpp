@@ -1,6 +1,7 @@
 #include "render/program/job.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <numeric>
@@ -133,6 +134,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     if (!simd) return simd.error();
     Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value());
     if (!scene) return scene.error();
+    if (settings.strict && !scene->warnings.empty())
+        return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(scene->warnings, "\n"))};
     out->scene = std::move(*scene);
     const Hash128 content = make_canonical(out->scene.description);
     const SceneDescription& description = out->scene.description;

@@ -99,6 +99,19 @@ class JobOf : public ::testing::Test {
     Folder folder_;
 };
 
+TEST_F(JobOf, StrictTakesNoSceneOfWhichAnythingIsIgnored) {
+    RenderSettings strict = settings();
+    strict.strict = true;
+    EXPECT_TRUE(prepare(strict));
+    folder_.write("room.pbrt", "Sampler \"sobol\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n");
+    const Result<std::unique_ptr<RenderJob>> refused = prepare(strict);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message.substr(refused.error().message.find("room.pbrt:")),
+              "room.pbrt:1:1: Sampler is ignored; set the number of samples with --spp or --samples");
+    strict.strict = false;
+    EXPECT_EQ(job(strict)->warnings.size(), 1u);
+}
+
 TEST_F(JobOf, EverySettingThatChangesRecordsOrRunsIsAnotherJob) {
     const RenderSettings plain = settings();
     std::set<std::string> ids{to_hex(job(plain)->job.id)};

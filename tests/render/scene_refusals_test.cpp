@@ -1,6 +1,9 @@
 // What is refused, and what is ignored with a warning: every word by name, and where it stands.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "render/load/list_features.h"
+#include "render/load/pbrt/features.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {
@@ -10,6 +13,7 @@ using testing::Folder;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::load;
+using ::testing::Not;
 using testing::refusal;
 using testing::refused_world;
 
@@ -108,6 +112,33 @@ TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
 TEST(SceneRefusals, AllErrorsAreToldAtOnce) {
     const std::string message = refused_world("Material \"hair\"\nShape \"curve\"\nLightSource \"projection\"\n");
     for (const char* place : {":2:1: ", ":3:1: ", ":4:1: "}) EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + place));
+}
+
+// What is listed is read, and nothing else is: the list is part of the message.
+TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
+    const auto message = [](const PbrtFeature& feature, std::string_view type) {
+        const std::string word = fmt::format(" \"{}\"\n", type), directive(feature.directive);
+        std::string text = directive + word + "WorldBegin\n";
+        if (directive == "Medium") text = "WorldBegin\nMakeNamedMedium \"m\" \"string type\"" + word;
+        if (directive == "Material" && type == "mix") text = "WorldBegin\nMaterial \"mix\"\n";
+        if (directive == "Texture") {
+            text = "WorldBegin\n";
+            for (const std::string& kind : {"\"float\"", "\"spectrum\""}) text += "Texture \"t\" " + kind + word;
+            text +=
+                type == "marble" ? "Material \"phong\" \"texture Kd\" \"t\"\n" : "Material \"phong\" \"texture exponent\" \"t\"\n";
+        }
+        if (directive == "Shape" || directive == "Material" || directive == "LightSource" || directive == "AreaLightSource")
+            text = "WorldBegin\n" + directive + word;
+        const Result<LoadedScene> scene = load(text);
+        return scene ? "" : scene.error().message;
+    };
+    for (const PbrtFeature& feature : pbrt_features()) {
+        for (const std::string_view type : feature.types)
+            EXPECT_THAT(message(feature, type), Not(HasSubstr(fmt::format("\"{}\" is not supported", type)))) << feature.directive;
+        EXPECT_THAT(message(feature, "nothing"), HasSubstr("\"nothing\" is not supported (")) << feature.directive;
+    }
+    EXPECT_THAT(list_features(), HasSubstr("  Material        diffuse phong"));
+    EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
 }
 
 // Whatever stands in the way, in whichever part of the program it would have been found.

@@ -1,6 +1,7 @@
 // Laws of lights: points and rays are drawn as their densities say, and both ways of asking give the same light.
 #include <cmath>
 
+#include "color/named_spectra.h"
 #include "color/observer.h"
 #include "render/light/light_set.h"
 #include "tests/transport/chi_square.h"
@@ -233,7 +234,7 @@ TEST(Lights, PicturesOfAPointCarryItsPower) {
     std::vector<float> greys;
     for (int i = 0; i < 16; ++i) greys.insert(greys.end(), 3, static_cast<float>(i * i % 7));
     write_exr(folder / "greys.exr", 4, 4, greys);
-    for (const std::string& type : {"\"goniometric\"", "\"projection\" \"float fov\" 50"}) {
+    for (const std::string type : {"\"goniometric\"", "\"projection\" \"float fov\" 50"}) {
         const Scene scene = scene_of(load_scene(folder.write(
             "room.pbrt", "WorldBegin\nLightSource " + type + " \"string filename\" \"greys.exr\" \"float power\" 7\n")));
         const std::unique_ptr<World> world = scene.world();
@@ -283,7 +284,7 @@ TEST(Lights, PicturesStandUpright) {
 }
 
 TEST(Lights, OfPicturesLookAlikeToPathAndBdpt) {
-    for (const std::string& light : {"\"goniometric\" \"float scale\" .3", "\"projection\" \"float fov\" 70"}) {
+    for (const std::string light : {"\"goniometric\" \"float scale\" .3", "\"projection\" \"float fov\" 70"}) {
         const Scene scene = scene_under_sky(
             "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float "
             "focaldistance\" 3\n"

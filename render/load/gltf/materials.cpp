@@ -164,6 +164,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     return out;
 }
 
+std::span<const std::string_view> known_extensions() { return kKnownExtensions; }
 bool is_known_extension(std::string_view name) { return std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions); }
 
 }  // namespace latent::render

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include "render/load/gltf/textures.h"
 #include "render/load/model/colors.h"
@@ -23,5 +25,6 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
 
 // Whether the extension is one that the loader reads, or that changes no picture.
 bool is_known_extension(std::string_view name);
+std::span<const std::string_view> known_extensions();
 
 }  // namespace latent::render

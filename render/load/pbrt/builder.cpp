@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/pbrt/features.h"
 #include "render/load/pbrt/lights.h"
 #include "render/load/pbrt/materials.h"
 #include "render/load/pbrt/media.h"
@@ -110,8 +111,7 @@ bool SceneBuilder::apply_state(const Directive& d) {
         state_.outside_medium = medium(d.strings.back(), d.where);
     } else if (d.name == "ColorSpace") {
         if (!spectra_.set_color_space(d.strings[0])) {
-            diagnostics_.error(d.where,
-                               fmt::format("ColorSpace \"{}\" is not supported (srgb, dci-p3, rec2020, aces2065-1)", d.strings[0]));
+            diagnostics_.error(d.where, unsupported("ColorSpace", d.strings[0]));
         } else {
             state_.color_space = d.strings[0];
         }

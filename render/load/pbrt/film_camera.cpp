@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "render/load/pbrt/features.h"
+
 namespace latent::render {
 
 FilmDescription read_film(const std::string& type, const ParameterList& list) {
@@ -15,7 +17,7 @@ FilmDescription read_film(const std::string& type, const ParameterList& list) {
     } else if (type == "gbuffer") {
         list.warn("Film \"gbuffer\" is ignored: only the picture is rendered, without positions, normals or albedo");
     } else if (type != "rgb") {
-        list.error(fmt::format("Film \"{}\" is not supported (rgb)", type));
+        list.error(unsupported("Film", type));
     }
     if (const std::string sensor = list.string("sensor").value_or("cie1931"); sensor != "cie1931")
         list.warn(fmt::format("Film: sensor \"{}\" is ignored; choose one with latent-develop --observer", sensor));
@@ -64,7 +66,7 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
     } else if (type == "orthographic") {
         camera.kind = CameraKind::kOrthographic;
     } else {
-        list.error(fmt::format("Camera \"{}\" is not supported (perspective, orthographic, spherical)", type));
+        list.error(unsupported("Camera", type));
         return camera;
     }
     list.report_unused();
@@ -87,7 +89,7 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
     if (std::ranges::find(kOthers, type) != std::end(kOthers)) {
         list.warn(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
     } else if (std::ranges::find(kOurs, type) == std::end(kOurs)) {
-        list.error(fmt::format("Integrator \"{}\" is not supported (path, volpath, bdpt); choose one with --integrator", type));
+        list.error(unsupported("Integrator", type) + "; choose one with --integrator");
     }
     list.report_unused();
 }

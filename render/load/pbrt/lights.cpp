@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "render/load/files/pictures.h"
+#include "render/load/pbrt/features.h"
 #include "render/load/pbrt/light_pictures.h"
 
 namespace latent::render {
@@ -33,7 +34,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
                                      SceneTextures& textures, SceneFiles& files) {
     AreaLightDescription light{.location = list.directive().where};
     if (type != "diffuse") {
-        list.error(fmt::format("AreaLightSource \"{}\" is not supported (diffuse)", type));
+        list.error(unsupported("AreaLightSource", type));
         return light;
     }
     if (const std::optional<std::string> name = list.string("filename")) {
@@ -97,8 +98,7 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
             light.spectrum = spectra.emission(list, "L");
         }
     } else {
-        list.error(
-            fmt::format("LightSource \"{}\" is not supported (point, spot, goniometric, projection, distant, infinite)", type));
+        list.error(unsupported("LightSource", type));
         return light;
     }
     if ((light.kind == LightKind::kSpot || light.kind == LightKind::kDistant) && light.from == light.to)

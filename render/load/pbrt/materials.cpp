@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "color/named_spectra.h"
+#include "render/load/pbrt/features.h"
 
 namespace latent::render {
 
@@ -158,11 +159,7 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         read_roughness(list, "conductor.", textures, material);
         read_layer(list, "interface.", textures, material.layer);
     } else {
-        list.error(
-            fmt::format("Material \"{}\" is not supported (diffuse, phong, conductor, dielectric, thindielectric, "
-                        "diffusetransmission, coateddiffuse, "
-                        "coatedconductor, mix, interface)",
-                        type));
+        list.error(unsupported("Material", type));
         return std::nullopt;
     }
     material.displacement.texture = textures.find_texture(list, "displacement").value_or(kNone);

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "color/observer.h"
+#include "render/load/pbrt/features.h"
 #include "render/load/volume/nanovdb.h"
 
 namespace latent::render {
@@ -189,7 +190,7 @@ MediumDescription read_medium(const std::string& type, const ParameterList& list
         } else if (type == "nanovdb") {
             read_nanovdb_grids(list, files, medium);
         } else {
-            list.error(fmt::format("Medium \"{}\" is not supported (homogeneous, uniformgrid, rgbgrid, cloud, nanovdb)", type));
+            list.error(unsupported("Medium", type));
             return medium;
         }
     }

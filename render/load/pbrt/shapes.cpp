@@ -6,6 +6,7 @@
 
 #include "render/load/mesh/loop_subdivision.h"
 #include "render/load/mesh/ply.h"
+#include "render/load/pbrt/features.h"
 
 namespace latent::render {
 
@@ -176,8 +177,7 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         common.flip_normal = reverse_orientation;
         shapes.push_back({common});
     } else {
-        list.error(fmt::format(
-            "Shape \"{}\" is not supported (trianglemesh, plymesh, bilinearmesh, loopsubdiv, sphere, disk, cylinder)", type));
+        list.error(unsupported("Shape", type));
         return {};
     }
     if (!std::ranges::all_of(shapes, is_finite)) list.error("Shape: exceeds the range of single precision");

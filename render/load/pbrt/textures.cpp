@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/pbrt/features.h"
 #include "render/scene/check.h"
 
 namespace latent::render {
@@ -231,9 +232,8 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
         mapping(true);
     } else {
         list.error(
-            fmt::format("Texture \"{}\": {} \"{}\" is not supported (constant, scale, mix, imagemap, checkerboard, dots, bilerp, "
-                        "directionmix; float only: fbm, wrinkled, windy; spectrum only: marble)",
-                        definition.directive.strings[0], definition.directive.strings[1], kind));
+            fmt::format("Texture \"{}\": {} \"{}\" is not supported ({}; fbm, wrinkled, windy: float only; marble: spectrum only)",
+                        definition.directive.strings[0], definition.directive.strings[1], kind, types_of("Texture")));
         return texture;
     }
     list.report_unused();

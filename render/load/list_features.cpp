@@ -1,0 +1,42 @@
+#include "render/load/list_features.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "render/load/gltf/materials.h"
+#include "render/load/pbrt/features.h"
+
+namespace latent::render {
+
+namespace {
+
+// "  NAME  words", wrapped at 80 columns.
+template <class Words>
+std::string paragraph(std::string_view name, const Words& words) {
+    constexpr std::size_t kIndent = 18, kWidth = 80;
+    std::string text, line = fmt::format("  {:<16}", name);
+    for (const std::string_view word : words) {
+        if (line.size() + 1 + word.size() > kWidth) {
+            text += line + "\n";
+            line = std::string(kIndent, ' ');
+        }
+        if (line.size() > kIndent) line += ' ';
+        line += word;
+    }
+    return text + line + "\n";
+}
+
+}  // namespace
+
+std::string list_features() {
+    std::string text = "pbrt-v4 (.pbrt)\n";
+    for (const PbrtFeature& feature : pbrt_features()) text += paragraph(feature.directive, feature.types);
+    text += "\nglTF 2.0 (.gltf, .glb)\n" + paragraph("extensions", known_extensions());
+    text += "\nWavefront OBJ (.obj, .mtl)\n";
+    text += paragraph("geometry", std::initializer_list<std::string_view>{"v", "vt", "vn", "f", "mtllib", "usemtl"});
+    text += paragraph("materials", std::initializer_list<std::string_view>{"newmtl", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr",
+                                                                           "illum", "Pr", "Pm", "Pc", "Pcr", "map_Kd", "map_d"});
+    return text;
+}
+
+}  // namespace latent::render

@@ -1,0 +1,39 @@
+#include "render/load/pbrt/features.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace latent::render {
+
+std::span<const PbrtFeature> pbrt_features() {
+    static const PbrtFeature features[] = {
+        {"Camera", {"perspective", "orthographic", "spherical"}},
+        {"Film", {"rgb"}},
+        {"Integrator", {"path", "volpath", "bdpt"}},
+        {"ColorSpace", {"srgb", "dci-p3", "rec2020", "aces2065-1"}},
+        {"Shape", {"trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "sphere", "disk", "cylinder"}},
+        {"Material",
+         {"diffuse", "phong", "conductor", "dielectric", "thindielectric", "diffusetransmission", "coateddiffuse",
+          "coatedconductor", "mix", "interface"}},
+        {"Texture",
+         {"constant", "scale", "mix", "imagemap", "checkerboard", "dots", "bilerp", "directionmix", "fbm", "wrinkled", "windy",
+          "marble"}},
+        {"LightSource", {"point", "spot", "goniometric", "projection", "distant", "infinite"}},
+        {"AreaLightSource", {"diffuse"}},
+        {"Medium", {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"}},
+    };
+    return features;
+}
+
+std::string types_of(std::string_view directive) {
+    const auto found = std::ranges::find(pbrt_features(), directive, &PbrtFeature::directive);
+    return fmt::format("{}", fmt::join(found->types, ", "));
+}
+
+std::string unsupported(std::string_view directive, std::string_view type) {
+    return fmt::format("{} \"{}\" is not supported ({})", directive, type, types_of(directive));
+}
+
+}  // namespace latent::render

@@ -1,0 +1,23 @@
+// render/load/pbrt/features.h: what of pbrt-v4's format is read: for messages, and for those who ask.
+#pragma once
+
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace latent::render {
+
+// The types of a directive: Material "diffuse".
+struct PbrtFeature {
+    std::string_view directive;
+    std::initializer_list<std::string_view> types;
+};
+std::span<const PbrtFeature> pbrt_features();
+
+// "diffuse, conductor" of "Material".
+std::string types_of(std::string_view directive);
+// "Material "velvet" is not supported (diffuse, conductor)".
+std::string unsupported(std::string_view directive, std::string_view type);
+
+}  // namespace latent::render
