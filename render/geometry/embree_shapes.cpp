@@ -53,15 +53,20 @@ std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t
 }
 
 // The first hit that is not in a hole.
-std::optional<ExactHit> first_hit(const PlacedShape& placed, const RTCIntersectContext* context, unsigned shape,
-                                  std::uint32_t primitive, RTCRay ray) {
+std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersectContext* context, unsigned shape,
+                                    std::uint32_t primitive, RTCRay ray) {
     while (true) {
         const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
-        if (!hit || placed.is_whole()) return hit;
+        if (!hit) return hit;
         const PrimitivePoint on{context->instID[0], shape, primitive, {static_cast<float>(hit->u), static_cast<float>(hit->v)}};
         if (!is_hole(world_of(context), on, point_on(ray, hit->t), direction_of(ray))) return hit;
         ray.tnear = std::nextafter(static_cast<float>(hit->t), kInfinity);
     }
+}
+
+std::optional<ExactHit> first_hit(const PlacedShape& placed, const RTCIntersectContext* context, unsigned shape,
+                                  std::uint32_t primitive, const RTCRay& ray) {
+    return placed.is_whole() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
 }
 
 void intersect_user(const RTCIntersectFunctionNArguments* args) {

@@ -71,19 +71,21 @@ std::uint32_t Material::chosen(const TexturePoint& point) const {
 }
 
 Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const {
-    const float alpha_x = alpha(alpha_x_, remap_roughness_, point), alpha_y = alpha(alpha_y_, remap_roughness_, point);
     const auto bsdf_of = [&](bool isotropic, const auto& closure) {
         return Bsdf(isotropic ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu), hit.ng, closure);
     };
-    const auto plain = [&](const auto& closure) { return bsdf_of(alpha_x == alpha_y, closure); };
+    const auto plain = [&](const auto& closure) { return bsdf_of(true, closure); };
+    struct Alpha {
+        float x, y;
+    };
+    const auto facets = [&] { return Alpha{alpha(alpha_x_, remap_roughness_, point), alpha(alpha_y_, remap_roughness_, point)}; };
     const auto metal = [&] {
         return reflectance_.texture ? metal_of(reflectance(reflectance_, point), *point.spectra)
                                     : Metal{within(eta_, 1e-3f, 1e6f, point), within(k_, 0, 1e6f, point)};
     };
-    const auto coated = [&]<class Base>(const Base& base) {
+    const auto coated = [&]<class Base>(bool isotropic, const Base& base) {
         const Layer layer = layer_.at(hit, point, kept);
-        const Microfacets& facets = layer.coat.facets;
-        return bsdf_of(alpha_x == alpha_y && facets.alpha_x == facets.alpha_y,
+        return bsdf_of(isotropic && layer.coat.facets.alpha_x == layer.coat.facets.alpha_y,
                        Coated<Base>(point.spectra->store<typename Coated<Base>::State>({layer, base})));
     };
     switch (kind_) {
@@ -93,10 +95,13 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
             return plain(Phong(reflectance(reflectance_, point), reflectance(specular_, point), within(exponent_, 0, 1e6f, point)));
         case MaterialKind::kConductor: {
             const Metal m = metal();
-            return plain(Conductor(m.eta, m.k, alpha_x, alpha_y));
+            const Alpha a = facets();
+            return bsdf_of(a.x == a.y, Conductor(m.eta, m.k, a.x, a.y));
         }
-        case MaterialKind::kDielectric:
-            return plain(Dielectric(eta_.at(point), dispersive_, kept, alpha_x, alpha_y));
+        case MaterialKind::kDielectric: {
+            const Alpha a = facets();
+            return bsdf_of(a.x == a.y, Dielectric(eta_.at(point), dispersive_, kept, a.x, a.y));
+        }
         case MaterialKind::kThinDielectric:
             return plain(ThinDielectric(eta_.at(point), dispersive_, kept));
         case MaterialKind::kMetallicRoughness: {
@@ -111,10 +116,11 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
         case MaterialKind::kDiffuseTransmission:
             return plain(DiffuseTransmission(scaled(reflectance_, scale_, point), scaled(specular_, scale_, point)));
         case MaterialKind::kCoatedDiffuse:
-            return coated(Diffuse(reflectance(reflectance_, point)));
+            return coated(true, Diffuse(reflectance(reflectance_, point)));
         case MaterialKind::kCoatedConductor: {
             const Metal m = metal();
-            return coated(Conductor(layer_.below(m.eta, *point.spectra), layer_.below(m.k, *point.spectra), alpha_x, alpha_y));
+            const Alpha a = facets();
+            return coated(a.x == a.y, Conductor(layer_.below(m.eta, *point.spectra), layer_.below(m.k, *point.spectra), a.x, a.y));
         }
         case MaterialKind::kMix:
             break;

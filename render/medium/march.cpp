@@ -5,6 +5,7 @@
 namespace latent::render {
 
 void March::cross() {
+    if (segment_.index == 0) end_ = ray_.o + ray_.d;
     left_ = std::max(left_ - segment_.length, 0.0f);
     segment_.medium = media_at(*hit_).towards(ray_.d, hit_->ng, segment_.medium);
     ++segment_.index;

@@ -54,7 +54,6 @@ class March {
     March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium)
         : geometry_(geometry),
           ray_(ray),
-          end_(ray.o + ray.d),
           left_(length),
           metres_per_t_(metres_per_t),
           hit_(geometry.intersect(ray)),
@@ -62,7 +61,7 @@ class March {
 
     const Geometry& geometry_;
     Ray ray_;
-    Vec3f end_;   // of a ray that ends
+    Vec3f end_;   // of a ray that ends, once it has crossed a surface
     float left_;  // [m] of the line, from the start of the segment on
     float metres_per_t_;
     std::optional<SurfaceHit> hit_;

@@ -15,6 +15,9 @@ class Scattering {
     Scattering(const Bsdf& bsdf) : what_(bsdf) {}
     Scattering(const PhaseFunction& phase) : what_(phase) {}
 
+    Scattering& operator=(const Bsdf& bsdf) { return what_.emplace<Bsdf>(bsdf), *this; }
+    Scattering& operator=(const PhaseFunction& phase) { return what_.emplace<PhaseFunction>(phase), *this; }
+
     bool in_medium() const { return bsdf() == nullptr; }
     bool is_delta() const { return bsdf() && bsdf()->is_delta(); }
     LightSampleContext light_sample_context(const Vec3f& wo) const {

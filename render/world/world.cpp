@@ -82,7 +82,7 @@ bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleSt
     };
     if (!has_interfaces_) {
         if (geometry_->occluded(ray)) return false;
-        pass({ray.o, ray.d, length, medium});
+        if (medium != kNone) pass({ray.o, ray.d, length, medium});  // else all is as it was: nothing is on the line
         return true;
     }
     for (March march(*geometry_, ray, length, medium);; march.cross()) {
