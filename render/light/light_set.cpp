@@ -47,7 +47,8 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
         const ShapeDescription& shape = scene.shapes[e.shape];
         const bool is_hidden = is_nowhere(shape.alpha);
         if (e.primitive == 0 && (d.picture != kNone || shape.alpha.is_textured() || (shape.alpha.value < 1 && !is_hidden))) {
-            EmissionPattern pattern{.geometry = &geometry, .shape = e.shape, .alpha = textures.source(shape.alpha)};
+            EmissionPattern pattern{
+                .geometry = &geometry, .shape = e.shape, .alpha = is_hidden ? FloatSource{1} : textures.source(shape.alpha)};
             if (d.picture != kNone) pattern.picture = textures.spectrum(d.picture);
             patterns_.push_back(std::make_unique<EmissionPattern>(pattern));
         }

@@ -63,7 +63,7 @@ TEST_F(AreaLight, PathAndBdptMakeOnePicture) {
           picture + "Shape \"cylinder\" \"float radius\" .4 \"float zmin\" -.2 \"float zmax\" .2",
           picture + quad + "\"float alpha\" .3", holes + lamp + quad + "\"texture alpha\" \"holes\"",
           // Light from a surface that nothing meets.
-          lamp + quad + "\"float alpha\" 0", lamp + "Shape \"sphere\" \"float radius\" .3 \"float alpha\" 0"}) {
+          picture + quad + "\"float alpha\" 0", lamp + "Shape \"sphere\" \"float radius\" .3 \"float alpha\" 0"}) {
         SCOPED_TRACE(light);
         const Scene scene = with_picture(kRoom + light + "\n");
         expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 6144),
