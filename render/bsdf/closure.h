@@ -19,16 +19,16 @@ struct ClosureSample {
 };
 
 // Directions are local: they point away from the surface, z is the shading normal. Values are those of radiance flowing from
-// w_light to w_camera, whichever subpath came first. A closure is small and has no destructor; the values in every wavelength that
-// it points to live as long as its sample: SampledSpectra. The side rule, light subpaths and the compression of radiance in delta
-// refractions are Bsdf's.
+// w_light to w_camera, whichever subpath came first. A closure is small and has no destructor; the values that it points to live
+// as long as their sample. The side rule, light subpaths and the compression of radiance in delta refractions are Bsdf's.
 //
-//   kTransmits       what it scatters may leave on the other side; otherwise both directions of f and pdf_omega are on one side
-//   is_delta         all directions come from delta functions; f and pdf_omega are not called
-//   disperses        from w_light to w_camera light is refracted by an index that varies with wavelength: only the kept one is
-//   right multiply_f_cos   value *= f |w_light.z| pdf_omega        density [1/sr] with which `sample` finds wi sample draws wi for
-//   a wo with z != 0; false: absorbed. From a delta function also: weight *= coefficient over
-//                    probability, as if radiance were not compressed
+//   kTransmits      what it scatters may leave on the other side; otherwise both directions of f and pdf_omega are on one side
+//   is_delta        all directions come from delta functions; f and pdf_omega are not called
+//   disperses       light from w_light to w_camera is refracted by an index that varies: only the kept wavelength is right
+//   multiply_f_cos  value *= f |w_light.z|
+//   pdf_omega       density [1/sr] with which `sample` finds wi
+//   sample          draws wi for a wo with z != 0; false: absorbed. From a delta function also: weight *= coefficient over
+//                   probability, as if radiance were not compressed
 template <class C>
 concept Closure = std::is_trivially_copyable_v<C> && std::is_trivially_destructible_v<C> &&
     requires(const C& c, const Vec3f& w, float u, ClosureSample& out, SampledSpectrum& value) {

@@ -79,7 +79,7 @@ class PbrtLoader {
                                                  path.string(), format.empty() ? "the file is empty" : format)};
     }
 
-    // Ends the loading at once; what was found before is told too.
+    // Ends the loading at once; what was found before is reported too.
     Error syntax_error(const ParseError& error) {
         diagnostics_.error(error.where, error.message);
         return {ErrorCode::kCorrupt, all_of(diagnostics_.errors())};

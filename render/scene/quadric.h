@@ -12,7 +12,7 @@ inline bool is_whole_sphere(const ShapeDescription& shape) {
 
 inline double phi_max(const ShapeDescription& shape) { return shape.phi_max_degrees * std::numbers::pi / 180; }
 
-// A sphere's zone is as large as the cylinder about it [Archimedes].
+// A sphere's zone is as large as the cylinder about it.
 inline double quadric_area(const ShapeDescription& shape) {
     const double r = shape.radius, inner = shape.inner_radius;
     if (shape.kind == ShapeKind::kDisk) return 0.5 * phi_max(shape) * (r * r - inner * inner);
