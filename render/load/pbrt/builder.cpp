@@ -13,13 +13,6 @@
 
 namespace latent::render {
 
-namespace {
-
-// Parameters that would change everything that inherits them.
-constexpr std::string_view kEverywhere[] = {"emissionfilename", "portal", "preset"};
-
-}  // namespace
-
 SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator)
     : scene_(scene),
       files_(files),
@@ -33,8 +26,7 @@ SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnosti
 
 ParameterList SceneBuilder::list(const Directive& d, std::string_view target) {
     spectra_.set_color_space(state_.color_space);
-    const auto inherited = state_.attributes.find(target);
-    return {d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, diagnostics_};
+    return {d, state_.attributes.of(target), diagnostics_};
 }
 
 void SceneBuilder::push(const std::string& by, const SourceLocation& where) { stack_.push_back({state_, by, where}); }
@@ -49,15 +41,11 @@ void SceneBuilder::pop(const std::string& by, const SourceLocation& where) {
     stack_.pop_back();
 }
 
-SceneBuilder::Named& SceneBuilder::name(Names& names, const std::string& text, const SourceLocation& where, std::size_t next) {
-    return names.try_emplace(text, Named{static_cast<std::uint32_t>(next), std::nullopt, where}).first->second;
-}
-
 std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation& where) {
     if (text.empty()) return kNone;
-    const Named& named = name(media_, text, where, scene_.media.size());
-    if (named.index == scene_.media.size()) scene_.media.push_back({.name = text, .location = where});
-    return named.index;
+    const std::uint32_t index = media_.mention(text, where, scene_.media.size());
+    if (index == scene_.media.size()) scene_.media.push_back({.name = text, .location = where});
+    return index;
 }
 
 void SceneBuilder::apply(const Directive& d) {
@@ -82,9 +70,7 @@ void SceneBuilder::apply(const Directive& d) {
         scene_.lights.push_back(std::move(light));
         return;
     }
-    const auto inherited = state_.attributes.find("texture");  // what is left is Texture
-    textures_.define(d, inherited == state_.attributes.end() ? std::vector<Parameter>{} : inherited->second, state_.ctm,
-                     state_.color_space);
+    textures_.define(d, state_.attributes.of("texture"), state_.ctm, state_.color_space);  // what is left is Texture
 }
 
 bool SceneBuilder::apply_state(const Directive& d) {
@@ -116,22 +102,7 @@ bool SceneBuilder::apply_state(const Directive& d) {
             state_.color_space = d.strings[0];
         }
     } else if (d.name == "Attribute") {
-        const std::string& target = d.strings[0];
-        if (target != "shape" && target != "light" && target != "material" && target != "medium" && target != "texture") {
-            diagnostics_.error(d.where,
-                               fmt::format("Attribute \"{}\": not one of shape, light, material, medium, texture", target));
-        }
-        for (Parameter p : d.parameters) {
-            if (std::find(std::begin(kEverywhere), std::end(kEverywhere), p.name) != std::end(kEverywhere)) {
-                diagnostics_.error(p.where, fmt::format("\"{} {}\" is not supported", p.type, p.name));
-            }
-            std::vector<Parameter>& inherited = state_.attributes[target];
-            if (std::ranges::find(inherited, p.name, &Parameter::name) != inherited.end())
-                diagnostics_.error(p.where,
-                                   fmt::format("Attribute: \"{}\" is already inherited, and cannot be changed again", p.name));
-            p.inherited = true;
-            inherited.push_back(std::move(p));
-        }
+        state_.attributes.add(d, diagnostics_);
     } else {
         return false;
     }
@@ -139,12 +110,12 @@ bool SceneBuilder::apply_state(const Directive& d) {
 }
 
 std::uint32_t SceneBuilder::material(const std::string& text, const SourceLocation& where) {
-    const Named& named = name(materials_, text, where, scene_.materials.size());
-    if (named.index == scene_.materials.size()) {
+    const std::uint32_t index = materials_.mention(text, where, scene_.materials.size());
+    if (index == scene_.materials.size()) {
         scene_.materials.push_back({.name = text, .location = where});
         interface_.push_back(false);
     }
-    return named.index;
+    return index;
 }
 
 MaterialDescription SceneBuilder::read_mixture(const ParameterList& list) {
@@ -170,12 +141,8 @@ void SceneBuilder::add_material(const Directive& d) {
     if (type) material = *type == "mix" ? read_mixture(parameters) : read_material(*type, parameters, textures_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
-        Named& named = name(materials_, d.strings[0], d.where, index);
-        if (named.defined)
-            return parameters.error(
-                fmt::format("MakeNamedMaterial \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
-        named.defined = d.where;
-        index = named.index;
+        index = materials_.mention(d.strings[0], d.where, index);
+        if (!materials_.define(d.strings[0], d.name, d.where, diagnostics_)) return;
     }
     if (index == scene_.materials.size()) {
         scene_.materials.emplace_back();
@@ -195,11 +162,7 @@ void SceneBuilder::add_medium(const Directive& d) {
     if (type) read = read_medium(*type, parameters, state_.ctm, spectra_, files_);
     const std::uint32_t index = medium(d.strings[0], d.where);
     if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
-    Named& named = media_.at(d.strings[0]);
-    if (named.defined)
-        return parameters.error(
-            fmt::format("MakeNamedMedium \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
-    named.defined = d.where;
+    if (!media_.define(d.strings[0], d.name, d.where, diagnostics_)) return;
     scene_.media[index] = std::move(read);
     scene_.media[index].name = d.strings[0];
 }
@@ -227,24 +190,20 @@ void SceneBuilder::add_shape(const Directive& d) {
     }
 }
 
-SceneBuilder::Named& SceneBuilder::object(const std::string& text, const SourceLocation& where) {
-    Named& named = name(objects_, text, where, scene_.objects.size());
-    if (named.index == scene_.objects.size()) {
+std::uint32_t SceneBuilder::object(const std::string& text, const SourceLocation& where) {
+    const std::uint32_t index = objects_.mention(text, where, scene_.objects.size());
+    if (index == scene_.objects.size()) {
         scene_.objects.push_back({.name = text});
         object_shapes_.emplace_back();
     }
-    return named;
+    return index;
 }
 
 void SceneBuilder::begin_object(const Directive& d) {
     push("ObjectBegin", d.where);
     if (object_ != kNone) return diagnostics_.error(d.where, "ObjectBegin: must not be inside another object");
-    Named& named = object(d.strings[0], d.where);
-    if (named.defined)
-        diagnostics_.error(d.where,
-                           fmt::format("ObjectBegin \"{}\": defined before, on line {}", d.strings[0], named.defined->line));
-    named.defined = d.where;
-    object_ = named.index;
+    object_ = object(d.strings[0], d.where);
+    objects_.define(d.strings[0], d.name, d.where, diagnostics_);
 }
 
 void SceneBuilder::add_instance(const Directive& d) {
@@ -256,22 +215,17 @@ void SceneBuilder::add_instance(const Directive& d) {
     } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
         diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
     }
-    scene_.instances.push_back({object(d.strings[0], d.where).index, state_.ctm, d.where});
+    scene_.instances.push_back({object(d.strings[0], d.where), state_.ctm, d.where});
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {
     if (!in_world_ && complete_) diagnostics_.error(end, "the scene ends before WorldBegin");
     for (const Pushed& open : stack_) diagnostics_.error(open.where, open.by + " has no end");
-    const auto check = [&](const Names& names, std::string_view what) {
-        for (const auto& [text, named] : names) {
-            if (!named.defined) diagnostics_.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
-        }
-    };
     if (complete_) {
         textures_.finish();
-        check(materials_, "material");
-        check(media_, "medium");
-        check(objects_, "object");
+        materials_.report_undefined("material", diagnostics_);
+        media_.report_undefined("medium", diagnostics_);
+        objects_.report_undefined("object", diagnostics_);
     }
     for (const auto& [where, mixed] : mixtures_) {
         for (const std::uint32_t i : mixed) {

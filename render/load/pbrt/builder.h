@@ -10,7 +10,9 @@
 #include "render/load/files/diagnostics.h"
 #include "render/load/files/scene_files.h"
 #include "render/load/mesh/placement.h"
+#include "render/load/pbrt/attributes.h"
 #include "render/load/pbrt/directive.h"
+#include "render/load/pbrt/names.h"
 #include "render/load/pbrt/options.h"
 #include "render/load/pbrt/spectra.h"
 #include "render/load/pbrt/textures.h"
@@ -32,7 +34,7 @@ class SceneBuilder {
     void begin_import(const SourceLocation& where) { push("Import", where); }
     void end_import(const SourceLocation& where) { pop("Import", where); }
     bool in_world() const { return in_world_; }
-    // An include could not be read, and the error is told: what it would have defined is not missed once more.
+    // An include could not be read, and the error is reported: what it would have defined is not missed once more.
     void set_incomplete() { complete_ = false; }
 
  private:
@@ -43,21 +45,13 @@ class SceneBuilder {
         std::uint32_t area_light = kNone;
         std::uint32_t inside_medium = kNone, outside_medium = kNone;
         std::string color_space = "srgb";
-        std::map<std::string, std::vector<Parameter>, std::less<>> attributes;  // by target: "shape", "light" ...
+        Attributes attributes;
     };
     struct Pushed {
         State state;
         std::string by;  // "AttributeBegin" ...
         SourceLocation where;
     };
-    // A name that may be used before it is defined: an index is reserved at its first mention.
-    struct Named {
-        std::uint32_t index;
-        std::optional<SourceLocation> defined;
-        SourceLocation mentioned;
-    };
-    using Names = std::map<std::string, Named>;
-
     void push(const std::string& by, const SourceLocation& where);
     void pop(const std::string& by, const SourceLocation& where);
     bool apply_state(const Directive& d);
@@ -69,8 +63,7 @@ class SceneBuilder {
     void add_shape(const Directive& d);
     void begin_object(const Directive& d);
     void add_instance(const Directive& d);
-    Named& name(Names& names, const std::string& text, const SourceLocation& where, std::size_t next);
-    Named& object(const std::string& text, const SourceLocation& where);
+    std::uint32_t object(const std::string& text, const SourceLocation& where);
     ParameterList list(const Directive& d, std::string_view target);
     std::uint32_t medium(const std::string& text, const SourceLocation& where);
 

@@ -13,7 +13,7 @@ std::span<const PbrtFeature> pbrt_features() {
         {"Film", {"rgb"}},
         {"Integrator", {"path", "volpath", "bdpt"}},
         {"ColorSpace", {"srgb", "dci-p3", "rec2020", "aces2065-1"}},
-        {"Shape", {"trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "sphere", "disk", "cylinder"}},
+        {"Shape", {"trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve", "sphere", "disk", "cylinder"}},
         {"Material",
          {"diffuse", "phong", "conductor", "dielectric", "thindielectric", "diffusetransmission", "coateddiffuse",
           "coatedconductor", "mix", "interface"}},

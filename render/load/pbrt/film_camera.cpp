@@ -79,7 +79,7 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
                                       kOthers[] = {"simplepath", "simplevolpath", "mlt", "sppm"};
     scene.integrator = type;
     scene.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 5, 0, 1 << 30));
-    if (list.flag("regularize", false)) list.error("Integrator: \"regularize\" blurs reflections and is not supported");
+    list.ignore({"regularize"}, "reflections are not blurred");
     list.ignore({"lightsampler", "visualizestrategies", "visualizeweights"}, "it does not change the picture");
     list.ignore(
         {"samplelights", "samplebsdf", "bootstrapsamples", "chains", "mutationsperpixel", "largestepprobability", "sigma",

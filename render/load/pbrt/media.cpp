@@ -6,6 +6,7 @@
 
 #include "color/observer.h"
 #include "render/load/pbrt/features.h"
+#include "render/load/pbrt/measured_media.h"
 #include "render/load/volume/nanovdb.h"
 
 namespace latent::render {
@@ -169,11 +170,15 @@ void read_nanovdb_grids(const ParameterList& list, const SceneFiles& files, Medi
 MediumDescription read_medium(const std::string& type, const ParameterList& list, const Affined& world_from_medium,
                               SceneSpectra& spectra, const SceneFiles& files) {
     MediumDescription medium{.location = list.directive().where};
-    if (type != "rgbgrid") {
+    const std::optional<std::string> preset = list.string("preset");
+    if (preset && type != "rgbgrid") {
+        const std::optional<MeasuredMedium> known = measured_medium(*preset);
+        if (!known) list.error(fmt::format("preset: \"{}\" is not one of {}", *preset, measured_media()));
+        if (known) medium.sigma_a = known->sigma_a, medium.sigma_s = known->sigma_s;
+    } else if (type != "rgbgrid") {
         medium.sigma_a = spectra.find(list, "sigma_a", SpectrumRole::kUnbounded).value_or(color::Spectrum::constant(1));
         medium.sigma_s = spectra.find(list, "sigma_s", SpectrumRole::kUnbounded).value_or(color::Spectrum::constant(1));
     }
-    if (list.string("preset")) list.error("preset: is not supported; give sigma_a and sigma_s");
     medium.g = list.number("g", 0, -0.9999, 0.9999);
     if (type != "cloud") medium.scale = list.number("scale", 1, 0, 1e12);
     if (type == "homogeneous") {

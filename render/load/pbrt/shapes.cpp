@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/load/mesh/curve.h"
 #include "render/load/mesh/loop_subdivision.h"
 #include "render/load/mesh/ply.h"
 #include "render/load/pbrt/features.h"
@@ -113,6 +114,33 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (shapes.empty()) list.warn(*name + ": has no faces");
 }
 
+// A tube, or patches; "flat", which pbrt turns towards each ray, is a tube too.
+void read_curve(const ParameterList& list, const Affined& ctm, bool reverse_orientation, const ShapeDescription& common,
+                std::vector<LoadedShape>& shapes) {
+    const std::string type = list.string("type").value_or("flat"), basis = list.string("basis").value_or("bezier");
+    const auto degree = static_cast<std::uint32_t>(list.integer("degree", 3, 2, 3));
+    if (type != "flat" && type != "cylinder" && type != "ribbon")
+        return list.error(fmt::format("type: \"{}\" is not one of flat, cylinder, ribbon", type));
+    if (basis != "bezier" && basis != "bspline")
+        return list.error(fmt::format("basis: \"{}\" is not one of bezier, bspline", basis));
+    std::vector<Vec3d> points, normals;
+    const std::span<const double> p = list.array("P", "point3", 3), n = list.array("N", "normal", 3);
+    for (std::size_t i = 0; i < p.size(); i += 3) points.emplace_back(p[i], p[i + 1], p[i + 2]);
+    for (std::size_t i = 0; i < n.size(); i += 3) normals.emplace_back(n[i], n[i + 1], n[i + 2]);
+    const double both = list.number("width", 1, 0, 1e30);
+    const CurveWidth width{list.number("width0", both, 0, 1e30), list.number("width1", both, 0, 1e30)};
+    list.ignore({"splitdepth"}, "the curve is a mesh");
+    const std::vector<CubicBezier> segments = segments_of(points, degree, basis == "bspline");
+    if (segments.empty()) return list.error(fmt::format("P: {} points make no curve of degree {}", points.size(), degree));
+    const bool is_ribbon = type == "ribbon";
+    if (is_ribbon && normals.size() != segments.size() + 1)
+        return list.error(fmt::format("N: must have {} normals, at the ends of the segments", segments.size() + 1));
+    LoadedMesh mesh = is_ribbon ? ribbon_along(segments, width, normals) : tube_about(segments, width);
+    transform(mesh, ctm, reverse_orientation);
+    if (is_ribbon) return add_patches(mesh, common, shapes);
+    shapes.push_back({common, std::move(mesh)});
+}
+
 // A part of a sphere or cylinder lies between z_min and z_max, whichever is given first.
 void read_quadric(const std::string& type, const ParameterList& list, ShapeDescription& shape) {
     shape.kind = type == "sphere" ? ShapeKind::kSphere : type == "disk" ? ShapeKind::kDisk : ShapeKind::kCylinder;
@@ -133,7 +161,7 @@ void read_quadric(const std::string& type, const ParameterList& list, ShapeDescr
     }
 }
 
-// Whether every vertex, or the corners of the box around a quadric, can be told as floats.
+// Whether every vertex, or the corners of the box around a quadric, is finite as floats.
 bool is_finite(const LoadedShape& loaded) {
     const auto finite = [](const Vec3d& p) { return max_abs(Vec3f(p)) < kInfinity; };
     if (loaded.mesh) return std::ranges::all_of(loaded.mesh->positions, finite);
@@ -169,6 +197,8 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
         } else {
             list.error("loopsubdiv: " + mesh.error().message);
         }
+    } else if (type == "curve") {
+        read_curve(list, ctm, reverse_orientation, common, shapes);
     } else if (type == "plymesh") {
         read_ply(list, ctm, reverse_orientation, common, files, shapes);
     } else if (type == "sphere" || type == "disk" || type == "cylinder") {
