@@ -67,7 +67,7 @@ void pack_fields(const FieldBlock& fields, std::size_t n, unsigned bits, std::by
 void unpack_fields(const std::byte* from, std::size_t n, unsigned bits, FieldBlock& fields) {
     assert(bits <= kMostFieldBits);
     std::array<std::byte, packed_fields_size(kFieldsPerBlock, kMostFieldBits)> padded;
-    if (n < kFieldsPerBlock) {  // whole blocks are unpacked
+    if (n < kFieldsPerBlock && bits > 0) {  // whole blocks are unpacked
         const std::size_t size = packed_fields_size(n, bits);
         std::memcpy(padded.data(), from, size);
         std::memset(padded.data() + size, 0, padded.size() - size);
