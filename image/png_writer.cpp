@@ -143,7 +143,7 @@ class PngWriter final : public RowWriter {
                 const Bytes raw = filtered(own, strip.above > 0 ? strip.rows[0] : nullptr, format_);
                 return deflate_piece(raw, options_.level, strip.first + strip.count == format_.height);
             },
-            [&](std::size_t i, DeflatePiece piece) { return write_piece(strips[i], piece); });
+            [&](std::size_t i, const DeflatePiece& piece) { return write_piece(strips[i], piece); });
         strips_.settle();
         return status;
     }

@@ -46,6 +46,7 @@ class Reader : public std::enable_shared_from_this<Reader> {
  public:
     Reader(const std::vector<std::string>& paths, bool skip_duplicates, bool verify) {
         std::vector<const char*> names;
+        names.reserve(paths.size());
         for (const std::string& path : paths) names.push_back(path.c_str());
         latent_read_options options{sizeof options, skip_duplicates, verify};
         latent_error error;

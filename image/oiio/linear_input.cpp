@@ -67,7 +67,7 @@ bool LinearInput::finish(bool read, float* values, std::size_t pixels) {
     for (std::size_t i = 0; i < pixels * channels; ++i) {
         if (m_spec.alpha_channel >= 0 && i % channels == static_cast<std::size_t>(m_spec.alpha_channel)) continue;
         values[i] = table_.empty() ? linear(values[i], encoding_)
-                                   : table_[static_cast<std::size_t>(std::clamp(values[i], 0.0f, 1.0f) * 255 + 0.5f)];
+                                   : table_[static_cast<std::size_t>(std::lround(std::clamp(values[i], 0.0f, 1.0f) * 255))];
     }
     return true;
 }

@@ -32,7 +32,8 @@ Parts integrate(float mu, float alpha) {
     const Vec3f wo{std::sqrt(1 - mu * mu), 0, mu};
     Parts sum;
     for (int i = 0; i < kStrata * kStrata; ++i) {
-        const float u = (static_cast<float>(i % kStrata) + 0.5f) / kStrata, v = (static_cast<float>(i / kStrata) + 0.5f) / kStrata;
+        const int row = i / kStrata;
+        const float u = (static_cast<float>(i % kStrata) + 0.5f) / kStrata, v = (static_cast<float>(row) + 0.5f) / kStrata;
         const Vec3f m = facets.sample_visible(wo, u, v);
         const float c = dot(wo, m);
         const Vec3f wi = m * (2 * c) - wo;

@@ -102,7 +102,7 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     Diagnostics diagnostics(scene.description.files);
     const SceneFiles files(path);
     const ModelColors colors;
-    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(std::move(*bytes), path.string(), files, colors, diagnostics)
+    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, diagnostics)
                                                        : read_obj(*bytes, path.string(), files, colors, diagnostics);
     if (!model) return model.error();
     if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};

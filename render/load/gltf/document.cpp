@@ -94,7 +94,7 @@ std::optional<std::string> file_of_uri(std::string_view uri) {
     return name;
 }
 
-Result<GltfDocument> GltfDocument::read(std::string bytes, const std::string& name, const SceneFiles& files,
+Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, const SceneFiles& files,
                                         Diagnostics& diagnostics) {
     GltfDocument document(name, files, diagnostics);
     Chunks chunks{bytes};

@@ -17,7 +17,8 @@ class GltfDocument {
  public:
     // Of the content of a file; `name` begins every message. Errors: kTruncated, kCorrupt, kUnsupported: nothing else can be read.
     // What is wrong with or missing from its buffers goes to `diagnostics`. `files` and `diagnostics` outlive the document.
-    static Result<GltfDocument> read(std::string bytes, const std::string& name, const SceneFiles& files, Diagnostics& diagnostics);
+    static Result<GltfDocument> read(const std::string& bytes, const std::string& name, const SceneFiles& files,
+                                     Diagnostics& diagnostics);
 
     GltfValue root() const { return {&json_, name_ + ": ", *diagnostics_}; }
     // The bytes of /buffers/i; empty if there was an error.
