@@ -15,8 +15,8 @@ MajorantGrid::MajorantGrid(const Size& size, const std::function<float(const Vec
     const Vec3f edge{1 / static_cast<float>(size[0]), 1 / static_cast<float>(size[1]), 1 / static_cast<float>(size[2])};
     const auto point = [&](float x, float y, float z) { return Vec3f{x * edge.x, y * edge.y, z * edge.z}; };
     for (std::size_t index = 0; index < cells_.size(); ++index) {
-        const float x = static_cast<float>(index % size[0]), y = static_cast<float>(index / size[0] % size[1]),
-                    z = static_cast<float>(index / size[0] / size[1]);
+        const std::size_t row = index / size[0], layer = row / size[1];
+        const float x = static_cast<float>(index % size[0]), y = static_cast<float>(row % size[1]), z = static_cast<float>(layer);
         Cell& cell = cells_[index];
         // A little larger, as rounding may put a point just outside of its cell.
         constexpr float kMargin = 1e-3f;
