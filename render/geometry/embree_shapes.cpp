@@ -64,8 +64,9 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersec
     }
 }
 
-std::optional<ExactHit> first_hit(const PlacedShape& placed, const RTCIntersectContext* context, unsigned shape,
-                                  std::uint32_t primitive, const RTCRay& ray) {
+// For every ray that comes near: inlined, or the hit would be passed on through memory.
+[[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, const RTCIntersectContext* context,
+                                                                unsigned shape, std::uint32_t primitive, const RTCRay& ray) {
     return placed.is_whole() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
 }
 
