@@ -43,8 +43,8 @@ class Exhaustion : public ::testing::Test {
     static std::vector<Command> commands(const TemporaryFolder& out) {
         const std::string scene = in_tree("scenes/cornell.pbrt");
         const std::string inspect = tool("latent-inspect"), render = tool("latent-render");
-        return {{render, scene, "-o", out / "x.latent", "--spp", "1", "--resolution", "64x64", "--threads", "3"},
-                {render, scene, "-o", out / "x.latent", "--spp", "1", "--resolution", "32x32", "--integrator", "bdpt"},
+        return {{render, "--quiet", scene, "-o", out / "x.latent", "--spp", "1", "--resolution", "64x64", "--threads", "3"},
+                {render, "--quiet", scene, "-o", out / "x.latent", "--spp", "1", "--resolution", "32x32", "--integrator", "bdpt"},
                 {tool("latent-merge"), in("a.latent"), "-o", out / "m.latent"},
                 {tool("latent-merge"), in("a.latent"), "-o", out / "m.latent", "--compact"},
                 {tool("latent-develop"), in("a.latent"), "-o", out / "d.exr", "--size", "200", "--memory", "32M", "--mipmap",
