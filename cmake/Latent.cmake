@@ -55,12 +55,12 @@ function(latent_tool verb)
 endfunction()
 
 # latent_test(NAME SOURCES a.cpp ... LINK latent_x ...): a GoogleTest binary NAME, each of its tests known to CTest.
-# Compiled with -O1, or -O0 where errors are sought: a test's own code is compiled more often than it runs. An hour is enough for the
-# longest on a machine ten times slower than ours. Tests find the source tree and the tools by tests/support/paths.h.
+# Compiled with -O1: a test's own code is compiled more often than it runs. An hour is enough for the longest on a machine ten times
+# slower than ours. Tests find the source tree and the tools by tests/support/paths.h.
 function(latent_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE latent_options ${ARG_LINK} latent_test_paths GTest::gtest_main GTest::gmock)
-  target_compile_options(${name} PRIVATE $<IF:$<CONFIG:Release>,-O1,-O0>)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   gtest_discover_tests(${name} NO_PRETTY_VALUES DISCOVERY_TIMEOUT 600 PROPERTIES TIMEOUT 3600 LABELS ${name})
 endfunction()
