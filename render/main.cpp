@@ -49,6 +49,7 @@ int main(int argc, char** argv) try {
     cli::add_choice<RecordKind>(app, "--record", settings.record, {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
                                 "contents of a record: a value for each wavelength, or XYZ only");
     cli::add_count(app, "--wavelengths", settings.wavelengths, "wavelengths per sample", 4u, 32u);
+    app.add_flag("--light-groups", settings.light_groups, "keep lights of different names apart, for latent-develop --light");
     cli::add_count(app, "--precision", settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
     cli::add_count(app, "--seed", settings.seed, "random seed; each seed is a separate job with independent samples");
@@ -85,7 +86,6 @@ int main(int argc, char** argv) try {
     if (!job) return cli::fail(job.error());
     for (const std::string& warning : (*job)->warnings) cli::warn(warning);
     options.provenance_json = provenance(**job, settings);
-
     const std::atomic<bool>& stop_requested = commit_on_signals();
     if (dry_run) {
         const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), stop_requested);

@@ -64,6 +64,7 @@ sampledb::JobId job_id(const Hash128& scene, bool has_textures, const Integrator
           std::uint64_t{job.run_samples}, job.run_bytes}) {
         writer.put(field);
     }
+    if (settings.light_groups.any()) writer.put(std::uint64_t{settings.light_groups.count});
     if (has_textures) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
         writer.put(std::uint64_t{settings.textures.height});
@@ -137,10 +138,16 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     if (settings.strict && !scene->warnings.empty())
         return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(scene->warnings, "\n"))};
     out->scene = std::move(*scene);
+    if (settings.light_groups) {
+        Result<std::vector<std::string>> names = group_lights(out->scene.description);
+        if (!names) return names.error();
+        out->light_groups = std::move(*names);
+    }
     const Hash128 content = make_canonical(out->scene.description);
     const SceneDescription& description = out->scene.description;
     out->settings = integrator_settings(settings, description);
     out->settings.simd = std::move(*simd);
+    if (settings.light_groups) out->settings.light_groups = groups_of(description, out->light_groups.size());
     const IntegratorSettings& integrator_options = out->settings;
     out->raw_sample_bytes = bytes_per_sample(integrator_options);
     Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, integrator_options);
@@ -160,6 +167,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     job.light_paths_per_sample = out->integrator->light_paths_per_sample();
     job.run_samples = settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(out->raw_sample_bytes);
     job.positions = integrator_options.positions;
+    if (settings.light_groups) job.extra = {{kLightGroupColumn, sampledb::ColumnType::kU8}};
     job.id = job_id(content, !description.textures.empty(), integrator_options, out->integrator->density(), job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 

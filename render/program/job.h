@@ -39,6 +39,7 @@ struct RenderSettings {
     std::uint32_t precision = 9;                             // mantissa bits of stored values; docs/format.md, "Rounding", says why
     std::uint32_t run_samples = 0;                           // 0: such that a run is near 64 MiB
     std::uint64_t texture_cache = std::uint64_t{256} << 20;  // bytes of decoded pictures
+    bool light_groups = false;                               // records say whose light they are
     std::string simd = "best";                               // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
@@ -54,11 +55,12 @@ struct RenderJob {
     LoadedScene scene;
     std::unique_ptr<Integrator> integrator;
     sampledb::Job job;
-    sampledb::SampleRange all;           // of all shards
-    sampledb::SampleRange range;         // of this process
-    IntegratorSettings settings;         // as the command line and the scene give them together
-    Resolution resolution{};             // that counts samples
-    std::uint64_t raw_sample_bytes = 0;  // at least, uncompressed
+    sampledb::SampleRange all;              // of all shards
+    sampledb::SampleRange range;            // of this process
+    IntegratorSettings settings;            // as the command line and the scene give them together
+    Resolution resolution{};                // that counts samples
+    std::uint64_t raw_sample_bytes = 0;     // at least, uncompressed
+    std::vector<std::string> light_groups;  // their names, by number; empty: records do not tell lights apart
     std::vector<std::string> warnings;
 };
 

@@ -75,6 +75,33 @@ std::string to_text(const Forecast& forecast, const RenderJob& job, bool json) {
                        format_duration(forecast.seconds), format_size(forecast.bytes), free, forecast.measured_samples);
 }
 
+namespace {
+
+// Names by number and, as far as there is room, the spectrum that all lights of a group have, which latent-develop may replace.
+Json json_of_groups(const RenderJob& job) {
+    constexpr std::size_t kRoom = std::size_t{128} << 10;  // a header holds more, but every part has one
+    Json groups = Json::array();
+    std::size_t size = 0;
+    for (std::uint32_t i = 0; i < job.light_groups.size(); ++i) {
+        Json group = {{"name", job.light_groups[i]}};
+        const color::Spectrum* spectrum = common_spectrum(job.scene.description, i);
+        if (spectrum != nullptr && (size += spectrum->values().size() * 20) <= kRoom) {
+            const auto rounded = [](std::span<const double> numbers) {  // to what a table of floats keeps
+                Json list = Json::array();
+                for (const double x : numbers) list.push_back(std::stod(fmt::format("{:.8g}", x)));
+                return list;
+            };
+            group["spectrum"] = {{"nm", rounded(spectrum->lambda_nm())},
+                                 {"value", rounded(spectrum->values())},
+                                 {"goes_on", spectrum->outside() == color::Outside::kClamped}};
+        }
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
+}  // namespace
+
 std::string provenance(const RenderJob& job, const RenderSettings& settings) {
     const IntegratorSettings& integrator = job.settings;
     const bool bdpt = integrator.kind == IntegratorKind::kBdpt;
@@ -99,6 +126,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings) {
     if (settings.shard.count > 1) out["shard"] = fmt::format("{}/{}", settings.shard.index, settings.shard.count);
     out["simd"] = job.settings.simd;
     out["render_epoch"] = kRenderEpoch;
+    if (!job.light_groups.empty()) out["light_groups"] = json_of_groups(job);
     out["host"] = host;
     out["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
     return json_text(out, -1);

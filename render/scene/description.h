@@ -114,6 +114,8 @@ struct AreaLightDescription {
     bool two_sided = false;         // else emits on the side of the geometric normal
     std::uint32_t picture = kNone;  // index into SceneDescription::textures: a spectrum that varies, times the other one
     double mean_luminance = 1;      // of that picture
+    std::string name{};             // "": none
+    std::uint32_t group = 0;        // LightGroups (scene/light_groups.h); 0 unless the job asks for them
     SourceLocation location{};
 };
 
@@ -137,6 +139,8 @@ struct LightDescription {
     double fov_degrees = 90;                          // projection: of the shorter side
     std::shared_ptr<const ImageDescription> image{};  // goniometric, projection; infinite: or null, constant
     std::uint32_t medium = kNone;                     // that a point or spot light lies in
+    std::string name{};                               // "": none
+    std::uint32_t group = 0;                          // as an area light's
     SourceLocation location{};
 };
 

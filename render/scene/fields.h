@@ -130,10 +130,11 @@ void each_field(Of<VoxelGrid> auto& grid, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<AreaLightDescription> auto& light, Visit&& visit) {
-    auto& [spectrum, scale, power, two_sided, picture, mean_luminance, location] = light;
+    auto& [spectrum, scale, power, two_sided, picture, mean_luminance, name, group, location] = light;
     visit(spectrum, scale, power, two_sided, mean_luminance);
     visit.template index<TextureDescription>(picture);
-    visit.label(location);
+    if (light.group != 0) visit(group);  // a job without groups is what it was before there were any
+    visit.label(name, location);
 }
 
 template <class Visit>
@@ -145,11 +146,12 @@ void each_field(Of<ImageDescription> auto& image, Visit&& visit) {
 template <class Visit>
 void each_field(Of<LightDescription> auto& light, Visit&& visit) {
     auto& [kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
-           image, medium, location] = light;
+           image, medium, name, group, location] = light;
     visit(kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
           image);
     visit.template index<MediumDescription>(medium);
-    visit.label(location);
+    if (light.group != 0) visit(group);
+    visit.label(name, location);
 }
 
 template <class Visit>

@@ -6,6 +6,7 @@
 
 #include "base/result.h"
 #include "render/scene/description.h"
+#include "render/scene/light_groups.h"
 #include "render/texture/textures.h"
 #include "sampledb/data/film_position.h"
 #include "sampledb/data/record.h"
@@ -26,6 +27,7 @@ struct IntegratorSettings {
     std::uint64_t seed = 0;
     std::string simd = "sse4.2";  // of Geometry; no record depends on it
     TextureSettings textures{};
+    LightGroups light_groups{};
 };
 
 // Radiance that no light can have: each such record was stored as black.

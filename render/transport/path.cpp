@@ -53,7 +53,7 @@ class Path {
                 step_ =
                     medium.sample_step(segment, number(Dimension::kDistanceChannel + again), number(Dimension::kDistance + again),
                                        sample_, beta_, medium.is_emissive() ? &emitted : nullptr);
-                if (medium.is_emissive()) camera_.add(emitted, dispersed_, sample_.kept, sample_.k());
+                if (medium.is_emissive()) camera_.add(emitted, dispersed_, sample_.kept, sample_.k(), kNone);
                 if (step_.scattered) {
                     at_ = {segment.o + d_ * step_.t, 0, {}};
                     scattering = medium.phase();
@@ -84,7 +84,7 @@ class Path {
             const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, context_, hit);
             value *= power_heuristic(pdf_ * transmittance_, light_pdf);
         }
-        camera_.add(value, dispersed_, sample_.kept, sample_.k());
+        camera_.add(value, dispersed_, sample_.kept, sample_.k(), light.id());
     }
 
     Equiangular equiangular_to(const PointSource& light) const {
@@ -110,7 +110,7 @@ class Path {
         LineOfSight line;
         if (!receive(at, medium.phase(), lights_[i], point, medium_, value, line)) return;
         value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
-        camera_.add(value, dispersed_, sample_.kept, sample_.k());
+        camera_.add(value, dispersed_, sample_.kept, sample_.k(), lights_[i].id());
     }
 
     void sample_light(const Scattering& scattering) {
@@ -135,7 +135,7 @@ class Path {
             value *= step_.density / (step_.density + pdf);
         }
         if (light.can_be_met()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
-        camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k());
+        camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k(), light.id());
     }
 
     // value *= what comes from a point of the light and goes on along -d_. False: nothing does.

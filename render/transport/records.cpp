@@ -1,6 +1,7 @@
 #include "render/transport/records.h"
 
 #include <cmath>
+#include <utility>
 
 namespace latent::render {
 namespace {
@@ -20,33 +21,55 @@ bool is_valid(const SampledSpectrum& power, std::uint32_t k, RadianceFaults& fau
 
 }  // namespace
 
-RecordMaker::RecordMaker(sampledb::RecordKind kind) : kind_(kind) {
+RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups) : kind_(kind), with_groups_(with_groups) {
     for (int c = 0; c < 3; ++c) observer_[c] = color::sampled_at_integer_nm(color::Observer::cie1931().curve(c));
 }
 
 void RecordMaker::camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
                          std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults) const {
-    put(n, u, v, sampledb::RecordClass::kCamera, radiance, w, kept, out, faults);
+    put_groups(n, u, v, sampledb::RecordClass::kCamera, radiance, w, kept, out, faults);
 }
 
 void RecordMaker::light(std::uint64_t n, float u, float v, const Radiance& radiance, const Wavelengths& w, std::uint32_t kept,
                         sampledb::Records& out, RadianceFaults& faults) const {
-    put(n, static_cast<std::uint32_t>(u * 0x1p32f), static_cast<std::uint32_t>(v * 0x1p32f), sampledb::RecordClass::kLight,
-        radiance, w, kept, out, faults);
+    put_groups(n, static_cast<std::uint32_t>(u * 0x1p32f), static_cast<std::uint32_t>(v * 0x1p32f), sampledb::RecordClass::kLight,
+               radiance, w, kept, out, faults);
 }
 
-void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class,
-                      const Radiance& radiance, const Wavelengths& w, std::uint32_t kept, sampledb::Records& out,
-                      RadianceFaults& faults) const {
+void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class,
+                             const Radiance& radiance, const Wavelengths& w, std::uint32_t kept, sampledb::Records& out,
+                             RadianceFaults& faults) const {
     const bool camera = record_class == sampledb::RecordClass::kCamera;
-    const SampledSpectrum power = radiance.sum * w.weight;
-    const bool lit = is_valid(power, w.k, faults) && !power.is_black();
-    if (!lit && !camera) return;
+    float share = camera ? 1.0f : 0.0f;  // of the first record of the sample
+    bool any = false;
+    const auto note_group = [&](std::uint32_t group) {
+        if (!with_groups_) return;
+        if (out.extra.empty()) out.extra.push_back({kLightGroupColumn, sampledb::ColumnType::kU8, {}});
+        out.extra[0].values.push_back(static_cast<std::byte>(group));
+    };
+    for (std::uint32_t group = 0; group < radiance.groups(); ++group) {
+        const RadianceSum& sum = radiance.of(group);
+        const SampledSpectrum power = sum.sum * w.weight;
+        if (!is_valid(power, w.k, faults) || power.is_black()) continue;
+        put(n, u, v, record_class, std::exchange(share, 0.0f), &sum, power, w, kept, out);
+        note_group(group);
+        any = true;
+    }
+    if (any || !camera) return;
+    put(n, u, v, record_class, share, nullptr, {}, w, kept, out);
+    note_group(0);
+}
+
+// `radiance`: null for a black record.
+void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share,
+                      const RadianceSum* radiance, const SampledSpectrum& power, const Wavelengths& w, std::uint32_t kept,
+                      sampledb::Records& out) const {
+    const bool lit = radiance != nullptr;
     out.sample.push_back(n);
     out.record_class.push_back(record_class);
     out.u.push_back(u);
     out.v.push_back(v);
-    out.share.push_back(camera ? 1.0f : 0.0f);
+    out.share.push_back(share);
     if (kind_ == sampledb::RecordKind::kXyz) {
         float xyz[3] = {0, 0, 0};
         for (std::uint32_t i = 0; lit && i < w.k; ++i) {
@@ -64,7 +87,7 @@ void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampled
     if (!lit) {
         out.pairs.push_back(0);
         out.index.push_back(sampledb::kNoIndex);
-    } else if (radiance.has_all || w.k == 1) {
+    } else if (radiance->has_all || w.k == 1) {
         out.pairs.push_back(static_cast<std::uint16_t>(w.k));
         out.index.push_back(sampledb::kNoIndex);
         out.power.insert(out.power.end(), power.v, power.v + w.k);

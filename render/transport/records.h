@@ -1,7 +1,10 @@
 // render/transport/records.h: what a sample's paths carried, and how it becomes records. docs/rendering.md, "Records".
 #pragma once
 
+#include <vector>
+
 #include "color/observer.h"
+#include "render/scene/light_groups.h"
 #include "render/spectral/spectra.h"
 #include "render/transport/integrator.h"
 
@@ -9,7 +12,7 @@ namespace latent::render {
 
 // Sum of the contributions of paths to one film position. A path that was dispersed holds only the sample's kept wavelength: it
 // counts k times, as that one was drawn out of k.
-struct Radiance {
+struct RadianceSum {
     SampledSpectrum sum{0.0f};
     bool has_all = false;  // some path was not dispersed
 
@@ -23,11 +26,31 @@ struct Radiance {
     }
 };
 
-// Writes records of one job. A record stores all k pairs if any path that kept them all contributed, the kept one alone if only
-// dispersed paths did, and none if it is black.
+// The same for each group of lights.
+class Radiance {
+ public:
+    explicit Radiance(const LightGroups& groups) : groups_(groups), others_(groups.count - 1) {}
+
+    // `light`: its id, or kNone for what no light emits.
+    void add(const SampledSpectrum& value, bool dispersed, std::uint32_t kept, std::uint32_t k, std::uint32_t light) {
+        const std::uint32_t group = groups_.of(light);
+        (group == 0 ? first_ : others_[group - 1]).add(value, dispersed, kept, k);
+    }
+    std::uint32_t groups() const { return groups_.count; }
+    const RadianceSum& of(std::uint32_t group) const { return group == 0 ? first_ : others_[group - 1]; }
+
+ private:
+    const LightGroups& groups_;
+    RadianceSum first_;
+    std::vector<RadianceSum> others_;
+};
+
+// Writes records of one job: one of each group that has any light, the first with the sample's share; without groups one. A record
+// stores all k pairs if any path that kept them all contributed, the kept one alone if only dispersed paths did, and none if it is
+// black.
 class RecordMaker {
  public:
-    explicit RecordMaker(sampledb::RecordKind kind);
+    RecordMaker(sampledb::RecordKind kind, bool with_groups);
 
     // Radiance that no light can have is counted and stored as black (camera) or not at all (light).
     void camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
@@ -36,10 +59,14 @@ class RecordMaker {
                sampledb::Records& out, RadianceFaults& faults) const;
 
  private:
-    void put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, const Radiance& radiance,
-             const Wavelengths& w, std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults) const;
+    void put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, const Radiance& radiance,
+                    const Wavelengths& w, std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults) const;
+    void put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share,
+             const RadianceSum* radiance, const SampledSpectrum& power, const Wavelengths& w, std::uint32_t kept,
+             sampledb::Records& out) const;
 
     sampledb::RecordKind kind_;
+    bool with_groups_;
     color::IntegerNmSpectrum observer_[3];  // CIE 1931
 };
 

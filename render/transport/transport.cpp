@@ -8,7 +8,7 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       density_(wavelength_density(world_->lights().spectra())),
       wavelengths_(density_, settings.batch),
       sampler_(settings.seed, important_dimensions(*world_), shared_dimensions()),
-      records_(settings.record),
+      records_(settings.record, settings.light_groups.any()),
       spectra_([this] { return SampledSpectra(world_->library()); }) {}
 
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
@@ -20,7 +20,7 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     SampleState sample{numbers, spectra, kept};
 
     const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
-    Radiance camera;
+    Radiance camera(settings_.light_groups);
     trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, camera, out, faults);
     records_.camera(n, film.u, film.v, camera, spectra.wavelengths, kept, out, faults);
 }

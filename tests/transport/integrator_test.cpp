@@ -200,14 +200,15 @@ TEST(Records, FaultsAreCountedAndKeptOut) {
     Wavelengths w;
     sampler.draw(12345, w);
     for (const sampledb::RecordKind kind : {sampledb::RecordKind::kSpectral, sampledb::RecordKind::kXyz}) {
-        const RecordMaker maker(kind);
+        const RecordMaker maker(kind, false);
+        const LightGroups none;
         sampledb::Records r;
         RadianceFaults faults;
         for (const float bad : {std::nanf(""), kInfinity, -1.0f}) {
-            Radiance radiance;
+            Radiance radiance(none);
             SampledSpectrum value(1.0f);
             value[7] = bad;
-            radiance.add(value, false, 0, 28);
+            radiance.add(value, false, 0, 28, kNone);
             maker.camera(1, 2, 3, radiance, w, 0, r, faults);
             maker.light(1, 0.5f, 0.5f, radiance, w, 0, r, faults);
         }

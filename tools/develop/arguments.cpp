@@ -41,6 +41,8 @@ Examples:
   latent-develop night.latent --size 2048 --observer kodak_trix_400 \
       --lens-filter wratten-25 --filter-factor auto -o film.exr
       on film behind a red filter, for spectral records
+  latent-develop night.latent --light lamp=2.5 --light sky=6500K,0.3 -o dusk.exr
+      lights mixed again, of a file rendered with --light-groups
   latent-develop parts/ --budget 10s -o preview.exr
       what a running render has so far, in about ten seconds
 
@@ -100,6 +102,10 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     cli::add_parsed(app, "--crop", options.crop, crop, "pixels to develop, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
     add_observer(app, options.observer);
+    app.add_option("--light", options.lights,
+                   "dim, filter or replace the light of a name, in files rendered with --light-groups; again for each name")
+        ->type_name("NAME=X|FILTER|6500K,...")
+        ->allow_extra_args(false);
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
         ->type_name("A:B");
     auto* fraction = cli::add_parsed(app, "--fraction", options.fraction, parse_fraction,

@@ -144,16 +144,40 @@ void BatchResponse::xyz(std::uint32_t xi, const float* power, float* out) const 
     out[2] = sum(z);
 }
 
+void Channels::see_through(const color::Observer* observer, GroupLight& light) const {
+    light.observer = observer;
+    if (kind_ == sampledb::RecordKind::kSpectral && !density_.empty() &&
+        BatchResponse::bytes(density_, batch_, *observer) <= kMaxTableBytes)
+        light.response = BatchResponse(density_, batch_, *observer);
+}
+
+Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors) {
+    const auto column = std::ranges::find(job.extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name);
+    if (column == job.extra.end() || factors.empty()) return {};
+    group_column_ = static_cast<std::size_t>(column - job.extra.begin());
+    const GroupLight plain = lights_[0];
+    lights_.assign(factors.size() + 1, plain);
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+        GroupLight& light = lights_[i];
+        light.factor = static_cast<float>(factors[i].factor);
+        if (!factors[i].curve) continue;
+        if (kind_ == sampledb::RecordKind::kXyz)
+            return Error{ErrorCode::kUsage,
+                         "--light: the colour of a light needs spectral records; those of XYZ can be scaled alone"};
+        light.curve = factors[i].curve;
+        if (bins_ > 0) continue;
+        light.own = std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1));
+        see_through(light.own.get(), light);
+    }
+    return {};
+}
+
 Result<Channels> Channels::xyz(const sampledb::Job& job, const color::Observer* observer) {
     Channels channels;
     channels.kind_ = job.kind;
     channels.batch_ = job.batch;
     channels.density_ = job.density;
-    channels.observer_ = observer;
-    if (job.kind == sampledb::RecordKind::kSpectral && !job.density.empty() &&
-        BatchResponse::bytes(job.density, job.batch, *observer) <= kMaxTableBytes) {
-        channels.response_ = BatchResponse(job.density, job.batch, *observer);
-    }
+    channels.see_through(observer, channels.lights_[0]);
     return channels;
 }
 
@@ -202,10 +226,19 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const Spectra
 }
 
 sampledb::ColumnSet Channels::columns() const {
-    return {.samples = layout_.layers.by_sample() || layout_.layers.halves, .extra = false};
+    return {.samples = layout_.layers.by_sample() || layout_.layers.halves, .extra = group_column_.has_value()};
 }
 
-void Channels::add_pair(float lambda_nm, float power, float* out) const {
+const Channels::GroupLight& Channels::light_of(const sampledb::Page& page, std::size_t row) const {
+    if (!group_column_) return lights_[0];
+    const sampledb::ExtraColumn& column = page.extra[*group_column_];
+    const std::size_t bytes = sampledb::width(column.type);
+    std::size_t group = 0;
+    for (std::size_t i = bytes; i-- > 0;) group = group << 8 | static_cast<std::size_t>(column.values[row * bytes + i]);
+    return lights_[std::min(group, lights_.size() - 1)];
+}
+
+void Channels::add_pair(const GroupLight& light, float lambda_nm, float power, float* out) const {
     if (!std::isfinite(lambda_nm)) {
         out[0] = lambda_nm;  // found by `values`
         return;
@@ -213,20 +246,21 @@ void Channels::add_pair(float lambda_nm, float power, float* out) const {
     if (bins_ > 0) {
         const float place = (lambda_nm - bins_from_) * bins_per_nm_;
         if (place < 0 || lambda_nm > bins_to_) return;
+        if (light.curve) power *= static_cast<float>((*light.curve)(static_cast<double>(lambda_nm)));
         out[std::min(static_cast<int>(place), bins_ - 1)] += power * bin_scale_;
         return;
     }
-    const std::array<float, 3> f = (*observer_)(lambda_nm);
+    const std::array<float, 3> f = (*light.observer)(lambda_nm);
     for (int c = 0; c < 3; ++c) out[c] += power * f[c];
 }
 
-void Channels::spectral_row(const sampledb::Page& page, std::size_t row, float* out) const {
+void Channels::spectral_row(const GroupLight& light, const sampledb::Page& page, std::size_t row, float* out) const {
     const std::size_t n = page.pairs[row];
     const float* power = page.power.data() + page.first_pair[row];
-    if (n == static_cast<std::size_t>(batch_) && !response_.empty()) return response_.xyz(page.xi[row], power, out);
+    if (n == static_cast<std::size_t>(batch_) && !light.response.empty()) return light.response.xyz(page.xi[row], power, out);
     std::array<float, sampledb::kMaxPairs> lambda;
     sampledb::wavelengths_of(density_, static_cast<std::size_t>(batch_), page, row, std::span(lambda).first(n));
-    for (std::size_t i = 0; i < n; ++i) add_pair(lambda[i], power[i], out);
+    for (std::size_t i = 0; i < n; ++i) add_pair(light, lambda[i], power[i], out);
 }
 
 // The lanes behind the share.
@@ -261,21 +295,23 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
     float* const rows = out;
-    if (step == 4 && kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
+    if (step == 4 && !group_column_ && kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
         interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
         return 0;
     }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
         float share = sampledb::share_of(page, row);
+        const GroupLight& light = light_of(page, row);
         std::fill(out, out + step, 0.0f);
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];
             out[1] = page.y[row];
             out[2] = page.z[row];
         } else {
-            spectral_row(page, row, out);
+            spectral_row(light, page, row, out);
         }
+        if (light.factor != 1) std::for_each(out, out + n, [&](float& value) { value *= light.factor; });
         float check = share;  // times zero: 0 if all are finite, else NaN
         for (int c = 0; c < n; ++c) check += out[c] * 0.0f;
         if (!std::isfinite(check)) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "tools/develop/layers.h"
+#include "tools/develop/light_mix.h"
 
 namespace latent::develop {
 
@@ -58,6 +61,8 @@ class Channels {
     static Result<Channels> spectral_bins(const sampledb::Job& job, const SpectralBins& bins);
 
     void add_layers(const Layers& layers) { layout_.layers = layers; }
+    // Multiplies the records of each group of lights. Errors: kUsage for curves in XYZ jobs.
+    Status mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors);
 
     const RowLayout& layout() const { return layout_; }
     int count() const { return layout_.channels; }
@@ -71,8 +76,18 @@ class Channels {
     std::uint64_t values(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
 
  private:
-    void spectral_row(const sampledb::Page& page, std::size_t row, float* out) const;
-    void add_pair(float lambda_nm, float power, float* out) const;
+    // How the light of a group is seen.
+    struct GroupLight {
+        float factor = 1;
+        std::optional<color::Spectrum> curve{};        // bins
+        std::shared_ptr<const color::Observer> own{};  // behind the curve
+        const color::Observer* observer = nullptr;     // not of bins
+        BatchResponse response{};
+    };
+    void see_through(const color::Observer* observer, GroupLight& light) const;
+    const GroupLight& light_of(const sampledb::Page& page, std::size_t row) const;
+    void spectral_row(const GroupLight& light, const sampledb::Page& page, std::size_t row, float* out) const;
+    void add_pair(const GroupLight& light, float lambda_nm, float power, float* out) const;
     void complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const;
 
     sampledb::RecordKind kind_ = sampledb::RecordKind::kXyz;
@@ -81,8 +96,8 @@ class Channels {
     float bins_from_ = 0, bins_to_ = 0, bins_per_nm_ = 0;
     float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;
-    const color::Observer* observer_ = nullptr;
-    BatchResponse response_;
+    std::vector<GroupLight> lights_{1};        // by number of their group; the last one is that of all further groups
+    std::optional<std::size_t> group_column_;  // among the extra ones; none: all light is alike
 };
 
 }  // namespace latent::develop

@@ -1,6 +1,7 @@
 #include "tools/develop/picture.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,6 +51,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.zip = options.zip;
     spec.mipmap = options.mipmap;
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
+    if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
         spec.strings.push_back({"spectralLayoutVersion", "1.0"});
@@ -156,6 +158,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     const color::Observer& observer = chosen->observer;
     report.observer = observer.name();
     report.camera_fit = chosen->fit;
+    report.lights = options.lights;
     report.filter_factor = chosen->filter_factor;
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
     if (!spectral && !observer.is_cie1931())
@@ -164,6 +167,13 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
                                                                 : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();
     channels->add_layers(options.layers);
+    if (!options.lights.empty()) {
+        const Result<std::vector<LightGroup>> groups = light_groups_of(gathering);
+        if (!groups) return groups.error();
+        const Result<std::vector<GroupFactor>> factors = mix_lights(*groups, options.lights, report.warnings);
+        if (!factors) return factors.error();
+        if (Status s = channels->mix_lights(job, *factors); !s) return s.error();
+    }
 
     std::uint64_t index_bytes = 0, largest_index = 0;
     for (const sampledb::SelectedRun& run : gathering.runs()) {

@@ -22,8 +22,9 @@ struct PictureOptions {
     std::optional<PixelRect> crop;
     std::string filter = Filter::standard().name();
     ObserverOptions observer;
-    std::string image = "both";  // or camera, light
-    SpectralBins spectral_bins;  // none: XYZ
+    std::vector<std::string> lights;  // "lamp=2.5": light_mix.h
+    std::string image = "both";       // or camera, light
+    SpectralBins spectral_bins;       // none: XYZ
     Layers layers;
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     std::optional<sampledb::SampleRange> samples;
@@ -42,6 +43,7 @@ struct PictureReport {
     std::uint32_t width = 0, height = 0;
     PixelRect crop;
     std::string filter, observer;
+    std::vector<std::string> lights;  // as they were mixed
     std::optional<color::CameraFit> camera_fit;
     double filter_factor = 1;  // of a filter in front of the lens
     sampledb::JobId job;

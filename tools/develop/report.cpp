@@ -27,6 +27,7 @@ std::string to_json(const PictureReport& r) {
                              {"filter", r.filter},
                              {"observer", r.observer},
                              {"filter_factor", r.filter_factor},
+                             {"lights", r.lights},
                              {"job", to_hex(r.job)},
                              {"files", r.files},
                              {"available_samples", r.available},

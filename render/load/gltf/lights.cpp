@@ -55,6 +55,7 @@ LightDescription read_light(const GltfValue& value, const Affined& m, const Mode
     if (std::ranges::min(rgb) < 0) value["color"].error("must not be negative");
     light.spectrum = colors.emission(rgb);
     light.scale = value["intensity"].number(1, 0, 1e30);
+    light.name = value["name"].text();
     const Vec3d towards = -normalize(m.z);
     const std::string type = value["type"].text();
     if (type == "directional") {

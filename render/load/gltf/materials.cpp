@@ -31,8 +31,10 @@ void read_emission(const GltfValue& material, const ModelColors& colors, GltfTex
     const LinearRgb rgb = rgb_of(material["emissiveFactor"], {0, 0, 0});
     const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0, 1e30);
     if (std::ranges::max(rgb) * strength == 0) return;
-    AreaLightDescription emission{
-        .spectrum = colors.emission(rgb), .scale = strength, .two_sided = material["doubleSided"].flag(false)};
+    AreaLightDescription emission{.spectrum = colors.emission(rgb),
+                                  .scale = strength,
+                                  .two_sided = material["doubleSided"].flag(false),
+                                  .name = material["name"].text()};
     if (const GltfValue info = material["emissiveTexture"]; info.exists()) {
         const std::uint32_t picture = textures.emission(info);
         if (picture == kNone) return;

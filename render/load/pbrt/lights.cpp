@@ -51,6 +51,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
     light.scale = list.number("scale", 1, 0, 1e30);
     light.power = positive(list, "power");
     light.two_sided = list.flag("twosided", false);
+    light.name = list.string("name").value_or("");
     list.report_unused();
     return light;
 }
@@ -58,6 +59,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
 LightDescription read_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra, SceneFiles& files) {
     LightDescription light{.location = list.directive().where};
     light.scale = list.number("scale", 1, 0, 1e30);
+    light.name = list.string("name").value_or("");
     if (type == "point" || type == "spot") {
         light.kind = type == "point" ? LightKind::kPoint : LightKind::kSpot;
         light.spectrum = spectra.emission(list, "I");

@@ -52,7 +52,7 @@ void SubpathJoin::join_light(std::size_t i) {
     const float hit = light.can_be_met() ? mis_term(scattering_pdf * line.transmittance, sampled, 1) : 0;
     const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
     value *= mis_weight(hit + mis_sum(camera_subpath_, i, pdf_reverse, previous_pdf_reverse));
-    radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k());
+    radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k(), light.id());
 }
 
 void SubpathJoin::join_lens(std::size_t i) {
@@ -104,7 +104,7 @@ void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
     const float shorter_light = mis_sum(light_subpath_, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);
     value *= mis_weight(shorter_camera + shorter_light);
     const bool dispersed = y.dispersed || z.dispersed || y.scattering.disperses(-w, y.wo) || z.scattering.disperses(z.wo, w);
-    radiance_.add(value, dispersed, sample_.kept, sample_.k());
+    radiance_.add(value, dispersed, sample_.kept, sample_.k(), lights_[start_light_].id());
 }
 
 void SubpathJoin::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, SampledSpectrum& value) {

@@ -35,6 +35,7 @@ struct SubpathVertex {
 using Subpath = std::vector<SubpathVertex>;
 struct Subpaths {
     Subpath camera, light;
+    std::uint32_t start_light = 0;  // the light that the light subpath starts on
 };
 
 // S_i of vertex i, connected: `pdf_reverse` its density from the other side, `previous_pdf_reverse` that of the vertex before it.
@@ -51,11 +52,13 @@ class SubpathSample {
                   Subpaths& subpaths, Radiance& radiance, sampledb::Records& out, RadianceFaults& faults)
         : world_(world),
           lights_(world.lights()),
+          light_groups_(settings.light_groups),
           max_vertices_(settings.max_depth == kUnlimited ? kUnlimited : settings.max_depth + 2),
           records_(records),
           sample_(sample),
           camera_subpath_(subpaths.camera),
           light_subpath_(subpaths.light),
+          start_light_(subpaths.start_light),
           radiance_(radiance),
           out_(out),
           faults_(faults) {}
@@ -84,18 +87,20 @@ class SubpathSample {
 
     // A light record.
     void splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
-        Radiance radiance;
-        radiance.add(value, dispersed, sample_.kept, sample_.k());
+        Radiance radiance(light_groups_);
+        radiance.add(value, dispersed, sample_.kept, sample_.k(), lights_[start_light_].id());
         records_.light(sample_.numbers.n, point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_, faults_);
     }
 
     const World& world_;
     const LightSet& lights_;
+    const LightGroups& light_groups_;
     const std::size_t max_vertices_;  // vertices of a path, those on the light and on the lens included
     const RecordMaker& records_;
     SampleState& sample_;
     Subpath& camera_subpath_;
     Subpath& light_subpath_;
+    std::uint32_t& start_light_;  // the light that the light subpath starts on
     Radiance& radiance_;
     sampledb::Records& out_;
     RadianceFaults& faults_;

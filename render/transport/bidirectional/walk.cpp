@@ -109,7 +109,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
             medium_step = medium.sample_step(segment, number(from_camera, i, Dimension::kDistanceChannel + again),
                                              number(from_camera, i, Dimension::kDistance + again), sample_, weight,
                                              emits ? &emitted : nullptr);
-            if (emits) radiance_.add(step.beta * emitted, step.dispersed, sample_.kept, sample_.k());
+            if (emits) radiance_.add(step.beta * emitted, step.dispersed, sample_.kept, sample_.k(), kNone);
         }
         step.beta *= weight;
         step.throughput *= weight;
@@ -167,13 +167,13 @@ float SubpathWalk::light_point_ratio2(const SubpathVertex& x, const SubpathVerte
 }
 
 void SubpathWalk::add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
-                               float pdf_reverse) {
+                               float pdf_reverse, std::uint32_t light) {
     const SubpathVertex& last = camera_subpath_.back();
     const bool connected = camera_subpath_.size() >= 2 && !step.delta;
     const float sampled = connected ? mis_term(pdf_point, pdf_forward, 1) : 0;
     const float shorter = mis_term(pdf_ray, pdf_forward, mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter));
     value *= mis_weight(sampled + shorter);
-    radiance_.add(value, step.dispersed, sample_.kept, sample_.k());
+    radiance_.add(value, step.dispersed, sample_.kept, sample_.k(), light);
 }
 
 void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
@@ -186,7 +186,7 @@ void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineO
                 probability = lights_.probability(hit.emitter);
     add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance,
                  probability * light.pdf_omega(last.at.p, {}, at) * to_area, probability * light.pdf_position(),
-                 light.pdf_direction(hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line));
+                 light.pdf_direction(hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line), light.id());
 }
 
 void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line) {
@@ -199,7 +199,7 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
                     pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.light_sample_context(last.wo), {step.d});
         const float pdf_ray = probability * light.pdf_direction({}, -step.d);
         add_emission(value, step, step.pdf * line.transmittance, pdf_point, pdf_ray,
-                     light.pdf_position() * last.cosine(step.d) * distance_pdf(last, line));
+                     light.pdf_position() * last.cosine(step.d) * distance_pdf(last, line), light.id());
     }
 }
 

@@ -41,10 +41,11 @@ class SubpathWalk : public SubpathSample {
     // ray.
     float light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const;
 
-    // s = 0: the camera's step ends on a light. Densities of that point: `pdf_forward` as the end of the step, `pdf_point` as a
-    // sampled point of the light, `pdf_ray` as the start of a ray; `pdf_reverse`: of the last camera vertex from there.
-    void add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
-                      float pdf_reverse);
+    // s = 0: the camera's step ends on a light, of this id. Densities of that point: `pdf_forward` as the end of the step,
+    // `pdf_point` as a sampled point of the light, `pdf_ray` as the start of a ray; `pdf_reverse`: of the last camera vertex from
+    // there.
+    void add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray, float pdf_reverse,
+                      std::uint32_t light);
     void see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line);
     void see_infinite_lights(const Step& step, const LineOfSight& line);
 
@@ -52,8 +53,6 @@ class SubpathWalk : public SubpathSample {
     // are themselves invisible, in mirrors and through glass too, as they are to a path from the camera. No other strategy makes
     // such a path, so no weight counts on this one.
     void reach_lens(const Step& step, LineOfSight line, Segment segment);
-
-    std::uint32_t start_light_ = 0;  // the light that the light subpath starts on
 };
 
 }  // namespace latent::render

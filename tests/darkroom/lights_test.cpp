@@ -1,0 +1,162 @@
+// Lights that are mixed after rendering against renders of scenes that have them so.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "color/camera.h"
+#include "color/catalogue.h"
+#include "color/named_spectra.h"
+#include "tests/darkroom/darkroom.h"
+
+namespace latent::testing {
+namespace {
+
+class Lights : public Darkroom {
+ protected:
+    // A corner with a ball, under a lamp and a sky: paths meet both.
+    static std::string corner(double lamp, double sky) {
+        return fmt::format(R"(Film "rgb" "integer xresolution" 6 "integer yresolution" 4
+Integrator "path" "integer maxdepth" 4
+LookAt 0.5 0.6 -2.4  0 0 0.4  0 1 0
+Camera "perspective" "float fov" 50
+WorldBegin
+LightSource "infinite" "string name" "sky" "spectrum L" "stdillum-D65" "float scale" {1}
+AttributeBegin
+  Translate -0.7 0.8 -0.4
+  AreaLightSource "diffuse" "string name" "lamp" "blackbody L" 2856 "float scale" {0}
+  Shape "sphere" "float radius" 0.25
+AttributeEnd
+Material "diffuse" "spectrum reflectance" [ 360 0.1 500 0.3 600 0.7 830 0.8 ]
+Shape "bilinearmesh" "point3 P" [ -3 -1 -3  3 -1 -3  -3 -1 1.5  3 -1 1.5 ]
+Material "diffuse" "spectrum reflectance" [ 360 0.6 500 0.7 600 0.3 830 0.2 ]
+Shape "bilinearmesh" "point3 P" [ -3 -1 1.5  3 -1 1.5  -3 3 1.5  3 3 1.5 ]
+AttributeBegin
+  Translate 0.4 -0.5 0.3
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+)",
+                           lamp, sky);
+    }
+    static std::vector<std::string> with(std::vector<std::string> options, const std::vector<std::string>& more) {
+        options.insert(options.end(), more.begin(), more.end());
+        return options;
+    }
+};
+
+// 6 blocks of 16 x 16 pixels; the standard error of a block is that of its pixels, which hold their differences too.
+TEST_F(Lights, MixedAfterRenderingAreThoseOfARenderWithTheirPowers) {
+    for (const char* integrator : {"path", "bdpt"}) {
+        SCOPED_TRACE(integrator);
+        const std::vector<std::string> how = {"--samples", "0:786432", "--run-samples", "65536",
+                                              "--record",  "xyz",      "--integrator",  integrator};
+        const std::string groups =
+            render(std::string(integrator) + "0", corner(4, 0.5), with(how, {"--light-groups", "--seed", "1"}));
+        const std::string plain = render(std::string(integrator) + "1", corner(2, 1), with(how, {"--seed", "2"}));
+        const std::vector<std::string> size = {"--size", "48x32", "--filter", "box"};
+        const Picture mixed = develop(groups, with(size, {"--light", "lamp=0.5", "--light", "sky=2", "--halves"}));
+        const Picture expected = develop(plain, with(size, {"--halves"}));
+        const Picture lamp = develop(groups, with(size, {"--light", "sky=0"})),
+                      sky = develop(groups, with(size, {"--light", "lamp=0"}));
+        for (int block = 0; block < 6; ++block) {
+            const int x = block % 3 * 16, y = block / 3 * 16;
+            const auto mean = [&](const Picture& picture, const std::string& channel) {
+                return mean_of(picture, channel, x, y, x + 16, y + 16).value;
+            };
+            // Of both images: pixels of the box filter share no samples, and halves none at all.
+            const auto error = [&](const Picture& picture) {
+                double squares = 0;
+                for (int py = y; py < y + 16; ++py) {
+                    for (int px = x; px < x + 16; ++px) {
+                        const double d = static_cast<double>(picture.at("half0.G", px, py) - picture.at("half1.G", px, py));
+                        squares += d * d / 4;
+                    }
+                }
+                return std::sqrt(squares) / 256;
+            };
+            const double a = mean(mixed, "G"), b = mean(expected, "G"), both = std::hypot(error(mixed), error(expected));
+            EXPECT_LT(std::abs(a - b), 4.5 * both) << block << ": " << a << " and " << b;
+            EXPECT_LT(error(mixed), 0.005 * a) << block;
+            EXPECT_GT(mean(lamp, "G"), 0.01 * a) << block;
+            EXPECT_GT(mean(sky, "G"), 0.01 * a) << block;
+        }
+    }
+}
+
+TEST_F(Lights, AllAtOneAreThePlainPicture) {
+    for (const char* integrator : {"path", "bdpt"}) {
+        const std::vector<std::string> how = {"--samples",    "0:65536",  "--run-samples", "1024",
+                                              "--integrator", integrator, "--precision",   "23"};
+        const std::string groups = render(std::string(integrator) + "2", corner(4, 0.5), with(how, {"--light-groups"}));
+        const std::string plain = render(std::string(integrator) + "3", corner(4, 0.5), how);
+        const std::vector<std::string> size = {"--size", "24"};
+        const Picture expected = develop(plain, size), as_it_is = develop(groups, size),
+                      at_one = develop(groups, with(size, {"--light", "lamp=1", "--light", "sky=1"}));
+        for (const char* channel : {"R", "G", "B"}) {
+            const double largest = static_cast<double>(std::ranges::max(expected.channels.at(channel)));
+            for (std::size_t i = 0; i < expected.channels.at(channel).size(); ++i) {
+                EXPECT_NEAR(as_it_is.channels.at(channel)[i], expected.channels.at(channel)[i], 1e-6 * largest);
+                EXPECT_EQ(at_one.channels.at(channel)[i], as_it_is.channels.at(channel)[i]);
+            }
+        }
+    }
+}
+
+TEST_F(Lights, ReplacedOrFilteredAreWhatIntegrationSays) {
+    const color::Spectrum d65 = *color::named_spectrum("stdillum-D65"), lamp = *color::Spectrum::blackbody(2856);
+    const std::string light = R"(LightSource "distant" "string name" "the lamp" "blackbody L" 2856 "float scale" 3.14159265)"
+                              "\n\"point3 from\" [ 0 0 0 ] \"point3 to\" [ 0 0 1 ]\n";
+    const std::string file =
+        render("lamp", wall(color::color_checker(), light), {"--samples", "0:131072", "--run-samples", "1024", "--light-groups"});
+    const std::vector<std::string> size = {"--size", "6x4", "--filter", "box"};
+    const color::Observer& eye = color::Observer::cie1931();
+    const Picture replaced = develop(file, with(size, {"--light", "the lamp=D65,0.5"}));
+    const Picture filtered = develop(file, with(size, {"--light", "the lamp=wratten-80a"}));
+    const color::Spectrum blue = *color::lens_filter("wratten-80a");
+    for (int i = 0; i < 24; ++i) {
+        const color::Spectrum& patch = color::color_checker()[static_cast<std::size_t>(i)];
+        const color::Xyz by_daylight = seen(patch, d65, eye), behind = seen(patch, lamp, eye.behind(blue, "blue", 1));
+        EXPECT_NEAR(static_cast<double>(replaced.at("R", i % 6, i / 6)) / (0.5 * by_daylight.x), 1, 0.01) << i;
+        EXPECT_NEAR(static_cast<double>(replaced.at("G", i % 6, i / 6)) / (0.5 * by_daylight.y), 1, 0.01) << i;
+        EXPECT_NEAR(static_cast<double>(replaced.at("B", i % 6, i / 6)) / (0.5 * by_daylight.z), 1, 0.015) << i;
+        EXPECT_NEAR(static_cast<double>(filtered.at("G", i % 6, i / 6)) / behind.y, 1, 0.01) << i;
+    }
+    // In bins too: 500 to 600 nm.
+    const Picture bins = develop(file, with(size, {"--light", "the lamp=D65", "--spectral-bins", "500:600:100"}));
+    double daylight = 0;
+    for (double nm = 500.5; nm < 600; ++nm) daylight += d65(nm) / 100;
+    double grey = 0;
+    for (double nm = 500.5; nm < 600; ++nm) grey += color::color_checker()[19](nm) / 100;
+    const double luminance = color::xyz_from_spectrum(d65, eye).y;
+    EXPECT_NEAR(static_cast<double>(bins.at("S0.550,000nm", 1, 3)) / (grey * daylight / luminance / 683), 1, 0.01);
+}
+
+TEST_F(Lights, WhatCannotBeMixedIsRefusedInOneLine) {
+    const std::vector<std::string> samples = {"--samples", "0:1024", "--run-samples", "1024"};
+    const color::Spectrum grey = color::Spectrum::constant(0.5);
+    const std::string sodium = R"(LightSource "distant" "string name" "sodium" "spectrum L" [ 586 0 588 1 590 1 592 0 ])"
+                               "\n\"point3 from\" [ 0 0 0 ] \"point3 to\" [ 0 0 1 ]\n";
+    const std::string file = render("sodium", wall({grey}, sodium), with(samples, {"--light-groups"}));
+    const std::string plain = render("plain", wall({grey}, sodium), samples);
+    const std::string xyz = render("xyz", wall({grey}, sodium), with(samples, {"--light-groups", "--record", "xyz"}));
+    const auto message = [&](const std::string& in, const std::string& light) {
+        const Outcome outcome = run({tool("latent-develop"), in, "-o", path("a.exr"), "--light", light});
+        EXPECT_EQ(outcome.status, 2) << outcome.err;
+        EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+        return outcome.err;
+    };
+    const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+    EXPECT_TRUE(has(message(file, "sodum=2"), "did you mean sodium?"));
+    EXPECT_TRUE(has(message(file, "moon=2"), "there are unnamed, sodium"));
+    EXPECT_TRUE(has(message(file, "sodium=6500K"), "emit nothing at 360 nm"));
+    EXPECT_TRUE(has(message(plain, "sodium=2"), "render with --light-groups"));
+    EXPECT_TRUE(has(message(xyz, "sodium=wratten-25"), "needs spectral records"));
+    for (const char* bad : {"sodium", "sodium=", "sodium=-1", "=2", "sodium=D65,A", "sodium=wratten-1000", "sodium=2,,3"})
+        message(file, bad);
+    EXPECT_EQ(run({tool("latent-develop"), xyz, "-o", path("b.exr"), "--light", "sodium=2"}).status, 0);
+    const Outcome unnamed = run({tool("latent-render"), path("none.pbrt"), "-o", path("none.latent"), "--light-groups"});
+    EXPECT_NE(unnamed.status, 0);
+}
+
+}  // namespace
+}  // namespace latent::testing
