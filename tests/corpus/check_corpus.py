@@ -17,7 +17,13 @@ import tempfile
 
 from corpus import CARELESS, DAMAGED, LEVELS, REFUSED, UNFINISHED, VALID
 from make_corpus import make
-import read_latent
+from read_latent import read_file
+from reader.derived import wavelength
+from reader.header import read_header
+from reader.rules import UNREADABLE, Rules
+from reader.run import read_run
+from reader.salvage import salvage
+from reader.selection import select
 
 DIFFERENCES = []
 
@@ -35,16 +41,16 @@ def described(intact):
 # ---- the reader in Python
 
 
-def salvage(path):
-    with read_latent.Rules.for_readers():
-        return read_latent.salvage(path)
+def saved(path):
+    with Rules.for_readers():
+        return salvage(path)
 
 
 def refuses(path):
     """Why it does, or None."""
     try:
-        read_latent.read_file(path)
-    except read_latent.UNREADABLE as error:
+        read_file(path)
+    except UNREADABLE as error:
         return str(error) or repr(error)
     return None
 
@@ -54,8 +60,8 @@ def check_python(path, entry):
     if outcome != UNFINISHED:
         same(path.name, "read strictly, Python refuses it", refuses(path) is not None, outcome != VALID)
     try:
-        intact, damage = salvage(path)
-    except read_latent.UNREADABLE as error:
+        intact, damage = saved(path)
+    except UNREADABLE as error:
         same(path.name, f"Python saves nothing ({error})", True, outcome == REFUSED)
         return
     same(path.name, "Python reads it", True, outcome != REFUSED)
@@ -98,7 +104,7 @@ def check_recover(inspect, folder, name, entry, out):
     same(name, f"recover ends with one of {statuses}: {done.stderr}", done.returncode in statuses, True)
     same(name, "recover makes a file", out.exists(), done.returncode != 1)
     if out.exists():
-        intact, damage = salvage(out)
+        intact, damage = saved(out)
         same(name, "runs that recover saves", (described(intact), damage), (entry["runs"], []))
         out.unlink()
 
@@ -109,11 +115,11 @@ def check_recover(inspect, folder, name, entry, out):
 def runs_with_records(path):
     """(coverage, hashes, pages) of every run, by the reader in Python."""
     data = path.read_bytes()
-    job, at, _ = read_latent.read_header(data)
+    job, at, _ = read_header(data)
     runs = []
     while data[at : at + 8] == b"\x8dLTDBR\r\n":
         header = data[at : at + 256]
-        size, _, _, ranges, pages = read_latent.read_run(job, data, at)
+        size, _, _, ranges, pages = read_run(job, data, at)
         hashes = struct.unpack_from("<QQ", header, 120) + struct.unpack_from("<Q", header, 104) + struct.unpack_from("<Q", header,
             112)
         runs.append((tuple(ranges), hashes, [(kind, columns) for kind, columns, _, _ in pages]))
@@ -137,7 +143,7 @@ def rows_of(job, pages):
                     wavelengths = columns[12][first : first + n]
                 else:
                     indices = [columns[10][i]] if n == 1 < job.k else range(n)
-                    wavelengths = [read_latent.wavelength(job.knots, job.k, columns[9][i], j) for j in indices]
+                    wavelengths = [wavelength(job.knots, job.k, columns[9][i], j) for j in indices]
                 first += n
                 row += word(wavelengths + [0] * (job.k - n)) + word(power + [0] * (job.k - n))
             for number, (_, width) in enumerate(job.extra):
@@ -153,11 +159,11 @@ def check_cat(inspect, folder, name, out):
         return same(name, "cat writes", array, "an array")
     (length,) = struct.unpack_from("<I", array, 8)
     header = ast.literal_eval(array[12 : 12 + length].decode())
-    with read_latent.Rules.for_readers():
+    with Rules.for_readers():
         job, runs = runs_with_records(folder / name)
     disagree = len({ranges for ranges, _, _ in runs}) < len({(ranges, hashes[:2]) for ranges, hashes, _ in runs})
     same(name, f"cat ends with ({done.stderr})", done.returncode, 3 if disagree else 0)
-    chosen = read_latent.select([(ranges, hashes) for ranges, hashes, _ in runs])
+    chosen = select([(ranges, hashes) for ranges, hashes, _ in runs])
     pages = [page for i in sorted(chosen, key=lambda i: runs[i][0][0]) for page in runs[i][2]]
     rows = list(rows_of(job, pages))
     same(name, "cat, shape", header["shape"], (len(rows),))

@@ -16,10 +16,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "corpus"))
 from corpus import CARELESS, VALID
 from make_corpus import make
-import read_latent
+from reader.header import WIDTHS, read_header
+from reader.rules import Rules
+from reader.run import run_size
 
 KSY = HERE.parent.parent / "docs" / "latent.ksy"
-WIDTH_OF_TYPE = read_latent.WIDTHS
 
 
 def same(name, what, actual, expected):
@@ -37,7 +38,7 @@ def check_job(name, found, job):
     for field in ("kind", "sampler", "k", "light_paths", "precision"):
         same(name, field, found[field], getattr(job, field))
     same(name, "knots", floats(found["knots"]), floats(job.knots))
-    extra = [(bytes.fromhex(text).decode("latin-1"), WIDTH_OF_TYPE[kind]) for text, kind in found["extra"]]
+    extra = [(bytes.fromhex(text).decode("latin-1"), WIDTHS[kind]) for text, kind in found["extra"]]
     same(name, "extra columns", extra, job.extra)
     same(name, "copies of the header are equal", found["copies_are_equal"], True)
 
@@ -63,13 +64,13 @@ def check_run(name, found, data, at, expected):
         same(name, f"sizes of planes of page {number}", [plane[1] for plane in planes], [len(plane[2]) // 2 for plane in planes])
     same(name, "end of the pages", end, index)
     end = index + 16 * intervals + 48 * pages + found["padding"]
-    same(name, "end of the run", end, at + read_latent.run_size(header))
+    same(name, "end of the run", end, at + run_size(header))
     return end
 
 
 def check_file(path, found, expected):
     data = path.read_bytes()
-    job, at, _ = read_latent.read_header(data)
+    job, at, _ = read_header(data)
     check_job(path.name, found, job)
     same(path.name, "number of runs", len(found["runs"]), len(expected["runs"]))
     for run, of_run in zip(found["runs"], expected["runs"]):
@@ -84,7 +85,7 @@ def main(folder):
     sound = [name for name, entry in files.items() if entry["outcome"] in (VALID, CARELESS)]
     out = subprocess.run(["node", HERE / "decode.cjs", KSY, *sound], cwd=folder, check=True, capture_output=True, text=True).stdout
     found = json.loads(out)
-    with read_latent.Rules.for_readers():
+    with Rules.for_readers():
         for name in sound:
             check_file(folder / name, found[name], files[name])
     print(f"{len(sound)} files decoded by latent.ksy")

@@ -368,7 +368,7 @@ TEST(Specification, EveryTestVectorOfThePageHolds) {
 }
 
 TEST(Specification, ItsTestVectorsHoldInTheReaderInPython) {
-    const testing::Outcome checked = testing::run_python("tests/sampledb/read_latent.py", {"--vectors", kPage.string()});
+    const testing::Outcome checked = testing::run_python("tests/sampledb/check_vectors.py", {kPage.string()});
     EXPECT_EQ(checked.status, 0) << checked.err;
     for (const auto& [name, check] : kChecks) EXPECT_NE(checked.out.find(name + " "), std::string::npos) << name;
 }
