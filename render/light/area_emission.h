@@ -21,8 +21,10 @@ struct EmissionPattern {
     void multiply(std::uint32_t primitive, const EmissionPoint& at, SampledSpectra& spectra, SampledSpectrum& value) const;
 };
 
+// What area lights share: each is one of these, of a shape that draws the points. LightType's verbs, but for those that draw.
 class AreaEmission {
  public:
+    static constexpr bool kIsInfinite = false, kIsDelta = false;
     // `spectrum`: of the library. `pattern` outlives this; null: the same everywhere.
     AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter, const EmissionPattern* pattern);
 
@@ -32,10 +34,13 @@ class AreaEmission {
 
     float pdf_position() const { return 1 / area_; }
     // Density [1/sr at `from`] of a point drawn evenly from the area.
-    float pdf_omega(const Vec3f& from, const Vec3f& p, const Vec3f& ng) const {
+    float pdf_of_area(const Vec3f& from, const Vec3f& p, const Vec3f& ng) const {
         const Vec3f to = p - from;
         const float d2 = length_squared(to), cosine = abs_dot(to, ng) / std::sqrt(d2);
         return cosine > 0 ? d2 / (cosine * area_) : 0;
+    }
+    float pdf_omega(const Vec3f& from, const LightSampleContext&, const LightHit& hit) const {
+        return pdf_of_area(from, hit.p, hit.ng);
     }
     // The rest of a ray that starts at `at`: its direction by the cosine to either side that shines.
     void sample_direction(const Interaction& at, Uniform s, Uniform t, LightRay& out) const;

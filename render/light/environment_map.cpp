@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
-#include <span>
 
 namespace latent::render {
 namespace {
@@ -21,15 +19,7 @@ EnvironmentMap::EnvironmentMap(std::shared_ptr<const ImageDescription> image, co
     std::vector<double> weight(std::size_t{image_->width} * image_->height);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = std::max(0.0, luminance(&image_->rgb[3 * i]));
     for (const double w : weight) mean_luminance_ += w / static_cast<double>(weight.size());
-    // Nothing that shines is never drawn, whatever its luminance; a tenth goes anywhere.
-    for (double& w : weight) w = 0.9 * w + 0.1 * std::max(mean_luminance_, 1e-30);
-    std::vector<double> rows;
-    for (std::uint32_t y = 0; y < image_->height; ++y) {
-        const auto row = std::span<const double>(weight).subspan(std::size_t{y} * image_->width, image_->width);
-        rows.push_back(std::accumulate(row.begin(), row.end(), 0.0));
-        columns_.emplace_back(row);
-    }
-    rows_ = PiecewiseConstant(rows);
+    pixels_ = PixelDistribution(std::move(weight), image_->width, mean_luminance_);
 }
 
 EnvironmentMap::Pixel EnvironmentMap::pixel(const Vec3f& w) const {
@@ -41,8 +31,7 @@ EnvironmentMap::Pixel EnvironmentMap::pixel(const Vec3f& w) const {
 }
 
 Vec3f EnvironmentMap::sample(Uniform u, Uniform v) const {
-    Uniform in_x, in_y;
-    const std::uint32_t y = rows_.sample(v, in_y), x = columns_[y].sample(u, in_x);
+    const auto [x, y, in_x, in_y] = pixels_.sample(u, v);
     // From the centre of the square, so that the pixels about +z are as exact as others.
     const auto centred = [](std::uint32_t i, float within, std::uint32_t size) {
         return (static_cast<float>(2 * std::int64_t{i} - size) + 2 * within) / static_cast<float>(size);
@@ -53,13 +42,13 @@ Vec3f EnvironmentMap::sample(Uniform u, Uniform v) const {
 
 float EnvironmentMap::pdf_omega(const Vec3f& w) const {
     const Pixel p = pixel(w);
-    const double pixels = static_cast<double>(image_->width) * image_->height;
-    return static_cast<float>(rows_.probability(p.y) * columns_[p.y].probability(p.x) * pixels / (4 * std::numbers::pi));
+    return static_cast<float>(pixels_.density(p.x, p.y) / (4 * std::numbers::pi));
 }
 
-void EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const {
+bool EnvironmentMap::multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const {
     const Pixel p = pixel(w);
     colors_.multiply(&image_->rgb[3 * (std::size_t{p.y} * image_->width + p.x)], spectra, value);
+    return true;
 }
 
 double EnvironmentMap::upper_illuminance() const {

@@ -3,7 +3,7 @@
 
 #include "render/light/rgb_illuminant.h"
 #include "render/math/equal_area.h"
-#include "render/sampling/piecewise_constant.h"
+#include "render/sampling/pixel_distribution.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
 
@@ -16,9 +16,11 @@ class EnvironmentMap {
 
     Vec3f sample(Uniform u, Uniform v) const;  // unit direction
     float pdf_omega(const Vec3f& w) const;
-    void multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const;
+    // True: every direction is in the image.
+    bool multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const;
 
     double mean_luminance() const { return mean_luminance_; }
+    double luminous_intensity() const { return 4 * std::numbers::pi * mean_luminance_; }  // integral of luminance over solid angle
     double upper_illuminance() const;  // integral over z > 0 of light space of luminance times cosine
 
  private:
@@ -30,8 +32,7 @@ class EnvironmentMap {
     std::shared_ptr<const ImageDescription> image_;
     Affinef world_from_light_, light_from_world_;  // rotations
     RgbIlluminant colors_;
-    PiecewiseConstant rows_;
-    std::vector<PiecewiseConstant> columns_;  // of the pixels of each row
+    PixelDistribution pixels_;  // by luminance
     double mean_luminance_ = 0;
 };
 

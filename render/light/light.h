@@ -4,10 +4,9 @@
 #include <variant>
 
 #include "render/light/distant_light.h"
-#include "render/light/goniometric_light.h"
 #include "render/light/image_infinite_light.h"
+#include "render/light/mapped_point_light.h"
 #include "render/light/point_light.h"
-#include "render/light/projection_light.h"
 #include "render/light/quadric_light.h"
 #include "render/light/sphere_light.h"
 #include "render/light/spot_light.h"

@@ -1,8 +1,6 @@
 #include "render/light/projection_map.h"
 
 #include <algorithm>
-#include <numeric>
-#include <span>
 
 namespace latent::render {
 
@@ -25,24 +23,15 @@ ProjectionMap::ProjectionMap(std::shared_ptr<const ImageDescription> image, cons
                     (solid_angle(x1, y1) - solid_angle(x0, y1) - solid_angle(x1, y0) + solid_angle(x0, y0));
         luminous_intensity_ += weight[i];
     }
-    // Nothing that shines is never drawn, whatever its luminance; a tenth goes anywhere.
     const double mean = luminous_intensity_ / static_cast<double>(weight.size());
-    for (double& w : weight) w = 0.9 * w + 0.1 * std::max(mean, 1e-30);
-    std::vector<double> rows;
-    for (std::uint32_t y = 0; y < image_->height; ++y) {
-        const auto row = std::span<const double>(weight).subspan(std::size_t{y} * image_->width, image_->width);
-        rows.push_back(std::accumulate(row.begin(), row.end(), 0.0));
-        columns_.emplace_back(row);
-    }
-    rows_ = PiecewiseConstant(rows);
+    pixels_ = PixelDistribution(std::move(weight), image_->width, mean);
 }
 
 float ProjectionMap::corner() const { return static_cast<float>(1 - 1 / std::sqrt(1 + reach_x_ * reach_x_ + reach_y_ * reach_y_)); }
 
 // The first row is at the top, where y is greatest.
 Vec3f ProjectionMap::sample(Uniform u, Uniform v) const {
-    Uniform in_x, in_y;
-    const std::uint32_t y = rows_.sample(v, in_y), x = columns_[y].sample(u, in_x);
+    const auto [x, y, in_x, in_y] = pixels_.sample(u, v);
     const auto centred = [](std::uint32_t i, Uniform within, std::uint32_t size) {
         return (i + static_cast<double>(static_cast<float>(within))) / size * 2 - 1;
     };
@@ -67,9 +56,7 @@ bool ProjectionMap::find(const Vec3f& w, Place& out) const {
 float ProjectionMap::pdf_omega(const Vec3f& w) const {
     Place p;
     if (!find(w, p)) return 0;
-    const double pixels = static_cast<double>(image_->width) * image_->height;
-    const double per_area = rows_.probability(p.y) * columns_[p.y].probability(p.x) * pixels / (4 * reach_x_ * reach_y_);
-    return static_cast<float>(per_area) * p.area_per_solid_angle;
+    return static_cast<float>(pixels_.density(p.x, p.y) / (4 * reach_x_ * reach_y_)) * p.area_per_solid_angle;
 }
 
 bool ProjectionMap::multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const {

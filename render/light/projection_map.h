@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "render/light/rgb_illuminant.h"
-#include "render/sampling/piecewise_constant.h"
+#include "render/sampling/pixel_distribution.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -37,8 +37,7 @@ class ProjectionMap {
     Affinef world_from_light_, light_from_world_;  // rotations
     double reach_x_, reach_y_;
     RgbIlluminant colors_;
-    PiecewiseConstant rows_;
-    std::vector<PiecewiseConstant> columns_;  // of the pixels of each row
+    PixelDistribution pixels_;  // by luminance times solid angle
     double luminous_intensity_ = 0;
 };
 

@@ -14,13 +14,13 @@ Interaction QuadricLight::sample(Uniform u, Uniform v) const {
 bool QuadricLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform u, Uniform v, LightPoint& out) const {
     out.at = sample(u, v);
     out.falloff = 1;
-    if (!out.look_from(from) || !area_.shines(out.at.ng, -out.wi)) return false;
-    out.pdf_omega = area_.pdf_omega(from, out.at.p, out.at.ng);
+    if (!out.look_from(from) || !shines(out.at.ng, -out.wi)) return false;
+    out.pdf_omega = pdf_of_area(from, out.at.p, out.at.ng);
     return out.pdf_omega > 0;
 }
 
 void QuadricLight::sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const {
-    area_.sample_direction(sample(u, v), s, t, out);
+    sample_direction(sample(u, v), s, t, out);
 }
 
 }  // namespace latent::render

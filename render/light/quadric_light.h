@@ -5,30 +5,18 @@
 
 namespace latent::render {
 
-class QuadricLight {
+class QuadricLight : public AreaEmission {
  public:
-    static constexpr bool kIsInfinite = false, kIsDelta = false;
     // The shape must outlive the light.
-    QuadricLight(const ShapeDescription& shape, const AreaEmission& area) : shape_(&shape), area_(area) {}
+    QuadricLight(const ShapeDescription& shape, const AreaEmission& area) : AreaEmission(area), shape_(&shape) {}
 
-    const Emission& emission() const { return area_.emission(); }
-    double extent() const { return area_.extent(); }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
-    float pdf_omega(const Vec3f& from, const LightSampleContext&, const LightHit& hit) const {
-        return area_.pdf_omega(from, hit.p, hit.ng);
-    }
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
-    float pdf_position() const { return area_.pdf_position(); }
-    float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }
-    bool multiply_emission(const EmissionPoint& at, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
-        return area_.multiply_emission(at, d, spectra, value);
-    }
 
  private:
     Interaction sample(Uniform u, Uniform v) const;
 
     const ShapeDescription* shape_;
-    AreaEmission area_;
 };
 
 }  // namespace latent::render

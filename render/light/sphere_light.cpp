@@ -26,7 +26,7 @@ bool SphereLight::sample_point(const Vec3f& from, const LightSampleContext& cont
         out.at = at(sample_sphere(u, v));
     }
     out.falloff = 1;
-    if (!out.look_from(from) || !area_.shines(out.at.ng, -out.wi)) return false;
+    if (!out.look_from(from) || !shines(out.at.ng, -out.wi)) return false;
     out.pdf_omega = pdf_omega(from, context, {out.wi, out.at.p, out.at.ng});
     return out.pdf_omega > 0;
 }
@@ -34,11 +34,11 @@ bool SphereLight::sample_point(const Vec3f& from, const LightSampleContext& cont
 float SphereLight::pdf_omega(const Vec3f& from, const LightSampleContext&, const LightHit& hit) const {
     const float d2 = length_squared(center_ - from);
     if (is_outside(d2)) return inward_ ? 0 : pdf_of_cone(one_minus_cos(radius_ * radius_ / d2));
-    return area_.pdf_omega(from, hit.p, hit.ng);
+    return pdf_of_area(from, hit.p, hit.ng);
 }
 
 void SphereLight::sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const {
-    area_.sample_direction(at(sample_sphere(u, v)), s, t, out);
+    sample_direction(at(sample_sphere(u, v)), s, t, out);
 }
 
 }  // namespace latent::render

@@ -6,22 +6,14 @@
 
 namespace latent::render {
 
-class SphereLight {
+class SphereLight : public AreaEmission {
  public:
-    static constexpr bool kIsInfinite = false, kIsDelta = false;
     SphereLight(const Emitter& emitter, const AreaEmission& area)
-        : center_(emitter.p), radius_(emitter.radius), inward_(emitter.inward), area_(area) {}
+        : AreaEmission(area), center_(emitter.p), radius_(emitter.radius), inward_(emitter.inward) {}
 
-    const Emission& emission() const { return area_.emission(); }
-    double extent() const { return area_.extent(); }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     float pdf_omega(const Vec3f& from, const LightSampleContext& context, const LightHit& hit) const;
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
-    float pdf_position() const { return area_.pdf_position(); }
-    float pdf_direction(const Vec3f& ng, const Vec3f& d) const { return area_.pdf_direction(ng, d); }
-    bool multiply_emission(const EmissionPoint& at, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
-        return area_.multiply_emission(at, d, spectra, value);
-    }
 
  private:
     // The squared distance of the centre; whether the sphere is seen as a cone from there.
@@ -31,7 +23,6 @@ class SphereLight {
     Vec3f center_;
     float radius_;
     bool inward_;  // ng points to the centre
-    AreaEmission area_;
 };
 
 }  // namespace latent::render

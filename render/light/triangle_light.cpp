@@ -10,14 +10,14 @@ bool TriangleLight::sample_point(const Vec3f& from, const LightSampleContext&, U
     out.uv = sample_triangle(u, v);
     out.at = at(out.uv);
     out.falloff = 1;
-    if (!out.look_from(from) || !area_.shines(n_, -out.wi)) return false;
-    out.pdf_omega = area_.pdf_omega(from, out.at.p, n_);
+    if (!out.look_from(from) || !shines(n_, -out.wi)) return false;
+    out.pdf_omega = pdf_of_area(from, out.at.p, n_);
     return out.pdf_omega > 0;
 }
 
 void TriangleLight::sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const {
     out.uv = sample_triangle(u, v);
-    area_.sample_direction(at(out.uv), s, t, out);
+    sample_direction(at(out.uv), s, t, out);
 }
 
 }  // namespace latent::render
