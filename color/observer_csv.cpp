@@ -2,38 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
+#include "color/csv.h"
 #include "color/observer.h"
 #include "color/power_of_ten.h"
 
 namespace latent::color {
 namespace {
-
-Error at_line(int line, std::string what) { return Error{ErrorCode::kCorrupt, std::move(what)}.at(fmt::format("line {}", line)); }
-
-// Fields between commas, semicolons, tabs and blanks; empty fields are none.
-std::vector<std::string_view> fields_of(std::string_view line) {
-    constexpr std::string_view kSeparators = ",; \t\r";
-    std::vector<std::string_view> fields;
-    while (true) {
-        const std::size_t begin = line.find_first_not_of(kSeparators);
-        if (begin == std::string_view::npos) return fields;
-        const std::size_t end = std::min(line.find_first_of(kSeparators, begin), line.size());
-        fields.push_back(line.substr(begin, end - begin));
-        line.remove_prefix(end);
-    }
-}
-
-std::optional<double> number(std::string_view field) {
-    if (field.starts_with('+')) field.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc{} || end != field.data() + field.size() || !std::isfinite(value)) return std::nullopt;
-    return value;
-}
 
 struct CsvTable {
     ResponseTable responses;
@@ -44,22 +21,22 @@ struct CsvTable {
 
 Status read_row(const std::vector<std::string_view>& fields, int line, CsvTable& table) {
     if (fields.size() != table.columns) {
-        return at_line(line, fmt::format("{} columns, but the lines above have {}", fields.size(), table.columns));
+        return csv_error(line, fmt::format("{} columns, but the lines above have {}", fields.size(), table.columns));
     }
     std::array<double, 4> value{};
     for (std::size_t i = 0; i < fields.size(); ++i) {
-        const std::optional<double> read = number(fields[i]);
-        if (!read) return at_line(line, fmt::format("\"{}\" is not a finite number", fields[i]));
+        const std::optional<double> read = csv_number(fields[i]);
+        if (!read) return csv_error(line, fmt::format("\"{}\" is not a finite number", fields[i]));
         value[i] = table.logarithmic[i] ? power_of_ten(*read) : *read;
-        if (i > 0 && value[i] < 0) return at_line(line, fmt::format("a response cannot be negative: {}", fields[i]));
-        if (i > 0 && !std::isfinite(value[i])) return at_line(line, fmt::format("a response cannot be 10^{}", fields[i]));
+        if (i > 0 && value[i] < 0) return csv_error(line, fmt::format("a response cannot be negative: {}", fields[i]));
+        if (i > 0 && !std::isfinite(value[i])) return csv_error(line, fmt::format("a response cannot be 10^{}", fields[i]));
     }
     if (!table.responses.lambda_nm.empty() && value[0] <= table.responses.lambda_nm.back()) {
-        return at_line(line, fmt::format("wavelengths must increase, but {} nm follows {} nm; sort the rows", value[0],
-                                         table.responses.lambda_nm.back()));
+        return csv_error(line, fmt::format("wavelengths must increase, but {} nm follows {} nm; sort the rows", value[0],
+                                           table.responses.lambda_nm.back()));
     }
     if (value[0] < 10 || value[0] > 100'000) {
-        return at_line(line, fmt::format("{} is not a wavelength of light in nm", value[0]));
+        return csv_error(line, fmt::format("{} is not a wavelength of light in nm", value[0]));
     }
     table.responses.lambda_nm.push_back(value[0]);
     table.responses.response.push_back(table.columns == 4 ? std::array{value[1], value[2], value[3]}
@@ -79,14 +56,14 @@ Status check_coverage(const CsvTable& table) {
     for (std::size_t row = 1; row < nm.size(); ++row) {
         const bool inside = nm[row] > kFrom && nm[row - 1] < kTo, dark = largest_of(row - 1) + largest_of(row) == 0;
         if (!inside || dark || nm[row] - nm[row - 1] <= kWidestGap) continue;
-        return at_line(table.line[row],
-                       fmt::format("no rows between {} and {} nm; between {} and {} nm they may be at most {} nm apart",
-                                   nm[row - 1], nm[row], kFrom, kTo, kWidestGap));
+        return csv_error(table.line[row],
+                         fmt::format("no rows between {} and {} nm; between {} and {} nm they may be at most {} nm apart",
+                                     nm[row - 1], nm[row], kFrom, kTo, kWidestGap));
     }
     const auto cut = [&](std::size_t row, const char* where) {
-        return at_line(table.line[row], fmt::format("the table {} at {} nm, where the response is {:.0f} % of the largest; "
-                                                    "add rows, or one of zeros if it sees nothing beyond",
-                                                    where, nm[row], 100 * largest_of(row) / peak));
+        return csv_error(table.line[row], fmt::format("the table {} at {} nm, where the response is {:.0f} % of the largest; "
+                                                      "add rows, or one of zeros if it sees nothing beyond",
+                                                      where, nm[row], 100 * largest_of(row) / peak));
     };
     if (nm.front() > kBeginsBy && largest_of(0) > kSmallEnd * peak) return cut(0, "begins");
     if (nm.back() < kEndsFrom && largest_of(nm.size() - 1) > kSmallEnd * peak) return cut(nm.size() - 1, "ends");
@@ -95,18 +72,11 @@ Status check_coverage(const CsvTable& table) {
 
 Result<CsvTable> read_table(std::string_view text) {
     CsvTable table;
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark
-    for (int line = 1; !text.empty(); ++line) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        std::string_view content = text.substr(0, end);
-        text.remove_prefix(std::min(end + 1, text.size()));
-        content = content.substr(0, content.find('#'));
-        const std::vector<std::string_view> fields = fields_of(content);
-        if (fields.empty()) continue;
+    for (const auto& [line, fields] : csv_rows(text)) {
         const bool first = table.columns == 0;
         if (first) {
             if (fields.size() != 2 && fields.size() != 4) {
-                return at_line(
+                return csv_error(
                     line,
                     fmt::format("{} columns; an observer has the wavelength [nm] and 3 responses, or 1 for black-and-white film",
                                 fields.size()));
@@ -114,7 +84,7 @@ Result<CsvTable> read_table(std::string_view text) {
             table.columns = fields.size();
             if (table.columns == 2) table.responses.kind = ObserverKind::kFilm;
             table.logarithmic.resize(fields.size());
-            if (!number(fields[0])) {  // the line of column names
+            if (!csv_number(fields[0])) {  // the line of column names
                 for (std::size_t i = 1; i < fields.size(); ++i) table.logarithmic[i] = fields[i].starts_with("log10");
                 if (fields.size() == 4 && fields[1] == "r" && fields[2] == "g" && fields[3] == "b")
                     table.responses.kind = ObserverKind::kCamera;

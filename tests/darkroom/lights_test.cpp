@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "color/camera.h"
 #include "color/catalogue.h"
@@ -151,11 +152,37 @@ TEST_F(Lights, WhatCannotBeMixedIsRefusedInOneLine) {
     EXPECT_TRUE(has(message(file, "sodium=6500K"), "emit nothing at 360 nm"));
     EXPECT_TRUE(has(message(plain, "sodium=2"), "render with --light-groups"));
     EXPECT_TRUE(has(message(xyz, "sodium=wratten-25"), "needs spectral records"));
-    for (const char* bad : {"sodium", "sodium=", "sodium=-1", "=2", "sodium=D65,A", "sodium=wratten-1000", "sodium=2,,3"})
+    for (const char* bad :
+         {"sodium", "sodium=", "sodium=-1", "=2", "sodium=D65,A", "sodium=wratten-1000", "sodium=2,,3", "sodium=1e39"})
         message(file, bad);
     EXPECT_EQ(run({tool("latent-develop"), xyz, "-o", path("b.exr"), "--light", "sodium=2"}).status, 0);
     const Outcome unnamed = run({tool("latent-render"), path("none.pbrt"), "-o", path("none.latent"), "--light-groups"});
     EXPECT_NE(unnamed.status, 0);
+}
+
+// A candle has so little blue that a daylight made of it is noise.
+TEST_F(Lights, CurvesThatMakeNoiseAreWarnedOf) {
+    const std::vector<std::string> samples = {"--samples", "0:1024", "--run-samples", "1024", "--light-groups"};
+    const std::string candle =
+        "LightSource \"distant\" \"string name\" \"candle\" \"blackbody L\" 1200\n"
+        "\"point3 from\" [ 0 0 0 ] \"point3 to\" [ 0 0 1 ]\n";
+    const std::string file = render("candle", wall({color::Spectrum::constant(0.5)}, candle), samples);
+    std::ofstream(path("20.csv")) << "nm,factor\n400,1\n700,20\n";
+    std::ofstream(path("21.csv")) << "nm,factor\n400,1\n700,21\n";
+    std::ofstream(path("1e300.csv")) << "400 1e300\n";
+    std::ofstream(path("down.csv")) << "500,1\n400,1\n";
+    const auto develop = [&](const std::string& setting) {
+        return run({tool("latent-develop"), file, "-o", path("a.exr"), "--force", "--light", "candle=" + setting});
+    };
+    const auto warned = [&](const Outcome& outcome) { return outcome.err.find("so the picture is noisy") != std::string::npos; };
+    for (const std::string& setting : {std::string("D65"), path("21.csv")}) EXPECT_TRUE(warned(develop(setting))) << setting;
+    for (const std::string& setting : {std::string("1500K"), path("20.csv")}) EXPECT_FALSE(warned(develop(setting))) << setting;
+    const Outcome huge = develop(path("1e300.csv") + "," + path("1e300.csv"));
+    EXPECT_EQ(huge.status, 1);
+    EXPECT_NE(huge.err.find("not finite"), std::string::npos) << huge.err;
+    const Outcome unsorted = develop(path("down.csv"));
+    EXPECT_EQ(unsorted.status, 1);
+    EXPECT_NE(unsorted.err.find("down.csv: line 2: wavelengths must increase"), std::string::npos) << unsorted.err;
 }
 
 }  // namespace

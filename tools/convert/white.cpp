@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parse.h"
+#include "color/light_name.h"
 #include "color/named_spectra.h"
 #include "color/observer.h"
 #include "tools/convert/source.h"
@@ -24,11 +25,9 @@ Chromaticity chromaticity_of_light(const color::Spectrum& light) {
 }
 
 Result<White> white_of_temperature(const std::string& text) {
-    constexpr double kLeast = 1000, kDaylight = 4000, kMost = 25000;
-    const Result<double> kelvin = parse_number(text.substr(0, text.size() - 1));
-    if (!kelvin || !(*kelvin >= kLeast && *kelvin <= kMost))
-        return Error{ErrorCode::kUsage, fmt::format("'{}' is not a temperature from {:.0f}K to {:.0f}K", text, kLeast, kMost)};
-    if (*kelvin >= kDaylight) return White{rounded(*color::daylight_chromaticity(*kelvin))};
+    const Result<double> kelvin = color::parse_temperature(text);
+    if (!kelvin) return kelvin.error();
+    if (*kelvin >= color::kDaylightKelvin) return White{rounded(*color::daylight_chromaticity(*kelvin))};
     return White{chromaticity_of_light(*color::Spectrum::blackbody(*kelvin))};
 }
 

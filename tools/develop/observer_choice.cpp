@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <span>
 
-#include "base/file.h"
+#include "base/small_file.h"
 #include "color/catalogue.h"
 #include "color/named_spectra.h"
 
@@ -27,14 +26,9 @@ Result<color::Observer> observer_of(const std::string& name) {
     const bool is_file = std::filesystem::exists(name, ignored);
     if (!is_file && name.ends_with(".csv")) return Error{ErrorCode::kNotFound, name + ": no such file"};
     if (!is_file) return usage(known.error().message);
-    Result<File> file = File::open_read(name);
-    if (!file) return file.error();
-    const Result<std::uint64_t> size = file->size();
-    if (!size) return size.error();
-    if (*size > kMaxObserverFile) return Error{ErrorCode::kForeign, name + ": too large for a table of response curves"};
-    std::string text(*size, '\0');
-    if (Status s = file->read_exact(0, std::as_writable_bytes(std::span(text))); !s) return s.error();
-    Result<color::Observer> observer = color::Observer::from_csv(text, std::filesystem::path(name).filename().string());
+    const Result<std::string> text = read_small_file(name, kMaxObserverFile, "a table of response curves");
+    if (!text) return text.error();
+    Result<color::Observer> observer = color::Observer::from_csv(*text, std::filesystem::path(name).filename().string());
     if (!observer) return observer.error().at(name);
     return observer;
 }

@@ -22,7 +22,7 @@ struct PictureOptions {
     std::optional<PixelRect> crop;
     std::string filter = Filter::standard().name();
     ObserverOptions observer;
-    std::vector<std::string> lights;  // "lamp=2.5": light_mix.h
+    std::vector<std::string> lights;  // "lamp=2.5": light_setting.h
     std::string image = "both";       // or camera, light
     SpectralBins spectral_bins;       // none: XYZ
     Layers layers;

@@ -1,0 +1,30 @@
+#include "color/light_name.h"
+
+#include <fmt/format.h>
+
+#include "base/parse.h"
+#include "color/named_spectra.h"
+
+namespace latent::color {
+
+bool is_temperature(std::string_view text) {
+    return text.size() > 1 && (text.back() == 'K' || text.back() == 'k') &&
+           text.find_first_not_of("0123456789.") == text.size() - 1 && parse_number(text.substr(0, text.size() - 1));
+}
+
+Result<double> parse_temperature(std::string_view text) {
+    const Result<double> kelvin = is_temperature(text) ? parse_number(text.substr(0, text.size() - 1)) : Result<double>(0);
+    if (kelvin && *kelvin >= kLeastKelvin && *kelvin <= kMostKelvin) return kelvin;
+    return Error{ErrorCode::kUsage,
+                 fmt::format("'{}' is not a temperature from {:.0f}K to {:.0f}K", text, kLeastKelvin, kMostKelvin)};
+}
+
+Result<Spectrum> light_by_name(std::string_view text) {
+    if (text == "E") return Spectrum::constant(1);
+    if (!is_temperature(text)) return named_spectrum(fmt::format("stdillum-{}", text));
+    const Result<double> kelvin = parse_temperature(text);
+    if (!kelvin) return kelvin.error();
+    return *kelvin >= kDaylightKelvin ? daylight(*kelvin) : Spectrum::blackbody(*kelvin);
+}
+
+}  // namespace latent::color

@@ -1,0 +1,22 @@
+// color/light_name.h: lights as people name them on command lines: "D65", "A", "E", "F1" to "F12", "5200K".
+#pragma once
+
+#include <string_view>
+
+#include "base/result.h"
+#include "color/spectrum.h"
+
+namespace latent::color {
+
+inline constexpr double kLeastKelvin = 1000, kDaylightKelvin = 4000, kMostKelvin = 25000;
+
+// True for a number and K: "5200K", "5200k".
+bool is_temperature(std::string_view text);
+// Kelvin. Errors: kUsage outside 1000..25000 K.
+Result<double> parse_temperature(std::string_view text);
+
+// The spectrum, of any scale; of a temperature that of daylight from 4000 K on, of a blackbody below. Errors: kNotFound; kUsage for
+// temperatures as above.
+Result<Spectrum> light_by_name(std::string_view text);
+
+}  // namespace latent::color
