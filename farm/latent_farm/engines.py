@@ -23,18 +23,21 @@ def numbers_of(tasks):
     return "; ".join(parts)
 
 
-def shell_lines(folder, tasks, steps):
-    quoted = {name: shlex.quote(str(folder.path / name)) for name in ("task", "merge", "develop")}
-    commands = [f"(for k in $({numbers_of(tasks)}); do {quoted['task']} $k || exit; done)"] if tasks else []
-    return [" && ".join([*commands, *(quoted[name] for name in steps)])]
+def shell_line(folder, tasks, steps):
+    """Task after task, then the steps; ends where one of them fails."""
+    task = shlex.quote(str(folder.path / "task"))
+    return _line(folder, tasks, f"(for k in $({numbers_of(tasks)}); do {task} $k || exit; done)", steps)
 
 
-def parallel_lines(folder, tasks, steps, hosts):
-    quoted = {name: shlex.quote(str(folder.path / name)) for name in ("task", "merge", "develop")}
+def parallel_line(folder, tasks, steps, hosts):
     where = f"--sshloginfile {shlex.quote(hosts)} " if hosts else ""
+    task = shlex.quote(shlex.quote(str(folder.path / "task")))  # it passes through two shells
     log = shlex.quote(str(folder.logs / "parallel.log"))
-    commands = [f"({numbers_of(tasks)}) | parallel --will-cite --jobs 1 {where}--retries 3 --joblog {log} {quoted['task']}"] if tasks else []
-    return [" && ".join([*commands, *(quoted[name] for name in steps)])]
+    return _line(folder, tasks, f"({numbers_of(tasks)}) | parallel --will-cite --jobs 1 {where}--retries 3 --joblog {log} {task}", steps)
+
+
+def _line(folder, tasks, render, steps):
+    return " && ".join([*([render] if tasks else []), *(shlex.quote(str(folder.path / name)) for name in steps)])
 
 
 def run(lines):

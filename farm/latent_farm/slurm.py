@@ -24,50 +24,48 @@ def nodes():
 
 
 class Chain:
-    """The jobs of a plan: arrays of render tasks, then merge, then develop."""
+    """The jobs of a plan in stages: arrays of render tasks, then merge, then develop. The jobs of a stage wait for those of the one
+    before, and do not run at all if one of them has failed."""
 
     def __init__(self, folder, plan, options=(), throttle=0):
         self.folder, self.plan, self.options, self.throttle = folder, plan, list(options), throttle
 
-    def render(self, tasks):
-        """One command for each array."""
-        limit = f"%{self.throttle}" if self.throttle else ""
-        for offset, indices in sizing.arrays_of(tasks):
-            yield ["sbatch", "--parsable", *self.options, f"--array={ranges.array_list(indices)}{limit}",
-                   str(self.folder.path / "render.sbatch"), str(offset)]
-
-    def step(self, name, after):
-        """A job that runs once the others are done, and not at all if one of them has failed."""
-        wait = [f"--dependency=afterok:{':'.join(after)}", "--kill-on-invalid-dep=yes"] if after else []
-        return ["sbatch", "--parsable", *self.options, *wait, str(self.folder.path / f"{name}.sbatch")]
-
     def lines(self, tasks, steps):
         """What `submit` runs, for a shell."""
-        names = []
-        for command in self.render(tasks):
-            names.append(f"R{len(names)}")
-            yield f"{names[-1]}=$({shlex.join(command)})"
-        after = [f"${name}" for name in names]
-        for name in steps:
-            line = shlex.join(self.step(name, ["AFTER"] if after else []))
-            yield f"{name[0].upper()}=$({line.replace('AFTER', ':'.join(after))})"
-            after = [f"${name[0].upper()}"]
+        lines = []
+
+        def start(*words):
+            lines.append(f"J{len(lines)}=$({' '.join(words)})")
+            return f"${{J{len(lines) - 1}%;*}}"  # sbatch prints NUMBER or NUMBER;CLUSTER
+        self._start(tasks, steps, start, shlex.quote)
+        return lines
 
     def submit(self, tasks, steps):
         """The numbers of the jobs, also kept in the folder."""
         numbers = []
-        after = []
-        for command in self.render(tasks):
-            after.append(self._run(command, numbers))
-        for name in steps:
-            after = [self._run(self.step(name, after), numbers)]
+
+        def start(*words):
+            numbers.append(tools.output_of(words).strip().split(";")[0])
+            self.folder.write(self.folder.jobs, json.dumps(numbers) + "\n")
+            return numbers[-1]
+        self._start(tasks, steps, start, str)
         return numbers
 
-    def _run(self, command, numbers):
-        number = tools.output_of(command).strip().split(";")[0]
-        numbers.append(number)
-        self.folder.write(self.folder.jobs, json.dumps(numbers) + "\n")
-        return number
+    def _stages(self, tasks, steps):
+        """For each stage, what follows sbatch's options for each of its jobs."""
+        limit = f"%{self.throttle}" if self.throttle else ""
+        if tasks:
+            yield [[f"--array={ranges.array_list(indices)}{limit}", str(self.folder.path / "render.sbatch"), str(offset)]
+                   for offset, indices in sizing.arrays_of(tasks)]
+        for name in steps:
+            yield [[str(self.folder.path / f"{name}.sbatch")]]
+
+    def _start(self, tasks, steps, start, quote):
+        """`start` takes the words of a command, and returns the number of the job, or what stands for it."""
+        before = []
+        for stage in self._stages(tasks, steps):
+            wait = [f"--dependency=afterok:{':'.join(before)}", "--kill-on-invalid-dep=yes"] if before else []
+            before = [start("sbatch", "--parsable", *map(quote, self.options), *wait, *map(quote, job)) for job in stage]
 
 
 def in_queue(folder):

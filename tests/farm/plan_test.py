@@ -75,6 +75,19 @@ class Plan(FarmTest):
         self.assertEqual(report["task_samples"] * 8, report["samples"])
         self.assertEqual(report["missing_tasks"], "0-7")
 
+    def test_a_copy_of_the_plan_renders_elsewhere_and_its_parts_are_brought_back(self):
+        report = self.plan("--tasks", 3)
+        for machine, tasks in ("node1", (0, 1)), ("node2", (1, 2)):  # task 1 on both
+            there = self.folder / machine
+            shutil.copytree(self.folder / "night", there / "night")
+            shutil.copy(SCENE, there)
+            for task in tasks:
+                self.succeed("night/task", task, cwd=there, env={**os.environ, "LATENT_SCENE": SCENE.name})
+            shutil.copytree(there / "night/parts", self.folder / "night/parts", dirs_exist_ok=True)
+        self.assertEqual(self.status()["missing_tasks"], "")
+        self.succeed("latent-farm", "resume", self.folder / "night", "--engine", "shell")
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
+
     def test_the_merge_names_what_is_missing_and_leaves_no_file(self):
         report = self.plan("--tasks", 4)
         for task in (0, 1, 3):

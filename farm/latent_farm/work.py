@@ -1,0 +1,65 @@
+"""What is to be done in the folder of a plan: the plan made, extended or as it was; what is missing; the commands that do it."""
+import os
+import re
+
+from latent_farm import engines, planning, ranges, scripts, slurm, state
+from latent_farm.errors import Misuse
+
+
+class Work:
+    """`like`: a plan of another frame, whose rate stands for this one's; `share`: of the machines."""
+
+    def __init__(self, folder, args, like=None, share=1):
+        self.folder, self.plan = folder, prepare(folder, args, like, share)
+        self.found = state.read_state(folder, self.plan)
+        self.missing = state.unfinished(self.plan, self.found)
+        self.steps = state.steps_left(folder, self.plan, self.found, self.missing)
+        self.chain = slurm.Chain(folder, self.plan, args.sbatch, args.throttle) if args.engine == "slurm" else None
+        self.lines = self._lines(args)
+
+    def _lines(self, args):
+        if not self.missing and not self.steps:
+            return []
+        if self.chain:
+            return self.chain.lines(self.missing, self.steps)
+        if args.engine == "parallel":
+            return [engines.parallel_line(self.folder, self.missing, self.steps, args.hosts)]
+        return [engines.shell_line(self.folder, self.missing, self.steps)]
+
+    def report(self):
+        """For --json."""
+        plan, found = self.plan, self.found
+        machines = max(1, plan.machines)
+        left = sum(ranges.size(ranges.missing(plan.range_of(task), found.held_by(task))) for task in self.missing)
+        whole = plan.bytes * (1 if plan.until == "render" else 2)
+        return {"folder": str(self.folder.path), "job": plan.job, "samples": plan.samples, "tasks": plan.tasks,
+                "task_samples": plan.task_samples, "task_seconds": plan.task_seconds, "run_samples": plan.run_samples,
+                "machines": machines, "samples_per_second": plan.rate, "missing_tasks": ranges.array_list(self.missing),
+                "missing_samples": left, "seconds": left / plan.rate / min(machines, max(1, len(self.missing))),
+                "bytes": whole, "bytes_needed": whole - found.disk, "free_bytes": found.free, "fits": whole - found.disk <= found.free,
+                "steps": (["render"] if self.missing else []) + self.steps, "commands": self.lines}
+
+
+def prepare(folder, args, like, share):
+    nodes = slurm.nodes() if args.engine == "slurm" else []
+    if folder.has_plan():
+        folder.make()
+        plan = planning.extend_plan(folder, folder.read_plan(), args, args.machines)
+    elif args.scene and args.spp:
+        if not args.cpus and nodes:
+            args.cpus = min(cpus for _, cpus in nodes)
+        machines = max(1, round((args.machines or count_machines(args, nodes)) * share))
+        with folder.made():
+            plan = planning.make_plan(folder, args, machines, like)
+    else:
+        raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp")
+    folder.write_plan(plan)
+    name = re.sub(r"[^\w.-]", "_", os.path.splitext(os.path.basename(plan.scene))[0])
+    scripts.write_scripts(folder, plan, name, minutes=args.time and max(1, round(args.time / 60)))
+    return plan
+
+
+def count_machines(args, nodes):
+    if args.engine == "slurm":
+        return max(1, sum(count * (cpus // max(1, args.cpus)) for count, cpus in nodes))
+    return len(engines.hosts_in(args.hosts)) if args.hosts else 1

@@ -1,0 +1,90 @@
+"""The commands of latent-farm, whatever a folder is called: run by stand-ins for sbatch and parallel's tasks, without rendering."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import types
+import unittest
+from unittest import mock
+
+from support import FarmTest
+from latent_farm import engines, slurm
+from latent_farm.plan import Folder
+
+SBATCH = """#!{python}
+import json, pathlib, sys
+calls = pathlib.Path({calls!r})
+number = 100 + len(calls.read_text().splitlines()) if calls.exists() else 100
+with calls.open("a") as file:
+    file.write(json.dumps(sys.argv[1:]) + "\\n")
+print(f"{{number}};cluster")
+"""
+NAME = "a night's work AFTER $HOME"
+
+
+class Commands(FarmTest):
+    def setUp(self):
+        super().setUp()
+        self.night = Folder(self.folder / NAME)
+        self.night.make()
+        self.calls = self.folder / "calls"
+        path = self.folder / "bin"
+        path.mkdir()
+        (path / "sbatch").write_text(SBATCH.format(python=sys.executable, calls=str(self.calls)))
+        (path / "sbatch").chmod(0o755)
+        patch = mock.patch.dict(os.environ, PATH=f"{path}:{os.environ['PATH']}")
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def called(self):
+        calls = [json.loads(line) for line in self.calls.read_text().splitlines()]
+        self.calls.unlink()
+        return calls
+
+    def test_the_lines_that_plan_prints_are_what_submit_runs(self):
+        chain = slurm.Chain(self.night, types.SimpleNamespace(), ["--comment=two words"], throttle=7)
+        for tasks, steps in ([0, 1, 5, 1500], ["merge", "develop"]), ([], ["merge", "develop"]), ([3], []), ([], ["develop"]):
+            numbers = chain.submit(tasks, steps)
+            submitted = self.called()
+            self.succeed("bash", "-ec", "\n".join(chain.lines(tasks, steps)))
+            self.assertEqual(self.called(), submitted)
+            self.assertEqual(numbers, [str(100 + i) for i in range(len(submitted))])
+            self.assertEqual(json.loads(self.night.jobs.read_text()), numbers)
+
+    def test_each_stage_waits_for_all_jobs_of_the_one_before(self):
+        slurm.Chain(self.night, types.SimpleNamespace()).submit([0, 1500], ["merge", "develop"])
+        waits = [[word for word in call if word.startswith("--dependency")] for call in self.called()]
+        self.assertEqual(waits, [[], [], ["--dependency=afterok:100:101"], ["--dependency=afterok:102"]])
+
+    def tasks_run_by(self, line):
+        """A task notes its number and its folder's name; one that is called with 13 fails."""
+        task = self.night.path / "task"
+        task.write_text('#!/bin/sh\necho "$1" >>"$(dirname "$0")/logs/ran"\n[ "$1" != 13 ]\n')
+        task.chmod(0o755)
+        merge = self.night.path / "merge"
+        merge.write_text('#!/bin/sh\necho merge >>"$(dirname "$0")/logs/ran"\n')
+        merge.chmod(0o755)
+        done = subprocess.run(["/bin/sh", "-c", line], capture_output=True, text=True)
+        ran = pathlib.Path(self.night.logs / "ran")
+        lines = ran.read_text().split()
+        ran.unlink()
+        return done.returncode, lines
+
+    def test_a_shell_runs_every_task_and_then_the_steps_and_stops_at_a_failure(self):
+        self.assertEqual(self.tasks_run_by(engines.shell_line(self.night, [0, 1, 2, 7], ["merge"])), (0, ["0", "1", "2", "7", "merge"]))
+        status, ran = self.tasks_run_by(engines.shell_line(self.night, [12, 13, 14], ["merge"]))
+        self.assertEqual((status, ran), (1, ["12", "13"]))
+
+    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+    def test_parallel_runs_every_task_and_no_step_after_a_failure(self):
+        status, ran = self.tasks_run_by(engines.parallel_line(self.night, [0, 1, 2, 7], ["merge"], None))
+        self.assertEqual((status, sorted(ran)), (0, ["0", "1", "2", "7", "merge"]))
+        status, ran = self.tasks_run_by(engines.parallel_line(self.night, [12, 13, 14], ["merge"], None))
+        self.assertNotEqual(status, 0)
+        self.assertEqual(sorted(ran), ["12", "13", "13", "13", "14"])  # three tries
+
+
+if __name__ == "__main__":
+    unittest.main()
