@@ -19,24 +19,31 @@ class Random {
 
 constexpr double kFar = 1e30;
 
-TEST(Sphere, HitsLieOnItAndAreTheFirst) {
+// Rays at a surface of which each point p has length(across(p)) = radius.
+template <class Across, class Intersect>
+void expect_first_hits(const Across& across, const Intersect& intersect) {
+    const auto distance = [&](const Vec3d& p) { return length(across(p)); };
     Random random;
     int hits = 0;
     for (int i = 0; i < 20000; ++i) {
         const double radius = std::exp(random(-3, 3));
         const Vec3d o = random.vector(4 * radius), d = random.vector(1.5 * radius) - o;
-        const auto hit = intersect_sphere(o, d, radius, {}, 0, kFar);
-        // Nearest point of the ray to the centre decides whether there is a hit at all.
-        const double nearest = std::max(0.0, -dot(o, d) / dot(d, d));
-        const bool inside = length(o) < radius, expected = inside || length(o + d * nearest) < radius;
+        const auto hit = intersect(o, d, radius, QuadricPart{}, 0, kFar);
+        // The nearest that the ray comes to the centre or the axis decides whether there is a hit at all.
+        const double nearest = std::max(0.0, -dot(across(o), across(d)) / dot(across(d), across(d)));
+        const bool inside = distance(o) < radius, expected = inside || distance(o + d * nearest) < radius;
         ASSERT_EQ(hit.has_value(), expected);
         if (!hit) continue;
         ++hits;
-        EXPECT_NEAR(length(o + d * hit->t), radius, 1e-9 * (radius + length(o)));
+        EXPECT_NEAR(distance(o + d * hit->t), radius, 1e-9 * (radius + length(o)));
         EXPECT_GT(hit->t, 0);
-        EXPECT_EQ(length(o + d * (hit->t / 2)) < radius, inside);  // nothing in between
+        EXPECT_EQ(distance(o + d * (hit->t / 2)) < radius, inside);  // nothing in between
     }
     EXPECT_GT(hits, 3000);
+}
+
+TEST(Sphere, HitsLieOnItAndAreTheFirst) {
+    expect_first_hits([](const Vec3d& p) { return p; }, intersect_sphere);
 }
 
 TEST(Sphere, FarAndGrazingRaysKeepTheirPrecision) {
@@ -64,23 +71,7 @@ TEST(Sphere, OriginOnTheSurfaceKnowsItsSide) {
 }
 
 TEST(Cylinder, HitsLieOnItAndAreTheFirst) {
-    Random random;
-    int hits = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const double radius = std::exp(random(-3, 3));
-        const Vec3d o = random.vector(4 * radius), d = random.vector(1.5 * radius) - o;
-        const auto hit = intersect_cylinder(o, d, radius, {}, 0, kFar);
-        // The nearest that the ray comes to the axis decides whether there is a hit at all.
-        const auto ring = [](const Vec3d& p) { return std::hypot(p.x, p.y); };
-        const double nearest = std::max(0.0, -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y));
-        const bool inside = ring(o) < radius, expected = inside || ring(o + d * nearest) < radius;
-        ASSERT_EQ(hit.has_value(), expected);
-        if (!hit) continue;
-        ++hits;
-        EXPECT_NEAR(ring(o + d * hit->t), radius, 1e-9 * (radius + length(o)));
-        EXPECT_EQ(ring(o + d * (hit->t / 2)) < radius, inside);  // nothing in between
-    }
-    EXPECT_GT(hits, 3000);
+    expect_first_hits([](const Vec3d& p) { return Vec3d{p.x, p.y, 0}; }, intersect_cylinder);
     EXPECT_FALSE(intersect_cylinder({0.5, 0, 5}, {0, 0, -1}, 1, {}, 0, kFar));  // along its axis
 }
 
