@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "tests/transport/lit_floor.h"
 #include "tests/transport/picture_mean.h"
 #include "tests/transport/pictures.h"
 
@@ -96,22 +97,17 @@ TEST(Alpha, ARayIsBlockedIfItMeetsSomething) {
 // Leaves before a lamp and the sky, with holes by a texture and by a number, in fog too.
 TEST(Alpha, PathAndBdptMakeOnePicture) {
     const std::string room =
-        "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float focaldistance\" "
-        "3\n"
-        "Integrator \"path\" \"integer maxdepth\" 4\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.2 .3 .6]\n"
+        floor_under_sky(4, ".2 .3 .6") +
         "AttributeBegin\nTranslate -.6 -.3 2\nAreaLightSource \"diffuse\" \"blackbody L\" 3000 \"float scale\" 12\n"
         "Shape \"sphere\" \"float radius\" .3\nAttributeEnd\n"
-        "Material \"diffuse\" \"rgb reflectance\" [.5 .4 .3]\n"
-        "Shape \"trianglemesh\" \"point3 P\" [-4 -4 -.8  4 -4 -.8  4 4 -.8  -4 4 -.8] \"integer indices\" [0 1 2 0 2 3]\n"
         "Texture \"holes\" \"float\" \"fbm\"\n"
         "Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .1] \"rgb transmittance\" [.3 .5 .2]\n"
         "AttributeBegin\nTranslate 0 0 .8\nRotate 30 0 1 1\nScale .4 .4 .4\n" +
-        std::string(kQuad) +
+        kQuad +
         "\"texture alpha\" \"holes\"\nAttributeEnd\nMaterial \"conductor\" \"float roughness\" .1\n"
         "Shape \"sphere\" \"float radius\" .6 \"float alpha\" .5\n";
     const Scene scene = scene_from(room);
-    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096),
-                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, 2048));
+    expect_path_and_bdpt_agree(scene, 4096, 2048);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Lamps that shine as a picture, through holes, or from nowhere.
 #include <fmt/format.h>
 
+#include "tests/transport/lit_floor.h"
 #include "tests/transport/picture_mean.h"
 #include "tests/transport/pictures.h"
 
@@ -46,11 +47,8 @@ TEST_F(AreaLight, PowerIsThatOfThePictureAltogether) {
     EXPECT_NEAR(scale * mean * std::numbers::pi * area, 7, 1e-4);
 }
 
-const char* const kRoom =
-    "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float focaldistance\" 3\n"
-    "Integrator \"path\" \"integer maxdepth\" 3\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.1 .1 .1]\nMaterial \"diffuse\" "
-    "\"rgb reflectance\" [.5 .4 .3]\n"
-    "Shape \"trianglemesh\" \"point3 P\" [-4 -4 -.8  4 -4 -.8  4 4 -.8  -4 4 -.8] \"integer indices\" [0 1 2 0 2 3]\n"
+const std::string kRoom =
+    floor_under_sky(3, ".1 .1 .1") +
     "Material \"conductor\" \"float roughness\" .5\nShape \"sphere\" \"float radius\" .4\nMaterial \"diffuse\"\n"
     "Translate .1 -.2 1.1\nRotate 160 1 .2 0\n";
 
@@ -66,8 +64,7 @@ TEST_F(AreaLight, PathAndBdptMakeOnePicture) {
           picture + quad + "\"float alpha\" 0", lamp + "Shape \"sphere\" \"float radius\" .3 \"float alpha\" 0"}) {
         SCOPED_TRACE(light);
         const Scene scene = with_picture(kRoom + light + "\n");
-        expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 6144),
-                     picture_of(scene, {.kind = IntegratorKind::kBdpt}, 4096));
+        expect_path_and_bdpt_agree(scene, 6144, 4096);
     }
 }
 

@@ -312,8 +312,7 @@ TEST(GridMedium, PathAndBdptAgreeOnACloud) {
         "\"float density\" [" +
         density + "]\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
-    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096),
-                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, 4096));
+    expect_path_and_bdpt_agree(scene, 4096, 4096);
 }
 
 TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
@@ -322,8 +321,7 @@ TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
         "\"cloud\" "
         "\"rgb sigma_s\" [4 5 6] \"rgb sigma_a\" [.5 .3 .1] \"float density\" 2 \"float frequency\" 3\nAttributeEnd\n";
     const Scene scene = scene_from(room(ball_of(medium)));
-    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 1500),
-                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, 1500));
+    expect_path_and_bdpt_agree(scene, 1500, 1500);
 }
 
 }  // namespace

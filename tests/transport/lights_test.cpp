@@ -5,6 +5,7 @@
 #include "color/observer.h"
 #include "render/light/light_set.h"
 #include "tests/transport/chi_square.h"
+#include "tests/transport/lit_floor.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/pictures.h"
 
@@ -46,6 +47,12 @@ const std::vector<Case> kRound = {
 
 Scene with_light(const std::string& light) {
     return scene_from("WorldBegin\nAttributeBegin\n" + light + "AttributeEnd\n" + kFloor);
+}
+LightRay ray_of(const Light& light, Numbers& u) {
+    LightRay ray;
+    const Uniform a = u(), b = u(), c = u(), d = u();
+    light.sample_ray(a, b, c, d, ray);
+    return ray;
 }
 
 // Directions from a point to the light follow pdf_of_point, found by casting rays at the geometry itself.
@@ -98,9 +105,7 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
         Numbers u(4);
         const Vec3f z = light.has_area() ? Vec3f{0, 0, 1} : Vec3f{};  // directions from an area are looked at about its normal
         expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
-                                      LightRay ray;
-                                      const Uniform a = u(), b = u(), d = u(), e = u();
-                                      light.sample_ray(a, b, d, e, ray);
+                                      const LightRay ray = ray_of(light, u);
                                       EXPECT_FLOAT_EQ(ray.pdf_direction, light.pdf_direction(ray.at.ng, ray.d));
                                       return light.has_area() ? Frame::from_z(ray.at.ng).to_local(ray.d) : ray.d;
                                   },
@@ -167,9 +172,7 @@ TEST(Lights, RaysStartEvenlyOnTheirLight) {
         std::vector<double> counted(kSide * kSide);
         Numbers u(5);
         for (int n = 0; n < kCount; ++n) {
-            LightRay ray;
-            const Uniform a = u(), b = u(), d = u(), e = u();
-            light.sample_ray(a, b, d, e, ray);
+            const LightRay ray = ray_of(light, u);
             ASSERT_EQ(ray.pdf_position, light.pdf_position());
             const Vec2f cell = c.even(ray.at.p, world->geometry());
             const auto index = [](float x) { return static_cast<std::size_t>(std::clamp(x * kSide, 0.0f, kSide - 1.0f)); };
@@ -219,9 +222,7 @@ TEST(Lights, RaysCarryThePowerOfTheLight) {
         double sum = 0;
         constexpr int kCount = 40'000;
         for (int n = 0; n < kCount; ++n) {
-            LightRay ray;
-            const Uniform a = u(), b = u(), d = u(), e = u();
-            light.sample_ray(a, b, d, e, ray);
+            const LightRay ray = ray_of(light, u);
             sum += static_cast<double>(light.emission().scale * ray.cosine * ray.profile / (ray.pdf_position * ray.pdf_direction));
         }
         EXPECT_NEAR(sum / kCount, power, 0.01 * power);
@@ -247,9 +248,7 @@ TEST(Lights, PicturesOfAPointCarryItsPower) {
         double sum = 0;
         constexpr int kCount = 40'000;
         for (int n = 0; n < kCount; ++n) {
-            LightRay ray;
-            const Uniform a = u(), b = u(), d = u(), e = u();
-            light.sample_ray(a, b, d, e, ray);
+            const LightRay ray = ray_of(light, u);
             SampledSpectrum value(1.0f);
             ASSERT_TRUE(light.multiply_emission(ray.point(), ray.d, spectra, value));
             sum += static_cast<double>(value[0] / (illuminant * ray.pdf_direction));
@@ -285,17 +284,11 @@ TEST(Lights, PicturesStandUpright) {
 
 TEST(Lights, OfPicturesLookAlikeToPathAndBdpt) {
     for (const std::string light : {"\"goniometric\" \"float scale\" .3", "\"projection\" \"float fov\" 70"}) {
-        const Scene scene = scene_under_sky(
-            "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float "
-            "focaldistance\" 3\n"
-            "Integrator \"path\" \"integer maxdepth\" 3\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.1 .1 .1]\nMaterial "
-            "\"diffuse\" \"rgb reflectance\" [.5 .4 .3]\n"
-            "Shape \"trianglemesh\" \"point3 P\" [-4 -4 -.8  4 -4 -.8  4 4 -.8  -4 4 -.8] \"integer indices\" [0 1 2 0 2 3]\n"
-            "Material \"conductor\" \"float roughness\" .3\nShape \"sphere\" \"float radius\" .4\n"
-            "Translate .3 -.4 1.6\nRotate 170 1 .1 0\nLightSource " +
-            light + " \"string filename\" \"sky.exr\"\n");
-        expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, 4096),
-                     picture_of(scene, {.kind = IntegratorKind::kBdpt}, 2048));
+        const Scene scene = scene_under_sky(floor_under_sky(3, ".1 .1 .1") +
+                                            "Material \"conductor\" \"float roughness\" .3\nShape \"sphere\" \"float radius\" .4\n"
+                                            "Translate .3 -.4 1.6\nRotate 170 1 .1 0\nLightSource " +
+                                            light + " \"string filename\" \"sky.exr\"\n");
+        expect_path_and_bdpt_agree(scene, 4096, 2048);
     }
 }
 

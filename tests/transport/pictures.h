@@ -44,5 +44,9 @@ inline void expect_equal(const Estimate& a, const Estimate& b) {
         EXPECT_LT(v.whole_error, 0.02);
     }
 }
+inline void expect_path_and_bdpt_agree(const Scene& scene, std::uint64_t path_samples, std::uint64_t bdpt_samples) {
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kPath}, path_samples),
+                 picture_of(scene, {.kind = IntegratorKind::kBdpt}, bdpt_samples));
+}
 
 }  // namespace latent::render::testing
