@@ -9,35 +9,16 @@
 #include <array>
 #include <limits>
 
+#include "color/luminance_vector-inl.h"
+
 // Mul and Add only, no fused or approximate operation: all instruction sets give the same bits.
 HWY_BEFORE_NAMESPACE();
 namespace latent::color::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
-using Mask = hn::Mask<D>;
-constexpr D d;
-
-V constant(float value) { return hn::Set(d, value); }
 V clamp01(V v) { return hn::Min(hn::Max(v, constant(0)), constant(1)); }
-Mask finite(V v) { return hn::Le(hn::Abs(v), constant(std::numeric_limits<float>::max())); }
 V dot(const float* row, V a, V b, V c) {
     return hn::Add(hn::Add(hn::Mul(constant(row[0]), a), hn::Mul(constant(row[1]), b)), hn::Mul(constant(row[2]), c));
-}
-
-// y after adaptation, in double lanes: y may be a small difference of large terms.
-V adapted_luminance(const std::array<double, 3>& row, V x, V y, V z) {
-    const hn::Half<D> half;
-    const hn::Rebind<double, hn::Half<D>> wide;
-    const auto sum = [&](auto part) {
-        const auto a = hn::Mul(hn::Set(wide, row[0]), hn::PromoteTo(wide, part(x)));
-        const auto b = hn::Mul(hn::Set(wide, row[1]), hn::PromoteTo(wide, part(y)));
-        const auto c = hn::Mul(hn::Set(wide, row[2]), hn::PromoteTo(wide, part(z)));
-        return hn::DemoteTo(half, hn::Add(hn::Add(a, b), c));
-    };
-    return hn::Combine(d, sum([&](V v) { return hn::UpperHalf(half, v); }), sum([&](V v) { return hn::LowerHalf(half, v); }));
 }
 
 // y' = 1 - 2^(-sigma y) and y' / y, for y > 0.

@@ -42,6 +42,12 @@ struct Block {
     }
 };
 
+// What luminance is, and which of it can be printed.
+struct Metering {
+    std::array<double, 3> y_row;
+    color::PrintableRange range;
+};
+
 // What one thread works in.
 struct Workbench {
     image::ExrReader::Scratch scratch;
@@ -49,11 +55,11 @@ struct Workbench {
     color::PrintReport report;
     Luminances seen;
 
-    // The luminances of a row of the block, until the next call.
-    std::span<const float> luminances_of(const std::array<double, 3>& y_row, const Block& block, int y) {
+    void see(const Metering& metering, const Block& block, int y) {
         luminances.resize(static_cast<std::size_t>(block.area.width()));
-        adapted_luminances(y_row, block.row(0, y), block.row(1, y), block.row(2, y), luminances);
-        return luminances;
+        seen.counts +=
+            color::luminance_row(metering.y_row, metering.range, block.row(0, y), block.row(1, y), block.row(2, y), luminances);
+        seen.histogram.add(luminances);
     }
 };
 using Workbenches = tbb::enumerable_thread_specific<Workbench>;
@@ -81,8 +87,7 @@ Result<double> find_sigma(const Source& source, const BandPlan& plan, const colo
     FirstError error;
     for (std::size_t i = 0; i < plan.band_ends.size() && !error; ++i) {
         for_each_block(source, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
-            for (int y = block.area.y0; y < block.area.y1; ++y)
-                bench.seen.histogram.add(bench.luminances_of(adapted_xyz.m[1], block, y));
+            for (int y = block.area.y0; y < block.area.y1; ++y) bench.see({adapted_xyz.m[1], {}}, block, y);
         });
         tell(progress, i + 1, plan.band_ends.size(), "measuring the light");
     }
@@ -91,12 +96,6 @@ Result<double> find_sigma(const Source& source, const BandPlan& plan, const colo
     for (const Workbench& bench : benches) all += bench.seen.histogram;
     return color::auto_sigma(all);
 }
-
-// What luminance is, and which of it can be printed.
-struct Metering {
-    std::array<double, 3> y_row;
-    PrintableRange range;
-};
 
 // Bands go through printing and encoding one after another; where memory allows, one is printed while the one before is encoded.
 Status print_all(const Source& source, const BandPlan& plan, const color::Print& print, const Metering& metering,
@@ -115,7 +114,7 @@ Status print_all(const Source& source, const BandPlan& plan, const color::Print&
         for (const auto& sink : sinks) bands->push_back(sink->new_band(area));
         for_each_block(source, plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
             for (int y = block.area.y0; y < block.area.y1; ++y) {
-                bench.seen.add(bench.luminances_of(metering.y_row, block, y), metering.range);
+                bench.see(metering, block, y);
                 print.row(block.row(0, y), block.row(1, y), block.row(2, y), block.row(0, y), block.row(1, y), block.row(2, y),
                           bench.report);
             }
@@ -138,9 +137,9 @@ Status print_all(const Source& source, const BandPlan& plan, const color::Print&
         seen += bench.seen;
     }
     for (std::size_t i = 0; i < kPercentiles.size(); ++i)
-        report.luminance[i] = seen.histogram.percentile(kPercentiles[i] / 100.0, seen.dark);
-    report.black = seen.black;
-    report.burnt = seen.burnt;
+        report.luminance[i] = seen.histogram.percentile(kPercentiles[i] / 100.0, seen.counts.dark);
+    report.black = seen.counts.black;
+    report.burnt = seen.counts.burnt;
     return error.status();
 }
 
