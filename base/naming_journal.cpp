@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "base/file.h"
+#include "base/small_file.h"
 
 namespace latent {
 
@@ -59,15 +60,12 @@ Status write_naming_journal(const fs::path& hidden, const NamingJournal& journal
 }
 
 NamingJournal read_naming_journal(const fs::path& hidden) {
-    const Result<File> file = File::open_read(hidden / kName);
-    const Result<std::uint64_t> size = file ? file->size() : Result<std::uint64_t>(file.error());
     constexpr std::uint64_t kMost = 1 << 16;
-    if (!size || *size > kMost) return {};
-    std::string text(*size, '\0');
-    if (!file->read_exact(0, std::as_writable_bytes(std::span(text)))) return {};
+    const Result<std::string> text = read_small_file(hidden / kName, kMost, "a journal");
+    if (!text) return {};
     NamingJournal journal;
-    for (std::size_t at = 0, end = 0; (end = text.find('\0', at)) != std::string::npos; at = end + 1) {
-        const std::optional<NamingEntry> entry = entry_from(std::string_view(text).substr(at, end - at));
+    for (std::size_t at = 0, end = 0; (end = text->find('\0', at)) != std::string::npos; at = end + 1) {
+        const std::optional<NamingEntry> entry = entry_from(std::string_view(*text).substr(at, end - at));
         if (!entry) return {};
         journal.push_back(*entry);
     }
