@@ -215,40 +215,47 @@ TEST(Geometry, ShadingNormalsInterpolateAndOrient) {
     EXPECT_LT(length(hit->dpdu - Vec3f(0, 1, 0)), 1e-6f);  // u grows along y here
 }
 
-// A ray that leaves a surface never meets it again on a flat or convex one, and one that stays inside never gets out: at every
-// scale, far from the origin, instanced or not, towards grazing angles.
-TEST(Geometry, RaysStartClearOfTheirSurface) {
+// A box and a ball, as they are, moved, tiny, stretched and turned; instanced or not.
+void for_closed_shapes(const char* moved, const std::function<void(const Geometry&)>& check) {
     const std::string box =
         "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1   -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]\n"
         "\"integer indices\" [ 0 2 1 0 3 2  4 5 6 4 6 7  0 1 5 0 5 4  3 6 2 3 7 6  0 4 7 0 7 3  1 2 6 1 6 5 ]\n";
     const std::string ball = "Shape \"sphere\" \"float radius\" 1.3\n";
-    Random random;
     for (const std::string& shape : {box, ball}) {
-        for (const std::string place : {"", "Translate 100 -30 1000\n", "Scale 1e-3 1e-3 1e-3\n", "Scale 300 1000 20\n",
-                                        "Translate 7 8 9\nRotate 31 1 2 3\nScale 0.1 3 1\n"}) {
+        for (const std::string place :
+             {"", moved, "Scale 1e-3 1e-3 1e-3\n", "Scale 300 1000 20\n", "Translate 7 8 9\nRotate 31 1 2 3\nScale 0.1 3 1\n"}) {
             for (const bool instanced : {false, true}) {
+                SCOPED_TRACE(place + shape + (instanced ? "instanced" : ""));
                 const Built scene = build(
                     instanced ? "ObjectBegin \"o\"\n" + shape + "ObjectEnd\n" + place + "ObjectInstance \"o\"\n" : place + shape);
-                const Geometry& g = *scene.geometry;
-                int leaks = 0, traps = 0, hits = 0;
-                for (int i = 0; i < 4000; ++i) {
-                    const Vec3f start = g.center() + random.direction() * (g.radius() * 2);
-                    const auto hit = g.intersect({start, normalize(g.center() - start + random.direction() * (g.radius() * 0.3f))});
-                    if (!hit) continue;
-                    ++hits;
-                    const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
-                    const Frame frame = Frame::from_z(hit->ng);
-                    const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
-                    const Vec3f out = frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
-                    traps += g.occluded(spawn_ray(hit->interaction(), out)) ? 1 : 0;
-                    leaks += g.intersect(spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
-                }
-                EXPECT_GT(hits, 1000);
-                EXPECT_EQ(traps, 0) << place << shape << instanced;
-                EXPECT_LE(leaks, 1) << place << shape << instanced;  // an edge may let a ray in from just beside it
+                check(*scene.geometry);
             }
         }
     }
+}
+
+// A ray that leaves a surface never meets it again on a flat or convex one, and one that stays inside never gets out: at every
+// scale, far from the origin, instanced or not, towards grazing angles.
+TEST(Geometry, RaysStartClearOfTheirSurface) {
+    Random random;
+    for_closed_shapes("Translate 100 -30 1000\n", [&](const Geometry& g) {
+        int leaks = 0, traps = 0, hits = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const Vec3f start = g.center() + random.direction() * (g.radius() * 2);
+            const auto hit = g.intersect({start, normalize(g.center() - start + random.direction() * (g.radius() * 0.3f))});
+            if (!hit) continue;
+            ++hits;
+            const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
+            const Frame frame = Frame::from_z(hit->ng);
+            const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
+            const Vec3f out = frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
+            traps += g.occluded(spawn_ray(hit->interaction(), out)) ? 1 : 0;
+            leaks += g.intersect(spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
+        }
+        EXPECT_GT(hits, 1000);
+        EXPECT_EQ(traps, 0);
+        EXPECT_LE(leaks, 1);  // an edge may let a ray in from just beside it
+    });
 }
 
 TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
@@ -270,43 +277,29 @@ TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
 // From points at any distance to what they see of a box or ball: nothing is in the way of itself, at any scale and angle; and
 // through a lid in front of each point, 2e-5 of the distance away, nothing is seen.
 TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
-    const std::string box =
-        "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1   -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]\n"
-        "\"integer indices\" [ 0 2 1 0 3 2  4 5 6 4 6 7  0 1 5 0 5 4  3 6 2 3 7 6  0 4 7 0 7 3  1 2 6 1 6 5 ]\n";
-    const std::string ball = "Shape \"sphere\" \"float radius\" 1.3\n";
     Random random;
-    for (const std::string& shape : {box, ball}) {
-        for (const std::string place : {"", "Translate 1 -3 10\n", "Scale 1e-3 1e-3 1e-3\n", "Scale 300 1000 20\n",
-                                        "Translate 7 8 9\nRotate 31 1 2 3\nScale 0.1 3 1\n"}) {
-            for (const bool instanced : {false, true}) {
-                SCOPED_TRACE(place + shape + (instanced ? "instanced" : ""));
-                const Built scene = build(
-                    instanced ? "ObjectBegin \"o\"\n" + shape + "ObjectEnd\n" + place + "ObjectInstance \"o\"\n" : place + shape);
-                const Geometry& g = *scene.geometry;
-                for (const float distance : {1.5f, 10.0f, 1e3f, 1e5f}) {
-                    int connections = 0, hidden = 0, grazing = 0;
-                    for (int i = 0; i < 4000; ++i) {
-                        const Vec3f inside = g.center() + random.direction() * (g.radius() * 0.01f), out = random.direction();
-                        const auto hit = g.intersect({inside, out});
-                        ASSERT_TRUE(hit);
-                        // Half of the points look along the surface.
-                        const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
-                        const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
-                        const Vec3f w = Frame::from_z(hit->ng).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
-                        const Interaction camera{hit->p + w * (distance * g.radius()), 0, {}};
-                        if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
-                        ++connections;
-                        grazing += cosine < 0.01f;
-                        hidden +=
-                            g.occluded(spawn_ray(camera, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), camera));
-                    }
-                    EXPECT_GT(connections, 3000) << distance;
-                    EXPECT_GT(grazing, 400) << distance;
-                    EXPECT_EQ(hidden, 0) << distance;
-                }
+    for_closed_shapes("Translate 1 -3 10\n", [&](const Geometry& g) {
+        for (const float distance : {1.5f, 10.0f, 1e3f, 1e5f}) {
+            int connections = 0, hidden = 0, grazing = 0;
+            for (int i = 0; i < 4000; ++i) {
+                const Vec3f inside = g.center() + random.direction() * (g.radius() * 0.01f), out = random.direction();
+                const auto hit = g.intersect({inside, out});
+                ASSERT_TRUE(hit);
+                // Half of the points look along the surface.
+                const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
+                const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
+                const Vec3f w = Frame::from_z(hit->ng).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
+                const Interaction camera{hit->p + w * (distance * g.radius()), 0, {}};
+                if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
+                ++connections;
+                grazing += cosine < 0.01f;
+                hidden += g.occluded(spawn_ray(camera, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), camera));
             }
+            EXPECT_GT(connections, 3000) << distance;
+            EXPECT_GT(grazing, 400) << distance;
+            EXPECT_EQ(hidden, 0) << distance;
         }
-    }
+    });
     const std::string lamp = "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  0 1 0 ]\n";
     for (const float distance : {1.0f, 10.0f, 1e3f}) {
         const float gap = 2e-5f * distance;
