@@ -12,7 +12,7 @@
 #include "base/parse.h"
 #include "base/stopwatch.h"
 #include "color/rgb_space.h"
-#include "image/exr_tile_writer.h"
+#include "tools/develop/exr_picture.h"
 #include "tools/develop/preview.h"
 #include "tools/develop/splat.h"
 #include "tools/develop/subset.h"
@@ -72,16 +72,6 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     return spec;
 }
 
-class ExrSink final : public TileSink {
- public:
-    explicit ExrSink(image::ExrTileWriter& writer) : writer_(writer) {}
-    Status write(int x, int y, std::span<const float> pixels) override { return writer_.write(x, y, pixels); }
-
- private:
-    image::ExrTileWriter& writer_;
-};
-static_assert(TileSink::kTile == image::ExrTileWriter::kTile);
-
 void advise(const PictureOptions& options, const PictureReport& report, std::vector<std::string>& warnings) {
     const DevelopCounts& counts = report.counts;
     if (counts.camera_records + counts.light_records == 0) {
@@ -124,7 +114,8 @@ struct Share {
 };
 
 Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb::GatherOptions& gather,
-                                   const sampledb::Gathering& gathering, const Share& share, const Progress& progress) {
+                                   const sampledb::Gathering& gathering, const Share& share, PictureSink& sink,
+                                   const Progress& progress) {
     const sampledb::Job& job = gathering.job();
 
     PictureReport report;
@@ -194,21 +185,16 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     const std::uint64_t taken =
         gathering.list_memory() + waiting_for_mipmap + std::max(largest_index, std::min(options.memory / 8, index_bytes));
     settings.memory = options.memory - std::min(options.memory, taken);
-    settings.temporary_folder = folder_of(options.output);
+    settings.temporary_folder = options.output.empty() ? std::filesystem::temp_directory_path() : folder_of(options.output);
 
-    Result<OutputFile> out = OutputFile::create(options.output, options.replace);
-    if (!out) return out.error();
-    const auto writer =
-        image::ExrTileWriter::create(out->file(), exr_spec(options, report, job, *chosen, channels->layout()), waiting_for_mipmap);
-    if (!writer) return writer.error();
-    ExrSink sink(**writer);
+    if (Status s = sink.begin(exr_spec(options, report, job, *chosen, channels->layout()), waiting_for_mipmap); !s)
+        return s.error();
     const Stopwatch stopwatch;
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(options.threads).run([&] { counts = develop(gathering, *channels, settings, sink, progress); });
     if (!counts) return counts.error();
     if (share.publish) {
-        if (Status s = (*writer)->finish(); !s) return s.error();
-        if (Status s = out->publish(); !s) return s.error();
+        if (Status s = sink.finish(); !s) return s.error();
     }
     report.counts = *counts;
     report.bytes_read = gathering.bytes_read();
@@ -219,7 +205,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
 
 // `running`: since the command began.
 Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
-                                   const Progress& progress) {
+                                   PictureSink& sink, const Progress& progress) {
     sampledb::GatherOptions gather;
     gather.inputs = options.inputs;
     gather.skip_duplicates = options.skip_duplicates;
@@ -232,7 +218,7 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (!gathered) return gathered.error();
     const sampledb::Gathering& all = **gathered;
     const std::uint64_t available = all.coverage().size();
-    if (!options.is_preview()) return develop_runs(options, gather, all, {available}, progress);
+    if (!options.is_preview()) return develop_runs(options, gather, all, {available}, sink, progress);
 
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const auto first = [&](std::size_t count) {
@@ -242,14 +228,14 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (options.budget_seconds > 0) {
         const Trial trial = [&](std::size_t runs) -> Result<double> {
             const Stopwatch stopwatch;
-            const Result<PictureReport> tried = develop_runs(options, gather, first(runs), {available, false}, {});
+            const Result<PictureReport> tried = develop_runs(options, gather, first(runs), {available, false}, sink, {});
             if (!tried) return tried.error();
             return stopwatch.seconds();
         };
         count = runs_within(options.budget_seconds - running.seconds(), order.size(), trial);
         if (!count) return count.error();
     }
-    return develop_runs(options, gather, first(*count), {available}, progress);
+    return develop_runs(options, gather, first(*count), {available}, sink, progress);
 }
 
 }  // namespace
@@ -283,12 +269,17 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
     return Size{width, static_cast<std::uint32_t>(height)};
 }
 
-Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
+Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress) {
     if (Status s = set_simd_level(options.simd); !s) return s.error();
     const Stopwatch running;
-    Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, progress);
+    Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, sink, progress);
     const bool damaged = !report && sampledb::is_unreadable(report.error());
-    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, running, progress) : report;
+    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, running, sink, progress) : report;
+}
+
+Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
+    ExrPicture picture(options.output, options.replace);
+    return develop_picture(options, picture, progress);
 }
 
 }  // namespace latent::develop

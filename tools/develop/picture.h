@@ -1,4 +1,4 @@
-// tools/develop/picture.h: files of records become one EXR: what latent-develop does between its command line and the engine.
+// tools/develop/picture.h: files of records become one picture: what latent-develop does between its command line and the engine.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,14 @@
 #include "sampledb/read/gathering.h"
 #include "tools/develop/develop.h"
 #include "tools/develop/observer_choice.h"
+#include "tools/develop/picture_sink.h"
 
 namespace latent::develop {
 
 struct PictureOptions {
     std::vector<std::filesystem::path> inputs;
-    std::filesystem::path output;
-    std::string size;  // "4096x2731", "4096" (height from the film), "" (default_size)
+    std::filesystem::path output;  // the EXR; "": none, and temporary files go where the system has room for them
+    std::string size;              // "4096x2731", "4096" (height from the film), "" (default_size)
     std::optional<PixelRect> crop;
     std::string filter = Filter::standard().name();
     ObserverOptions observer;
@@ -74,5 +75,7 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
 // Errors: of the arguments (kUsage), no samples (kOutOfRange), of gathering, reading and writing. A run that turns out to be
 // damaged is left out, and the picture developed anew without it.
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress);
+// The same, to `sink`.
+Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress);
 
 }  // namespace latent::develop
