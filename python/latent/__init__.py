@@ -1,4 +1,4 @@
-"""Read and write .latent files: the raw samples of renderings, as NumPy arrays.
+"""Read, write, merge and develop .latent files: the raw samples of renderings, as NumPy arrays.
 
 Records are columns: arrays of the same length n, one for each property.
 
@@ -23,9 +23,11 @@ import numpy as np
 
 from . import _latent
 from ._latent import Error
+from ._tools import LatentWarning, develop, develop_layers, merge
 
-__all__ = ["Error", "Reader", "Writer", "info", "open"]
+__all__ = ["Error", "LatentWarning", "Reader", "Writer", "develop", "develop_layers", "info", "merge", "open"]
 __version__ = _latent.version()
+Error.__module__ = __name__
 
 Path = Union[str, "os.PathLike[str]"]
 

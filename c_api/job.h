@@ -1,8 +1,8 @@
-// sampledb/c/job.h: jobs from C, and what follows from a job alone.
+// c_api/job.h: jobs from C, and what follows from a job alone.
 #pragma once
 
 #include "base/result.h"
-#include "sampledb/c/latent.h"
+#include "c_api/latent.h"
 #include "sampledb/data/job.h"
 
 namespace latent::c {

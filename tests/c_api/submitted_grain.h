@@ -1,4 +1,4 @@
-// tests/sampledb/submitted_grain.h: what submit_shim.cpp notes of a grain.
+// tests/c_api/submitted_grain.h: what submit_shim.cpp notes of a grain.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/* sampledb/c/latent.h: read and write .latent files from C, or from anything that can call C. What the numbers mean is in
+/* c_api/latent.h: read, write and merge .latent files from C, or from anything that can call C. What the numbers mean is in
  * docs/format.md ("Records"); examples are in docs/library.md, examples/write.c and examples/read.c.
  *
  * Functions return LATENT_OK or another latent_status. With a non-null `error`, a failed call leaves its status and one line of
@@ -243,6 +243,40 @@ LATENT_API latent_status latent_cursor_open(const latent_reader* reader, const l
  * one run: call again to continue behind it. */
 LATENT_API latent_status latent_cursor_next(latent_cursor* cursor, latent_records* records, latent_error* error);
 LATENT_API void latent_cursor_close(latent_cursor* cursor); /* null is allowed */
+
+/* ---- Merging --------------------------------------------------------------------------------------------------------------
+ * Files, folders and unfinished parts of one job become one file, in which no sample counts twice. Runs are copied as they are, and
+ * checked on the copy: afterwards the inputs can be deleted, if nothing was left out. The output appears when it is complete. */
+
+enum { LATENT_VERIFY_STORED = 0, LATENT_VERIFY_QUICK = 1, LATENT_VERIFY_FULL = 2 };
+
+typedef struct latent_merge_options {
+    size_t size;
+    uint32_t verify;  /* LATENT_VERIFY_STORED: every byte, by its checksum; QUICK: headers and indexes; FULL: every record */
+    uint32_t replace; /* 1: an existing output is replaced */
+    uint32_t skip_duplicates;                          /* 1: files named one by one may hold the same samples */
+    uint32_t keep_going;                               /* 1: inputs that cannot be used are left out, though they were named */
+    uint32_t compact;                                  /* 1: many small runs become a few large ones; records do not change */
+    uint32_t threads;                                  /* at most; 0: as many as the machine has */
+    uint64_t memory;                                   /* bytes to stay within; 0: 1 GiB */
+    latent_range require;                              /* fail unless all of these samples are there; 0, 0: take what there is */
+    uint64_t job_low, job_high;                        /* if folders hold several jobs, the one to merge; 0, 0: there is only one */
+    void (*progress)(void* context, double done);      /* null, or called now and then with the part that is done, 0..1, */
+    void (*left_out)(void* context, const char* item); /* null, or called for each damaged or foreign item, */
+    void* context;                                     /* with this, on one thread at a time */
+} latent_merge_options;
+
+typedef struct latent_merge_info {
+    size_t size;
+    uint64_t samples, files, runs_in, runs_out, camera_records, light_records;
+    uint64_t bytes;    /* of the output */
+    uint64_t left_out; /* damaged or foreign items */
+} latent_merge_info;
+
+/* `output` ends in .latent. `options` and `info` may be null. After a failure there is no output. LATENT_EXISTS if it is there
+ * already, LATENT_MISMATCH if samples are missing that `require` asks for, or if the inputs belong to several jobs. */
+LATENT_API latent_status latent_merge(const char* const* paths, size_t count, const char* output,
+                                      const latent_merge_options* options, latent_merge_info* info, latent_error* error);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-// sampledb/c/abi.h: what every function of latent.h does at the border: structs of any version in and out, errors as numbers.
+// c_api/abi.h: what every function of latent.h does at the border: structs of any version in and out, errors as numbers.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "base/result.h"
-#include "sampledb/c/latent.h"
+#include "c_api/latent.h"
 
 namespace latent::c {
 

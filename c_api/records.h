@@ -1,11 +1,11 @@
-// sampledb/c/records.h: columns of latent.h to columns of the library, and back.
+// c_api/records.h: columns of latent.h to columns of the library, and back.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/c/latent.h"
+#include "c_api/latent.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "sampledb/data/record.h"

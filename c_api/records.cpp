@@ -1,8 +1,8 @@
-#include "sampledb/c/records.h"
+#include "c_api/records.h"
 
 #include <numeric>
 
-#include "sampledb/c/abi.h"
+#include "c_api/abi.h"
 
 namespace latent::c {
 

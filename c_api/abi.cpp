@@ -1,4 +1,4 @@
-#include "sampledb/c/abi.h"
+#include "c_api/abi.h"
 
 namespace latent::c {
 

@@ -12,9 +12,9 @@
 #include <set>
 #include <thread>
 
-#include "sampledb/c/latent.h"
+#include "c_api/latent.h"
+#include "tests/c_api/submitted_grain.h"
 #include "tests/faults/process.h"
-#include "tests/sampledb/submitted_grain.h"
 #include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 

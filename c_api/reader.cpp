@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sampledb/c/abi.h"
-#include "sampledb/c/records.h"
+#include "c_api/abi.h"
+#include "c_api/records.h"
 #include "sampledb/read/record_cursor.h"
 
 using namespace latent;

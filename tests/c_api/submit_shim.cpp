@@ -1,4 +1,4 @@
-// tests/sampledb/submit_shim.cpp: preloaded into a program that writes through latent.h, it notes how long each grain was rendered.
+// tests/c_api/submit_shim.cpp: preloaded into a program that writes through latent.h, it notes how long each grain was rendered.
 // For every latent_writer_submit that has returned, a SubmittedGrain is appended to the file named by LATENT_TEST_SUBMITTED.
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -8,8 +8,8 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "sampledb/c/latent.h"
-#include "tests/sampledb/submitted_grain.h"
+#include "c_api/latent.h"
+#include "tests/c_api/submitted_grain.h"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "base/json.h"
-#include "sampledb/c/abi.h"
-#include "sampledb/c/job.h"
-#include "sampledb/c/records.h"
+#include "c_api/abi.h"
+#include "c_api/job.h"
+#include "c_api/records.h"
 #include "sampledb/codec/record_check.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/write/grain_queue.h"

@@ -1,9 +1,9 @@
-#include "sampledb/c/job.h"
+#include "c_api/job.h"
 
 #include <algorithm>
 #include <numeric>
 
-#include "sampledb/c/abi.h"
+#include "c_api/abi.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/data/page.h"
 

@@ -1,0 +1,131 @@
+# latent.develop and latent.merge: the same bits as the tools', whatever the options; what they leave out is a warning or a list.
+# Usage: tools_test.py FOLDER_OF_TOOLS, with the module in PYTHONPATH.
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+import exr
+import latent
+
+TOOLS = pathlib.Path(sys.argv[1])
+
+
+def tool(name, *arguments):
+    return subprocess.run([TOOLS / name, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+class Tools(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def generated(self, name="a.latent", *options, records=60000):
+        path = self.folder / name
+        tool("latent-inspect", "gen", "-o", path, "--records", records, "--light", "0.1", "--run-samples", "4096", *options)
+        return path
+
+    def developed(self, path, *options):
+        tool("latent-develop", path, "-o", self.folder / "p.exr", "--force", *options)
+        return exr.read(self.folder / "p.exr")
+
+    def expect_equal(self, pixels, picture):
+        self.assertEqual(pixels.dtype, np.float32)
+        for i, name in enumerate("RGB"):
+            np.testing.assert_array_equal(pixels[:, :, i], picture[name])
+
+    def test_pixels_are_those_of_the_tool_to_the_bit(self):
+        path = self.generated()
+        self.expect_equal(latent.develop(path, size=300, memory=2**25), self.developed(path, "--size", "300"))
+        self.expect_equal(latent.develop(path, size=np.int64(40), filter="box", image="camera", samples=(0, 20000), threads=1),
+                          self.developed(path, "--size", "40", "--filter", "box", "--image", "camera", "--samples", "0:20000"))
+        width, height = latent.develop(path, size=600).shape[1::-1]
+        crop = (10, 20, 400, 300)
+        self.expect_equal(latent.develop(path, size=(width, height), crop=crop),
+                          self.developed(path, "--size", f"{width}x{height}", "--crop", ",".join(map(str, crop))))
+        self.expect_equal(latent.develop(path), self.developed(path))
+
+    def test_spectral_pictures_are_those_of_the_tool_to_the_bit(self):
+        path = self.generated("s.latent", "--kind", "spectral", "--wavelengths", "8")
+        self.expect_equal(
+            latent.develop(path, size=50, observer="kodak_trix_400", lens_filter="wratten-25", filter_factor="auto"),
+            self.developed(path, "--size", "50", "--observer", "kodak_trix_400", "--lens-filter", "wratten-25", "--filter-factor", "auto"))
+        self.expect_equal(latent.develop(path, size=50, observer="canon_eos_5d", camera_xyz=True),
+                          self.developed(path, "--size", "50", "--observer", "canon_eos_5d", "--camera-output", "xyz"))
+        bins = latent.develop(path, size=50, spectral_bins=7)
+        picture = self.developed(path, "--size", "50", "--spectral-bins", "7")
+        self.assertEqual(bins.shape[2], 7)
+        for i, name in enumerate(sorted(picture)):  # S0.393,571nm ...: ascending
+            np.testing.assert_array_equal(bins[:, :, i], picture[name])
+
+    def test_layers_are_those_of_the_tool_to_the_bit(self):
+        path = self.generated()
+        with self.assertWarnsRegex(latent.LatentWarning, "variance is that of the camera image"):
+            layers = latent.develop_layers(path, size=60, layers=["variance", "count"], halves=True)
+        picture = self.developed(path, "--size", "60", "--layers", "variance,count", "--halves")
+        self.assertEqual(set(layers), set(picture))
+        self.assertIn("variance.G", layers)
+        for name, layer in layers.items():
+            np.testing.assert_array_equal(layer, picture[name], name)
+
+    def test_pixels_outlive_everything_else(self):
+        pixels = latent.develop(self.generated(), size=64)[:, :, 1]
+        total = pixels.sum()
+        _ = [np.ones(pixels.size * 3, np.float32) for _ in range(50)]
+        self.assertEqual(pixels.sum(), total)
+        self.assertGreater(total, 0)
+
+    def test_what_is_damaged_is_a_warning(self):
+        path = self.generated()
+        data = bytearray(path.read_bytes())
+        data[len(data) // 2] ^= 1
+        path.write_bytes(data)
+        with self.assertWarns(latent.LatentWarning) as caught:
+            latent.develop(path, size=20)
+        self.assertIn("a.latent", str(caught.warning))
+        self.assertEqual(caught.filename, __file__)
+
+    def test_merge_writes_what_the_tool_writes(self):
+        parts = [self.generated(f"{i}.latent", "--first", first, records=32768) for i, first in enumerate((0, 32768))]
+        tool("latent-merge", *parts, "-o", self.folder / "tool.latent")
+        counts = latent.merge(*reversed(parts), output=self.folder / "m.latent", require=(0, 65536))
+        self.assertEqual((self.folder / "m.latent").read_bytes(), (self.folder / "tool.latent").read_bytes())
+        self.assertEqual((counts["samples"], counts["files"], counts["left_out"]), (65536, 2, []))
+        self.assertEqual(counts["bytes"], (self.folder / "m.latent").stat().st_size)
+        compact = latent.merge(*parts, output=self.folder / "m.latent", replace=True, compact=True, verify="full")
+        self.assertLess(compact["runs_out"], compact["runs_in"])
+        before = parts[0].read_bytes()
+        parts[1].write_bytes(before)
+        self.assertEqual(latent.merge(*parts, output=self.folder / "n.latent", skip_duplicates=True)["samples"], 32768)
+        data = bytearray(before)
+        data[len(data) // 2] ^= 1
+        parts[0].write_bytes(data)
+        left_out = latent.merge(parts[0], output=self.folder / "o.latent")["left_out"]
+        self.assertEqual(len(left_out), 1)
+        self.assertIn("0.latent", left_out[0])
+
+    def test_misuse_is_an_exception(self):
+        path = self.generated()
+        self.assertRaisesRegex(latent.Error, "absent", latent.develop, self.folder / "absent.latent")
+        self.assertRaisesRegex(latent.Error, "needs spectral records", latent.develop, path, observer="kodak_trix_400")
+        self.assertRaisesRegex(latent.Error, "nonesuch", latent.develop, path, filter="nonesuch")
+        self.assertRaises(latent.Error, latent.develop, path, size=(10, 1000))
+        self.assertRaises(latent.Error, latent.develop, path, size=10, crop=(0, 0, 11, 1))
+        self.assertRaises(latent.Error, latent.develop_layers, path, layers=["depth"])
+        self.assertRaises(latent.Error, latent.develop, path, job="x")
+        self.assertRaises(ValueError, latent.develop, path, image="none")
+        self.assertRaises(ValueError, latent.develop, path, filter_factor=0)
+        self.assertRaises(ValueError, latent.develop, path, samples=(5, 5))
+        self.assertRaises(TypeError, latent.develop, path, layers=["variance"])
+        self.assertRaises(TypeError, latent.develop, path, width=10)
+        self.assertRaises(ValueError, latent.merge, path, output=self.folder / "m.latent", verify="none")
+        self.assertRaises(latent.Error, latent.merge, path, output=path)
+        self.assertRaises(latent.Error, latent.merge, path, output=self.folder / "m.latent", require=(0, 2**40))
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["a.latent"])
+
+
+unittest.main(argv=sys.argv[:1], warnings="error")
