@@ -39,6 +39,16 @@ std::vector<std::uint64_t> scrambled_block(std::uint32_t base, std::uint32_t dig
     return value;
 }
 
+std::uint64_t high_half(std::uint64_t a, std::uint64_t b) {
+    return static_cast<std::uint64_t>(static_cast<unsigned __int128>(a) * b >> 64);
+}
+
+// x % divisor without a division; x below 2^60, `reciprocal` 2^64 / divisor rounded down: the quotient is at most one too small.
+std::uint64_t remainder(std::uint64_t x, std::uint64_t divisor, std::uint64_t reciprocal) {
+    const std::uint64_t rest = x - high_half(x, reciprocal) * divisor;
+    return rest < divisor ? rest : rest - divisor;
+}
+
 }  // namespace
 
 Sampler::Sampler(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing)
@@ -64,6 +74,7 @@ void Sampler::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint
         for (std::uint32_t d = 0; d < digits; ++d) unit /= base;
     }
     r.tail = unit;
+    r.tail_reciprocal = ~std::uint64_t{0} / unit;
     radicals_.push_back(std::move(r));
     radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
 }
@@ -80,11 +91,11 @@ Uniform Sampler::at(std::uint64_t n, std::uint32_t dimension) const {
     std::uint64_t rest = n < kExact ? n : random % kExact;  // nobody renders so many
     std::uint64_t sum = 0;
     for (const std::vector<std::uint64_t>& table : r.table) {
-        const std::uint64_t quotient = static_cast<std::uint64_t>(static_cast<unsigned __int128>(rest) * r.reciprocal >> 64);
+        const std::uint64_t quotient = high_half(rest, r.reciprocal);
         sum += table[rest - quotient * r.block];
         rest = quotient;
     }
-    return {(sum + (random >> 4) % r.tail) << 4};  // below 1, as every unit was rounded down
+    return {(sum + remainder(random >> 4, r.tail, r.tail_reciprocal)) << 4};  // below 1, as every unit was rounded down
 }
 
 }  // namespace latent::render

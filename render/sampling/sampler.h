@@ -76,9 +76,10 @@ class Sampler {
     // 2^-60.
     struct Radical {
         std::uint32_t base = 0;
-        std::uint32_t block = 0;       // b^digits, at most 4096
-        std::uint64_t reciprocal = 0;  // ceil(2^64 / block): exact quotients below 2^52
-        std::uint64_t tail = 0;        // b^-(all digits) in units of 2^-60: the room for a random number below the digits
+        std::uint32_t block = 0;            // b^digits, at most 4096
+        std::uint64_t reciprocal = 0;       // ceil(2^64 / block): exact quotients below 2^52
+        std::uint64_t tail = 0;             // b^-(all digits) in units of 2^-60: the room for a random number below the digits
+        std::uint64_t tail_reciprocal = 0;  // floor(2^64 / tail)
         std::vector<std::vector<std::uint64_t>> table;
     };
     static constexpr std::uint32_t kTabulated = 64;  // dimensions below this may have a prime

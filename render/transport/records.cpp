@@ -1,5 +1,6 @@
 #include "render/transport/records.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,22 +8,24 @@ namespace latent::render {
 namespace {
 
 // True if every value is a number that light can have; else counts the cause.
-bool is_valid(const SampledSpectrum& power, std::uint32_t k, RadianceFaults& faults) {
-    bool nan = false, infinite = false, negative = false;
-    for (std::uint32_t i = 0; i < k; ++i) {
-        nan |= std::isnan(power[i]);
-        infinite |= std::isinf(power[i]);
-        negative |= power[i] < 0;
-    }
-    if (!nan && !infinite && !negative) return true;
-    ++(nan ? faults.nan : infinite ? faults.infinite : faults.negative);
+bool is_valid(const SampledSpectrum& power, RadianceFaults& faults) {
+    int invalid = 0;
+    for (const float v : power.v) invalid |= static_cast<int>(!(v >= 0)) | static_cast<int>(v == INFINITY);
+    if (invalid == 0) return true;
+    const auto any = [&](auto is) { return std::any_of(std::begin(power.v), std::end(power.v), is); };
+    ++(any([](float v) { return std::isnan(v); })   ? faults.nan
+       : any([](float v) { return std::isinf(v); }) ? faults.infinite
+                                                    : faults.negative);
     return false;
 }
 
 }  // namespace
 
 RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups) : kind_(kind), with_groups_(with_groups) {
-    for (int c = 0; c < 3; ++c) observer_[c] = color::sampled_at_integer_nm(color::Observer::cie1931().curve(c));
+    for (std::size_t c = 0; c < 3; ++c) {
+        const color::IntegerNmSpectrum curve = color::sampled_at_integer_nm(color::Observer::cie1931().curve(static_cast<int>(c)));
+        for (std::size_t i = 0; i < observer_.size(); ++i) observer_[i][c] = curve.value[i];
+    }
 }
 
 void RecordMaker::camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
@@ -50,7 +53,7 @@ void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, 
     for (std::uint32_t group = 0; group < radiance.groups(); ++group) {
         const RadianceSum& sum = radiance.of(group);
         const SampledSpectrum power = sum.sum * w.weight;
-        if (!is_valid(power, w.k, faults) || power.is_black()) continue;
+        if (!is_valid(power, faults) || power.is_black()) continue;
         put(n, u, v, record_class, std::exchange(share, 0.0f), &sum, power, w, kept, out);
         note_group(group);
         any = true;
@@ -71,12 +74,10 @@ void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampled
     out.v.push_back(v);
     out.share.push_back(share);
     if (kind_ == sampledb::RecordKind::kXyz) {
-        float xyz[3] = {0, 0, 0};
+        std::array<float, 4> xyz{};
         for (std::uint32_t i = 0; lit && i < w.k; ++i) {
-            for (int c = 0; c < 3; ++c) {
-                const float a = observer_[c].value[w.below[i]], b = observer_[c].value[w.below[i] + 1];
-                xyz[c] += power[i] * (a + w.fraction[i] * (b - a));
-            }
+            const std::array<float, 4>&a = observer_[w.below[i]], &b = observer_[w.below[i] + 1];
+            for (std::size_t c = 0; c < 4; ++c) xyz[c] += power[i] * (a[c] + w.fraction[i] * (b[c] - a[c]));
         }
         out.x.push_back(xyz[0]);
         out.y.push_back(xyz[1]);

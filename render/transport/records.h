@@ -67,7 +67,8 @@ class RecordMaker {
 
     sampledb::RecordKind kind_;
     bool with_groups_;
-    color::IntegerNmSpectrum observer_[3];  // CIE 1931
+    // CIE 1931 at integer nm: its three values side by side, and a fourth, 0, for vectors.
+    std::array<std::array<float, 4>, color::kIntegerNmCount> observer_{};
 };
 
 }  // namespace latent::render

@@ -36,11 +36,12 @@ Result<WavelengthDensity> WavelengthDensity::from_knots(std::vector<Knot> knots)
     for (std::size_t j = 0; j + 1 < density.knots_.size(); ++j) {
         const Knot& a = density.knots_[j];
         const Knot& b = density.knots_[j + 1];
-        density.slopes_.push_back(static_cast<double>(b.lambda - a.lambda) / static_cast<double>(b.cumulative - a.cumulative));
+        const double slope = static_cast<double>(b.lambda - a.lambda) / static_cast<double>(b.cumulative - a.cumulative);
+        density.segments_.push_back({a.cumulative, b.cumulative, static_cast<double>(a.lambda), slope});
     }
     std::uint16_t segment = 0;
     for (std::uint64_t step = 0; step < kOne >> kGuideShift; ++step) {
-        while (density.knots_[segment + 1].cumulative <= step << kGuideShift) ++segment;
+        while (density.segments_[segment].end <= step << kGuideShift) ++segment;
         density.guide_.push_back(segment);
     }
     return density;
@@ -48,19 +49,18 @@ Result<WavelengthDensity> WavelengthDensity::from_knots(std::vector<Knot> knots)
 
 std::size_t WavelengthDensity::segment_of(std::uint64_t q) const {
     std::size_t j = guide_[q >> kGuideShift];
-    while (knots_[j + 1].cumulative <= q) ++j;
+    while (segments_[j].end <= q) ++j;
     return j;
 }
 
-float WavelengthDensity::lambda_at(std::uint64_t q, std::size_t j) const {
-    const double above = slopes_[j] * static_cast<double>(q - knots_[j].cumulative);
-    return static_cast<float>((static_cast<double>(knots_[j].lambda) + above) * kUnitNm);
+float WavelengthDensity::Segment::lambda_nm_at(std::uint64_t q) const {
+    return static_cast<float>((lambda + slope * static_cast<double>(q - begin)) * kUnitNm);
 }
 
 float WavelengthDensity::wavelength(std::uint32_t xi, std::uint32_t i, std::uint32_t k) const {
     assert(!empty() && i < k);
     const std::uint64_t q = target(xi, i, k);
-    return lambda_at(q, segment_of(q));
+    return segments_[segment_of(q)].lambda_nm_at(q);
 }
 
 void WavelengthDensity::batch(std::uint32_t xi, std::span<float> lambda_nm, std::span<std::uint16_t> segment) const {
@@ -69,7 +69,7 @@ void WavelengthDensity::batch(std::uint32_t xi, std::span<float> lambda_nm, std:
     for (std::uint32_t i = 0; i < k; ++i) {
         const std::uint64_t q = target(xi, i, k);
         const std::size_t j = segment_of(q);
-        lambda_nm[i] = lambda_at(q, j);
+        lambda_nm[i] = segments_[j].lambda_nm_at(q);
         if (!segment.empty()) segment[i] = static_cast<std::uint16_t>(j);
     }
 }
@@ -81,8 +81,8 @@ float WavelengthDensity::pdf_lambda(float lambda_nm) const {
     if (!(lambda >= first && lambda <= last)) return 0;
     const auto above = std::upper_bound(knots_.begin(), knots_.end(), lambda,
                                         [](double l, const Knot& knot) { return l < static_cast<double>(knot.lambda); });
-    const std::size_t j = std::min<std::size_t>(static_cast<std::size_t>(above - knots_.begin()), slopes_.size()) - 1;
-    return static_cast<float>(kUnitQ / (slopes_[j] * kUnitNm));
+    const std::size_t j = std::min<std::size_t>(static_cast<std::size_t>(above - knots_.begin()), segments_.size()) - 1;
+    return static_cast<float>(kUnitQ / (segments_[j].slope * kUnitNm));
 }
 
 }  // namespace latent::sampledb

@@ -38,11 +38,16 @@ class WavelengthDensity {
     float pdf_lambda(float lambda_nm) const;
 
  private:
+    // Between two knots; all that an inversion needs in half a cache line.
+    struct Segment {
+        std::uint64_t begin, end;  // cumulative
+        double lambda, slope;      // at its begin; d lambda / d Q; in the knots' units
+        float lambda_nm_at(std::uint64_t q) const;
+    };
     std::size_t segment_of(std::uint64_t q) const;
-    float lambda_at(std::uint64_t q, std::size_t segment) const;
 
     std::vector<Knot> knots_;
-    std::vector<double> slopes_;        // d lambda / d Q of the segment behind each knot but the last, in the knots' units
+    std::vector<Segment> segments_;     // behind each knot but the last
     std::vector<std::uint16_t> guide_;  // the segment that each of 4096 equal steps of Q begins in
 };
 
