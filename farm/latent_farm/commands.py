@@ -15,7 +15,7 @@ def survey(args):
     if args.engine is None:
         args.engine = "slurm" if slurm.is_here() else "shell"
     if args.hosts and args.engine != "parallel":
-        raise Misuse("--hosts: is only for --engine parallel")
+        raise Misuse("--hosts: needs --engine parallel")
     works, reports = [], []
     found = frames.frames_of(args)
     for folder, own in found:

@@ -1,4 +1,4 @@
-"""What latent-farm takes on its command line."""
+"""The command line of latent-farm: options and help."""
 import argparse
 import shlex
 
@@ -39,37 +39,37 @@ def words(text):
 
 def add_steps(command):
     """The options that say how steps are run."""
-    command.option("--engine", "slurm|parallel|shell", "what runs the tasks (default: slurm if sbatch is installed, else shell)",
+    command.option("--engine", "slurm|parallel|shell", "scheduler of the tasks (default: slurm if sbatch is installed, else shell)",
                    choices=["slurm", "parallel", "shell"])
-    command.option("--hosts", "FILE", "machines for parallel, one per line, as its --sshloginfile takes them")
-    command.option("--machines", "N", "tasks that can run at the same time (default: asked of Slurm, else lines of --hosts, else 1)",
+    command.option("--hosts", "FILE", "machines for --engine parallel, one per line, in the format of parallel --sshloginfile")
+    command.option("--machines", "N", "expected number of concurrent tasks, for their size and the prediction (default: from Slurm or --hosts, else 1)",
                    type=number(1))
-    command.option("--cpus", "N", "processors of a task (default: all of a machine)", type=number(1), default=0)
-    command.option("--memory", "SIZE", "memory of a task, for Slurm (default: as measured, with half as much again)",
+    command.option("--cpus", "N", "processors per task (default: all of a machine)", type=number(1), default=0)
+    command.option("--memory", "SIZE", "memory per task, for Slurm (default: 1.5 times what was measured)",
                    type=units.parse_size)
-    command.option("--time", "TIME", "time limit of a task, for Slurm; a task that meets it is requeued and resumes "
-                   "(default: about twice what is expected)", type=units.parse_duration)
-    command.option("--throttle", "N", "tasks of an array that Slurm may run at the same time", type=number(1), default=0)
-    command.option("--sbatch", "OPTIONS", "further options of sbatch, such as --sbatch=\"--partition=long\"", type=words, default=[])
-    command.option("--develop", "OPTIONS", "options of latent-develop, such as --develop=\"--size 4096\"", type=words, default=[])
-    command.option("--checkpoint", "TIME", "interval at which finished work is committed, as for latent-render",
+    command.option("--time", "TIME", "time limit of a task, for Slurm; a task that reaches it is requeued and resumes "
+                   "(default: about twice the expected time)", type=units.parse_duration)
+    command.option("--throttle", "N", "maximum number of tasks of an array that run at once", type=number(1), default=0)
+    command.option("--sbatch", "OPTIONS", "options for sbatch, such as --sbatch=\"--partition=long\"", type=words, default=[])
+    command.option("--develop", "OPTIONS", "options for latent-develop, such as --develop=\"--size 4096\"", type=words, default=[])
+    command.option("--checkpoint", "TIME", "interval at which finished work is committed to disk",
                    type=units.parse_duration, shown_default="60s")
-    command.option("--until", "render|merge|develop", "last step", choices=["render", "merge", "develop"], shown_default="develop")
+    command.option("--until", "render|merge|develop", "last step to run", choices=["render", "merge", "develop"], shown_default="develop")
     command.option("--ignore-space", None, "submit even if the files are not expected to fit on the disk")
     command.option("--json", None, "print the report as JSON on standard output")
 
 
 def add_scene(command, required):
-    command.argument("scene", "scene file, as for latent-render; several are the frames of an animation", metavar="SCENE",
+    command.argument("scene", "scene file for latent-render, or several: the frames of an animation", metavar="SCENE",
                      nargs="+" if required else "*")
     command.option("--out", "DIR", "folder of the plan, its parts and its pictures", required=True)
-    command.option("--spp", "N", "samples per pixel, as for latent-render", type=spp)
+    command.option("--spp", "N", "samples per pixel", type=spp)
     command.option("--tasks", "auto|N", "number of tasks", type=tasks, default=0, shown_default="auto")
     add_steps(command)
 
 
 def make_commands():
-    tool = Command("latent-farm", "Render one scene on many machines.", "latent-farm COMMAND", f"""
+    tool = Command("latent-farm", "Render a scene on many machines.", "latent-farm COMMAND", f"""
 For help on a command, with examples: latent-farm COMMAND --help
 
 {STATUSES}""")
@@ -79,59 +79,60 @@ For help on a command, with examples: latent-farm COMMAND --help
 {rest}
 {FORMATS}
 
-Measures for a few seconds, predicts time and disk space, and writes scripts
-into DIR. Starts nothing. A second time, with a larger --spp, it extends the
-plan; finished work stays.
+Renders for a few seconds to predict time, memory and disk space, then writes
+scripts into DIR. No task is started. Run again with a larger --spp, it extends
+the plan, and keeps finished work.
 
 Examples:
   latent-farm plan scene.pbrt --spp 256 --out night
-      for the Slurm cluster that this machine belongs to
+      plan for the Slurm cluster that this machine belongs to
   latent-farm plan scene.pbrt --spp 256 --out night --engine parallel \\
       --hosts hosts
-      for machines that ssh reaches, with GNU parallel
+      plan for GNU parallel, on machines that ssh can reach
   latent-farm plan scene.pbrt --spp 256 --out night -- --integrator bdpt
-      with options of latent-render
+      pass an option to latent-render
   latent-farm plan frame-*.pbrt --spp 64 --out film
-      an animation: every frame has its own folder in film
+      plan an animation; each frame gets its own folder in film
 
 {STATUSES}""")
     add_scene(plan, required=True)
-    submit = Command("latent-farm submit", "Plan, and run what is missing.",
+    submit = Command("latent-farm submit", "Plan a render, and run its missing tasks.",
                      "latent-farm submit [SCENE...] --out DIR [OPTIONS] [-- RENDER OPTIONS]", f"""
 {rest}
 {FORMATS}
 
-With Slurm, submits render tasks, merge and develop as jobs that wait for each
-other, and returns. With parallel and shell, runs them and waits. Finished tasks
-are not submitted again, and those that were interrupted resume.
+With Slurm, submits the render, merge and develop steps as jobs that depend on
+each other, and returns at once. With parallel and shell, runs the steps and
+waits. Finished tasks are skipped, and interrupted ones resume.
 
 Examples:
   latent-farm submit scene.pbrt --spp 256 --out night
   latent-farm submit scene.pbrt --spp 512 --out night
-      afterwards: as many samples again, and a new picture
+      then double the samples, and develop a new picture
 
 {STATUSES}""")
     add_scene(submit, required=False)
-    resume = Command("latent-farm resume", "Run what is still missing of a plan.", "latent-farm resume DIR [OPTIONS]", f"""
+    resume = Command("latent-farm resume", "Run the missing tasks of a plan.", "latent-farm resume DIR [OPTIONS]", f"""
 {FORMATS}
 
-Use it after tasks have failed, or were cancelled. It names what is missing, and
-submits only that.
+Use it when tasks have failed or were cancelled. It lists the missing tasks, and
+runs only these, then merge and develop. Repeat --engine, --hosts, --sbatch,
+--throttle and --time if you used them: they are not part of the plan.
 
 Examples:
   latent-farm resume night
   latent-farm resume night --engine shell
-      on this machine
+      run them on this machine
 
 {STATUSES}""")
     resume.argument("out", "folder of the plan", metavar="DIR")
     add_steps(resume)
-    status = Command("latent-farm status", "Show what is done, what is missing, and who works.",
+    status = Command("latent-farm status", "Show progress, missing samples, and active machines.",
                      "latent-farm status DIR [OPTIONS]", f"""
 {FORMATS}
 
-Everything is read from the files in DIR, so it works for all engines, and while
-they run. A machine's rate and its last commit come from the parts it writes.
+Reads only the files in DIR, so it works with every engine, and while tasks run.
+The speed and last commit of a machine are taken from the parts it writes.
 
 Examples:
   latent-farm status night
@@ -139,7 +140,7 @@ Examples:
 
 {STATUSES}""")
     status.argument("out", "folder of the plan", metavar="DIR")
-    status.option("--stalled-after", "TIME", "how long an unfinished part may stand still", type=units.parse_duration, default=300.0,
+    status.option("--stalled-after", "TIME", "time without a commit after which a part counts as stalled", type=units.parse_duration, default=300.0,
                   shown_default="5m")
     status.option("--json", None, "print the report as JSON on standard output")
     tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status}

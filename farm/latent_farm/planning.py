@@ -41,20 +41,20 @@ def make_plan(folder, args, machines, like=None):
 def extend_plan(folder, plan, args, machines):
     """An existing plan with more samples, or just as it is. The size of tasks and runs stays: parts are there already."""
     if args.scene and os.path.abspath(args.scene) != plan.scene:
-        raise Misuse(f"{folder.path}: is planned for {plan.scene}; choose another --out")
+        raise Misuse(f"{folder.path}: holds a plan for {plan.scene}; choose another --out")
     if args.options and args.options != plan.options:
-        raise Misuse(f"{folder.path}: is planned with other options of latent-render ({' '.join(plan.options) or 'none'}); "
+        raise Misuse(f"{folder.path}: its plan has other options for latent-render ({' '.join(plan.options) or 'none'}); "
                      "choose another --out")
     if args.tasks and args.tasks != plan.tasks and (args.spp or plan.spp) == plan.spp:
-        raise Misuse(f"{folder.path}: is planned with {plan.tasks} tasks; choose another --out, or leave out --tasks")
+        raise Misuse(f"{folder.path}: its plan has {plan.tasks} tasks; choose another --out, or leave out --tasks")
     if args.spp and args.spp < plan.spp:
-        raise Misuse(f"--spp {args.spp:g}: {folder.path} is planned with {plan.spp:g}; to use fewer samples, "
+        raise Misuse(f"--spp {args.spp:g}: the plan in {folder.path} has --spp {plan.spp:g}; to use fewer samples, "
                      "develop with --samples")
     if args.spp and args.spp > plan.spp:
         arguments = [plan.scene, *plan.options, "--run-samples", str(plan.run_samples), "--spp", f"{args.spp:.17g}"]
         answer, rate = trial(folder, arguments, plan.cpus)
         if answer["job"] != plan.job:
-            raise Failure(f"{plan.scene}: has changed since the plan was made, and is another job now; choose another --out")
+            raise Failure(f"{plan.scene}: has changed since it was planned, so it is another job; choose another --out")
         plan.spp, plan.samples, plan.rate = args.spp, answer["samples"], rate
     if args.cpus:
         plan.cpus = args.cpus

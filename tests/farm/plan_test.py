@@ -101,8 +101,8 @@ class Plan(FarmTest):
         night = self.folder / "night"
         shutil.copy(SOURCE / "scenes/cornell.pbrt", self.folder / "other.pbrt")
         farm = ["latent-farm", "plan", "--engine", "shell", "--out", night]
-        self.fail_with("is planned for", *farm, self.folder / "other.pbrt", "--spp", 4, status=2)
-        self.fail_with("is planned with 4", *farm, SCENE, "--spp", 2, status=2)
+        self.fail_with("holds a plan for", *farm, self.folder / "other.pbrt", "--spp", 4, status=2)
+        self.fail_with("has --spp 4", *farm, SCENE, "--spp", 2, status=2)
         self.fail_with("other options", *farm, SCENE, "--spp", 4, "--", "--seed", 7, status=2)
         self.fail_with("is set by latent-farm", "latent-farm", "plan", SCENE, "--spp", 4, "--out", self.folder / "x", "--", "--shard", "0/2", status=2)
         self.fail_with("none.pbrt: cannot open: No such file", "latent-farm", "plan", self.folder / "none.pbrt", "--spp", 4, "--out", self.folder / "y")
