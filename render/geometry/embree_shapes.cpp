@@ -3,6 +3,7 @@
 #include "render/geometry/coordinates.h"
 #include "render/geometry/opacity.h"
 #include "render/geometry/surface.h"
+#include "render/math/next_float.h"
 #include "render/sampling/random.h"
 #include "render/scene/bounds.h"
 
@@ -35,8 +36,8 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
     } else {
         box = quadric_box(shape);
     }
-    const auto down = [](double x) { return std::nextafter(static_cast<float>(x), -kInfinity); };
-    const auto up = [](double x) { return std::nextafter(static_cast<float>(x), kInfinity); };
+    const auto down = [](double x) { return next_down(static_cast<float>(x)); };
+    const auto up = [](double x) { return next_up(static_cast<float>(x)); };
     *args->bounds_o = {down(box.low.x), down(box.low.y), down(box.low.z), 0, up(box.high.x), up(box.high.y), up(box.high.z), 0};
 }
 
@@ -60,7 +61,7 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersec
         if (!hit) return hit;
         const PrimitivePoint on{context->instID[0], shape, primitive, {static_cast<float>(hit->u), static_cast<float>(hit->v)}};
         if (!is_hole(world_of(context), on, point_on(ray, hit->t), direction_of(ray))) return hit;
-        ray.tnear = std::nextafter(static_cast<float>(hit->t), kInfinity);
+        ray.tnear = next_up(static_cast<float>(hit->t));
     }
 }
 

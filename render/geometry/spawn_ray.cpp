@@ -1,5 +1,7 @@
 #include "render/geometry/spawn_ray.h"
 
+#include "render/math/next_float.h"
+
 namespace latent::render {
 
 namespace {
@@ -10,8 +12,8 @@ Vec3f offset(const Interaction& from, float error, const Vec3f& w) {
     const Vec3f shift = from.ng * (dot(w, from.ng) < 0 ? -distance : distance);
     const auto push = [](float p, float by) {
         const float moved = p + by;
-        if (by > 0) return std::nextafter(moved, kInfinity);
-        return by < 0 ? std::nextafter(moved, -kInfinity) : moved;
+        if (by > 0) return next_up(moved);
+        return by < 0 ? next_down(moved) : moved;
     };
     return {push(from.p.x, shift.x), push(from.p.y, shift.y), push(from.p.z, shift.z)};
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/sampling/random.h"
 #include "render/sampling/uniform.h"
 
 namespace latent::render {
@@ -69,7 +70,10 @@ class Sampler {
     Sampler(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing = {});
 
     // 60 bits of it differ from sample to sample, or all 64.
-    Uniform at(std::uint64_t n, std::uint32_t dimension) const;
+    Uniform at(std::uint64_t n, std::uint32_t dimension) const { return at(n, key_of(n), dimension); }
+    // `key`: key_of(n), for whoever asks for many numbers of a sample.
+    Uniform at(std::uint64_t n, std::uint64_t key, std::uint32_t dimension) const;
+    std::uint64_t key_of(std::uint64_t n) const { return mix(n + seed_); }
 
  private:
     // Digits are looked up several at a time: `table[j]` maps a block of base-b digits to its scrambled mirror image, in units of
@@ -86,7 +90,6 @@ class Sampler {
 
     // `key`: how it is scrambled.
     void add_radical(std::uint32_t dimension, std::uint32_t base, std::uint64_t key);
-    std::uint64_t hash(std::uint64_t n, std::uint32_t dimension) const;
 
     std::uint64_t seed_;
     std::array<std::uint8_t, kTabulated> radical_of_{};  // 0: hashed, else 1 + index
@@ -94,10 +97,15 @@ class Sampler {
 };
 
 // The numbers of one sample.
-struct SampleNumbers {
-    const Sampler* sampler;
-    std::uint64_t n;
-    Uniform operator()(std::uint32_t dimension) const { return sampler->at(n, dimension); }
+class SampleNumbers {
+ public:
+    SampleNumbers(const Sampler& sampler, std::uint64_t n) : sampler_(&sampler), n_(n), key_(sampler.key_of(n)) {}
+    std::uint64_t sample() const { return n_; }
+    Uniform operator()(std::uint32_t dimension) const { return sampler_->at(n_, key_, dimension); }
+
+ private:
+    const Sampler* sampler_;
+    std::uint64_t n_, key_;
 };
 
 }  // namespace latent::render

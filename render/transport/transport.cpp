@@ -13,9 +13,9 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
 
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
     SampledSpectra& spectra = spectra_.local();
-    wavelengths_.draw(sampler_.at(n, Dimension::kXi).fraction32(), spectra.wavelengths);
+    const SampleNumbers numbers(sampler_, n);
+    wavelengths_.draw(numbers(Dimension::kXi).fraction32(), spectra.wavelengths);
     spectra.start_sample();
-    const SampleNumbers numbers{&sampler_, n};
     const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
     SampleState sample{numbers, spectra, kept};
 

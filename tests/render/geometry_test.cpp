@@ -6,6 +6,7 @@
 #include <random>
 
 #include "render/geometry/exact_shapes.h"
+#include "render/math/next_float.h"
 #include "render/program/simd.h"
 #include "tests/render/scenes.h"
 
@@ -73,6 +74,21 @@ double brute_force(const MeshDescription& mesh, const Affined& placed, const Ray
         if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) nearest = std::min(nearest, t);
     }
     return nearest;
+}
+
+TEST(NextFloat, IsWhatTheStandardLibraryCallsIt) {
+    std::vector<float> values{0.0f,     -0.0f, 1.0f, -1.0f, 0x1p-149f, -0x1p-149f, 0x1p-126f, 0x1.fffffep127f, -0x1.fffffep127f,
+                              -INFINITY};
+    for (std::uint32_t bits = 1; bits < 0x7f800000u; bits += 0x12345u) {
+        values.push_back(std::bit_cast<float>(bits));
+        values.push_back(-values.back());
+    }
+    for (const float x : values) {
+        EXPECT_EQ(next_up(x), std::nextafter(x, INFINITY)) << x;
+        EXPECT_EQ(next_down(-x), std::nextafter(-x, -INFINITY)) << x;
+    }
+    EXPECT_EQ(next_up(INFINITY), INFINITY);
+    EXPECT_TRUE(std::isnan(next_up(NAN)));
 }
 
 TEST(Geometry, TrianglesAreHitWhereBruteForceHitsThem) {
