@@ -1,0 +1,32 @@
+// One target as libFuzzer runs it: LATENT_FUZZ_TARGET is its name.
+#include <algorithm>
+#include <cstring>
+
+#include "tests/fuzz/target.h"
+
+namespace {
+
+const latent::fuzz::Target& target() {
+    static const latent::fuzz::Target chosen = latent::fuzz::LATENT_FUZZ_TARGET();
+    return chosen;
+}
+
+}  // namespace
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t capacity);
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    (void)target().run(std::as_bytes(std::span(data, size)));
+    return 0;
+}
+
+// One mutant of eight keeps its wrong checksums: what refuses these is code, too.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t capacity, unsigned seed) {
+    size = LLVMFuzzerMutate(data, size, capacity);
+    if (target().mend == nullptr || seed % 8 == 0) return size;
+    latent::Bytes bytes(size);
+    std::memcpy(bytes.data(), data, size);
+    target().mend(bytes);
+    std::memcpy(data, bytes.data(), std::min(size, bytes.size()));
+    return size;
+}
