@@ -131,7 +131,8 @@ class Slab : public ::testing::Test {
     Affined medium_from_unit_{{2000, 0, 0}, {0, 2000, 0}, {0, 0, 2}, {-1000, -1000, 0}};
     GridMedium fog_{PhaseFunction{}, medium_from_unit_, medium_from_unit_.inverse().value(), sigma_t_, sigma_s_, kNone, volume_};
     SampledSpectra spectra_{library_};
-    SampleState sample_{{}, spectra_, 0, Random(77)};
+    Sampler sampler_{1, {}};
+    SampleState sample_{{sampler_, 0}, spectra_, 0, Random(77)};
     Segment segment_{{0, 0, static_cast<float>(kFrom)}, {0, 0, 0.5f}, static_cast<float>(kTo - kFrom)};
 };
 

@@ -25,7 +25,8 @@ class Steps : public ::testing::Test {
     std::uint32_t sigma_s_ = library_.add(line(3, 0.02), Lookup::kNearestNm);
     HomogeneousMedium fog_{sigma_t_, sigma_s_, kNone, PhaseFunction{}};
     SampledSpectra spectra_{library_};
-    SampleState sample_{{}, spectra_, 0};
+    Sampler sampler_{1, {}};
+    SampleState sample_{{sampler_, 0}, spectra_, 0};
 };
 
 TEST_F(Steps, DistancesFollowTheMeanDensityOfAllWavelengths) {
