@@ -132,6 +132,8 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
                     "further layers: variance of the camera image, weight (sum of filter weights), count (samples)")
         ->type_name("variance,weight,count");
     app.add_flag("--halves", options.layers.halves, "also store the picture of each half of the samples, to see the noise");
+    app.add_flag("--dim-fireflies", options.dim_fireflies,
+                 "dim samples that are far brighter than all others around them; the report contains how much light that takes");
     cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
     app.add_option("--simd", options.simd, "instruction set; makes no difference to pixels")
         ->capture_default_str()

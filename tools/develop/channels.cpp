@@ -273,7 +273,7 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
     for (std::size_t row = begin; row < end;) {
         float* const first = out + static_cast<std::ptrdiff_t>(row - begin) * step;
         std::size_t next = row + 1;
-        for (; camera && layout_.layers.by_sample() && next < end && same(row, next); ++next) {
+        for (; (camera ? layout_.layers.by_sample() : layout_.layers.samples) && next < end && same(row, next); ++next) {
             float* const other = out + static_cast<std::ptrdiff_t>(next - begin) * step;
             for (int lane = 0; lane <= n; ++lane) first[lane] += std::exchange(other[lane], 0.0f);
         }
@@ -295,7 +295,8 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
     float* const rows = out;
-    if (step == 4 && !group_column_ && kind_ == sampledb::RecordKind::kXyz && (!camera || page.unit_share) &&
+    if (step == 4 && !layout_.layers.samples && !group_column_ && kind_ == sampledb::RecordKind::kXyz &&
+        (!camera || page.unit_share) &&
         interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
         return 0;
     }
@@ -321,7 +322,7 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
         }
         out[n] = share;
     }
-    if (step > layout_.linear()) complete_rows(page, begin, end, rows);
+    if (step > layout_.linear() || layout_.layers.samples) complete_rows(page, begin, end, rows);
     return not_finite;
 }
 

@@ -8,9 +8,11 @@
 #include <cassert>
 #include <cstdlib>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "base/size.h"
+#include "tools/develop/fireflies.h"
 #include "tools/develop/pane.h"
 #include "tools/develop/positive.h"
 #include "tools/develop/record_batch.h"
@@ -65,7 +67,7 @@ class Engine {
           classes_{.camera = settings.camera && expected_.camera > 0,
                    .light = settings.light && expected_.light > 0 && gathering.light_paths() > 0},
           with_positive_(classes_.camera && settings.filter.kernel().has_negative_lobes),
-          pane_(grid_, settings.filter.kernel(), channels.layout().lanes(), classes_) {
+          pane_(grid_, settings.filter.kernel(), channels.layout().lanes(), classes_, fireflies()) {
         counts_.light_paths = gathering.light_paths();
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
@@ -82,7 +84,7 @@ class Engine {
 
     Result<DevelopCounts> run(const Progress& progress) {
         const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.stride()) : 0;
-        const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.window_bytes(), positive_bytes});
+        const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
         if (!plan) return plan.error();
         plan_ = &*plan;
         counts_.pages = plan->pages();
@@ -110,6 +112,14 @@ class Engine {
         FilmNode node;
         RecordBatch batch;
     };
+
+    std::optional<Fireflies> fireflies() const {
+        if (!settings_.dim_fireflies) return std::nullopt;
+        assert(channels_.layout().layers.samples);
+        const double pixels = static_cast<double>(settings_.width) * settings_.height;
+        return Fireflies(grid_, settings_.filter.reach(), channels_.layout(), classes_,
+                         static_cast<double>(gathering_.coverage().size()) / pixels);
+    }
 
     // N over the samples of each half.
     std::array<double, 2> half_scales(const sampledb::Gathering& gathering) const {
@@ -251,8 +261,14 @@ class Engine {
             return {};
         }
         begin_pane(cells, room);
+        if (Fireflies* fireflies = pane_.fireflies()) {
+            fireflies->look_at(batches, {});
+            fireflies->decide();
+        }
         pane_.add_records(batches, {});
-        return finish_pane(node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.layout().lanes(), batches));
+        count_dimmed();
+        return finish_pane(
+            node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.layout().lanes(), pane_.fireflies(), batches));
     }
 
     Status develop_streaming(const Region& region, std::span<std::byte> room) {
@@ -280,7 +296,16 @@ class Engine {
             return taken;
         };
         begin_pane(region.cells, take(pane_.bytes(region.cells)));
-        PositiveWindows positive(grid_, settings_.filter.kernel(), channels_.layout().lanes(), region.cells);
+        const bool was_counting = counting_;
+        if (Fireflies* fireflies = pane_.fireflies()) {  // a pass of its own: limits are known only after all records
+            const auto look_at = [&](const RecordBatch& batch, const PageRange& range) {
+                fireflies->look_at(with_held(batch), range);
+            };
+            if (Status s = pass(region, reaching(region), room, look_at); !s) return s.error();
+            fireflies->decide();
+            counting_ = false;
+        }
+        PositiveWindows positive(grid_, settings_.filter.kernel(), channels_.layout().lanes(), pane_.fireflies(), region.cells);
         if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, stride, region.cells)));
         const auto add = [&](const RecordBatch& batch, const PageRange& range) {
             const std::vector<const RecordBatch*> batches = with_held(batch);
@@ -288,13 +313,15 @@ class Engine {
             if (with_positive_) positive.add_records(batches, range);
         };
         if (Status s = pass(region, reaching(region), room, add); !s) return s.error();
+        counting_ = was_counting;
+        count_dimmed();
         const std::vector<std::size_t> few =
             with_positive_ ? assembly_->cells_of_few_samples(pane_.windows()) : std::vector<std::size_t>();
         if (!few.empty()) {
             const std::uint64_t bytes = positive.bytes_beside(few);
             if (bytes + plan_->least_batch() + Loader::index_bytes(region.cells) > room.size()) return false;
             positive.open(few, take(bytes));
-            const bool was_counting = std::exchange(counting_, false);
+            counting_ = false;
             const auto add_positive = [&](const RecordBatch& batch, const PageRange& range) {
                 positive.add_records(with_held(batch), range);
             };
@@ -348,6 +375,11 @@ class Engine {
     void begin_pane(const PixelRect& cells, std::span<std::byte> memory) {
         pane_.begin(cells, memory);
         ++counts_.panes;
+    }
+    void count_dimmed() {
+        if (!counting_) return;
+        counts_.camera_dimmed += pane_.dimmed(RecordClass::kCamera);
+        counts_.light_dimmed += pane_.dimmed(RecordClass::kLight);
     }
     Status finish_pane(const FilmNode& node, const PositiveSums& positive) {
         const ZRange range = z_range(grid_, node);

@@ -11,6 +11,7 @@
 #include "tools/develop/channels.h"
 #include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
+#include "tools/develop/fireflies.h"
 
 namespace latent::develop {
 
@@ -19,6 +20,7 @@ struct Settings {
     PixelRect crop;                       // the part of it that is wanted
     Filter filter = Filter::standard();
     bool camera = true, light = true;               // which images are added up
+    bool dim_fireflies = false;                     // the channels have Layers::samples then
     std::uint64_t memory = std::uint64_t{1} << 30;  // bytes to stay within, apart from the index of the files
     std::uint64_t list_memory = 0;                  // what that takes however much memory there is
     std::filesystem::path temporary_folder = ".";   // for unnamed files
@@ -32,6 +34,7 @@ struct DevelopCounts {
     std::uint64_t page_bytes = 0, page_bytes_decoded = 0;
     std::uint64_t camera_not_finite = 0, light_not_finite = 0;
     std::uint64_t fallback_pixels = 0, empty_pixels = 0;
+    DimmedLight camera_dimmed, light_dimmed;  // fireflies
     std::uint64_t temporary_bytes = 0;
     double decode_factor() const {
         return page_bytes == 0 ? 1.0 : static_cast<double>(page_bytes_decoded) / static_cast<double>(page_bytes);

@@ -17,9 +17,10 @@ struct Layers {
     bool weight = false;    // sum w c
     bool count = false;     // samples that reach the pixel
     bool halves = false;    // the same picture of either half of the samples
+    bool samples = false;   // no layer, but records of one sample become one, of light images too
 
     bool any() const { return variance || weight || count || halves; }
-    bool by_sample() const { return variance || count; }  // records of one sample count as one
+    bool by_sample() const { return variance || count || samples; }  // camera records of one sample count as one
     bool operator==(const Layers&) const = default;
 };
 

@@ -12,8 +12,9 @@ namespace latent::develop {
 
 using sampledb::RecordClass;
 
-Pane::Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes)
-    : grid_(grid), filter_(filter), lanes_(lanes), classes_(classes) {
+Pane::Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes,
+           std::optional<Fireflies> fireflies)
+    : grid_(grid), filter_(filter), lanes_(lanes), classes_(classes), fireflies_(std::move(fireflies)) {
     const std::uint64_t images = (classes.camera ? 1 : 0) + (classes.light ? 1 : 0);
     const std::uint64_t pixels = static_cast<std::uint64_t>(grid.window_width() * grid.window_height());
     window_bytes_ = (pixels * images * static_cast<std::uint64_t>(lanes.stride()) * sizeof(double) + 63) / 64 * 64;
@@ -23,10 +24,19 @@ void Pane::begin(const PixelRect& cells, std::span<std::byte> memory) {
     assert(bytes(cells) <= memory.size());
     memory_ = memory;
     windows_ = {cells, std::vector<Windows::Cell>(static_cast<std::size_t>(cells.width() * cells.height()))};
+    dimmed_.assign(2 * windows_.of.size(), {});
+    if (fireflies_)
+        fireflies_->begin(cells, memory.subspan(windows_.of.size() * window_bytes_, windows_.of.size() * fireflies_->bytes()));
 }
 
 void Pane::add_records(std::span<const RecordBatch* const> batches, const PageRange& range) {
     tbb::parallel_for(std::size_t{0}, windows_.of.size(), [&](std::size_t cell) { add_to_cell(cell, batches, range); });
+}
+
+DimmedLight Pane::dimmed(RecordClass record_class) const {
+    DimmedLight all;
+    for (std::size_t i = record_class == RecordClass::kLight ? 1 : 0; i < dimmed_.size(); i += 2) all += dimmed_[i];
+    return all;
 }
 
 void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> batches, const PageRange& range) {
@@ -40,10 +50,11 @@ void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> bat
         if (found.empty()) return;
         if (!used) std::fill_n(to, sums, 0.0);
         used = to;
-        for (const BatchSegments& in_batch : found) {
-            splat(filter_, lanes_, weights, in_batch.batch->columns, in_batch.segments, to,
-                  static_cast<std::size_t>(window.width()));
-        }
+        const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
+            splat(filter_, lanes_, weights, columns, segments, to, static_cast<std::size_t>(window.width()));
+        };
+        dimmed_[2 * cell + (record_class == RecordClass::kLight ? 1 : 0)] +=
+            pass_on(fireflies(), x, y, record_class, found, splat_some);
     };
     auto* const camera = reinterpret_cast<double*>(memory_.data() + cell * window_bytes_);
     add(RecordClass::kCamera, Weights::kSigned, camera, windows_.of[cell].camera);

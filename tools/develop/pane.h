@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
+#include "tools/develop/fireflies.h"
 #include "tools/develop/record_batch.h"
 #include "tools/develop/regions.h"
 #include "tools/develop/windows.h"
@@ -15,17 +17,21 @@ namespace latent::develop {
 
 class Pane {
  public:
-    Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes);
+    Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes, std::optional<Fireflies> fireflies);
 
-    std::uint64_t window_bytes() const { return window_bytes_; }  // that one cell takes
+    std::uint64_t cell_bytes() const { return window_bytes_ + (fireflies_ ? fireflies_->bytes() : 0); }  // that one cell takes
     std::uint64_t bytes(const PixelRect& cells) const {
-        return static_cast<std::uint64_t>(cells.width() * cells.height()) * window_bytes_;
+        return static_cast<std::uint64_t>(cells.width() * cells.height()) * cell_bytes();
     }
 
     void begin(const PixelRect& cells, std::span<std::byte> memory);
+    // Null: nothing is dimmed. Else it must have looked at all records, and decided, before any are added.
+    Fireflies* fireflies() { return fireflies_ ? &*fireflies_ : nullptr; }
     // Adds the records of the pages in `range`, cell by cell, those of one cell in the order of their pages.
     void add_records(std::span<const RecordBatch* const> batches, const PageRange& range);
     const Windows& windows() const { return windows_; }
+    // Of the camera records, or of the light records, that were added since `begin`.
+    DimmedLight dimmed(sampledb::RecordClass record_class) const;
 
  private:
     void add_to_cell(std::size_t cell, std::span<const RecordBatch* const> batches, const PageRange& range);
@@ -34,6 +40,8 @@ class Pane {
     const FilterKernel& filter_;
     Lanes lanes_;
     Classes classes_;
+    std::optional<Fireflies> fireflies_;
+    std::vector<DimmedLight> dimmed_;  // of each cell, camera and light
     std::uint64_t window_bytes_;
     std::span<std::byte> memory_;
     Windows windows_;

@@ -52,6 +52,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.mipmap = options.mipmap;
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
+    if (options.dim_fireflies) spec.strings.push_back({"latentFireflies", "dimmed"});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
         spec.strings.push_back({"spectralLayoutVersion", "1.0"});
@@ -150,6 +151,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     report.observer = observer.name();
     report.camera_fit = chosen->fit;
     report.lights = options.lights;
+    report.dims_fireflies = options.dim_fireflies;
     report.filter_factor = chosen->filter_factor;
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
     if (!spectral && !observer.is_cie1931())
@@ -157,7 +159,9 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
                                                                 : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();
-    channels->add_layers(options.layers);
+    Layers layers = options.layers;
+    layers.samples = options.dim_fireflies;
+    channels->add_layers(layers);
     if (!options.lights.empty()) {
         const Result<std::vector<LightGroup>> groups = light_groups_of(gathering);
         if (!groups) return groups.error();
@@ -181,6 +185,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     settings.filter = *filter;
     settings.camera = options.image != "light";
     settings.light = options.image != "camera";
+    settings.dim_fireflies = options.dim_fireflies;
     settings.list_memory = gathering.list_memory() + largest_index;
     const std::uint64_t taken =
         gathering.list_memory() + waiting_for_mipmap + std::max(largest_index, std::min(options.memory / 8, index_bytes));

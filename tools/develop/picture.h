@@ -27,6 +27,7 @@ struct PictureOptions {
     std::string image = "both";       // or camera, light
     SpectralBins spectral_bins;       // none: XYZ
     Layers layers;
+    bool dim_fireflies = false;
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     std::optional<sampledb::SampleRange> samples;
     double fraction = 1;        // of these: a preview of some of the runs
@@ -45,6 +46,7 @@ struct PictureReport {
     PixelRect crop;
     std::string filter, observer;
     std::vector<std::string> lights;  // as they were mixed
+    bool dims_fireflies = false;
     std::optional<color::CameraFit> camera_fit;
     double filter_factor = 1;  // of a filter in front of the lens
     sampledb::JobId job;

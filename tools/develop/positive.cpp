@@ -11,6 +11,7 @@ namespace latent::develop {
 
 namespace {
 
+constexpr sampledb::RecordClass kCamera = sampledb::RecordClass::kCamera;
 constexpr std::int64_t kLongestStrip = 64;  // pixels of a patch, in both directions
 
 std::size_t size_of(const PixelRect& pixels, int stride) {
@@ -48,25 +49,26 @@ void for_patches(const PixelRect& pixels, const Visit& visit) {
 void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const {
     thread_local std::vector<BatchSegments> found;
     thread_local std::vector<double> patch;
-    segments_in_order(batches_, {}, cell_x, cell_y, sampledb::RecordClass::kCamera, found);
+    segments_in_order(batches_, {}, cell_x, cell_y, kCamera, found);
     if (found.empty()) return;
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(cell_x), static_cast<std::uint32_t>(cell_y));
     for_patches(pixels, [&](const PixelRect& part) {
         const PixelRect reach = patch_of(filter_, part);
         patch.assign(size_of(reach, stride_), 0.0);
-        for (const BatchSegments& in_batch : found) {
-            splat_patch(filter_, lanes_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
-                        moved(part, -window.x0, -window.y0), patch.data());
-        }
+        pass_on(fireflies_, cell_x, cell_y, kCamera, found, [&](const RecordColumns& columns, std::span<const Segment> segments) {
+            splat_patch(filter_, lanes_, Weights::kPositive, columns, segments, moved(part, -window.x0, -window.y0), patch.data());
+        });
         for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(), add_doubles);
     });
 }
 
-PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const PixelRect& cells)
+PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const Fireflies* fireflies,
+                                 const PixelRect& cells)
     : grid_(grid),
       filter_(filter),
       lanes_(lanes),
       stride_(lanes.stride()),
+      fireflies_(fireflies),
       cells_(cells),
       inner_(grid.inner_pixels(cells)),
       windows_(static_cast<std::size_t>(cells.width() * cells.height())) {}
@@ -83,9 +85,7 @@ std::uint64_t PositiveWindows::border_bytes(const FilmGrid& grid, int stride, co
 }
 
 PixelRect PositiveWindows::window(std::size_t cell) const {
-    const auto i = static_cast<std::int64_t>(cell);
-    return grid_.window(static_cast<std::uint32_t>(cells_.x0 + i % cells_.width()),
-                        static_cast<std::uint32_t>(cells_.y0 + i / cells_.width()));
+    return grid_.window(static_cast<std::uint32_t>(cell_x(cell)), static_cast<std::uint32_t>(cell_y(cell)));
 }
 
 void PositiveWindows::open_border(std::span<std::byte> memory) {
@@ -124,14 +124,13 @@ void PositiveWindows::add_records(std::span<const RecordBatch* const> batches, c
     tbb::parallel_for(std::size_t{0}, windows_.size(), [&](std::size_t cell) {
         if (!windows_[cell].sums || windows_[cell].whole != only_whole_) return;
         thread_local std::vector<BatchSegments> found;
-        const auto i = static_cast<std::int64_t>(cell);
-        segments_in_order(batches, range, cells_.x0 + i % cells_.width(), cells_.y0 + i / cells_.width(),
-                          sampledb::RecordClass::kCamera, found);
+        segments_in_order(batches, range, cell_x(cell), cell_y(cell), kCamera, found);
         if (!windows_[cell].whole) return add_to_border(cell, found);
-        for (const BatchSegments& in_batch : found) {
-            splat(filter_, lanes_, Weights::kPositive, in_batch.batch->columns, in_batch.segments, windows_[cell].sums,
+        const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
+            splat(filter_, lanes_, Weights::kPositive, columns, segments, windows_[cell].sums,
                   static_cast<std::size_t>(window(cell).width()));
-        }
+        };
+        pass_on(fireflies_, cell_x(cell), cell_y(cell), kCamera, found, splat_some);
     });
 }
 
@@ -150,10 +149,10 @@ void PositiveWindows::add_to_border(std::size_t cell, std::span<const BatchSegme
             const PixelRect reach = patch_of(filter_, part);
             patch.assign(size_of(reach, stride_), 0.0);
             for_rows(part, stride_, all, static_cast<const double*>(sums), reach, patch.data(), copy_doubles);
-            for (const BatchSegments& in_batch : found) {
-                splat_patch(filter_, lanes_, Weights::kPositive, in_batch.batch->columns, in_batch.segments,
-                            moved(part, -all.x0, -all.y0), patch.data());
-            }
+            const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
+                splat_patch(filter_, lanes_, Weights::kPositive, columns, segments, moved(part, -all.x0, -all.y0), patch.data());
+            };
+            pass_on(fireflies_, cell_x(cell), cell_y(cell), kCamera, found, splat_some);
             for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), all, sums, copy_doubles);
         });
     }

@@ -8,6 +8,7 @@
 
 #include "tools/develop/film_grid.h"
 #include "tools/develop/filter.h"
+#include "tools/develop/fireflies.h"
 #include "tools/develop/record_batch.h"
 
 namespace latent::develop {
@@ -23,9 +24,9 @@ class PositiveSums {
 // From records in memory, looked through again.
 class PositiveFromRecords final : public PositiveSums {
  public:
-    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes,
+    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const Fireflies* fireflies,
                         std::span<const RecordBatch* const> batches)
-        : grid_(grid), filter_(filter), lanes_(lanes), stride_(lanes.stride()), batches_(batches) {}
+        : grid_(grid), filter_(filter), lanes_(lanes), stride_(lanes.stride()), fireflies_(fireflies), batches_(batches) {}
     void add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const override;
 
  private:
@@ -33,6 +34,7 @@ class PositiveFromRecords final : public PositiveSums {
     const FilterKernel& filter_;
     Lanes lanes_;
     int stride_;
+    const Fireflies* fireflies_;
     std::span<const RecordBatch* const> batches_;
 };
 
@@ -40,7 +42,8 @@ class PositiveFromRecords final : public PositiveSums {
 // cells reach too; those of cells that were asked for hold all pixels.
 class PositiveWindows final : public PositiveSums {
  public:
-    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const PixelRect& cells);
+    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const Fireflies* fireflies,
+                    const PixelRect& cells);
 
     static std::uint64_t bytes(const FilmGrid& grid, int stride);                                 // of one window
     static std::uint64_t border_bytes(const FilmGrid& grid, int stride, const PixelRect& cells);  // of those at a pane's border
@@ -59,6 +62,8 @@ class PositiveWindows final : public PositiveSums {
         double* sums = nullptr;
         bool whole = false;  // all pixels
     };
+    std::int64_t cell_x(std::size_t cell) const { return cells_.x0 + static_cast<std::int64_t>(cell) % cells_.width(); }
+    std::int64_t cell_y(std::size_t cell) const { return cells_.y0 + static_cast<std::int64_t>(cell) / cells_.width(); }
     PixelRect window(std::size_t cell) const;
     void add_to_border(std::size_t cell, std::span<const BatchSegments> found);
 
@@ -66,6 +71,7 @@ class PositiveWindows final : public PositiveSums {
     const FilterKernel& filter_;
     Lanes lanes_;
     int stride_;
+    const Fireflies* fireflies_;
     PixelRect cells_, inner_;  // pixels that no cell outside reaches
     std::vector<Window> windows_;
     bool only_whole_ = false;

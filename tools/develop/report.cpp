@@ -16,6 +16,8 @@ nlohmann::json json_of(const color::CameraFit& fit) {
             {"largest_ciede2000", fit.largest_difference}};
 }
 
+nlohmann::json json_of(const DimmedLight& dimmed) { return {{"samples", dimmed.samples}, {"share_of_light", dimmed.share()}}; }
+
 }  // namespace
 
 std::string to_json(const PictureReport& r) {
@@ -51,6 +53,7 @@ std::string to_json(const PictureReport& r) {
                              {"left_out", r.gathering.left_out},
                              {"notes", r.gathering.notes},
                              {"warnings", r.warnings}};
+    if (r.dims_fireflies) report["fireflies"] = {{"camera", json_of(c.camera_dimmed)}, {"light", json_of(c.light_dimmed)}};
     if (r.camera_fit) report["camera_fit"] = json_of(*r.camera_fit);
     return with_member(with_member(json_text(report), "samples", r.coverage), "missing_samples", r.missing) + "\n";
 }
@@ -66,6 +69,10 @@ std::string to_text(const PictureReport& r) {
     if (r.coverage.size() < r.available)
         text += fmt::format("a preview of {:.2g} % of the samples\n",
                             100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));
+    if (r.dims_fireflies)
+        text += fmt::format(
+            "fireflies: {} samples dimmed, which takes {:.2g} % of the camera image's light and {:.2g} % of the light image's\n",
+            c.camera_dimmed.samples + c.light_dimmed.samples, 100 * c.camera_dimmed.share(), 100 * c.light_dimmed.share());
     if (r.filter_factor != 1) text += fmt::format("filter factor {:.4g}\n", r.filter_factor);
     if (const auto& fit = r.camera_fit)
         text += fmt::format("camera: CIEDE2000 {:.2f} on average, {:.2f} at most, of the 24 ColorChecker patches under D65\n",
