@@ -138,6 +138,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     app.add_option("--simd", options.simd, "instruction set; makes no difference to pixels")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
+    app.add_flag("--ignore-space", options.ignore_space, "start even if the file is not expected to fit on the disk");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "accept files that hold the same samples; each sample is used once");
     cli::add_parsed(app, "--job", options.job, sampledb::parse_job_id,
                     "job to develop, if folders hold several (32 hexadecimal digits)")

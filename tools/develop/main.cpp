@@ -10,8 +10,12 @@ int main(int argc, char** argv) try {
 
     develop::PictureOptions options;
     cli::CommonOptions common;
+    bool dry_run = false;
     CLI::App app{"Develop raw samples into an EXR picture of linear XYZ pixels.", "latent-develop"};
     develop::add_arguments(app, options);
+    app.add_flag("--dry-run", dry_run,
+                 "develop a few runs for about two seconds, then print the expected time, memory and file size, and the free space")
+        ->excludes(app.get_option("--budget"));
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
@@ -20,6 +24,11 @@ int main(int argc, char** argv) try {
     options.threads = common.threads;
 
     remove_temporaries_on_signals();
+    if (dry_run) {
+        const Result<develop::Forecast> forecast = develop::forecast_picture(options);
+        if (!forecast) return cli::fail(forecast.error());
+        return cli::print_report(common.json ? develop::to_json(*forecast) : develop::to_text(*forecast), cli::kDone);
+    }
     const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress(common, "developing"));
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->gathering.notes) cli::note(note);

@@ -108,6 +108,15 @@ Error nothing_to_develop(sampledb::GatherOptions options) {
     return {ErrorCode::kOutOfRange, message};
 }
 
+// About what holds all records at once, with their windows beside them.
+std::uint64_t memory_for_all(const sampledb::Gathering& gathering, const Channels& channels) {
+    constexpr std::uint64_t kBeside = 96 << 20;
+    std::uint64_t records = 0;
+    for (const sampledb::SelectedRun& run : gathering.runs()) records += run.header.camera_records + run.header.light_records;
+    const std::uint64_t each = 2 * sizeof(std::uint32_t) + static_cast<std::uint64_t>(channels.stride()) * sizeof(float);
+    return (records * each + kBeside) / 7 * 8;
+}
+
 // What is asked for of some of the runs, or all.
 struct Share {
     std::uint64_t available = 0;  // samples of all runs
@@ -192,6 +201,12 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     settings.memory = options.memory - std::min(options.memory, taken);
     settings.temporary_folder = options.output.empty() ? std::filesystem::temp_directory_path() : folder_of(options.output);
 
+    report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) *
+                        static_cast<std::uint64_t>(channels->layout().outputs()) * sizeof(float) * (options.mipmap ? 4 : 3) / 3;
+    report.memory_for_all = memory_for_all(gathering, *channels);
+    if (share.publish && !options.ignore_space && !options.output.empty()) {
+        if (Status s = check_space(options.output, options.replace, report.file_bytes); !s) return s.error();
+    }
     if (Status s = sink.begin(exr_spec(options, report, job, *chosen, channels->layout()), waiting_for_mipmap); !s)
         return s.error();
     const Stopwatch stopwatch;
@@ -208,9 +223,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     return report;
 }
 
-// `running`: since the command began.
-Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
-                                   PictureSink& sink, const Progress& progress) {
+sampledb::GatherOptions gather_options(const PictureOptions& options, sampledb::VerifyLevel verify) {
     sampledb::GatherOptions gather;
     gather.inputs = options.inputs;
     gather.skip_duplicates = options.skip_duplicates;
@@ -219,6 +232,25 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     gather.verify = verify;
     gather.memory = options.memory;
     gather.announced_reads = true;
+    return gather;
+}
+
+// The first `count` of the runs in this order.
+Subset first_of(const sampledb::Gathering& all, const std::vector<std::uint32_t>& order, std::size_t count) {
+    return Subset(all, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)});
+}
+
+class NoPicture final : public PictureSink {
+ public:
+    Status begin(const image::ExrTileSpec&, std::uint64_t) override { return {}; }
+    Status write(int, int, std::span<const float>) override { return {}; }
+    Status finish() override { return {}; }
+};
+
+// `running`: since the command began.
+Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
+                                   PictureSink& sink, const Progress& progress) {
+    const sampledb::GatherOptions gather = gather_options(options, verify);
     const auto gathered = sampledb::Gathering::open(gather);
     if (!gathered) return gathered.error();
     const sampledb::Gathering& all = **gathered;
@@ -226,21 +258,19 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (!options.is_preview()) return develop_runs(options, gather, all, {available}, sink, progress);
 
     const std::vector<std::uint32_t> order = shuffled_runs(all);
-    const auto first = [&](std::size_t count) {
-        return Subset(all, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)});
-    };
     Result<std::size_t> count = count_for(all, order, options.fraction);
     if (options.budget_seconds > 0) {
         const Trial trial = [&](std::size_t runs) -> Result<double> {
             const Stopwatch stopwatch;
-            const Result<PictureReport> tried = develop_runs(options, gather, first(runs), {available, false}, sink, {});
+            const Result<PictureReport> tried =
+                develop_runs(options, gather, first_of(all, order, runs), {available, false}, sink, {});
             if (!tried) return tried.error();
             return stopwatch.seconds();
         };
         count = runs_within(options.budget_seconds - running.seconds(), order.size(), trial);
         if (!count) return count.error();
     }
-    return develop_runs(options, gather, first(*count), {available}, sink, progress);
+    return develop_runs(options, gather, first_of(all, order, *count), {available}, sink, progress);
 }
 
 }  // namespace
@@ -272,6 +302,44 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
                                  width, std::max(1.0, std::round(exact))));
     }
     return Size{width, static_cast<std::uint32_t>(height)};
+}
+
+Result<Forecast> forecast_picture(const PictureOptions& asked) {
+    constexpr double kTrialSeconds = 2;
+    if (Status s = set_simd_level(asked.simd); !s) return s.error();
+    const sampledb::GatherOptions gather = gather_options(asked, sampledb::VerifyLevel::kHeaders);
+    const auto gathered = sampledb::Gathering::open(gather);
+    if (!gathered) return gathered.error();
+    const sampledb::Gathering& all = **gathered;
+    if (all.coverage().empty()) return nothing_to_develop(gather);
+    const std::vector<std::uint32_t> order = shuffled_runs(all);
+    const std::size_t runs = count_for(all, order, asked.fraction);
+    PictureOptions options = asked;
+    if (options.size.empty()) {  // that of the picture, not of the trials
+        const std::uint64_t samples = first_of(all, order, runs).coverage().size();
+        const Size size = default_size(all.job(), asked.is_preview() ? std::min(all.coverage().size(), 16 * samples) : samples);
+        options.size = fmt::format("{}x{}", size.width, size.height);
+    }
+    NoPicture sink;
+    Forecast forecast;
+    const Trial trial = [&](std::size_t count) -> Result<double> {
+        const Stopwatch stopwatch;
+        const Result<PictureReport> tried =
+            develop_runs(options, gather, first_of(all, order, count), {all.coverage().size(), false}, sink, {});
+        if (!tried) return tried.error();
+        forecast.width = tried->width, forecast.height = tried->height;
+        forecast.file_bytes = tried->file_bytes;
+        forecast.temporary_bytes = tried->counts.temporary_bytes;
+        forecast.memory_for_all = tried->memory_for_all * runs / count;
+        return stopwatch.seconds();
+    };
+    const Result<double> seconds = seconds_for(runs, kTrialSeconds, trial);
+    if (!seconds) return seconds.error();
+    forecast.seconds = *seconds;
+    forecast.output = options.output.string();
+    forecast.memory = options.memory;
+    forecast.free_bytes = free_space(options.output, options.replace);
+    return forecast;
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress) {

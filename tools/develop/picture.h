@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "sampledb/read/gathering.h"
 #include "tools/develop/develop.h"
+#include "tools/develop/forecast.h"
 #include "tools/develop/observer_choice.h"
 #include "tools/develop/picture_sink.h"
 
@@ -29,6 +30,7 @@ struct PictureOptions {
     Layers layers;
     bool dim_fireflies = false;
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
+    bool ignore_space = false;  // begin even if the file is not expected to fit on the disk
     std::optional<sampledb::SampleRange> samples;
     double fraction = 1;        // of these: a preview of some of the runs
     double budget_seconds = 0;  // or as many as can be developed in that time; 0: all
@@ -55,6 +57,7 @@ struct PictureReport {
     std::size_t files = 0, runs = 0;
     std::uint64_t bytes_stored = 0;  // of the selected runs
     std::uint64_t bytes_read = 0;
+    std::uint64_t file_bytes = 0, memory_for_all = 0;  // as expected before: forecast.h
     double seconds = 0;
     DevelopCounts counts;
     sampledb::GatherReport gathering;
@@ -79,5 +82,8 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress);
 // The same, to `sink`.
 Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress);
+
+// What that will take, from developing a few runs for about two seconds into nothing. Errors as above.
+Result<Forecast> forecast_picture(const PictureOptions& options);
 
 }  // namespace latent::develop
