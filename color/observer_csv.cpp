@@ -62,7 +62,7 @@ Status check_coverage(const CsvTable& table) {
     }
     const auto cut = [&](std::size_t row, const char* where) {
         return csv_error(table.line[row], fmt::format("the table {} at {} nm, where the response is {:.0f} % of the largest; "
-                                                      "add rows, or one of zeros if it sees nothing beyond",
+                                                      "add rows, or one row of zeros if there is no response beyond",
                                                       where, nm[row], 100 * largest_of(row) / peak));
     };
     if (nm.front() > kBeginsBy && largest_of(0) > kSmallEnd * peak) return cut(0, "begins");

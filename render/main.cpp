@@ -67,10 +67,10 @@ int main(int argc, char** argv) try {
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
     app.add_flag("--dry-run", dry_run,
                  "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
-    app.add_flag("--strict", settings.strict, "refuse a scene of which anything would be ignored, instead of warning");
+    app.add_flag("--strict", settings.strict, "treat ignored scene features as errors instead of warnings");
     app.add_flag_callback(
         "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },
-        "list what scene files may contain, and exit");
+        "list the supported scene features, and exit");
     app.add_flag("--ignore-space", ignore_space, "start even if the file is not expected to fit on the disk");
     cli::add_common(app, common, false);
     app.footer(kBelowOptions);

@@ -27,15 +27,16 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
         ->allow_extra_args(false)
         ->type_name("FILE");
     auto* sensitivity = cli::add_positive_number(app, "-s,--sensitivity", options.sensitivity,
-                                                 "film sensitivity; luminance 1/X prints at half of display white");
+                                                 "sensitivity of the film; luminance 1/X prints at half of display white");
     cli::add_number(app, "--stops", options.stops, "exposure correction in stops; negative is darker", -100, 100)->type_name("EV");
     app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey")
         ->excludes(sensitivity);
     app.add_option("--tone", options.tone, "tone curve: film (1 - 2^(-S Y), where S is the sensitivity) or none")
         ->check(CLI::IsMember({"film", "none"}))
         ->capture_default_str();
-    app.add_option("--gamut", options.gamut,
-                   "gamut mapping: luminance (preserves luminance), grey (also preserves hue better), or clip (neither)")
+    app.add_option(
+           "--gamut", options.gamut,
+           "gamut mapping: luminance (preserves luminance), grey (the same, with less change of hue), or clip (preserves neither)")
         ->check(CLI::IsMember({"luminance", "grey", "clip"}))
         ->capture_default_str();
     app.add_option("--profile", options.profile, "profile of the display; see below")->capture_default_str()->type_name("PROFILE");
@@ -45,7 +46,7 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     cli::add_parsed(app, "--white", options.white, latent::convert::parse_white,
                     "light of the scene that prints neutral; see below (default: the picture's own white)")
         ->type_name("WHITE");
-    app.add_option("--adapt", options.adapt, "how colours are adapted from that white to the white of the display")
+    app.add_option("--adapt", options.adapt, "chromatic adaptation from that white to the white of the display")
         ->check(CLI::IsMember({"bradford", "cat16"}))
         ->capture_default_str();
     cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},

@@ -33,18 +33,18 @@ Observers (default cie1931; --list-observers shows all):
 
 Examples:
   latent-develop night.latent --size 2048 -o night.exr
-      a picture 2048 pixels wide
+      develop a picture 2048 pixels wide
   latent-develop night.latent --size 32768 --memory 512M --mipmap -o wall.exr
-      a very large picture, with smaller levels
+      develop a very large picture, with smaller levels
   latent-develop night.latent --size 32768 --crop 0,0,512,512 -o corner.exr
-      a corner of it, with the same pixels
+      develop a corner of it, with the same pixels
   latent-develop night.latent --size 2048 --observer kodak_trix_400 \
       --lens-filter wratten-25 --filter-factor auto -o film.exr
-      on film behind a red filter, for spectral records
+      photograph on film, behind a red filter (needs spectral records)
   latent-develop night.latent --light lamp=2.5 --light sky=6500K,0.3 -o dusk.exr
-      lights mixed again, of a file rendered with --light-groups
+      change the lights of a file that was rendered with --light-groups
   latent-develop parts/ --budget 10s -o preview.exr
-      what a running render has so far, in about ten seconds
+      preview a running render in about ten seconds
 
 Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged,
 foreign, missing or non-finite input was left out, or the report could not be
@@ -54,13 +54,13 @@ void add_observer(CLI::App& app, ObserverOptions& options) {
     app.add_option("--observer", options.name, "observer, camera or film whose response curves are applied; see below")
         ->type_name("NAME|FILE.csv");
     cli::add_choice<bool>(app, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
-                          "R, G, B of a camera's sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
+                          "pixels of a camera: R, G, B of its sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
     cli::add_choice<bool>(app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
-                          "scale each channel of a camera so that D65 is (1, 1, 1), or all like green");
+                          "white balance of a camera: daylight (D65 is (1, 1, 1)), or none (all channels have the scale of green)");
     app.add_option("--lens-filter", options.lens_filter, "colour filter in front of the lens, such as wratten-25")
         ->type_name("NAME");
     cli::add_parsed(app, "--filter-factor", options.filter_factor, parse_filter_factor,
-                    "multiply the exposure by X, or by what the filter takes of D65, to make up for it")
+                    "factor on the exposure; auto compensates for the light of D65 that the filter absorbs")
         ->type_name("none|auto|X")
         ->default_str("none");
     app.add_flag_callback(
@@ -103,23 +103,25 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     app.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
     add_observer(app, options.observer);
     app.add_option("--light", options.lights,
-                   "dim, filter or replace the light of a name, in files rendered with --light-groups; again for each name")
+                   "change to the lights called NAME: factors, filters or a new spectrum; may be repeated; needs files rendered "
+                   "with --light-groups")
         ->type_name("NAME=X|FILTER|6500K,...")
         ->allow_extra_args(false);
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
         ->type_name("A:B");
-    auto* fraction = cli::add_parsed(app, "--fraction", options.fraction, parse_fraction,
-                                     "preview: develop runs that hold this part of the samples, spread over the whole picture")
-                         ->type_name("0..1");
-    cli::add_duration(app, "--budget", options.budget_seconds, "preview: develop as many runs as take about this long")
+    auto* fraction =
+        cli::add_parsed(app, "--fraction", options.fraction, parse_fraction,
+                        "preview: fraction of the samples to develop, in whole runs; each run covers the whole picture")
+            ->type_name("0..1");
+    cli::add_duration(app, "--budget", options.budget_seconds, "preview: time to spend; develops as many runs as it allows")
         ->excludes(fraction);
     app.add_option("--image", options.image, "camera image, light image, or both (the picture is their sum)")
         ->check(CLI::IsMember({"both", "camera", "light"}))
         ->capture_default_str();
     app.add_flag("--mipmap", options.mipmap, "also store smaller levels, whose pixels are means of those they cover");
     auto* bins = cli::add_parsed(app, "--spectral-bins", options.spectral_bins, parse_spectral_bins,
-                                 "spectral bins to store instead of XYZ, as radiance per nm: their number from 360 to 830 nm, or "
-                                 "their range and width in nm")
+                                 "spectral bins to store instead of XYZ, as radiance per nm: a number of bins from 360 to 830 nm, "
+                                 "or their range and width in nm")
                      ->type_name("N|FROM:TO:STEP");
     for (const char* observer : {"--observer", "--camera-output", "--raw-balance", "--lens-filter"})
         bins->excludes(app.get_option(observer));
@@ -128,14 +130,16 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
         if (chosen) chosen->halves = options.layers.halves;
         return chosen;
     };
-    cli::add_parsed(app, "--layers", options.layers, layers,
-                    "further layers: variance of the camera image, weight (sum of filter weights), count (samples)")
+    cli::add_parsed(
+        app, "--layers", options.layers, layers,
+        "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples)")
         ->type_name("variance,weight,count");
-    app.add_flag("--halves", options.layers.halves, "also store the picture of each half of the samples, to see the noise");
+    app.add_flag("--halves", options.layers.halves,
+                 "also store the picture of each half of the samples; their difference shows the noise");
     app.add_flag("--dim-fireflies", options.dim_fireflies,
-                 "dim samples that are far brighter than all others around them; the report contains how much light that takes");
+                 "dim samples that are far brighter than all others around them; the report gives the light that is lost");
     cli::add_choice<bool>(app, "--compression", options.zip, {{"none", false}, {"zip", true}}, "compression of the EXR file");
-    app.add_option("--simd", options.simd, "instruction set; makes no difference to pixels")
+    app.add_option("--simd", options.simd, "instruction set; does not affect pixels")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
     app.add_flag("--ignore-space", options.ignore_space, "start even if the file is not expected to fit on the disk");

@@ -163,7 +163,7 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
         if (!factors[i].curve) continue;
         if (kind_ == sampledb::RecordKind::kXyz)
             return Error{ErrorCode::kUsage,
-                         "--light: the colour of a light needs spectral records; those of XYZ can be scaled alone"};
+                         "--light: spectra and filters need spectral records; these hold XYZ, so only factors are possible"};
         light.curve = factors[i].curve;
         if (bins_ > 0) continue;
         light.own = std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1));

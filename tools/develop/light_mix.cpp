@@ -68,7 +68,8 @@ Result<Spectrum> replacement(const Spectrum& own, const Spectrum& wanted, const 
     });
     if (missing > 0)
         return usage(
-            fmt::format("{} cannot be made of lights called {}, which emit nothing at {:.0f} nm; render the scene with that light",
+            fmt::format("{}: the lights named {} emit nothing at {:.0f} nm, so their spectrum cannot be replaced; render the scene "
+                        "with the new light",
                         setting.spectrum, setting.name, missing));
     return ratio;
 }
@@ -85,8 +86,8 @@ Result<GroupFactor> factor_of(const LightGroup& group, const LightSetting& setti
     if (!setting.spectrum.empty()) {
         if (!group.spectrum)
             return usage(
-                fmt::format("--light {}={}: lights called {} have several spectra, or their file does not say which; they "
-                            "can be scaled or filtered",
+                fmt::format("--light {}={}: the lights of this name have different spectra, or the file does not name their "
+                            "spectrum; use a factor or a filter",
                             setting.name, setting.spectrum, setting.name));
         const Result<Spectrum> wanted = color::light_by_name(setting.spectrum);
         if (!wanted) return wanted.error().at(where);
@@ -118,7 +119,7 @@ Result<std::vector<GroupFactor>> mix_lights(const std::vector<LightGroup>& group
             std::vector<std::string> names;
             for (const LightGroup& group : groups) names.push_back(group.name);
             const std::string near = near_names(setting->name, names);
-            return usage(fmt::format("--light {}: there is no such light{}; there are {}", text,
+            return usage(fmt::format("--light {}: no light has this name{}; choose from {}", text,
                                      near.empty() ? "" : fmt::format(" (did you mean {}?)", near), names_of(groups)));
         }
         const auto number = static_cast<std::size_t>(found - groups.begin());
@@ -131,8 +132,8 @@ Result<std::vector<GroupFactor>> mix_lights(const std::vector<LightGroup>& group
         for (double nm = 380; nm <= 780 && factor->curve; ++nm) largest = std::max(largest, (*factor->curve)(nm));
         if (largest > kLargestWeight)
             warnings.push_back(
-                fmt::format("--light {}: some wavelengths count {:.0f} times, so the picture is noisy; render the scene "
-                            "with that light for less noise",
+                fmt::format("--light {}: some wavelengths are multiplied by {:.0f}, which makes the picture noisy; for less "
+                            "noise, render the scene with the new light",
                             text, largest));
     }
     return factors;

@@ -49,8 +49,8 @@ Status put_filter(const ObserverOptions& options, ChosenObserver& chosen) {
     if (options.filter_factor == 0) {
         chosen.filter_factor = without / daylight_exposure(chosen.observer.behind(*filter, options.lens_filter, 1));
         if (!(chosen.filter_factor <= kLargestFactor))
-            return usage(
-                fmt::format("--filter-factor auto: {} sees no daylight behind {}", chosen.observer.name(), options.lens_filter));
+            return usage(fmt::format("--filter-factor auto: {} has no response to daylight behind {}", chosen.observer.name(),
+                                     options.lens_filter));
     }
     chosen.observer = chosen.observer.behind(*filter, options.lens_filter, chosen.filter_factor);
     return {};

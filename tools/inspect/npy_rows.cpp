@@ -65,7 +65,7 @@ Result<NpyRows> NpyRows::of(const Job& job, const std::vector<std::string>& name
             std::string known;
             for (const Field& one : all) known += (known.empty() ? "" : ", ") + one.name;
             return Error{ErrorCode::kUsage,
-                         fmt::format("--columns: '{}' is not a column, or is named twice; there are {}", name, known)};
+                         fmt::format("--columns: '{}' is not a column, or is given twice; choose from {}", name, known)};
         }
         rows.fields_.push_back(*field);
     }

@@ -16,7 +16,7 @@ refused, unless --skip-duplicates is given. If a folder holds several jobs,
 choose one with --job.
 
 Folders may hold thousands of parts, finished or not. Other files in them, such
-as logs, are listed, and are no loss. An input that was named must be usable,
+as logs, are listed, but do not count as losses. A named input must be usable,
 unless --keep-going is given. --require is checked before anything is written.
 
 Runs are copied unchanged. On XFS and btrfs the output shares its blocks with
@@ -53,12 +53,12 @@ int main(int argc, char** argv) try {
     app.add_option("PART", options.inputs, "parts of one job, or folders of parts")->required();
     app.add_option("-o,--output", options.output, "file to write")->required()->check(cli::ends_in(".latent"));
     cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range,
-                    "samples A to B-1 must all be present; fail otherwise")
+                    "samples that must be present, A to B-1; if any is missing, nothing is written")
         ->type_name("A:B");
     using sampledb::VerifyLevel;
     cli::add_choice<VerifyLevel>(app, "--verify", options.verify,
                                  {{"stored", VerifyLevel::kStored}, {"quick", VerifyLevel::kQuick}, {"full", VerifyLevel::kFull}},
-                                 "how thoroughly to check the runs; see below");
+                                 "level of verification; see below");
     app.add_flag("--compact", options.compact, "rewrite many small runs as a few large ones; records do not change");
     app.add_flag("--skip-duplicates", options.skip_duplicates, "accept parts that hold the same samples; each sample is used once");
     app.add_flag("--keep-going", options.keep_going, "leave out and list every input that cannot be used, even if it was named");
