@@ -9,8 +9,8 @@
 #include <csetjmp>
 #include <cstring>
 
+#include "base/in_order.h"
 #include "image/deflate.h"
-#include "image/in_order.h"
 #include "image/png_filter.h"
 #include "image/row_blocks.h"
 

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <optional>
 
+#include "base/in_order.h"
 #include "image/deflate.h"
-#include "image/in_order.h"
 #include "image/row_blocks.h"
 
 namespace latent::image {

@@ -1,14 +1,11 @@
 #include "tools/develop/assembly.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
-#include <memory>
 
-#include "base/first_error.h"
+#include "base/in_order.h"
 #include "sampledb/data/z_order.h"
 #include "tools/develop/normalise.h"
 
@@ -80,43 +77,23 @@ Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& 
       finished_(folder, sizeof(float) * kBlock * kBlock * static_cast<std::size_t>(normalisation.layout.outputs()),
                 waiting_memory / 2),
       sink_(sink),
-      buffers_(kTilesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())) {}
+      buffers_(pieces_at_once()) {}
 
 Status Assembly::add(const Windows& windows, const PositiveSums& positive, std::uint64_t z_begin, std::uint64_t z_end) {
     const Pane pane{windows, positive, z_begin, z_end};
     const std::vector<Tile> tiles = tiles_touched(windows);
-    FirstError error;
-    struct Task {
-        const Tile* tile;
-        bool complete;
-        std::span<float> pixels;
+    // The pixels of a tile that is complete; of others, none.
+    const auto add_up = [&](std::size_t i) -> Result<std::span<const float>> {
+        const Tile& tile = tiles[i];
+        const bool complete = tile.last_z < z_end;
+        std::vector<float>& buffer = buffers_[i % buffers_.size()];  // the tile that had it is written
+        buffer.resize(static_cast<std::size_t>(tile.pixels.width() * tile.pixels.height() * normalisation_.layout.outputs()));
+        if (Status s = add_tile(pane, tile, complete, buffer); !s) return s.error();
+        return complete ? std::span<const float>(buffer) : std::span<const float>();
     };
-    using tbb::filter_mode;
-    std::size_t next = 0;
-    const auto next_tile = [&](tbb::flow_control& flow) -> Task* {
-        if (next == tiles.size()) {
-            flow.stop();
-            return nullptr;
-        }
-        const Tile* tile = &tiles[next];
-        const auto values =
-            static_cast<std::size_t>(tile->pixels.width() * tile->pixels.height() * normalisation_.layout.outputs());
-        std::vector<float>& pixels = buffers_[next++ % buffers_.size()];  // the tile that had it is written
-        pixels.resize(std::max(pixels.size(), values));
-        return new Task{tile, tile->last_z < z_end, std::span(pixels).first(values)};
-    };
-    const auto add_up = [&](Task* task) {
-        error.keep(add_tile(pane, *task->tile, task->complete, task->pixels));
-        return task;
-    };
-    const auto write = [&](Task* raw) {
-        const std::unique_ptr<Task> task(raw);
-        if (task->complete && !error) error.keep(sink_.write(task->tile->x, task->tile->y, task->pixels));
-    };
-    tbb::parallel_pipeline(buffers_.size(), tbb::make_filter<void, Task*>(filter_mode::serial_in_order, next_tile) &
-                                                tbb::make_filter<Task*, Task*>(filter_mode::parallel, add_up) &
-                                                tbb::make_filter<Task*, void>(filter_mode::serial_in_order, write));
-    return error.status();
+    return make_in_order(tiles.size(), add_up, [&](std::size_t i, std::span<const float> pixels) {
+        return pixels.empty() ? Status() : sink_.write(tiles[i].x, tiles[i].y, pixels);
+    });
 }
 
 // In the order in which they would be complete: by the last cell that reaches them.
@@ -179,10 +156,11 @@ Status Assembly::add_tile(const Pane& pane, const Tile& tile, bool complete, std
     }
     const auto for_blocks = [&](const auto& visit) {  // visit(key, pixels); its status ends the loop
         for (std::size_t i = 0; i < wanted.size(); ++i) {
+            if (!wanted[i]) continue;
             const auto x = tile.pixels.x0 + static_cast<std::int64_t>(i) % kTileBlocks * kBlock;
             const auto y = tile.pixels.y0 + static_cast<std::int64_t>(i) / kTileBlocks * kBlock;
             const PixelRect block = intersection({x, y, x + kBlock, y + kBlock}, tile.pixels);
-            if (!wanted[i] || block.empty()) continue;
+            if (block.empty()) continue;
             if (Status s = visit(key_of(x, y), block); !s) return s;
         }
         return Status{};

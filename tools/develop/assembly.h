@@ -49,8 +49,6 @@ struct PixelCounts {
 // wait until their tile is complete. Both wait in memory or, beyond `waiting_memory`, in unnamed files in `folder`.
 class Assembly {
  public:
-    static constexpr std::size_t kTilesPerThread = 2;  // in memory at once
-
     Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& crop, const Normalisation& normalisation,
              const std::filesystem::path& folder, std::uint64_t waiting_memory, TileSink& sink);
 

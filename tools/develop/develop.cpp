@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/in_order.h"
 #include "base/size.h"
 #include "tools/develop/fireflies.h"
 #include "tools/develop/pane.h"
@@ -31,8 +32,9 @@ constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segmen
 constexpr std::uint64_t kLargePage = 2 << 20;                 // touching the slab costs a fault for each
 constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
 
-// Where all records are in memory, panes are no larger than this: their windows are still in the caches when they become pixels.
-constexpr std::uint64_t kLeastPane = 24 << 20, kPanePerThread = 4 << 20;
+// Where all records are in memory, panes are no larger than this. Smaller ones share more tiles and sums with their neighbours, which
+// costs more than the caches could save; larger ones gain nothing.
+constexpr std::uint64_t kMostPane = 512 << 20;
 
 // Records that the headers promise of the selected samples: their share of the run's.
 struct ExpectedRecords {
@@ -138,10 +140,9 @@ class Engine {
         const std::uint64_t waiting = settings_.memory / 16;
         const std::uint64_t tile_bytes =
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.layout().outputs());
-        own_bytes_ = threads * (kThreadBytes + Assembly::kTilesPerThread * tile_bytes);
+        own_bytes_ = threads * (kThreadBytes + kPiecesPerThread * tile_bytes);
         slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
         slab_bytes_ = std::min(slab_bytes_, kMostSlab);
-        pane_bytes_ = std::max(kLeastPane, threads * kPanePerThread);
         assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, normalisation_, settings_.temporary_folder,
                                                waiting, sink);
     }
@@ -254,7 +255,7 @@ class Engine {
                          std::span<std::byte> room) {
         const PixelRect cells = intersection(grid_.cells_of(node), region.cells);
         if (cells.empty()) return {};
-        if (pane_.bytes(cells) > std::min<std::uint64_t>(room.size(), pane_bytes_) && node.level < grid_.level()) {
+        if (pane_.bytes(cells) > std::min<std::uint64_t>(room.size(), kMostPane) && node.level < grid_.level()) {
             for (int i = 0; i < 4; ++i) {
                 if (Status s = develop_panes(region, child(node, i), batches, room); !s) return s;
             }
@@ -417,7 +418,7 @@ class Engine {
     const Progress* progress_ = nullptr;
     double cells_done_ = 0;
     bool counting_ = true;  // records that are loaded are not known yet
-    std::uint64_t slab_bytes_ = 0, own_bytes_ = 0, pane_bytes_ = 0;
+    std::uint64_t slab_bytes_ = 0, own_bytes_ = 0;
     std::unique_ptr<std::byte, Free> slab_;
     std::vector<Held> held_;
     std::unique_ptr<Assembly> assembly_;
