@@ -328,10 +328,9 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
     PixelRect few{pixels.x1, pixels.y1, pixels.x0, pixels.y0};
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
         for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) {
-            const double weight = sums.camera[static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
-                                              static_cast<std::size_t>((x - piece.pixels.x0) * stride_) +
-                                              static_cast<std::size_t>(normalisation_.layout.share())];
-            if (weight >= least_weight(x, y)) continue;
+            const double* const at = sums.camera + static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
+                                     static_cast<std::size_t>((x - piece.pixels.x0) * stride_);
+            if (normalisation_.layout.least_divisor(at) >= least_weight(x, y)) continue;
             few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
         }
     }
@@ -366,7 +365,8 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
         for (std::int64_t y = few.y0; y < few.y1; ++y) {
             for (std::int64_t x = few.x0; x < few.x1; ++x, at += stride) {
                 const std::size_t row = row_of(y), column = column_of(x);
-                if (sums.camera[row * sums.camera_row + column * stride + share] >= least_weight(x, y)) continue;
+                const double least = normalisation_.layout.least_divisor(sums.camera + row * sums.camera_row + column * stride);
+                if (least >= least_weight(x, y)) continue;
                 const double none = 0, scale = light_scale(x, y);
                 normalise_row({at,
                                sums.light ? sums.light + row * sums.light_row + column * stride : nullptr,

@@ -1,7 +1,6 @@
 #include "tools/develop/channels.h"
 
 #include <fmt/format.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <array>
@@ -16,133 +15,10 @@ namespace latent::develop {
 
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 constexpr double kLumensPerWatt = 683;  // K_m [CIE15]
 constexpr std::uint64_t kMaxTableBytes = std::uint64_t{8} << 20;
-constexpr int kGuide = 1024;
-
-// Knots of f(Q^-1(q)) in q, sorted: those of Q and those of the observer.
-std::vector<double> knots_in_q(const sampledb::WavelengthDensity& density, const color::Observer& observer) {
-    const auto knots = density.knots();
-    std::vector<double> q;
-    for (const auto& knot : knots) q.push_back(static_cast<double>(knot.cumulative) * 0x1p-48);
-    for (const double nm : observer.lambda_nm()) {
-        const double lambda = nm * 0x1p20;
-        const auto above =
-            std::ranges::upper_bound(knots, lambda, {}, [](const auto& knot) { return static_cast<double>(knot.lambda); });
-        if (above == knots.begin() || above == knots.end()) continue;
-        const auto below = above - 1;
-        const double part = (lambda - below->lambda) / (static_cast<double>(above->lambda) - below->lambda);
-        q.push_back((static_cast<double>(below->cumulative) + part * static_cast<double>(above->cumulative - below->cumulative)) *
-                    0x1p-48);
-    }
-    std::ranges::sort(q);
-    return q;
-}
-
-// Where in xi (units of 2^-32) the sum over a batch of k stops being linear.
-std::vector<double> breaks_in_xi(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer) {
-    std::vector<double> breaks = {0};
-    for (const double q : knots_in_q(density, observer)) {
-        const double place = q * k;
-        breaks.push_back((place - std::floor(place)) * 0x1p32);
-    }
-    std::ranges::sort(breaks);
-    std::vector<double> distinct;
-    for (const double b : breaks) {  // an interval without a whole xi is none
-        if (!distinct.empty() && std::ceil(b) == std::ceil(distinct.back())) distinct.pop_back();
-        if (std::ceil(b) < 0x1p32) distinct.push_back(b);
-    }
-    return distinct;
-}
-
-double wavelength_nm(const sampledb::WavelengthDensity& density, double q) {
-    const auto knots = density.knots();
-    const double target = q * 0x1p48;
-    auto above = std::ranges::upper_bound(knots, target, {}, [](const auto& knot) { return static_cast<double>(knot.cumulative); });
-    above = std::clamp(above, knots.begin() + 1, knots.end() - 1);
-    const auto below = above - 1;
-    const double part =
-        (target - static_cast<double>(below->cumulative)) / static_cast<double>(above->cumulative - below->cumulative);
-    return (below->lambda + part * (static_cast<double>(above->lambda) - below->lambda)) * 0x1p-20;
-}
-
-std::array<double, 3> response(const color::Observer& observer, double nm) {
-    const auto lambda = observer.lambda_nm();
-    const auto f = observer.responses();
-    if (nm < lambda.front() || nm > lambda.back()) return {};
-    const std::size_t above = std::clamp<std::size_t>(std::ranges::upper_bound(lambda, nm) - lambda.begin(), 1, lambda.size() - 1);
-    const double part = (nm - lambda[above - 1]) / (lambda[above] - lambda[above - 1]);
-    std::array<double, 3> value;
-    for (int c = 0; c < 3; ++c) value[c] = f[above - 1][c] + part * (f[above][c] - f[above - 1][c]);
-    return value;
-}
 
 }  // namespace
-
-BatchResponse::BatchResponse(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer) : k_(k) {
-    const std::vector<double> breaks = breaks_in_xi(density, k, observer);
-    const std::size_t groups = (k + 3) / 4;
-    table_.assign(breaks.size() * groups * kGroupFloats, 0.0f);
-    for (std::size_t r = 0; r < breaks.size(); ++r) {
-        const double begin = breaks[r], end = r + 1 < breaks.size() ? breaks[r + 1] : 0x1p32;
-        rows_.push_back({static_cast<std::uint32_t>(std::ceil(begin)), begin, 1 / (end - begin)});
-        for (int i = 0; i < k; ++i) {  // a line through two inner points, for curves may jump at their ends
-            const auto at = [&](double t) {
-                return response(observer, wavelength_nm(density, ((begin + t * (end - begin)) * 0x1p-32 + i) / k));
-            };
-            const std::array<double, 3> low = at(0.25), high = at(0.75);
-            float* group = &table_[(r * groups + i / 4) * kGroupFloats + i % 4];
-            for (int c = 0; c < 3; ++c) {
-                const double step = 2 * (high[c] - low[c]);
-                group[8 * c] = static_cast<float>(low[c] - 0.25 * step);
-                group[8 * c + 4] = static_cast<float>(step);
-            }
-        }
-    }
-    std::size_t row = 0;
-    for (int g = 0; g < kGuide; ++g) {
-        while (row + 1 < rows_.size() && rows_[row + 1].first_xi <= static_cast<std::uint32_t>(g) << 22) ++row;
-        guide_.push_back(static_cast<std::uint32_t>(row));
-    }
-}
-
-std::uint64_t BatchResponse::bytes(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer) {
-    return (density.knots().size() + observer.lambda_nm().size()) * ((std::uint64_t(k) + 3) / 4) * kGroupFloats * sizeof(float);
-}
-
-void BatchResponse::xyz(std::uint32_t xi, const float* power, float* out) const {
-    std::size_t row = guide_[xi >> 22];
-    while (row + 1 < rows_.size() && rows_[row + 1].first_xi <= xi) ++row;
-    const std::size_t groups = (static_cast<std::size_t>(k_) + 3) / 4;
-    const float* group = &table_[row * groups * kGroupFloats];
-
-    // Four partial sums on every processor, added in one order.
-    const hn::FixedTag<float, 4> d;
-    const auto t = hn::Set(d, static_cast<float>((xi - rows_[row].begin) * rows_[row].scale));
-    auto x = hn::Zero(d), y = x, z = x;
-    const auto add = [&](auto p) {
-        x = hn::Add(x, hn::Mul(p, hn::Add(hn::LoadU(d, group), hn::Mul(t, hn::LoadU(d, group + 4)))));
-        y = hn::Add(y, hn::Mul(p, hn::Add(hn::LoadU(d, group + 8), hn::Mul(t, hn::LoadU(d, group + 12)))));
-        z = hn::Add(z, hn::Mul(p, hn::Add(hn::LoadU(d, group + 16), hn::Mul(t, hn::LoadU(d, group + 20)))));
-    };
-    int i = 0;
-    for (; i + 4 <= k_; i += 4, group += kGroupFloats) add(hn::LoadU(d, power + i));
-    if (i < k_) {
-        float last[4] = {};
-        std::copy(power + i, power + k_, last);
-        add(hn::LoadU(d, last));
-    }
-    const auto sum = [&](auto v) {
-        float s[4];
-        hn::StoreU(v, d, s);
-        return (s[0] + s[1]) + (s[2] + s[3]);
-    };
-    out[0] = sum(x);
-    out[1] = sum(y);
-    out[2] = sum(z);
-}
 
 void Channels::see_through(const color::Observer* observer, GroupLight& light) const {
     light.observer = observer;
@@ -169,6 +45,16 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
         light.own = std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1));
         see_through(light.own.get(), light);
     }
+    return {};
+}
+
+Status Channels::use_ratio() {
+    if (kind_ == sampledb::RecordKind::kXyz)
+        return Error{ErrorCode::kUsage, "--estimator ratio: needs spectral records; these hold XYZ"};
+    Result<BatchWhite> white = BatchWhite::make(density_, batch_, *lights_[0].observer);
+    if (!white) return white.error();
+    white_ = std::move(*white);
+    layout_.ratio = true;
     return {};
 }
 
@@ -275,16 +161,16 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
         std::size_t next = row + 1;
         for (; (camera ? layout_.layers.by_sample() : layout_.layers.samples) && next < end && same(row, next); ++next) {
             float* const other = out + static_cast<std::ptrdiff_t>(next - begin) * step;
-            for (int lane = 0; lane <= n; ++lane) first[lane] += std::exchange(other[lane], 0.0f);
+            for (int lane = 0; lane < layout_.filled(); ++lane) first[lane] += std::exchange(other[lane], 0.0f);
         }
         if (layout_.layers.halves && half_of(page.sample[row]) == 0) std::copy_n(first, layout_.linear(), first + layout_.half());
         if (layout_.layers.variance && camera) {
-            const float share = first[n];
             for (int c = 0; c < n; ++c) {
+                const float divisor = first[layout_.divisor(c)];
                 first[layout_.squares() + c] = first[c] * first[c];
-                first[layout_.products() + c] = first[c] * share;
+                first[layout_.products() + c] = first[c] * divisor;
+                first[layout_.divisor_square(c)] = divisor * divisor;
             }
-            first[layout_.share_square()] = share * share;
         }
         if (layout_.layers.count && camera) first[layout_.counter()] = 1;
         row = next;
@@ -321,6 +207,10 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
             if (!std::isfinite(share)) share = 0;
         }
         out[n] = share;
+        if (white_ && share > 0) {
+            const std::array<float, 3> white = (*white_)(page.xi[row]);
+            for (int c = 0; c < n; ++c) out[layout_.divisor(c)] = share * white[static_cast<std::size_t>(c)];
+        }
     }
     if (step > layout_.linear() || layout_.layers.samples) complete_rows(page, begin, end, rows);
     return not_finite;

@@ -12,37 +12,11 @@
 #include "color/observer.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
+#include "tools/develop/batch_response.h"
 #include "tools/develop/layers.h"
 #include "tools/develop/light_mix.h"
 
 namespace latent::develop {
-
-// sum over i of P_i f(lambda_i), f an observer's curves, for whole batches lambda_i = Q^-1((xi + i) / k). Q^-1 and f are piecewise
-// linear, so between the knots of all k of them the sum is linear in xi: one row of the table for each such interval. Exact,
-// without an inversion per record.
-class BatchResponse {
- public:
-    BatchResponse() = default;
-    BatchResponse(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer);
-
-    // Bytes that a table would take; large batches are better served pair by pair.
-    static std::uint64_t bytes(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer);
-    bool empty() const { return rows_.empty(); }
-    // X, Y, Z of the k powers at `power`.
-    void xyz(std::uint32_t xi, const float* power, float* out) const;
-
- private:
-    struct Row {
-        std::uint32_t first_xi;  // rows are sorted; a row ends where the next begins
-        double begin, scale;     // t = (xi - begin) scale runs from 0 to 1 over the row
-    };
-    static constexpr std::size_t kGroupFloats = 24;
-
-    int k_ = 0;
-    std::vector<Row> rows_;
-    std::vector<std::uint32_t> guide_;  // row of each 1024th of the range of xi
-    std::vector<float> table_;          // per row and four wavelengths: value at the begin and step of X, Y, Z, four each
-};
 
 // Bins of equal width, in nm.
 struct SpectralBins {
@@ -63,6 +37,10 @@ class Channels {
     void add_layers(const Layers& layers) { layout_.layers = layers; }
     // Multiplies the records of each group of lights. Errors: kUsage for curves in XYZ jobs.
     Status mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors);
+
+    // Divides each channel by what its responses make of white [R06 3.3.6] (docs/developing.md, "The ratio estimator"). Of X, Y, Z.
+    // Errors: kUsage: XYZ jobs; as of BatchWhite::make.
+    Status use_ratio();
 
     const RowLayout& layout() const { return layout_; }
     int count() const { return layout_.channels; }
@@ -97,6 +75,7 @@ class Channels {
     float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;
     std::vector<GroupLight> lights_{1};        // by number of their group; the last one is that of all further groups
+    std::optional<BatchWhite> white_;          // of the ratio estimator
     std::optional<std::size_t> group_column_;  // among the extra ones; none: all light is alike
 };
 

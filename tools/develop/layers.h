@@ -41,21 +41,33 @@ struct Lanes {
     int stride() const { return linear + squared + counted; }
 };
 
-// Where things stand in a row of `channels` values s with their share c:
-//   s.. c 0..  [the same for half 0]  [s^2.. s c.. c^2 0..]  [1 0 0 0]
+// Where things stand in a row of `channels` values s with their share c, which divides them; with the ratio estimator, each has a
+// divisor d of its own:
+//   s.. c [d..] 0..  [the same for half 0]  [s^2.. s c.. c^2 0..] or [s^2.. s d.. d^2.. 0..]  [1 0 0 0]
 struct RowLayout {
     int channels = 3;
     Layers layers;
+    bool ratio = false;
 
+    int divisors() const { return ratio ? channels : 1; }
     int share() const { return channels; }
-    int linear() const { return (channels + 4) / 4 * 4; }
-    int half() const { return linear(); }                               // where half 0 begins
-    int squares() const { return linear() * (layers.halves ? 2 : 1); }  // s^2
-    int products() const { return squares() + channels; }               // s c
-    int share_square() const { return squares() + 2 * channels; }       // c^2
-    int counter() const { return squares() + (layers.variance ? (2 * channels + 4) / 4 * 4 : 0); }
+    int divisor(int channel) const { return ratio ? channels + 1 + channel : channels; }
+    int filled() const { return channels + 1 + (ratio ? channels : 0); }
+    int linear() const { return (filled() + 3) / 4 * 4; }
+    int half() const { return linear(); }                                                               // where half 0 begins
+    int squares() const { return linear() * (layers.halves ? 2 : 1); }                                  // s^2
+    int products() const { return squares() + channels; }                                               // s c
+    int divisor_square(int channel) const { return squares() + 2 * channels + (ratio ? channel : 0); }  // c^2
+    int counter() const { return squares() + (layers.variance ? (2 * channels + divisors() + 3) / 4 * 4 : 0); }
     Lanes lanes() const { return {squares(), counter() - squares(), layers.count ? 4 : 0}; }
     int stride() const { return lanes().stride(); }
+
+    // The sum that is closest to 0 of those that divide, all of which have the same expectation.
+    double least_divisor(const double* sums) const {
+        double least = sums[share()];
+        for (int c = 0; c < channels && ratio; ++c) least = sums[divisor(c)] < least ? sums[divisor(c)] : least;
+        return least;
+    }
 
     // Values of a finished pixel: channels, [variances], [weight], [count], [half 0], [half 1].
     int outputs() const {

@@ -42,19 +42,22 @@ std::size_t normalise_any(const SumRow& row, float* out) {
 bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const double* light, float* out) {
     const RowLayout& layout = row.layout;
     const int n = layout.channels;
-    const double weight = camera ? camera[layout.share()] : 0;
-    const bool enough = weight > 0 && weight >= row.least_weight[i];
-    const double per_weight = enough ? 1 / weight : 0;
+    const double weight = camera ? camera[layout.share()] : 0, least = camera ? layout.least_divisor(camera) : 0;
+    const bool enough = weight > 0 && least >= row.least_weight[i];
     const auto put = [&out](double value) { *out++ = static_cast<float>(value); };
-    const auto camera_value = [&](int c) { return camera ? camera[c] * per_weight : 0; };
+    const auto per_divisor = [&](int c) {  // a response that no record has met is 0, and so is its sum
+        return enough && camera[layout.divisor(c)] > 0 ? 1 / camera[layout.divisor(c)] : 0;
+    };
+    const auto camera_value = [&](int c) { return camera ? camera[c] * per_divisor(c) : 0; };
     for (int c = 0; c < n; ++c) put(camera_value(c) + (light ? light[c] * row.light_scale[i] : 0));
     for (int c = 0; c < n && layout.layers.variance; ++c) {
         // sum over samples of (w (s - c C))^2, which rounding must not make negative
         const double value = camera_value(c);
         const double sum = camera ? camera[layout.squares() + c] - 2 * value * camera[layout.products() + c] +
-                                        value * value * camera[layout.share_square()]
+                                        value * value * camera[layout.divisor_square(c)]
                                   : 0;
-        put(std::max(0.0, sum) * per_weight * per_weight);
+        const double scale = camera ? per_divisor(c) : 0;
+        put(std::max(0.0, sum) * scale * scale);
     }
     if (layout.layers.weight) put(weight);
     if (layout.layers.count) put(camera ? camera[layout.counter()] : 0);
@@ -63,10 +66,9 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
             const double first = sums[layout.half() + lane];
             return half == 0 ? first : sums[lane] - first;
         };
-        const double its_weight = camera ? sum_of(camera, layout.share()) : 0;
-        const bool its_enough = its_weight > 0 && its_weight >= 0.5 * row.least_weight[i];
         for (int c = 0; c < n; ++c) {
-            const double from_camera = its_enough ? sum_of(camera, c) / its_weight : 0;
+            const double divisor = camera ? sum_of(camera, layout.divisor(c)) : 0;
+            const double from_camera = divisor > 0 && divisor >= 0.5 * row.least_weight[i] ? sum_of(camera, c) / divisor : 0;
             put(from_camera + (light ? sum_of(light, c) * row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)] : 0));
         }
     }
@@ -87,7 +89,7 @@ std::size_t normalise_layers(const SumRow& row, float* out) {
 }  // namespace
 
 std::size_t normalise_row(const SumRow& row, float* out) {
-    if (row.layout.layers.any()) return normalise_layers(row, out);
+    if (row.layout.layers.any() || row.layout.ratio) return normalise_layers(row, out);
     if (row.camera && row.light) return normalise_any<true, true>(row, out);
     if (row.camera) return normalise_any<true, false>(row, out);
     if (row.light) return normalise_any<false, true>(row, out);

@@ -53,6 +53,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
     if (options.dim_fireflies) spec.strings.push_back({"latentFireflies", "dimmed"});
+    if (options.ratio) spec.strings.push_back({"latentEstimator", "ratio"});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
         spec.strings.push_back({"spectralLayoutVersion", "1.0"});
@@ -171,6 +172,9 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     Layers layers = options.layers;
     layers.samples = options.dim_fireflies;
     channels->add_layers(layers);
+    if (options.ratio) {
+        if (Status s = channels->use_ratio(); !s) return s.error();
+    }
     if (!options.lights.empty()) {
         const Result<std::vector<LightGroup>> groups = light_groups_of(gathering);
         if (!groups) return groups.error();

@@ -29,6 +29,7 @@ struct PictureOptions {
     SpectralBins spectral_bins;       // none: XYZ
     Layers layers;
     bool dim_fireflies = false;
+    bool ratio = false;  // the ratio estimator
     bool mipmap = false, zip = false, replace = false, skip_duplicates = false;
     bool ignore_space = false;  // begin even if the file is not expected to fit on the disk
     std::optional<sampledb::SampleRange> samples;
