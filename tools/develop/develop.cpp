@@ -32,8 +32,8 @@ constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segmen
 constexpr std::uint64_t kLargePage = 2 << 20;                 // touching the slab costs a fault for each
 constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
 
-// Where all records are in memory, panes are no larger than this. Smaller ones share more tiles and sums with their neighbours, which
-// costs more than the caches could save; larger ones gain nothing.
+// Where all records are in memory, panes are no larger than this. Smaller ones share more tiles and sums with their neighbours,
+// which costs more than the caches could save; larger ones gain nothing.
 constexpr std::uint64_t kMostPane = 512 << 20;
 
 // Records that the headers promise of the selected samples: their share of the run's.

@@ -89,7 +89,8 @@ class SubpathSample {
     void splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
         Radiance radiance(light_groups_);
         radiance.add(value, dispersed, sample_.kept, sample_.k(), lights_[start_light_].id());
-        records_.light(sample_.numbers.sample(), point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_, faults_);
+        records_.light(sample_.numbers.sample(), point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_,
+                       faults_);
     }
 
     const World& world_;
