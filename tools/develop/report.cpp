@@ -70,9 +70,9 @@ std::string to_text(const PictureReport& r) {
         text += fmt::format("a preview of {:.2g} % of the samples\n",
                             100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));
     if (r.dims_fireflies)
-        text += fmt::format(
-            "fireflies: {} samples dimmed, which takes {:.2g} % of the camera image's light and {:.2g} % of the light image's\n",
-            c.camera_dimmed.samples + c.light_dimmed.samples, 100 * c.camera_dimmed.share(), 100 * c.light_dimmed.share());
+        text += fmt::format("fireflies: {} samples dimmed; the camera image lost {:.2g} % of its light, the light image {:.2g} %\n",
+                            c.camera_dimmed.samples + c.light_dimmed.samples, 100 * c.camera_dimmed.share(),
+                            100 * c.light_dimmed.share());
     if (r.filter_factor != 1) text += fmt::format("filter factor {:.4g}\n", r.filter_factor);
     if (const auto& fit = r.camera_fit)
         text += fmt::format("camera: CIEDE2000 {:.2f} on average, {:.2f} at most, of the 24 ColorChecker patches under D65\n",
