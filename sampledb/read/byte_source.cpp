@@ -7,7 +7,29 @@
 #include <cerrno>
 #include <cstring>
 
+#include "sampledb/read/remote_source.h"
+
 namespace latent::sampledb {
+
+Status copy_bytes(const ByteSource& source, std::uint64_t source_offset, File& file, std::uint64_t offset, std::uint64_t length) {
+    if (source.file() != nullptr) return file.copy_from(*source.file(), source_offset, offset, length);
+    constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
+    Bytes piece(std::min(length, kPiece));
+    for (std::uint64_t done = 0; done < length;) {
+        const std::span<std::byte> bytes = std::span(piece).first(std::min(length - done, kPiece));
+        if (Status s = source.read(source_offset + done, bytes); !s) return s;
+        if (Status s = file.write_all(offset + done, bytes); !s) return s;
+        done += bytes.size();
+    }
+    return {};
+}
+
+Result<std::shared_ptr<const ByteSource>> open_source(const std::filesystem::path& path) {
+    if (is_url(path)) return open_remote(path);
+    Result<FileSource> file = FileSource::open(path);
+    if (!file) return file.error();
+    return std::make_shared<const FileSource>(std::move(*file));
+}
 
 Result<FileSource> FileSource::open(const std::filesystem::path& path) {
     Result<File> file = File::open_read(path);

@@ -1,7 +1,9 @@
-// sampledb/read/byte_source.h: where the bytes of a Latent file come from: a file on disk, or memory.
+// sampledb/read/byte_source.h: where the bytes of a Latent file come from: a file on disk or on a web server, or memory.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -22,7 +24,17 @@ class ByteSource {
     virtual std::string name() const = 0;  // for messages
     // All bytes from `offset` up to here are zero, without being stored: a hole of a file.
     virtual std::uint64_t end_of_hole(std::uint64_t offset) const { return offset; }
+    // Hints, which may come to nothing: reads come here and there; these bytes are read soon, and may be on their way.
+    virtual void expect_scattered_reads() const {}
+    virtual void will_read(std::uint64_t, std::uint64_t) const {}
+    virtual const File* file() const { return nullptr; }  // that it is, if it is one on disk
 };
+
+// Of a path or a URL (remote_source.h). Errors: those of FileSource::open and open_remote.
+Result<std::shared_ptr<const ByteSource>> open_source(const std::filesystem::path& path);
+
+// Copies `length` bytes into a file, inside the kernel where it can. Errors: those of `source`, and of writing.
+Status copy_bytes(const ByteSource& source, std::uint64_t source_offset, File& file, std::uint64_t offset, std::uint64_t length);
 
 class FileSource final : public ByteSource {
  public:
@@ -32,7 +44,9 @@ class FileSource final : public ByteSource {
     Status read(std::uint64_t offset, std::span<std::byte> into) const override;
     std::string name() const override { return file_.path().string(); }
     std::uint64_t end_of_hole(std::uint64_t offset) const override;
-    const File& file() const { return file_; }
+    void expect_scattered_reads() const override { file_.expect_scattered_reads(); }
+    void will_read(std::uint64_t offset, std::uint64_t length) const override { file_.will_read(offset, length); }
+    const File* file() const override { return &file_; }
 
  private:
     FileSource(File file, std::uint64_t size) : file_(std::move(file)), size_(size) {}

@@ -296,11 +296,11 @@ Result<FileContents> read_file(const ByteSource& source, VerifyLevel level, bool
 }
 
 Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level, bool use_footer) {
-    Result<FileSource> source = FileSource::open(path);
+    Result<std::shared_ptr<const ByteSource>> source = open_source(path);
     if (!source) return source.error();
-    Result<FileContents> contents = read_file(*source, level, use_footer);
+    Result<FileContents> contents = read_file(**source, level, use_footer);
     if (!contents) return contents.error().at(path.string());
-    return FoundFile{std::make_shared<const FileSource>(std::move(*source)), std::move(*contents)};
+    return FoundFile{std::move(*source), std::move(*contents)};
 }
 
 Status read_page(const ByteSource& source, const PageInfo& info, const Job& job, const ColumnSet& columns, PageDecoder& decoder,

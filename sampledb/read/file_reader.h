@@ -50,10 +50,10 @@ Result<FileContents> read_frames(const ByteSource& source);
 
 // A file that could be opened, and what it holds.
 struct FoundFile {
-    std::shared_ptr<const FileSource> source;
+    std::shared_ptr<const ByteSource> source;
     FileContents contents;
 };
-// Errors: those of FileSource::open and read_file, naming the file.
+// Errors: those of open_source and read_file, naming the file.
 Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level = VerifyLevel::kHeaders, bool use_footer = true);
 
 // Coverage and pages of a run (offsets absolute in the file). Errors: kCorrupt (the run's own header is damaged, or not

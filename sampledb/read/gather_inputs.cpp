@@ -31,7 +31,7 @@ bool is_called_a_part(const fs::path& path) { return path.extension() == ".laten
 // Which files are of the job, one after another, and what is wrong with the others.
 class InputReader {
  public:
-    InputReader(const GatherOptions& options, RecentCache<FileSource>& sources) : options_(options), sources_(sources) {
+    InputReader(const GatherOptions& options, RecentCache<ByteSource>& sources) : options_(options), sources_(sources) {
         for (const DamagedRun& run : options.damaged) damaged_.emplace(std::pair(run.file.string(), run.offset), run.reason);
     }
 
@@ -56,7 +56,7 @@ class InputReader {
     Error nothing_found() const;
     bool may_refuse(const InputFile& input) const { return input.named && !options_.keep_going; }
     Status take_file(const InputFile& input, FoundFile file);
-    Status take_runs(const std::string& name, const FileSource& source, FileContents& file);
+    Status take_runs(const std::string& name, const ByteSource& source, FileContents& file);
     Status count_memory(const FileContents& file);
     Status refuse_or_leave_out(const InputFile& input, const Error& error);
     void report_state(const InputFile& input, const FileContents& file);
@@ -64,7 +64,7 @@ class InputReader {
     Status check_repeats() const;
 
     const GatherOptions& options_;
-    RecentCache<FileSource>& sources_;
+    RecentCache<ByteSource>& sources_;
     GatheredInputs found_;
     std::map<JobId, std::string> jobs_;  // job -> a file of it
     std::map<JobId, std::string> jobs_not_taken_;
@@ -144,13 +144,13 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
     report_state(input, file);
     const std::uint32_t number = static_cast<std::uint32_t>(found_.files.size());
     found_.files.push_back(input.path);
-    if (options_.announced_reads) opened.source->file().expect_scattered_reads();
+    if (options_.announced_reads) opened.source->expect_scattered_reads();
     sources_.insert(number, opened.source, 1);  // stays open: an attempt may lose its name any time
     must_not_repeat_.push_back(may_refuse(input) && !is_attempt(input.path));
     return take_runs(name, *opened.source, file);
 }
 
-Status InputReader::take_runs(const std::string& name, const FileSource& source, FileContents& file) {
+Status InputReader::take_runs(const std::string& name, const ByteSource& source, FileContents& file) {
     if (Status s = count_memory(file); !s) return s;
     std::vector<SelectedRun>& runs = found_.runs;
     const std::size_t count = runs.size() + file.runs.size();
@@ -265,7 +265,7 @@ std::uint64_t memory_with_list(std::uint64_t list_memory) {
     return list_memory <= kLeastForLists ? 0 : ((list_memory + 2) / 3 * 4 + (1 << 20)) >> 20 << 20;
 }
 
-Result<GatheredInputs> gather_inputs(const GatherOptions& options, RecentCache<FileSource>& sources) {
+Result<GatheredInputs> gather_inputs(const GatherOptions& options, RecentCache<ByteSource>& sources) {
     return InputReader(options, sources).read();
 }
 

@@ -22,6 +22,6 @@ struct GatheredInputs {
 };
 
 // `sources`: the files stay open there, as many as it holds, by their index in `files`. Errors: those of Gathering::open.
-Result<GatheredInputs> gather_inputs(const GatherOptions& options, RecentCache<FileSource>& sources);
+Result<GatheredInputs> gather_inputs(const GatherOptions& options, RecentCache<ByteSource>& sources);
 
 }  // namespace latent::sampledb

@@ -25,6 +25,7 @@ std::size_t most_open_files() {
 }
 
 constexpr std::uint64_t kIndexCost = 256;  // bytes to hold an index, without its pages
+constexpr std::size_t kIndexesAhead = 32;  // of remote files, on their way
 
 class OpenGathering final : public Gathering {
  public:
@@ -48,7 +49,8 @@ class OpenGathering final : public Gathering {
  private:
     void select(std::vector<SelectedRun> runs);
     void cut_to_samples();
-    Result<std::shared_ptr<const FileSource>> source(std::size_t file) const;
+    Result<std::shared_ptr<const ByteSource>> source(std::size_t file) const;
+    void announce_indexes(std::size_t run) const;
     std::string place(const SelectedRun& run) const;
 
     GatherOptions options_;
@@ -61,8 +63,9 @@ class OpenGathering final : public Gathering {
 
     mutable std::mutex mutex_;
     mutable RecentCache<std::vector<PageInfo>> indexes_;
-    mutable RecentCache<FileSource> sources_;
+    mutable RecentCache<ByteSource> sources_;
     mutable std::atomic<std::uint64_t> bytes_read_ = 0;
+    mutable std::atomic<std::size_t> announced_ = 0;  // runs whose indexes were
 };
 
 Status OpenGathering::gather() {
@@ -120,15 +123,27 @@ std::string OpenGathering::place(const SelectedRun& run) const {
     return fmt::format("{}: samples {}:{}", files_[run.file].string(), run.header.samples.first, run.header.samples.end);
 }
 
-Result<std::shared_ptr<const FileSource>> OpenGathering::source(std::size_t file) const {
+Result<std::shared_ptr<const ByteSource>> OpenGathering::source(std::size_t file) const {
     const std::lock_guard lock(mutex_);
-    if (std::shared_ptr<const FileSource> open = sources_.find(file)) return open;
-    Result<FileSource> opened = FileSource::open(files_[file]);
+    if (std::shared_ptr<const ByteSource> open = sources_.find(file)) return open;
+    Result<std::shared_ptr<const ByteSource>> opened = open_source(files_[file]);
     if (!opened) return opened.error();
-    if (options_.announced_reads) opened->file().expect_scattered_reads();
-    auto shared = std::make_shared<const FileSource>(std::move(*opened));
-    sources_.insert(file, shared, 1);
-    return std::shared_ptr<const FileSource>(shared);
+    if (options_.announced_reads) (*opened)->expect_scattered_reads();
+    sources_.insert(file, *opened, 1);
+    return opened;
+}
+
+// Indexes are nearly always read run after run, and from afar each would be waited for.
+void OpenGathering::announce_indexes(std::size_t run) const {
+    const std::size_t end = std::min(run + 1 + kIndexesAhead, runs_.size());
+    for (std::size_t next = std::max(run, announced_.exchange(end)); next < end; ++next) {
+        const SelectedRun& selected = runs_[next];
+        const Result<std::shared_ptr<const ByteSource>> from = source(selected.file);
+        if (!from || (*from)->file() != nullptr) continue;
+        (*from)->will_read(selected.offset, kRunHeaderSize);
+        (*from)->will_read(selected.offset + selected.header.index_offset(),
+                           selected.header.size() - selected.header.index_offset());
+    }
 }
 
 Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::size_t run) const {
@@ -137,8 +152,9 @@ Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::s
         if (std::shared_ptr<const std::vector<PageInfo>> held = indexes_.find(run)) return held;
     }
     const SelectedRun& selected = runs_[run];
-    const Result<std::shared_ptr<const FileSource>> from = source(selected.file);
+    const Result<std::shared_ptr<const ByteSource>> from = source(selected.file);
     if (!from) return from.error();
+    if ((*from)->file() == nullptr) announce_indexes(run);
     const std::uint64_t cost = kIndexCost + selected.header.page_count * sizeof(PageInfo);
     {
         const std::lock_guard lock(mutex_);
@@ -156,7 +172,7 @@ Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::s
 Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
                                 Page& page) const {
     const SelectedRun& selected = runs_[run];
-    const Result<std::shared_ptr<const FileSource>> from = source(selected.file);
+    const Result<std::shared_ptr<const ByteSource>> from = source(selected.file);
     if (!from) return from.error();
     ColumnSet needed = columns;
     needed.samples |= selected.cut;
@@ -168,7 +184,7 @@ Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const Col
 
 void OpenGathering::will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const {
     const auto from = source(runs_[run].file);
-    if (from) (*from)->file().will_read(first.offset, last.offset + last.stored_size - first.offset);
+    if (from) (*from)->will_read(first.offset, last.offset + last.stored_size - first.offset);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "sampledb/read/part_name.h"
+#include "sampledb/read/remote_source.h"
 
 namespace latent::sampledb {
 
@@ -56,7 +57,9 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
     };
     for (const fs::path& input : inputs) {
         std::error_code error;
-        if (fs::is_directory(input, error)) {
+        if (is_url(input)) {
+            files.push_back({input, true});
+        } else if (fs::is_directory(input, error)) {
             const auto found = files_in(input);
             if (!found) return found.error();
             if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": contains no files"};

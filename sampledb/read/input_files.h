@@ -1,4 +1,4 @@
-// sampledb/read/input_files.h: from what a user names (files, folders, globs, parts not yet published) to a list of files.
+// sampledb/read/input_files.h: from what a user names (files, URLs, folders, globs, parts not yet published) to a list of files.
 #pragma once
 
 #include <filesystem>

@@ -29,6 +29,7 @@ const std::map<std::string, Rooms>& arrows() {
         {"sampledb/format", {"sampledb/data"}},
         {"sampledb/codec", {"sampledb/format"}},
         {"sampledb/read", {"sampledb/codec"}},
+        {"sampledb/http", {"sampledb/read"}},
         {"sampledb/write", {"sampledb/read"}},
 
         {"render/math", {"base"}},

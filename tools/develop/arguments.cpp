@@ -90,7 +90,7 @@ Result<double> parse_fraction(std::string_view text) {
 
 void add_arguments(CLI::App& app, PictureOptions& options) {
     app.footer(kHelp);
-    app.add_option("FILE", options.inputs, "files of one job, or folders of files")->required();
+    app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
     app.add_option("-o,--output", options.output, "picture to write")->required()->check(cli::ends_in(".exr"));
     app.add_option(
            "--size", options.size,

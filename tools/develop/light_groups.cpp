@@ -45,9 +45,9 @@ Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathe
         return Error{ErrorCode::kUsage, "--light: the files have no light groups; render the scene with --light-groups"};
     for (const sampledb::SelectedRun& run : gathering.runs()) {
         const std::filesystem::path& path = gathering.files()[run.file];
-        const Result<sampledb::FileSource> source = sampledb::FileSource::open(path);
+        const Result<std::shared_ptr<const sampledb::ByteSource>> source = sampledb::open_source(path);
         if (!source) return source.error();
-        const Result<sampledb::FileContents> frames = sampledb::read_frames(*source);
+        const Result<sampledb::FileContents> frames = sampledb::read_frames(**source);
         if (!frames) return frames.error().at(path.string());
         const auto own = sampledb::quote_provenance(frames->header.provenance_json, sampledb::kHeaderProvenanceDepth);
         std::vector<LightGroup> groups = light_groups_in(own.json);

@@ -38,7 +38,7 @@ Result<std::array<double, 4>> parse_region(const std::string& text) {
 }  // namespace
 
 void add_cat_options(CLI::App& cat, CatOptions& options) {
-    cat.add_option("FILE", options.inputs, "files of one job, or folders of files")->required();
+    cat.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
     cli::add_parsed(cat, "--samples", options.samples, parse_sample_range, "samples to print, A to B-1 (default: all)")
         ->type_name("A:B");
     cli::add_parsed(cat, "--region", options.region, parse_region,

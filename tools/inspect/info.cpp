@@ -120,7 +120,7 @@ std::string grouped(std::uint64_t number) {
 Result<FileInfo> read_info(const std::filesystem::path& path, std::uint64_t memory) {
     Result<FoundFile> file = open_file(path);
     if (!file) return file.error();
-    const FileSource& source = *file->source;
+    const ByteSource& source = *file->source;
     FileInfo info;
     info.path = path;
     info.size = source.size();

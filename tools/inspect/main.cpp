@@ -65,11 +65,11 @@ int main(int argc, char** argv) try {
     bool quick = false, deep = false, strict = false;
 
     CLI::App* info = app.add_subcommand("info", "Show the contents of files.")->footer(help::kInfo);
-    info->add_option("FILE", files, ".latent files, finished or not, or folders of files")->required();
+    info->add_option("FILE", files, ".latent files, finished or not, their http(s) URLs, or folders of files")->required();
     cli::add_size(*info, "--memory", common.memory, "memory limit for the list of runs")->default_str("1G");
 
     CLI::App* verify = app.add_subcommand("verify", "Check files for damage.")->footer(help::kVerify);
-    verify->add_option("FILE", files, ".latent files, finished or not, or folders of files")->required();
+    verify->add_option("FILE", files, ".latent files, finished or not, their http(s) URLs, or folders of files")->required();
     CLI::Option* quick_flag = verify->add_flag("--quick", quick, "check only headers, indexes and one page of each run");
     verify->add_flag("--deep", deep, "decode and check every record, in addition to every byte")->excludes(quick_flag);
     verify->add_flag("--strict", strict, "like --deep, and list violations of the rules for writers")->excludes(quick_flag);

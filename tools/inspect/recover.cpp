@@ -21,7 +21,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     // Walking finds every run that begins with a sound header; then each is read in full.
     Result<FoundFile> found = open_file(input, VerifyLevel::kHeaders, false);
     if (!found) return found.error();
-    const FileSource& source = *found->source;
+    const ByteSource& source = *found->source;
     FileContents& file = found->contents;
     std::error_code ignored;  // an output that is not there yet is no other name of the input
     if (std::filesystem::equivalent(input, output, ignored)) {
@@ -59,7 +59,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
             add_damage(report.damage, lost_run(i, run, s.error()));
             continue;
         }
-        if (Status s = out->file().copy_from(source.file(), run.offset, end, run.header.size()); !s) return s.error();
+        if (Status s = copy_bytes(source, run.offset, out->file(), end, run.header.size()); !s) return s.error();
         runs[kept++] = {end, run.header};
         end += run.header.size();
         report.kept.add(held);

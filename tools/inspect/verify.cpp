@@ -86,15 +86,16 @@ Result<RunReport> check_run(const ByteSource& source, std::size_t number, const 
 
 Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level, bool strict, int threads,
                             const Progress& progress) {
-    const Result<FileSource> source = FileSource::open(path);
-    if (!source) return source.error();
+    const Result<std::shared_ptr<const ByteSource>> opened = open_source(path);
+    if (!opened) return opened.error();
+    const ByteSource& source = **opened;
     VerifyReport report;
     report.path = path;
     report.level = level;
     report.strict = strict;
-    report.size = source->size();
+    report.size = source.size();
     // The runs are the truth, so they are found by walking; the footer must say the same.
-    Result<FileContents> file = read_file(*source, VerifyLevel::kHeaders, false);
+    Result<FileContents> file = read_file(source, VerifyLevel::kHeaders, false);
     if (!file) {
         if (!is_damage(file.error())) return file.error().at(path.string());
         report.damage.push_back(file.error().message);
@@ -105,7 +106,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     report.unfinished_tail = file->unfinished_tail;
     report.runs = file->runs.size();
     if (strict) {
-        Result<Violations> violations = check_header_strictly(*source, *file);
+        Result<Violations> violations = check_header_strictly(source, *file);
         if (!violations) return violations.error().at(path.string());
         report.violations = std::move(*violations);
     }
@@ -116,7 +117,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     for (std::size_t first = 0; first < report.runs; first += checked.size()) {
         const std::size_t end = std::min(first + checked.size(), file->runs.size());
         const auto check = [&](std::size_t i) {
-            checked[i - first] = check_run(*source, i, file->runs[i], job, level, strict);
+            checked[i - first] = check_run(source, i, file->runs[i], job, level, strict);
             const std::lock_guard lock(mutex);
             bytes_checked += file->runs[i].header.size();
             if (progress)

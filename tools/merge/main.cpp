@@ -50,7 +50,7 @@ int main(int argc, char** argv) try {
     cli::CommonOptions common;
     CLI::App app{"Join the parts of one job into one file.", "latent-merge"};
     app.footer(kExamples);
-    app.add_option("PART", options.inputs, "parts of one job, or folders of parts")->required();
+    app.add_option("PART", options.inputs, "parts of one job, their http(s) URLs, or folders of parts")->required();
     app.add_option("-o,--output", options.output, "file to write")->required()->check(cli::ends_in(".latent"));
     cli::add_parsed(app, "--require", options.require, sampledb::parse_sample_range,
                     "samples that must be present, A to B-1; if any is missing, nothing is written")

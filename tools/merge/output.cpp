@@ -64,13 +64,11 @@ class Output::Appending {
     File& file() { return output_.out_.file(); }
     FileView view(std::uint64_t size) { return FileView(file(), output_.out_.path().string(), size); }
 
-    Result<std::shared_ptr<const FileSource>> input(std::uint32_t number) {
-        if (std::shared_ptr<const FileSource> open = inputs_.find(number)) return open;
-        Result<FileSource> opened = FileSource::open(gathering_.files()[number]);
-        if (!opened) return opened.error();
-        const auto source = std::make_shared<const FileSource>(std::move(*opened));
-        inputs_.insert(number, source, 1);
-        return source;
+    Result<std::shared_ptr<const ByteSource>> input(std::uint32_t number) {
+        if (std::shared_ptr<const ByteSource> open = inputs_.find(number)) return open;
+        Result<std::shared_ptr<const ByteSource>> opened = open_source(gathering_.files()[number]);
+        if (opened) inputs_.insert(number, *opened, 1);
+        return opened;
     }
 
     void begin_writeback(std::uint64_t end) {
@@ -102,7 +100,7 @@ class Output::Appending {
     // damaged, which joins damaged_.
     Result<std::size_t> copy(std::size_t begin, std::size_t end) {
         const SelectedRun& head = run_of(begin);
-        const Result<std::shared_ptr<const FileSource>> from = input(head.file);
+        const Result<std::shared_ptr<const ByteSource>> from = input(head.file);
         if (!from) return from.error();
         CopyCheck check(gathering_.job(), output_.level_, output_.threads_);
         std::vector<RunInfo> copies;
@@ -123,7 +121,7 @@ class Output::Appending {
         Status good;
         for (std::uint64_t at = 0; at < length && good; at += output_.piece_) {
             const std::uint64_t piece = std::min(output_.piece_, length - at), to = output_.end_ + at;
-            if (Status s = file().copy_from((*from)->file(), head.offset + at, to, piece); !s) return s.error();
+            if (Status s = copy_bytes(**from, head.offset + at, file(), to, piece); !s) return s.error();
             good = check.arrived(view(to + piece));
             if (at + piece == length || (at + piece) % kStretch < output_.piece_) begin_writeback(to + piece);
             tell_progress(at + piece);
@@ -142,7 +140,7 @@ class Output::Appending {
     }
 
     // The copy of a step's run is not as it should be: because the run is damaged, or because it was spoiled on the way?
-    Status blame(const FileSource& from, std::size_t step, const Status& copied) {
+    Status blame(const ByteSource& from, std::size_t step, const Status& copied) {
         const SelectedRun& run = run_of(step);
         const Status original = verify_run(from, {run.offset, run.header}, gathering_.job(), output_.level_);
         if (!original && !is_unreadable(original.error())) return original.error().at(from.name());
@@ -188,7 +186,7 @@ class Output::Appending {
         bool sound = true;
         for (std::size_t i = group.first; i < group.end; ++i) {
             const SelectedRun& run = gathering_.runs()[i];
-            const Result<std::shared_ptr<const FileSource>> from = input(run.file);
+            const Result<std::shared_ptr<const ByteSource>> from = input(run.file);
             if (!from) return from.error();
             const Status good = verify_run(**from, {run.offset, run.header}, gathering_.job(), VerifyLevel::kFull);
             if (good) continue;
@@ -204,7 +202,7 @@ class Output::Appending {
     std::vector<Step>& plan_;
     std::size_t done_;  // steps at the front of the plan that are in the output
     std::vector<DamagedRun> damaged_;
-    RecentCache<FileSource> inputs_{kOpenInputs};
+    RecentCache<ByteSource> inputs_{kOpenInputs};
     std::uint64_t handed_over_ = 0;                   // byte up to which the disk was asked to write
     std::uint64_t bytes_done_ = 0, bytes_ahead_ = 0;  // of the inputs
 };

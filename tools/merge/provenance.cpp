@@ -82,9 +82,9 @@ Result<std::string> provenance_of(const Gathering& gathering) {
         const std::uint32_t file = runs[by_file[begin]].file;
         while (end < by_file.size() && runs[by_file[end]].file == file) ++end;
         const fs::path& path = gathering.files()[file];
-        const Result<FileSource> source = FileSource::open(path);
+        const Result<std::shared_ptr<const ByteSource>> source = open_source(path);
         if (!source) return source.error();
-        const Result<FileContents> frames = read_frames(*source);
+        const Result<FileContents> frames = read_frames(**source);
         if (!frames) return frames.error().at(path.string());
         const FileContents& contents = *frames;
         const QuotedProvenance merged = quote_provenance(contents.footer_provenance, kFooterProvenanceDepth);

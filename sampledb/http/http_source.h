@@ -1,0 +1,33 @@
+// sampledb/http/http_source.h: the bytes of a file on a web server that answers range requests.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "sampledb/http/block_cache.h"
+#include "sampledb/read/byte_source.h"
+
+namespace latent::sampledb {
+
+class HttpSource final : public ByteSource {
+ public:
+    // Sources may share a cache. Errors: those of HttpConnection.
+    static Result<std::shared_ptr<const HttpSource>> open(const std::string& url, std::shared_ptr<BlockCache> cache);
+
+    std::uint64_t size() const override { return file_.size; }
+    Status read(std::uint64_t offset, std::span<std::byte> into) const override;
+    std::string name() const override { return shown_url(file_.url); }
+    void expect_scattered_reads() const override { scattered_ = true; }
+    void will_read(std::uint64_t offset, std::uint64_t length) const override { cache_->announce(file_, offset, length); }
+
+    HttpSource(RemoteFile file, std::shared_ptr<BlockCache> cache) : file_(std::move(file)), cache_(std::move(cache)) {}
+
+ private:
+    RemoteFile file_;
+    std::shared_ptr<BlockCache> cache_;
+    mutable std::atomic<bool> scattered_ = false;
+    mutable std::atomic<std::uint64_t> next_ = 0, in_order_ = 0;  // bytes; reads that follow each other are read ahead of
+};
+
+}  // namespace latent::sampledb

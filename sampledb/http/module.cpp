@@ -1,0 +1,21 @@
+#include "sampledb/http/module.h"
+
+#include <mutex>
+
+#include "sampledb/http/http_source.h"
+
+latent::Status latent_open_http(const std::string& url, std::shared_ptr<const latent::sampledb::ByteSource>& source) {
+    using namespace latent::sampledb;
+    static std::mutex mutex;
+    static std::weak_ptr<BlockCache> shared;
+    std::shared_ptr<BlockCache> cache;
+    {
+        const std::lock_guard lock(mutex);
+        cache = shared.lock();
+        if (!cache) shared = cache = std::make_shared<BlockCache>(Patience{});
+    }
+    latent::Result<std::shared_ptr<const HttpSource>> opened = HttpSource::open(url, std::move(cache));
+    if (!opened) return opened.error();
+    source = std::move(*opened);
+    return {};
+}

@@ -1,0 +1,11 @@
+// sampledb/http/module.h: what the module latent_http.so is asked for.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sampledb/read/byte_source.h"
+
+// Opens a file on a web server. All sources of a program share one cache. Errors: those of HttpSource::open.
+extern "C" __attribute__((visibility("default"))) latent::Status latent_open_http(
+    const std::string& url, std::shared_ptr<const latent::sampledb::ByteSource>& source);

@@ -1,0 +1,141 @@
+"""The tools on files of web servers: what comes of them is what comes of the same files on disk, and little more is transferred."""
+import json
+import os
+import shutil
+import socket
+import subprocess
+import time
+import unittest
+
+from server import Server
+from support import FarmTest, run
+
+NGINX = """daemon off; worker_processes 1; pid {folder}/nginx.pid; error_log {folder}/nginx.log;
+events {{ worker_connections 256; }}
+http {{
+    access_log off; client_body_temp_path {folder}/a; proxy_temp_path {folder}/b; fastcgi_temp_path {folder}/c;
+    uwsgi_temp_path {folder}/d; scgi_temp_path {folder}/e;
+    server {{ listen 127.0.0.1:{port}; root {folder}; location /slow/ {{ alias {folder}/; limit_rate 256k; }} }}
+}}
+"""
+
+
+class Remote(FarmTest):
+    def setUp(self):
+        super().setUp()
+        self.server = Server(self.folder)
+        self.addCleanup(self.server.server_close)
+        self.addCleanup(self.server.shutdown)
+
+    def generate(self, name, *options):
+        self.succeed("latent-inspect", "gen", "-o", self.folder / name, "--precision", 9, *options)
+
+    def same_from_afar(self, verb, file, *options, way="plain", suffix=".exr"):
+        """Both files that a tool makes: of a file on disk, and of the same on the server."""
+        made = []
+        for place in (self.folder / file, self.server.url(file, way)):
+            made.append(self.folder / f"made-{len(made)}{suffix}")
+            self.succeed(verb, place, "-o", made[-1], "--force", "--quiet", *options)
+        self.assertEqual(made[0].read_bytes(), made[1].read_bytes())
+
+    def test_a_crop_transfers_little_more_than_its_share_over_many_connections(self):
+        self.generate("parts.latent", "--records", "16Mi", "--aspect", "3:2")
+        self.succeed("latent-merge", self.folder / "parts.latent", "-o", self.folder / "all.latent", "--compact")
+        self.server.delay = 0.03
+        self.server.reset()
+        self.same_from_afar("latent-develop", "all.latent", "--size", "3000x2000", "--crop", "1301,1111,1676,1361")  # 1/64
+        self.assertLess(self.server.sent, (self.folder / "all.latent").stat().st_size / 32)
+        self.assertGreaterEqual(self.server.most_at_once, 16)
+
+    def test_indexes_of_many_runs_are_on_their_way_together(self):
+        self.generate("parts.latent", "--records", "1Mi", "--run-samples", "16Ki")
+        self.server.delay = 0.05
+        self.same_from_afar("latent-develop", "parts.latent", "--size", "512", "--crop", "0,0,16,16")
+        self.assertGreaterEqual(self.server.most_at_once, 16)
+        self.assertGreater(self.server.requests, 32)
+
+    def test_tools_make_the_same_of_a_file_on_a_rough_server(self):
+        self.generate("a.latent", "--records", "20K", "--run-samples", "16Ki", "--light", "0.1")
+        self.same_from_afar("latent-develop", "a.latent", "--size", "64", way="rough")
+        self.same_from_afar("latent-merge", "a.latent", way="rough", suffix=".latent")
+        self.same_from_afar("latent-merge", "a.latent", "--compact", way="rough", suffix=".latent")
+        command = ["latent-inspect", "recover"]
+        for place, name in ((self.folder / "a.latent", "r0.latent"), (self.server.url("a.latent", "rough"), "r1.latent")):
+            self.succeed(*command, place, "-o", self.folder / name)
+        self.assertEqual((self.folder / "r0.latent").read_bytes(), (self.folder / "r1.latent").read_bytes())
+        self.succeed("latent-inspect", "verify", "--deep", self.server.url("a.latent", "rough"))
+        here, there = (self.succeed("latent-inspect", "cat", place).stdout
+                       for place in (self.folder / "a.latent", self.server.url("a.latent", "rough")))
+        self.assertEqual(here, there)
+
+    def test_parts_on_several_servers_and_on_disk_are_merged(self):
+        self.generate("all.latent", "--records", "96Ki", "--run-samples", "32Ki")
+        for i in range(3):
+            self.generate(f"{i}.latent", "--records", "32Ki", "--run-samples", "32Ki", "--first", 32768 * i)
+        other = Server(self.folder)
+        self.addCleanup(other.server_close)
+        self.addCleanup(other.shutdown)
+        self.succeed("latent-merge", self.server.url("2.latent"), self.folder / "0.latent", other.url("1.latent?X-Signature=secret"),
+                     "-o", self.folder / "merged.latent")
+        self.succeed("latent-merge", self.folder / "all.latent", "-o", self.folder / "one.latent")
+        runs = [json.loads(self.succeed("latent-inspect", "info", "--json", self.folder / name).stdout)["runs"]
+                for name in ("merged.latent", "one.latent")]
+        self.assertEqual(runs[0], runs[1])
+
+    def test_damage_on_the_server_is_left_out_and_listed(self):
+        self.generate("a.latent", "--records", "96Ki", "--run-samples", "32Ki")
+        data = bytearray((self.folder / "a.latent").read_bytes())
+        data[len(data) // 2] ^= 1
+        (self.folder / "a.latent").write_bytes(data)
+        self.succeed("latent-inspect", "verify", self.server.url("a.latent"), status=4)
+        self.succeed("latent-merge", self.server.url("a.latent"), "-o", self.folder / "m.latent", status=3)
+
+    def test_an_unfinished_part_gives_what_is_committed(self):
+        self.generate("a.latent", "--records", "96Ki", "--run-samples", "32Ki")
+        size = (self.folder / "a.latent").stat().st_size
+        part = "b.latent.part.0123456789abcdef"
+        shutil.copy(self.folder / "a.latent", self.folder / part)
+        os.truncate(self.folder / part, size * 2 // 3)
+        done = self.succeed("latent-develop", self.server.url(part), "--size", 32, "-o", self.folder / "b.exr", "--json")
+        self.assertGreaterEqual(json.loads(done.stdout)["camera_records"], 32768)
+
+    def test_what_cannot_be_read_fails_with_one_line_and_no_secret_and_no_output(self):
+        self.generate("a.latent", "--records", "10K")
+        (self.folder / "text").write_text("not samples")
+        for way, name, what in (("plain", "none.latent", "there is no such file on the server"), ("refused", "a.latent", "status 403"),
+                                ("whole", "a.latent", "must answer range requests"), ("broken", "a.latent", "status 500"),
+                                ("other", "a.latent", "not the range"), ("plain", "text", "not a Latent file")):
+            out = self.folder / "out.exr"
+            self.fail_with(what, "latent-develop", self.server.url(name, way), "-o", out)
+            self.assertFalse(out.exists())
+        done = self.fail_with("status 403", "latent-inspect", "info", self.server.url("a.latent?X-Signature=secret", "refused"))
+        self.assertNotIn("secret", done.stderr)
+        with socket.socket() as nobody:
+            nobody.bind(("127.0.0.1", 0))
+            self.fail_with("127.0.0.1", "latent-inspect", "info", f"http://127.0.0.1:{nobody.getsockname()[1]}/a.latent")
+
+    @unittest.skipUnless(shutil.which("nginx"), "nginx is not installed")
+    def test_nginx_serves_what_is_on_its_disk(self):
+        self.generate("a.latent", "--records", "200K", "--run-samples", "64Ki")
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        self.folder.chmod(0o755)  # nginx's workers have a user of their own
+        (self.folder / "nginx.conf").write_text(NGINX.format(folder=self.folder, port=port))
+        nginx = subprocess.Popen(["nginx", "-c", self.folder / "nginx.conf", "-e", self.folder / "nginx.log"])
+        self.addCleanup(nginx.wait)
+        self.addCleanup(nginx.terminate)
+        url = f"http://127.0.0.1:{port}/a.latent"
+        for _ in range(100):
+            if run("latent-inspect", "verify", "--quick", url).returncode == 0:
+                break
+            time.sleep(0.1)
+        for place in (url, url.replace("a.latent", "slow/a.latent")):
+            self.succeed("latent-merge", place, "-o", self.folder / "b.latent", "--force")
+            self.succeed("latent-merge", self.folder / "a.latent", "-o", self.folder / "c.latent", "--force")
+            self.assertEqual((self.folder / "b.latent").read_bytes(), (self.folder / "c.latent").read_bytes())
+        self.fail_with("no such file on the server", "latent-inspect", "info", url + "x")
+
+
+if __name__ == "__main__":
+    unittest.main()

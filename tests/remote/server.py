@@ -1,0 +1,132 @@
+"""A web server for tests, on loopback. The first part of a path says how it behaves; what follows is a file in its folder.
+
+plain    answers range requests
+rough    the same, but up to twice for each range it first sends an error, half of the bytes, or resets the connection
+stalled  the first answer for a range that begins at a multiple of 4096 stops half-way, and nothing more comes
+whole    ignores ranges
+other    sends other bytes than were asked for
+broken   always an error of the server
+refused  403
+moved    a redirection to plain
+"""
+import functools
+import http.server
+import pathlib
+import random
+import re
+import socket
+import struct
+import sys
+import threading
+import time
+
+
+class Server(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+    request_queue_size = 128
+
+    def __init__(self, folder, delay=0.0):
+        self.folder, self.delay = pathlib.Path(folder), delay
+        self.lock = threading.Lock()
+        self.answers = {}  # (path, range) -> how many so far
+        self.requests = self.sent = self.at_once = self.most_at_once = 0
+        super().__init__(("127.0.0.1", 0), Handler)
+        self.thread = threading.Thread(target=functools.partial(self.serve_forever, poll_interval=0.05), daemon=True)
+        self.thread.start()
+
+    def url(self, name, way="plain"):
+        return f"http://127.0.0.1:{self.server_port}/{way}/{name}"
+
+    def reset(self):
+        with self.lock:
+            self.requests = self.sent = self.most_at_once = 0
+
+    def handle_error(self, request, client_address):
+        pass  # a client that went away
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+
+    def log_message(self, *_):
+        pass
+
+    def do_GET(self):
+        server = self.server
+        with server.lock:
+            server.requests += 1
+            server.at_once += 1
+            server.most_at_once = max(server.most_at_once, server.at_once)
+            key = (self.path, self.headers.get("Range"))
+            before = server.answers.get(key, 0)
+            server.answers[key] = before + 1
+        try:
+            time.sleep(server.delay)
+            self.answer(*self.path.split("?")[0].lstrip("/").split("/", 1), before)
+        finally:
+            with server.lock:
+                server.at_once -= 1
+
+    def fail(self, status, **headers):
+        body = b"sorry\n"
+        self.send_response(status)
+        for name, value in headers.items():
+            self.send_header(name.replace("_", "-"), value)
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def answer(self, way, name, before):
+        path = self.server.folder / name
+        if way in ("broken", "refused"):
+            return self.fail(500 if way == "broken" else 403)
+        if way == "moved":
+            return self.fail(302, Location=self.server.url(name))
+        if not path.is_file():
+            return self.fail(404)
+        size = path.stat().st_size
+        match = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("Range", ""))
+        if not match or way == "whole":
+            first, end, status = 0, size, 200
+        else:
+            first, end, status = int(match[1]), min(int(match[2]) + 1, size), 206
+            if way == "other":
+                first += 1
+            if first >= size:
+                return self.fail(416, Content_Range=f"bytes */{size}")
+        kind = "whole"
+        if way == "rough" and before < 2:
+            kind = random.Random(f"{self.path} {first} {before}").choice(["whole", "error", "busy", "short", "cut", "reset"])
+        if way == "stalled" and before == 0 and first % 4096 == 0:
+            kind = "stalled"
+        if kind in ("error", "busy"):
+            return self.fail(503 if kind == "error" else 429, Retry_After="0")
+        if kind == "short":  # a range that is shorter than was asked for
+            end = (first + end + 1) // 2
+        with path.open("rb") as file:
+            file.seek(first)
+            body = file.read(end - first)
+        self.send_response(status)
+        if status == 206:
+            self.send_header("Content-Range", f"bytes {first}-{end - 1}/{size}")
+        self.send_header("Content-Length", str(end - first))
+        self.end_headers()
+        part = body if kind in ("whole", "short") else body[:len(body) // 2 + 1]
+        self.wfile.write(part)
+        with self.server.lock:
+            self.server.sent += len(part)
+        if kind == "stalled":
+            time.sleep(30)
+        if kind == "reset":
+            self.wfile.flush()
+            self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        if kind in ("cut", "reset", "stalled"):
+            self.close_connection = True
+
+
+if __name__ == "__main__":  # server.py FOLDER PORTFILE: serves until it is killed
+    served = Server(sys.argv[1])
+    port_file = pathlib.Path(sys.argv[2])
+    port_file.with_suffix(".new").write_text(str(served.server_port))
+    port_file.with_suffix(".new").rename(port_file)
+    served.thread.join()
