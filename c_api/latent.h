@@ -1,8 +1,8 @@
-/* c_api/latent.h: read, write and merge .latent files from C, or from anything that can call C. What the numbers mean is in
- * docs/format.md ("Records"); examples are in docs/library.md, examples/write.c and examples/read.c.
+/* c_api/latent.h: read, write and merge .latent files from C, or from any language that can call C. For the meaning of the numbers,
+ * see docs/format.md ("Records"); for examples, docs/library.md, examples/write.c and examples/read.c.
  *
  * Functions return LATENT_OK or another latent_status. With a non-null `error`, a failed call leaves its status and one line of
- * text there; `error` may always be null. Null where something is needed, and structs of an unknown size, are LATENT_USAGE. No
+ * text there; `error` may always be null. A null pointer where one is required, or a struct of an unknown size, is LATENT_USAGE. No
  * function throws, ends the process, prints, or keeps state outside the objects that it is given.
  *
  * Structs that begin with `size`: set it to sizeof the struct and every other field that you do not use to 0, as in
@@ -29,10 +29,10 @@ extern "C" {
 
 typedef enum latent_status {
     LATENT_OK = 0,
-    LATENT_IO = 1,            /* the system refused; the message has the reason */
+    LATENT_IO = 1,            /* an error of the system; the message gives the reason */
     LATENT_NO_SPACE = 2,      /* disk full or quota reached */
     LATENT_NOT_FOUND = 3,     /* no such file */
-    LATENT_EXISTS = 4,        /* the output is there already */
+    LATENT_EXISTS = 4,        /* the output already exists */
     LATENT_FOREIGN = 5,       /* not a .latent file */
     LATENT_TRUNCATED = 6,     /* ends before it should */
     LATENT_CORRUPT = 7,       /* a checksum, a range or a structure is wrong */
@@ -79,7 +79,7 @@ typedef struct latent_column {
 
 typedef struct latent_job {
     size_t size;
-    uint64_t id_low, id_high;             /* stands for everything that shapes a record; files of one id are one rendering */
+    uint64_t id_low, id_high;             /* identifies everything that shapes a record; files with one id are one rendering */
     uint32_t aspect_width, aspect_height; /* of the film; any two positive numbers */
     uint32_t kind;                        /* LATENT_SPECTRAL or LATENT_XYZ */
     uint32_t batch;                       /* spectral: k, most pairs of a record, 1..1024; XYZ: 0 */
@@ -139,10 +139,10 @@ typedef struct latent_writer latent_writer;
 
 typedef struct latent_write_options {
     size_t size;
-    latent_range samples;      /* of this part; best begun at a multiple of S, samples per run */
-    double checkpoint_seconds; /* how much rendering a kill may cost; 0: 60 */
+    latent_range samples;      /* of this part; first is best a multiple of S, samples per run */
+    double checkpoint_seconds; /* interval of commits, the most work that a kill loses; 0: 60 */
     const char* provenance;    /* a JSON object: who wrote this, where and when; or null */
-    uint32_t replace;          /* 1: start over, whatever is there under this name */
+    uint32_t replace;          /* 1: start over, and replace what has this name */
     uint32_t zero;
 } latent_write_options;
 
@@ -152,34 +152,34 @@ typedef struct latent_writer_info {
     uint64_t bytes_written, runs_written, checkpoints_written;
 } latent_writer_info;
 
-/* `path` ends in .latent. A finished file that holds a part of the range is extended. LATENT_MISMATCH if a file of another job, or
- * one with other samples, too, is there under this name. */
+/* `path` ends in .latent. A finished file that holds a part of the range is extended. LATENT_MISMATCH if a file with this name is
+ * of another job, or also holds other samples. */
 LATENT_API latent_status latent_writer_open(const char* path, const latent_job* job, const latent_write_options* options,
                                             latent_writer** writer, latent_error* error);
 /* Number of intervals of samples that were missing when the part was opened; the first `capacity` of them are stored in `ranges`,
  * which may be null if `capacity` is 0. */
 LATENT_API size_t latent_writer_missing(const latent_writer* writer, latent_range* ranges, size_t capacity);
-/* Hands out the next missing grain, 1024 samples or fewer, ascending. Returns 1, or 0 when all are handed out. */
+/* Gives the next missing grain, 1024 samples or fewer, in ascending order. Returns 1, or 0 when there are no more. */
 LATENT_API int latent_writer_next(latent_writer* writer, latent_range* grain);
-/* Takes all records of the samples of a grain, in any order; samples may have none. Copies them. Blocks while the disk is behind,
- * or while 64 MiB wait for an older grain: submit what `latent_writer_next` hands out, soon. LATENT_OUT_OF_RANGE, naming sample
- * and field, if a record does not fit the job; then nothing was taken, and the grain can be submitted again. */
+/* Copies all records of the samples of a grain, in any order; samples may have none. Blocks while the disk is behind, or while
+ * 64 MiB wait for an older grain, so submit grains soon after `latent_writer_next` gives them. If a record does not fit the job:
+ * LATENT_OUT_OF_RANGE, with sample and field in the message; nothing is taken, and the grain can be submitted again. */
 LATENT_API latent_status latent_writer_submit(latent_writer* writer, latent_range grain, const latent_records* records,
                                               latent_error* error);
-/* Returns when everything up to the first missing grain is on disk. Otherwise this happens by itself, at intervals. */
+/* Commits everything up to the first missing grain, and returns when it is on disk. This also happens by itself, at intervals. */
 LATENT_API latent_status latent_writer_checkpoint(latent_writer* writer, latent_error* error);
-/* A grain that was handed out will not come: calls of `latent_writer_submit` that wait for it return LATENT_STOPPED. */
+/* Call this if a grain will never be submitted: calls of `latent_writer_submit` that wait for it then return LATENT_STOPPED. */
 LATENT_API void latent_writer_stop(latent_writer* writer);
-/* All grains are there: completes the file under its name. LATENT_USAGE if grains are missing. */
+/* Completes the file under its name. LATENT_USAGE if grains are missing. */
 LATENT_API latent_status latent_writer_finish(latent_writer* writer, latent_error* error);
 LATENT_API latent_status latent_writer_get_info(const latent_writer* writer, latent_writer_info* info, latent_error* error);
-/* What is not committed is lost, if the part is not finished. Null is allowed. */
+/* Work that is not committed is lost, unless the part is finished. Null is allowed. */
 LATENT_API void latent_writer_close(latent_writer* writer);
 
 /* ---- Reading --------------------------------------------------------------------------------------------------------------
- * A reader sees files and folders as one set of runs, in which no sample counts twice (docs/format.md, "Selection"). Unfinished
- * parts can be read while they are written: what was committed is there. Memory does not grow with the files, except for the
- * list of runs. */
+ * A reader treats files and folders as one set of runs, in which no sample counts twice (docs/format.md, "Selection"). Unfinished
+ * parts can be read while they are written, up to the last commit. Memory does not grow with the files, except for the list of
+ * runs. */
 
 typedef struct latent_reader latent_reader;
 
@@ -193,7 +193,7 @@ typedef struct latent_reader_info {
     size_t size;
     uint64_t files, runs, pages;
     uint64_t samples;                              /* selected */
-    uint64_t camera_records, light_records, pairs; /* of the runs; those of runs that count in part, in full */
+    uint64_t camera_records, light_records, pairs; /* of the runs; in full, even if a run counts only in part */
     uint64_t light_paths;                          /* N, which the light image is divided by */
     uint64_t left_out;                             /* damaged or foreign items, see latent_reader_left_out */
 } latent_reader_info;
@@ -216,7 +216,7 @@ LATENT_API latent_status latent_reader_get_info(const latent_reader* reader, lat
 LATENT_API size_t latent_reader_coverage(const latent_reader* reader, latent_range* ranges, size_t capacity);
 /* Runs 0 .. info.runs-1, ascending by first sample. */
 LATENT_API latent_status latent_reader_run(const latent_reader* reader, uint64_t run, latent_run* info, latent_error* error);
-/* Item i of what was left out when the files were opened, "FILE: run 3: checksum mismatch"; null behind the last. */
+/* Item i of those left out when the files were opened, as "FILE: run 3: checksum mismatch"; null after the last. */
 LATENT_API const char* latent_reader_left_out(const latent_reader* reader, uint64_t i);
 LATENT_API void latent_reader_close(latent_reader* reader); /* after its cursors; null is allowed */
 
@@ -240,13 +240,13 @@ LATENT_API latent_status latent_cursor_open(const latent_reader* reader, const l
                                             latent_error* error);
 /* The next page that has records of the selection, at most 6144 of them, in the order of the file; at the end, records->count is 0.
  * The columns belong to the cursor until its next call. LATENT_CORRUPT, LATENT_TRUNCATED and LATENT_UNSUPPORTED cost one page or
- * one run: call again to continue behind it. */
+ * one run: call again to continue after it. */
 LATENT_API latent_status latent_cursor_next(latent_cursor* cursor, latent_records* records, latent_error* error);
 LATENT_API void latent_cursor_close(latent_cursor* cursor); /* null is allowed */
 
 /* ---- Merging --------------------------------------------------------------------------------------------------------------
  * Files, folders and unfinished parts of one job become one file, in which no sample counts twice. Runs are copied as they are, and
- * checked on the copy: afterwards the inputs can be deleted, if nothing was left out. The output appears when it is complete. */
+ * the copies are checked: if nothing was left out, the inputs can then be deleted. The output appears when it is complete. */
 
 enum { LATENT_VERIFY_STORED = 0, LATENT_VERIFY_QUICK = 1, LATENT_VERIFY_FULL = 2 };
 
@@ -255,13 +255,13 @@ typedef struct latent_merge_options {
     uint32_t verify;  /* LATENT_VERIFY_STORED: every byte, by its checksum; QUICK: headers and indexes; FULL: every record */
     uint32_t replace; /* 1: an existing output is replaced */
     uint32_t skip_duplicates;                          /* 1: files named one by one may hold the same samples */
-    uint32_t keep_going;                               /* 1: inputs that cannot be used are left out, though they were named */
+    uint32_t keep_going;                               /* 1: named inputs that cannot be used are left out, too */
     uint32_t compact;                                  /* 1: many small runs become a few large ones; records do not change */
-    uint32_t threads;                                  /* at most; 0: as many as the machine has */
-    uint64_t memory;                                   /* bytes to stay within; 0: 1 GiB */
-    latent_range require;                              /* fail unless all of these samples are there; 0, 0: take what there is */
+    uint32_t threads;                                  /* maximum; 0: one per processor */
+    uint64_t memory;                                   /* limit in bytes; 0: 1 GiB */
+    latent_range require;                              /* samples that must be present; 0, 0: no such condition */
     uint64_t job_low, job_high;                        /* if folders hold several jobs, the one to merge; 0, 0: there is only one */
-    void (*progress)(void* context, double done);      /* null, or called now and then with the part that is done, 0..1, */
+    void (*progress)(void* context, double done);      /* null, or called at intervals with the fraction that is done, 0..1, */
     void (*left_out)(void* context, const char* item); /* null, or called for each damaged or foreign item, */
     void* context;                                     /* with this, on one thread at a time */
 } latent_merge_options;
@@ -273,8 +273,8 @@ typedef struct latent_merge_info {
     uint64_t left_out; /* damaged or foreign items */
 } latent_merge_info;
 
-/* `output` ends in .latent. `options` and `info` may be null. After a failure there is no output. LATENT_EXISTS if it is there
- * already, LATENT_MISMATCH if samples are missing that `require` asks for, or if the inputs belong to several jobs. */
+/* `output` ends in .latent. `options` and `info` may be null. After a failure, there is no output. LATENT_EXISTS if the output
+ * already exists; LATENT_MISMATCH if required samples are missing, or if the inputs belong to several jobs. */
 LATENT_API latent_status latent_merge(const char* const* paths, size_t count, const char* output,
                                       const latent_merge_options* options, latent_merge_info* info, latent_error* error);
 

@@ -11,7 +11,7 @@ Records are columns: arrays of the same length n, one for each property.
     wavelengths  (n, k) float32  spectral jobs: nm; pairs that a record does not have are 0 in both
     ...          (n,)          the extra columns of the job; extra.NAME if the name is taken
 
-What the numbers mean: docs/format.md, "Records". A pixel is sum(value) / sum(share) over its camera records.
+The meaning of the numbers is defined in docs/format.md, "Records". A pixel is sum(value) / sum(share) over its camera records.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Reader:
 
     @property
     def left_out(self) -> list[str]:
-        """What was damaged or foreign when the files were opened, one line each."""
+        """Damaged or foreign items when the files were opened, one line each."""
         return self._reader.left_out()
 
     def pages(
@@ -107,7 +107,7 @@ def open(*paths: Path, skip_duplicates: bool = False, verify: bool = False) -> R
 
 
 def info(*paths: Path) -> dict[str, Any]:
-    """The job and the counts of files: what `Reader.job` and `Reader.info` say, in one dict."""
+    """The job and the counts of files, `Reader.job` and `Reader.info`, in one dict."""
     reader = open(*paths)
     return {**reader.job, **reader.info}
 
@@ -130,7 +130,7 @@ class Writer:
     ...     for first, end in part.grains():
     ...         part.submit((first, end), sample=n, u=u, v=v, x=x, y=y, z=z)
 
-    job_id: 32 hexadecimal digits that stand for everything that shapes a record. wavelengths: k of a spectral job, 0 in XYZ jobs.
+    job_id: 32 hexadecimal digits that identify everything that shapes a record. wavelengths: k of a spectral job, 0 in XYZ jobs.
     samples: (first, end); first is best a multiple of run_samples. Leaving the `with` block finishes the file, unless by an exception.
     """
 
@@ -165,7 +165,7 @@ class Writer:
         return self._writer.missing()
 
     def grains(self) -> Iterator[tuple[int, int]]:
-        """Hands out the missing grains (first, end), 1024 samples or fewer. Several threads may share the work."""
+        """Yields the missing grains (first, end), 1024 samples or fewer. Several threads may share the work."""
         while (grain := self._writer.next()) is not None:
             yield grain
 
@@ -189,7 +189,7 @@ class Writer:
             self.submit(grain, sample=sample[rows], **{name: column[rows] for name, column in columns.items()})
 
     def checkpoint(self) -> None:
-        """Returns when everything up to the first missing grain is on disk."""
+        """Commits everything up to the first missing grain, and returns when it is on disk."""
         self._writer.checkpoint()
 
     def finish(self) -> None:
@@ -197,7 +197,7 @@ class Writer:
         self._writer.finish()
 
     def close(self) -> None:
-        """What is not committed is lost, if the part is not finished."""
+        """Work that is not committed is lost, unless the part is finished."""
         self._writer.close()
 
     def __enter__(self) -> Writer:

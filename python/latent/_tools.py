@@ -1,4 +1,4 @@
-"""What latent-merge and latent-develop do, as functions."""
+"""latent-merge and latent-develop as functions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class LatentWarning(UserWarning):
-    """Something was left out, or could be done better."""
+    """Something was left out, or there is advice."""
 
 
 def merge(
@@ -32,7 +32,7 @@ def merge(
 ) -> dict[str, Any]:
     """Joins files, folders and unfinished parts of one job into one file, as latent-merge does.
 
-    require: samples (first, end) that must all be there. verify: how the copies are checked, "quick", "stored" or "full". compact:
+    require: samples (first, end) that must be present. verify: how the copies are checked, "quick", "stored" or "full". compact:
     rewrite many small runs as a few large ones. job: 32 hexadecimal digits, if folders hold several. memory: bytes. threads: at most;
     0: all. Returns counts (samples, files, runs_in, runs_out, camera_records, light_records, bytes) and left_out, a list of lines.
     """
@@ -48,7 +48,7 @@ def develop(*paths: Path, **options: Any) -> np.ndarray:
     """Develops files, folders and unfinished parts of one job into a picture, as latent-develop does, with the same bits.
 
     Returns float32 (height, width, 3): linear X, Y, Z (a camera's R, G, B without camera_xyz). With spectral_bins: (height, width,
-    bins), radiance in W m^-2 sr^-1 nm^-1. What was left out, and advice, is a LatentWarning.
+    bins), radiance in W m^-2 sr^-1 nm^-1. Left-out input and advice are issued as LatentWarning.
 
     size: width, or (width, height), in pixels; default: the largest with 16 samples per pixel. crop: (x0, y0, x1, y1), pixels of the
     whole picture. filter: such as "box" or "quartic:-3,1.5", the default. observer: a name ("cie1964", "kodak_trix_400") or a CSV
