@@ -359,7 +359,7 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
     EXPECT_THAT(broken("/extensionsRequired", {"KHR_draco_mesh_compression"}),
                 HasSubstr("/extensionsRequired/0: KHR_draco_mesh_compression is not supported"));
     EXPECT_THAT(broken("/materials/0/pbrMetallicRoughness/metallicFactor", "shiny"), HasSubstr("metallicFactor: must be a"));
-    EXPECT_THAT(broken("/meshes/0/primitives/0/attributes/POSITION", 1), HasSubstr("has 1 numbers to an item"));
+    EXPECT_THAT(broken("/meshes/0/primitives/0/attributes/POSITION", 1), HasSubstr("has 1 numbers per item"));
     EXPECT_THAT(broken("/scenes", Json::array()), HasSubstr("there is no scene"));
     GltfFile file = quad_and_lamp();
     file.binary[4 * 4 + 3] = '\x7f', file.binary[4 * 4 + 2] = '\xc0';  // y of vertex 1

@@ -123,9 +123,10 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
                                  "spectral bins to store instead of XYZ, as radiance per nm: a number of bins from 360 to 830 nm, "
                                  "or their range and width in nm")
                      ->type_name("N|FROM:TO:STEP");
-    auto* ratio = cli::add_choice<bool>(app, "--estimator", options.ratio, {{"standard", false}, {"ratio", true}},
-                                        "how spectral records become colours of the camera image: standard has no bias; ratio has "
-                                        "less colour noise at few samples");
+    auto* ratio = cli::add_choice<bool>(
+        app, "--estimator", options.ratio, {{"standard", false}, {"ratio", true}},
+        "estimator of the colours of the camera image: standard is unbiased; ratio has less colour noise with "
+        "few samples");
     bins->excludes(ratio);
     for (const char* observer : {"--observer", "--camera-output", "--raw-balance", "--lens-filter"})
         bins->excludes(app.get_option(observer));

@@ -61,7 +61,7 @@ std::optional<Items> items_of(const GltfDocument& document, const GltfValue& acc
         return std::nullopt;
     }
     if (count > 0 && (offset > length || length - offset < item || (length - offset - item) / stride < count - 1)) {
-        accessor.error(fmt::format("its {} items leave the {} bytes of its buffer view", count, length));
+        accessor.error(fmt::format("its {} items exceed the {} bytes of its buffer view", count, length));
         return std::nullopt;
     }
     return Items{reinterpret_cast<const std::byte*>(bytes.data()) + begin + offset, static_cast<std::size_t>(stride)};
@@ -178,7 +178,7 @@ std::optional<std::vector<float>> read_floats(const GltfDocument& document, cons
     const std::optional<Accessor> a = accessor_of(document, index);
     if (!a) return std::nullopt;
     if (a->components != components) {
-        a->value.error(fmt::format("has {} numbers to an item; {} needs {}", a->components, index.path(), components));
+        a->value.error(fmt::format("has {} numbers per item; {} needs {}", a->components, index.path(), components));
         return std::nullopt;
     }
     const bool normalized = a->value["normalized"].flag(false);

@@ -57,7 +57,7 @@ class GltfLoader {
         for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
         for (const Placement& p : placements_) place(p);
         if (!model_.has_camera && root()["cameras"].size() > 0) root()["cameras"].warn("no node of the scene has a camera");
-        if (root()["animations"].size() > 0) root()["animations"].warn("nothing moves: animations are ignored");
+        if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored");
         if (root()["skins"].size() > 0) root()["skins"].warn("skins are ignored: figures are in their rest pose");
         return std::move(model_);
     }
@@ -86,7 +86,7 @@ class GltfLoader {
         for (std::size_t i = 0; i < used.size(); ++i) {
             const std::string name = used[i].text();
             if (!is_known_extension(name) && std::ranges::find(refused, name) == refused.end())
-                used[i].warn(fmt::format("{} is not supported, and ignored", name));
+                used[i].warn(fmt::format("{} is not supported, and is ignored", name));
         }
     }
 
@@ -156,7 +156,7 @@ class GltfLoader {
         const GltfValue light = node.extension("KHR_lights_punctual")["light"];
         const bool is_singular = !m.inverse();
         if (is_singular && (node["mesh"].exists() || node["camera"].exists() || light.exists()))
-            return node.warn("is scaled to nothing, and left out");
+            return node.warn("has a scale of 0, and is left out");
         if (const auto mesh = node["mesh"].index(root()["meshes"])) placements_.push_back({index, *mesh, m});
         if (const auto camera = node["camera"].index(root()["cameras"])) {
             if (!model_.has_camera) {

@@ -97,7 +97,7 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
         if (info.exists() && uv_set_of(info) != out.uv_set)
             info.warn("its texture coordinates are replaced by those of the first texture");
     }
-    if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored: light is traced");
+    if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored, since occlusion is computed");
 }
 
 // The base colour's alpha: the share of the surface that is there, or, by a mask, whether it is.
@@ -160,7 +160,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     }
     read_alpha(material, base[3], textures, out);
     for (const std::string& name : material["extensions"].keys()) {
-        if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and ignored");
+        if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
     }
     read_emission(material, colors, textures, out);
     return out;

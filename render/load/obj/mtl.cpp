@@ -122,7 +122,7 @@ void read_property(const Statements& s, Block& b) {
                key == "refl") {
         s.warn(fmt::format("{}: is ignored", key));
     } else if (std::ranges::find(kIgnored, key) == std::end(kIgnored)) {
-        s.warn(fmt::format("{}: is unknown, and ignored", key));
+        s.warn(fmt::format("{}: is unknown, and is ignored", key));
     }
 }
 

@@ -176,7 +176,7 @@ void SceneBuilder::add_shape(const Directive& d) {
     const ParameterList parameters = list(d, "shape");
     const bool is_mesh = d.strings[0] != "sphere" && d.strings[0] != "disk" && d.strings[0] != "cylinder";
     if (!state_.ctm.inverse() && !is_mesh) {
-        return parameters.warn(fmt::format("Shape: ignored: the transformation is singular, so this {} is nowhere", d.strings[0]));
+        return parameters.warn(fmt::format("Shape: the {} is left out, since its transformation is singular", d.strings[0]));
     }
     if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
     for (LoadedShape& loaded : read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, textures_, files_)) {
@@ -211,7 +211,7 @@ void SceneBuilder::add_instance(const Directive& d) {
     const std::optional<Affined> inverse = state_.ctm.inverse();
     if (!inverse) {
         object(d.strings[0], d.where);
-        return diagnostics_.warn(d.where, "ObjectInstance: ignored: the transformation is singular, so it is nowhere");
+        return diagnostics_.warn(d.where, "ObjectInstance: left out, since its transformation is singular");
     } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
         diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
     }
