@@ -35,32 +35,59 @@ double trial_seconds(const RenderOptions& options) {
     return options.max_seconds > 0 ? std::min(options.max_seconds, kMost) : kMost;
 }
 
-Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
-    const Result<sampledb::Coverage> missing = sampledb::PartWriter::find_missing(part_options(job, options), job.job);
-    if (!missing) return missing.error();
-    Forecast out;
+Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const std::filesystem::path& parent,
+                           const std::atomic<bool>& stop) {
+    Trial out{TemporaryPath(parent / (".latent-trial-" + make_nonce())), {}, {}};
+    const std::filesystem::path& folder = out.folder.path();
+    std::error_code error;
+    if (!std::filesystem::create_directory(folder, error))
+        return Error{ErrorCode::kIo, fmt::format("{}: cannot create the folder: {}", folder.string(), error.message())};
+    RenderOptions trial = options;
+    trial.output = folder / "trial.latent";
+    trial.max_seconds = seconds;
+    Result<RenderReport> report = render(job, trial, stop, {});
+    if (!report) return report.error();
+    if (report->samples == 0) return Error{ErrorCode::kStopped, "the trial ended before any sample was finished"};
+    out.report = std::move(*report);
+    out.file = std::filesystem::directory_iterator(folder)->path();  // the part, or an attempt at it
+    return out;
+}
+
+namespace {
+
+// What can be said before a trial, and which samples are missing.
+Result<sampledb::Coverage> begin_forecast(const RenderJob& job, const RenderOptions& options, Forecast& out) {
+    Result<sampledb::Coverage> missing = sampledb::PartWriter::find_missing(part_options(job, options), job.job);
+    if (!missing) return missing;
     out.samples = job.range.size();
     out.committed = job.range.size() - missing->size();
     out.free_bytes = free_space(options);
-    if (missing->empty()) return out;
+    return missing;
+}
 
-    std::error_code error;
-    const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
-    if (error) return Error{ErrorCode::kIo, "no folder for temporary files; set TMPDIR: " + error.message()};
-    const TemporaryPath folder(temporary / ("latent-dry-run-" + make_nonce()));
-    if (!std::filesystem::create_directory(folder.path(), error))
-        return Error{ErrorCode::kIo, fmt::format("{}: cannot create the folder: {}", folder.path().string(), error.message())};
-    RenderOptions trial = options;
-    trial.output = folder.path() / "trial.latent";
-    trial.max_seconds = seconds;
-    const Result<RenderReport> report = render(job, trial, stop, {});
-    if (!report) return report.error();
-    if (report->samples == 0) return Error{ErrorCode::kStopped, "the dry run ended before any sample was finished"};
-    const auto measured = static_cast<double>(report->samples);
-    out.measured_samples = report->samples;
-    out.seconds = report->seconds * static_cast<double>(missing->size()) / measured;
-    out.bytes = scaled(report->written.bytes_written, static_cast<double>(out.samples) / measured);
+}  // namespace
+
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, const Trial& trial) {
+    Forecast out;
+    const Result<sampledb::Coverage> missing = begin_forecast(job, options, out);
+    if (!missing) return missing.error();
+    const auto measured = static_cast<double>(trial.report.samples);
+    out.measured_samples = trial.report.samples;
+    out.seconds = trial.report.seconds * static_cast<double>(missing->size()) / measured;
+    out.bytes = scaled(trial.report.written.bytes_written, static_cast<double>(out.samples) / measured);
     return out;
+}
+
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
+    Forecast out;
+    const Result<sampledb::Coverage> missing = begin_forecast(job, options, out);
+    if (!missing) return missing.error();
+    if (missing->empty()) return out;
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    if (error) return Error{ErrorCode::kIo, "no folder for temporary files; set TMPDIR: " + error.message()};
+    const Result<Trial> trial = render_trial(job, options, seconds, parent, stop);
+    return trial ? forecast(job, options, *trial) : trial.error();
 }
 
 std::string too_large(const Forecast& forecast, const std::filesystem::path& output) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "base/temporary_path.h"
 #include "render/program/loop.h"
 
 namespace latent::render {
@@ -30,8 +31,18 @@ struct Forecast {
 // Of a dry run: two, or less if --max-time says so.
 double trial_seconds(const RenderOptions& options);
 
-// From `seconds` of rendering into a temporary file that is gone afterwards. Errors: those of `render`, and kStopped if not one
-// sample was finished.
+// A short render, in a folder of its own that is gone with it.
+struct Trial {
+    TemporaryPath folder;
+    std::filesystem::path file;
+    RenderReport report;
+};
+// Of `seconds`, in a folder in `parent`. Errors: those of `render`, and kStopped if not one sample was finished.
+Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const std::filesystem::path& parent,
+                           const std::atomic<bool>& stop);
+
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, const Trial& trial);
+// From a trial of `seconds` in the system's folder for temporary files, unless nothing is missing.
 Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop);
 
 // For a forecast that does not fit: what, where, and what to do.

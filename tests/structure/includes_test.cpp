@@ -55,7 +55,8 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/load/obj", {"render/load/model"}},
         {"render/load", {"render/load/pbrt", "render/load/gltf", "render/load/obj"}},
         {"render/program", {"render/transport/bidirectional", "render/load", "sampledb/write"}},
-        {"render/main.cpp", {"render/program"}},
+        {"render/preview", {"render/program", "tools/develop", "tools/convert"}},
+        {"render/main.cpp", {"render/preview"}},
 
         {"tools/merge", {"sampledb/read"}},
         {"tools/develop", {"sampledb/read", "color", "image"}},

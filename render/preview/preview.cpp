@@ -1,0 +1,77 @@
+#include "render/preview/preview.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/file.h"
+#include "base/json.h"
+#include "base/printable.h"
+#include "base/temporary_path.h"
+#include "render/program/report.h"
+#include "tools/convert/convert.h"
+#include "tools/develop/picture.h"
+
+namespace latent::render {
+namespace {
+
+constexpr double kMostPixels = 1024, kLeastPixels = 16;  // of the longer side
+constexpr double kLeastPerPixel = 4;                     // samples
+
+// Of the picture; the height follows from the film.
+std::string width_for(const RenderJob& job, std::uint64_t samples) {
+    const double shape = static_cast<double>(job.job.aspect_height) / job.job.aspect_width, longer = std::max(1.0, shape);
+    const double enough = std::sqrt(static_cast<double>(samples) / (kLeastPerPixel * shape));
+    const double width = std::min({static_cast<double>(job.resolution.width), kMostPixels / longer, enough});
+    return fmt::format("{:.0f}", std::max(std::floor(width), std::ceil(kLeastPixels / longer)));
+}
+
+}  // namespace
+
+std::filesystem::path preview_path(const RenderOptions& options) {
+    return std::filesystem::path(options.output).replace_extension(".preview.png");
+}
+
+Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
+    const Result<Trial> trial = render_trial(job, options, seconds, folder_of(options.output), stop);
+    if (!trial) return trial.error();
+    const Result<Forecast> expected = forecast(job, options, *trial);
+    if (!expected) return expected.error();
+
+    develop::PictureOptions picture;
+    picture.inputs = {trial->file};
+    picture.output = trial->folder.path() / "preview.exr";
+    picture.size = width_for(job, trial->report.samples);
+    picture.dim_fireflies = true;
+    picture.threads = options.threads;
+    const Result<develop::PictureReport> developed = develop::develop_picture(picture, {});
+    if (!developed) return developed.error();
+
+    convert::ConvertOptions print;
+    print.input = picture.output;
+    print.outputs = {preview_path(options)};
+    print.auto_exposure = true;
+    print.threads = options.threads;
+    print.replace = true;
+    const Result<convert::ConvertReport> printed = convert::convert(print, {});
+    if (!printed) return printed.error();
+    return Preview{preview_path(options), printed->width, printed->height, printed->sigma, *expected};
+}
+
+std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
+    const double per_pixel = static_cast<double>(preview.forecast.measured_samples) / preview.width / preview.height;
+    if (json) {
+        nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_text(preview.forecast, job, true));
+        out["preview"] = {{"file", printable(preview.picture.string())},
+                          {"width", preview.width},
+                          {"height", preview.height},
+                          {"samples_per_pixel", per_pixel},
+                          {"sensitivity", preview.sensitivity}};
+        return json_text(out) + "\n";
+    }
+    return fmt::format("{}: {} x {} pixels, {:.3g} samples per pixel, printed with -s {:.4g}\n{}", preview.picture.string(),
+                       preview.width, preview.height, per_pixel, preview.sensitivity, to_text(preview.forecast, job, false));
+}
+
+}  // namespace latent::render

@@ -1,0 +1,73 @@
+#include "render/program/command_line.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/simd.h"
+#include "render/load/list_features.h"
+#include "render/program/arguments.h"
+#include "render/program/help.h"
+
+namespace latent::render {
+
+void add_arguments(CLI::App& app, CommandLine& line) {
+    app.add_option("SCENE", line.settings.scene, "scene file (.pbrt, .gltf, .glb, .obj)")->required();
+    app.add_option("-o,--output", line.options.output, "file to write: one part of the job")
+        ->required()
+        ->check(cli::ends_in(".latent"));
+    auto* spp = cli::add_positive_number(app, "--spp", line.settings.spp, "samples per pixel, at --resolution");
+    cli::add_parsed(app, "--samples", line.settings.samples, parse_samples, "samples A to B-1, instead of --spp")
+        ->excludes(spp)
+        ->type_name("A:B");
+    app.add_option("--more-than", line.settings.more_than, "render only the samples of --spp that follow those in these files")
+        ->excludes("--samples")
+        ->type_name("FILE...");
+    cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
+    cli::add_parsed(app, "--resolution", line.settings.resolution, parse_resolution,
+                    "image size, used only to count samples for --spp (default: the scene's); samples have no pixels")
+        ->type_name("WxH");
+    cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", line.settings.integrator,
+                                                   {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},
+                                                   "path tracing or bidirectional path tracing (default: the scene's)");
+    cli::add_choice<Connections>(app, "--connections", line.settings.connections,
+                                 {{"one", Connections::kOne}, {"all", Connections::kAll}},
+                                 "connections that bdpt makes for each path length: one at random, or all");
+    cli::add_parsed(app, "--max-depth", line.settings.max_depth, parse_depth,
+                    "maximum number of scattering vertices per path (default: the scene's)")
+        ->type_name("N|unlimited");
+    using sampledb::RecordKind;
+    cli::add_choice<RecordKind>(app, "--record", line.settings.record,
+                                {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
+                                "contents of a record: a value for each wavelength, or XYZ only");
+    cli::add_count(app, "--wavelengths", line.settings.wavelengths, "wavelengths per sample", 4u, 32u);
+    app.add_flag("--light-groups", line.settings.light_groups, "keep lights of different names apart, for latent-develop --light");
+    cli::add_count(app, "--precision", line.settings.precision,
+                   "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
+    cli::add_count(app, "--seed", line.settings.seed, "random seed; each seed is a separate job with independent samples");
+    cli::add_count(app, "--run-samples", line.settings.run_samples,
+                   "samples per run, the unit of storage; a power of two (default: runs of about 64 MiB)", 1024u, 4194304u);
+    cli::add_duration(app, "--checkpoint", line.options.checkpoint_seconds, "interval at which finished work is committed to disk")
+        ->default_str("60s");
+    cli::add_duration(app, "--max-time", line.options.max_seconds,
+                      "time limit; the render stops with exit status 75 and can be resumed");
+    cli::add_size(app, "--texture-cache", line.settings.texture_cache, "memory limit for decoded textures")->default_str("256M");
+    app.add_option("--simd", line.settings.simd,
+                   "instruction set for ray tracing; best is the fastest available up to avx2. Samples are bit-identical only with "
+                   "the same set")
+        ->capture_default_str()
+        ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
+    auto* dry =
+        app.add_flag("--dry-run", line.dry_run,
+                     "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
+    cli::add_duration(app, "--preview", line.preview_seconds,
+                      "render for this long, write a small picture of it to NAME.preview.png, and print the same")
+        ->excludes(dry);
+    app.add_flag("--strict", line.settings.strict, "treat ignored scene features as errors instead of warnings");
+    app.add_flag_callback(
+        "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },
+        "list the supported scene features, and exit");
+    app.add_flag("--ignore-space", line.ignore_space, "start even if the file is not expected to fit on the disk");
+    app.footer(kBelowOptions);
+}
+
+}  // namespace latent::render

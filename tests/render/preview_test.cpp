@@ -1,0 +1,76 @@
+// latent-render --preview: a picture soon, and nothing else.
+#include "render/preview/preview.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/faults/process.h"
+#include "tests/support/paths.h"
+
+namespace latent::render {
+namespace {
+
+using latent::testing::Outcome;
+using ::testing::HasSubstr;
+
+class PreviewTest : public ::testing::Test {
+ protected:
+    Outcome render(const std::vector<std::string>& more) {
+        std::vector<std::string> command{latent::testing::tool("latent-render"), latent::testing::in_tree("scenes/cornell.pbrt"),
+                                         "-o", (folder_ / "p.latent").string()};
+        command.insert(command.end(), more.begin(), more.end());
+        return latent::testing::run(command);
+    }
+    // Width and height in the header of a PNG.
+    std::pair<unsigned, unsigned> png_size(const char* name) {
+        std::ifstream file(folder_ / name, std::ios::binary);
+        unsigned char head[24] = {};
+        file.read(reinterpret_cast<char*>(head), sizeof head);
+        EXPECT_EQ(std::string(reinterpret_cast<char*>(head), 8), "\x89PNG\r\n\x1a\n");
+        const auto number = [&](int at) {
+            return unsigned{head[at]} << 24 | head[at + 1] << 16 | head[at + 2] << 8 | head[at + 3];
+        };
+        return {number(16), number(20)};
+    }
+    latent::testing::TemporaryFolder folder_;
+};
+
+TEST_F(PreviewTest, APictureIsAllThatItLeavesAndTheNextOneTakesItsPlace) {
+    for (int again = 0; again < 2; ++again) {
+        const Outcome outcome = render({"--resolution", "60x60", "--spp", "1", "--preview", "60"});  // done long before
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 30 x 30 pixels, 4 samples per pixel"));
+        EXPECT_THAT(outcome.out, HasSubstr("3600 samples would take"));
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
+        EXPECT_EQ(png_size("p.preview.png"), (std::pair{30u, 30u}));
+    }
+}
+
+TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
+    ASSERT_EQ(render({"--resolution", "40x40", "--spp", "8", "--preview", "60"}).status, 0);
+    EXPECT_EQ(png_size("p.preview.png"), (std::pair{40u, 40u}));
+    // An attempt that was stopped before its end is developed, too.
+    const Outcome stopped = render({"--resolution", "16000x16000", "--preview", "0.2", "--json"});
+    ASSERT_EQ(stopped.status, 0) << stopped.err;
+    const auto report = nlohmann::json::parse(stopped.out);
+    EXPECT_GE(report["preview"]["samples_per_pixel"], 3.5);
+    EXPECT_LE(report["preview"]["width"], 1024);
+    EXPECT_EQ(png_size("p.preview.png").first, report["preview"]["width"]);
+    EXPECT_LT(report["measured_samples"], report["samples"]);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
+}
+
+TEST_F(PreviewTest, WhatIsRenderedAlreadyStays) {
+    ASSERT_EQ(render({"--resolution", "32x32", "--spp", "4"}).status, 0);
+    const Outcome outcome = render({"--resolution", "32x32", "--spp", "4", "--preview", "60"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("all 4096 samples are already committed"));
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"p.latent", "p.preview.png"}));
+    EXPECT_EQ(render({"--preview", "1", "--dry-run"}).status, 2);
+}
+
+}  // namespace
+}  // namespace latent::render
