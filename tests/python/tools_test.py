@@ -1,5 +1,5 @@
 # latent.develop and latent.merge: the same bits as the tools', whatever the options; what they leave out is a warning or a list.
-# Usage: tools_test.py FOLDER_OF_TOOLS, with the module in PYTHONPATH.
+# Usage: tools_test.py FOLDER_OF_TOOLS FOLDER_OF_EXAMPLES, with the module in PYTHONPATH.
 import pathlib
 import subprocess
 import sys
@@ -11,7 +11,7 @@ import numpy as np
 import exr
 import latent
 
-TOOLS = pathlib.Path(sys.argv[1])
+TOOLS, EXAMPLES = map(pathlib.Path, sys.argv[1:3])
 
 
 def tool(name, *arguments):
@@ -107,6 +107,40 @@ class Tools(unittest.TestCase):
         left_out = latent.merge(parts[0], output=self.folder / "o.latent")["left_out"]
         self.assertEqual(len(left_out), 1)
         self.assertIn("0.latent", left_out[0])
+
+    def example(self, name, *arguments):
+        return subprocess.run([sys.executable, "-B", EXAMPLES / name, *map(str, arguments)], check=True, capture_output=True, text=True)
+
+    def test_an_imported_dump_develops_to_the_means_of_its_pixels(self):
+        random = np.random.default_rng(1)
+        width, height, samples = 16, 10, 8
+        y, x, _ = np.mgrid[0:height, 0:width, 0:samples]
+        rgb = random.random((height, width, samples, 3))
+        xy = np.stack([x + random.random(x.shape), y + random.random(x.shape)], -1)
+        xy[0, 0, 0] = -1  # not on the film
+        np.savez(self.folder / "dump.npz", xy=xy, rgb=rgb, size=[width, height])
+        out = self.example("import_array.py", self.folder / "dump.npz", self.folder / "d.latent")
+        self.assertIn("1 of 1280 samples", out.stderr)
+        tool("latent-inspect", "verify", "--deep", "--strict", self.folder / "d.latent")
+        pixels = latent.develop(self.folder / "d.latent", size=(width, height), filter="box")
+        means = rgb.mean(2)
+        means[0, 0] = rgb[0, 0, 1:].mean(0)
+        luminance = means @ [0.2126390, 0.7151687, 0.0721923]
+        np.testing.assert_allclose(pixels[:, :, 1], luminance, rtol=1e-5)
+
+    def test_the_example_shows_a_picture_and_the_spectrum_of_a_pixel(self):
+        path = self.generated("s.latent", "--kind", "spectral", "--wavelengths", "8")
+        out = self.example("look.py", path, self.folder / "p.ppm", 0.3, 0.6).stdout.splitlines()
+        self.assertRegex(out[0], r"^61 x 61 pixels, mean Y [\d.]+, median standard error [\d.]+%$")
+        self.assertEqual(len(out), 48)
+        pixels = latent.develop(path)
+        bins = latent.develop(path, spectral_bins=47)[int(0.6 * 61), int(0.3 * 61)]
+        np.testing.assert_allclose([float(line.split()[2]) for line in out[1:]], bins, rtol=1e-3)
+        data = (self.folder / "p.ppm").read_bytes()
+        self.assertTrue(data.startswith(b"P6 61 61 255\n"))
+        self.assertEqual(len(data), 13 + 3 * 61 * 61)
+        code = np.frombuffer(data[13:], np.uint8).reshape(61, 61, 3)
+        self.assertGreater(np.corrcoef(code[:, :, 1].ravel(), np.log(pixels[:, :, 1].ravel() + 1e-3))[0, 1], 0.8)
 
     def test_misuse_is_an_exception(self):
         path = self.generated()
