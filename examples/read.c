@@ -1,4 +1,4 @@
-/* examples/read.c: what is in files, and the mean of their records as CIE X, Y, Z or as power per record.
+/* examples/read.c: prints the counts of files, and the mean of their records as CIE X, Y, Z or as power per record.
  * Usage: read FILE... [--records]. With --records: one line for each record, all bits of its values.
  *     cc -std=c11 read.c $(pkg-config --cflags --libs latent) -o read */
 #include <inttypes.h>
