@@ -174,8 +174,8 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
             if (here == size || (here > 0 && offset + here == got.file_size)) return got;
         }
         if (answer.unfit && answer.status == 200)
-            return fail(ErrorCode::kIo, "the server only sends whole files; it must answer range requests");
-        if (answer.unfit) return fail(ErrorCode::kIo, "the server's answer is not the range of bytes that was asked for");
+            return fail(ErrorCode::kIo, "the server sends only whole files; it must support range requests");
+        if (answer.unfit) return fail(ErrorCode::kIo, "the server returned another range of bytes than the one requested");
         if (answer.status == 416) {
             if (answer.range && offset + before == 0) return got;  // an empty file
             return fail(ErrorCode::kTruncated, fmt::format("ends before byte {}", offset + before));
