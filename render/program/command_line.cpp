@@ -19,7 +19,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_parsed(app, "--samples", line.settings.samples, parse_samples, "samples A to B-1, instead of --spp")
         ->excludes(spp)
         ->type_name("A:B");
-    app.add_option("--more-than", line.settings.more_than, "render only the samples of --spp that follow those in these files")
+    app.add_option("--more-than", line.settings.more_than, "files to continue: only the samples of --spp after theirs are rendered")
         ->excludes("--samples")
         ->type_name("FILE...");
     cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
@@ -40,7 +40,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
                                 {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
                                 "contents of a record: a value for each wavelength, or XYZ only");
     cli::add_count(app, "--wavelengths", line.settings.wavelengths, "wavelengths per sample", 4u, 32u);
-    app.add_flag("--light-groups", line.settings.light_groups, "keep lights of different names apart, for latent-develop --light");
+    app.add_flag("--light-groups", line.settings.light_groups,
+                 "store the light of lights with different names separately, for latent-develop --light");
     cli::add_count(app, "--precision", line.settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
     cli::add_count(app, "--seed", line.settings.seed, "random seed; each seed is a separate job with independent samples");
@@ -60,7 +61,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
         app.add_flag("--dry-run", line.dry_run,
                      "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
     cli::add_duration(app, "--preview", line.preview_seconds,
-                      "render for this long, write a small picture of it to NAME.preview.png, and print the same")
+                      "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
         ->excludes(dry);
     app.add_flag("--strict", line.settings.strict, "treat ignored scene features as errors instead of warnings");
     app.add_flag_callback(

@@ -16,7 +16,7 @@ inline constexpr const char* kBelowOptions =
     "  latent-render scenes/cornell.pbrt -o big.latent --resolution 16Kx16K --dry-run\n"
     "      estimate time and file size first\n"
     "  latent-render scenes/cornell.pbrt -o big.latent --resolution 16Kx16K --preview 5s\n"
-    "      see what it will look like: big.preview.png\n\n"
+    "      preview the picture first, in big.preview.png\n\n"
     "Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not\n"
     "be written; 75 interrupted, all finished work saved: run again to resume.";
 
