@@ -148,10 +148,10 @@ TEST_F(Lights, WhatCannotBeMixedIsRefusedInOneLine) {
     };
     const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
     EXPECT_TRUE(has(message(file, "sodum=2"), "did you mean sodium?"));
-    EXPECT_TRUE(has(message(file, "moon=2"), "there are unnamed, sodium"));
+    EXPECT_TRUE(has(message(file, "moon=2"), "choose from unnamed, sodium"));
     EXPECT_TRUE(has(message(file, "sodium=6500K"), "emit nothing at 360 nm"));
-    EXPECT_TRUE(has(message(plain, "sodium=2"), "render with --light-groups"));
-    EXPECT_TRUE(has(message(xyz, "sodium=wratten-25"), "needs spectral records"));
+    EXPECT_TRUE(has(message(plain, "sodium=2"), "render the scene with --light-groups"));
+    EXPECT_TRUE(has(message(xyz, "sodium=wratten-25"), "need spectral records"));
     for (const char* bad :
          {"sodium", "sodium=", "sodium=-1", "=2", "sodium=D65,A", "sodium=wratten-1000", "sodium=2,,3", "sodium=1e39"})
         message(file, bad);
@@ -174,7 +174,7 @@ TEST_F(Lights, CurvesThatMakeNoiseAreWarnedOf) {
     const auto develop = [&](const std::string& setting) {
         return run({tool("latent-develop"), file, "-o", path("a.exr"), "--force", "--light", "candle=" + setting});
     };
-    const auto warned = [&](const Outcome& outcome) { return outcome.err.find("so the picture is noisy") != std::string::npos; };
+    const auto warned = [&](const Outcome& outcome) { return outcome.err.find("makes the picture noisy") != std::string::npos; };
     for (const std::string& setting : {std::string("D65"), path("21.csv")}) EXPECT_TRUE(warned(develop(setting))) << setting;
     for (const std::string& setting : {std::string("1500K"), path("20.csv")}) EXPECT_FALSE(warned(develop(setting))) << setting;
     const Outcome huge = develop(path("1e300.csv") + "," + path("1e300.csv"));

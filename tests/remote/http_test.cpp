@@ -126,7 +126,7 @@ TEST_F(HttpTest, AnEmptyFileIsEmpty) {
 TEST_F(HttpTest, WhatTheServerRefusesIsAnErrorThatNamesTheUrl) {
     expect_error("plain/none", ErrorCode::kNotFound, "there is no such file on the server");
     expect_error("refused/file", ErrorCode::kIo, "refuses access (status 403)");
-    expect_error("whole/file", ErrorCode::kIo, "must answer range requests");
+    expect_error("whole/file", ErrorCode::kIo, "must support range requests");
     expect_error("other/file", ErrorCode::kIo, "another range of bytes than the one requested");
     expect_error("broken/file", ErrorCode::kIo, "status 500 (tried 5 times)");
     server_->kill_now();

@@ -103,8 +103,8 @@ class Remote(FarmTest):
         self.generate("a.latent", "--records", "10K")
         (self.folder / "text").write_text("not samples")
         for way, name, what in (("plain", "none.latent", "there is no such file on the server"), ("refused", "a.latent", "status 403"),
-                                ("whole", "a.latent", "must answer range requests"), ("broken", "a.latent", "status 500"),
-                                ("other", "a.latent", "not the range"), ("plain", "text", "not a Latent file")):
+                                ("whole", "a.latent", "must support range requests"), ("broken", "a.latent", "status 500"),
+                                ("other", "a.latent", "another range"), ("plain", "text", "not a Latent file")):
             out = self.folder / "out.exr"
             self.fail_with(what, "latent-develop", self.server.url(name, way), "-o", out)
             self.assertFalse(out.exists())

@@ -348,8 +348,8 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
         return refusal("room.glb", as_glb(file));
     };
     EXPECT_THAT(broken("/nodes/1/mesh", 7), HasSubstr("room.glb: /nodes/1/mesh: is not an index into /meshes, which has 1 items"));
-    EXPECT_THAT(broken("/accessors/0/count", 1000000000), HasSubstr("/accessors/0: its 1000000000 items leave"));
-    EXPECT_THAT(broken("/accessors/0/byteOffset", 1e15), HasSubstr("/accessors/0: its 4 items leave"));
+    EXPECT_THAT(broken("/accessors/0/count", 1000000000), HasSubstr("/accessors/0: its 1000000000 items exceed"));
+    EXPECT_THAT(broken("/accessors/0/byteOffset", 1e15), HasSubstr("/accessors/0: its 4 items exceed"));
     EXPECT_THAT(broken("/bufferViews/0/byteLength", 4000), HasSubstr("/bufferViews/0: ends at byte"));
     EXPECT_THAT(broken("/bufferViews/0/byteStride", 4), HasSubstr("/bufferViews/0/byteStride"));
     EXPECT_THAT(broken("/nodes/1/children", {1}), HasSubstr("/nodes/1/children/0: node 1 is reached twice"));
