@@ -1,4 +1,4 @@
-"""How one pixel converges: its mean Y and the standard error after 2, 4, 8, ... samples.
+"""Prints how a pixel converges: its mean Y and its standard error after 2, 4, 8, ... samples.
 
 Usage: convergence.py FILE U V SIZE      the pixel's centre on the film, and its side, 0..1; FILE holds XYZ records.
 """

@@ -1,4 +1,4 @@
-"""A .latent file from the sample dump of another renderer: any array of film points and radiance.
+"""Writes a sample dump of another renderer, arrays of film points and radiance, to a .latent file.
 
 Usage: import_array.py DUMP.npz NAME.latent
 

@@ -1,6 +1,6 @@
-"""What a file of samples can be asked: a picture with a tone curve of one's own, its noise, and the spectrum of one pixel.
+"""Develops a picture with a tone curve of its own, and prints its noise and the spectrum of one pixel.
 
-Usage: look.py FILE.latent PICTURE.ppm [U V]      U, V: the pixel's centre on the film, 0..1; FILE holds spectral records then
+Usage: look.py FILE.latent PICTURE.ppm [U V]      U, V: the pixel's centre on the film, 0..1; this needs spectral records
 """
 import sys
 

@@ -1,6 +1,6 @@
 """Raw spectral samples of a Mitsuba 3 scene. Usage: mitsuba3.py SCENE.xml NAME.latent [SAMPLES_PER_PIXEL]
 
-NOT TESTED HERE: Mitsuba is no package of Debian 12. It was written from Mitsuba's documentation of mitsuba.Integrator.sample and
+NOT TESTED: Debian 12 has no package of Mitsuba. This example was written from its documentation of mitsuba.Integrator.sample and
 mitsuba.Sensor.sample_ray_differential, in a spectral variant, whose rays carry 4 wavelengths each.
 """
 import hashlib

@@ -1,4 +1,4 @@
-/* examples/write.c: a renderer in a hundred lines that keeps every sample: a ball on a floor under a sky, seen through 4
+/* examples/write.c: a renderer in a hundred lines that keeps every sample: a ball on a floor under a sky, with 4
  * wavelengths per sample. Usage: write NAME.latent [SAMPLES [SEED [CHECKPOINT_SECONDS]]]. Run it again after kill -9: it resumes.
  *     cc -std=c11 write.c $(pkg-config --cflags --libs latent) -lm -lpthread -o write */
 #include <latent.h>
