@@ -1,0 +1,62 @@
+// adapters/pbrt-v4/latent_film.h: Film "latent" for pbrt-v4: the picture of Film "rgb" and, beside it, every raw sample in a
+// .latent file. In pbrt's namespace and names, for it becomes a part of pbrt: see `apply` and docs/library.md.
+#ifndef PBRT_LATENT_FILM_H
+#define PBRT_LATENT_FILM_H
+
+#include <latent.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace pbrt {
+
+class LatentFilm : public RGBFilm {
+ public:
+    // Parameters of its own, beside those of Film "rgb":
+    //   string samples      the file; default: the name of the picture with the extension .latent
+    //   integer precision   mantissa bits of values, 1 to 23; default: all 23
+    static LatentFilm* Create(const ParameterDictionary& parameters, Float exposureTime, Filter filter,
+                              const RGBColorSpace* colorSpace, const FileLoc* loc, Allocator alloc);
+
+    // A camera sample of pixel pPixel at film point pFilm. What AddSplat was given on this thread since the last one belongs to it.
+    void AddRecord(Point2i pPixel, Point2f pFilm, int samplesPerPixel, const SampledSpectrum& L, const SampledWavelengths& lambda);
+    void AddSplat(Point2f p, SampledSpectrum L, const SampledWavelengths& lambda);
+    // The picture; once all samples are there, also the file.
+    void WriteImage(ImageMetadata metadata, Float splatScale = 1);
+
+    std::string ToString() const;
+
+    LatentFilm(FilmBaseParameters p, const RGBColorSpace* colorSpace, Float maxComponentValue, bool writeFP16, Float imagingRatio,
+               std::string samplesName, int precision, Allocator alloc);
+    LatentFilm(const LatentFilm&) = delete;
+    ~LatentFilm();
+
+ private:
+    struct Batch;
+
+    void Open(int samplesPerPixel);
+    Batch& ThreadBatch();
+    void Append(Batch& batch, uint8_t recordClass, double x, double y, const SampledSpectrum& L,
+                const SampledWavelengths& lambda) const;
+    void Submit(const Batch& batch, size_t firstSample, latent_range grain);
+    void Finish();
+
+    const Float imagingRatio;
+    const std::string samplesName;
+    const int precision;
+    const uint64_t id;  // of this film in this process
+    std::once_flag opened;
+    latent_writer* writer = nullptr;
+    uint64_t sampleCount = 0;  // of the whole rendering
+    std::atomic<uint64_t> added{0};
+    std::mutex mutex;                             // of what follows
+    std::vector<std::unique_ptr<Batch>> batches;  // one for each thread
+    std::vector<latent_range> shortGrains;        // that were handed out, but are too short for a batch
+};
+
+}  // namespace pbrt
+
+#endif  // PBRT_LATENT_FILM_H
