@@ -1,7 +1,10 @@
-// Environment images: what the EXR says its primaries are counts, and only squares are taken.
+// Environment images: what the EXR says its primaries are counts, and how the sky is spread over them.
 #include <gmock/gmock.h>
 
+#include <numbers>
+
 #include "color/rgb_space.h"
+#include "render/math/equal_area.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {
@@ -65,13 +68,49 @@ TEST(Environment, DevelopedPicturesAreXyz) {
     EXPECT_THAT(load_sky(folder).error().message, HasSubstr("primaries lie on a line"));
 }
 
-TEST(Environment, OnlySquaresAreEqualAreaMaps) {
+TEST(Environment, LongitudeAndLatitudeBecomeTheEqualAreaMapOfTheSameSky) {
     const Folder folder;
-    write_exr(folder / "sky.exr", 2, 1, {1, 1, 1, 1, 1, 1}, {});
+    constexpr int kHeight = 64;
+    std::vector<float> pixels;  // smooth: x, y, z of the direction, each plus 1
+    double flux[3] = {0, 0, 0};
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < 2 * kHeight; ++x) {
+            const double theta = std::numbers::pi * (y + 0.5) / kHeight, phi = std::numbers::pi * (x + 0.5) / kHeight;
+            const double d[3] = {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+            for (int c = 0; c < 3; ++c) {
+                pixels.push_back(static_cast<float>(1 + d[c]));
+                flux[c] += (1 + d[c]) * std::sin(theta) * std::pow(std::numbers::pi / kHeight, 2);
+            }
+        }
+    }
+    write_exr(folder / "sky.exr", 2 * kHeight, kHeight, pixels, {});
+    const Result<LoadedScene> scene = load_sky(folder);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const ImageDescription& image = *scene->description.lights[0].image;
+    ASSERT_EQ(image.width, image.height);
+    EXPECT_GE(image.width, static_cast<std::uint32_t>(kHeight));
+    double sum[3] = {0, 0, 0};
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+        for (std::uint32_t x = 0; x < image.width; ++x) {
+            const Vec3f d = sphere_from_square({(static_cast<float>(x) + 0.5f) / static_cast<float>(image.width),
+                                                (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height)});
+            const float* rgb = &image.rgb[3 * (std::size_t{y} * image.width + x)];
+            EXPECT_NEAR(rgb[0], 1 + d.x, 0.05);
+            EXPECT_NEAR(rgb[1], 1 + d.y, 0.05);
+            EXPECT_NEAR(rgb[2], 1 + d.z, 0.05);
+            for (int c = 0; c < 3; ++c) sum[c] += static_cast<double>(rgb[c]) * 4 * std::numbers::pi / image.width / image.height;
+        }
+    }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / flux[c], 1, 2e-3);
+}
+
+TEST(Environment, OtherShapesAreRefused) {
+    const Folder folder;
+    write_exr(folder / "sky.exr", 3, 1, std::vector<float>(9, 1), {});
     const Result<LoadedScene> scene = load_sky(folder);
     ASSERT_FALSE(scene);
     EXPECT_THAT(scene.error().message, HasSubstr("room.pbrt:2:1: "));
-    EXPECT_THAT(scene.error().message, HasSubstr("2 x 1 is not square"));
+    EXPECT_THAT(scene.error().message, HasSubstr("3 x 1 is neither square"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "render/load/files/lat_long.h"
 #include "render/load/files/pictures.h"
 
 namespace latent::render {
@@ -18,13 +19,12 @@ std::shared_ptr<const ImageDescription> read_light_picture(const ParameterList& 
 
 std::shared_ptr<const ImageDescription> read_environment(const ParameterList& list, const std::string& name, SceneFiles& files) {
     std::shared_ptr<const ImageDescription> image = read_light_picture(list, name, files);
-    if (image && (image->width == 0 || image->width != image->height)) {
-        list.error(
-            fmt::format("{}: {} x {} is not square, as the equal-area mapping requires; convert it with imgtool makeequiarea", name,
-                        image->width, image->height));
-        return nullptr;
-    }
-    return image;
+    if (!image || (image->width > 0 && image->width == image->height)) return image;
+    if (is_lat_long(*image)) return std::make_shared<const ImageDescription>(equal_area_from_lat_long(*image));
+    list.error(fmt::format(
+        "{}: {} x {} is neither square (an equal-area octahedral mapping) nor twice as wide as high (longitude and latitude)", name,
+        image->width, image->height));
+    return nullptr;
 }
 
 }  // namespace latent::render

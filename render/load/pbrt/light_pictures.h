@@ -12,7 +12,7 @@ namespace latent::render {
 
 // Null if an error was reported. Values that no light can have count as 0, with a warning.
 std::shared_ptr<const ImageDescription> read_light_picture(const ParameterList& list, const std::string& name, SceneFiles& files);
-// The same, which must be a square: pbrt's equal-area octahedral mapping.
+// The same, as a square in pbrt's equal-area octahedral mapping; from longitude and latitude, too.
 std::shared_ptr<const ImageDescription> read_environment(const ParameterList& list, const std::string& name, SceneFiles& files);
 
 }  // namespace latent::render
