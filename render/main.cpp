@@ -32,7 +32,9 @@ int main(int argc, char** argv) try {
     threads.run([&] { job = prepare(settings); });
     if (!job) return cli::fail(job.error());
     for (const std::string& warning : (*job)->warnings) cli::warn(warning);
-    options.provenance_json = provenance(**job, settings);
+    const auto missing = sampledb::PartWriter::find_missing(part_options(**job, options), (*job)->job);
+    if (!missing) return cli::fail(missing.error());
+    options.provenance_json = provenance(**job, settings, (*job)->range.size() - missing->size());
     const std::atomic<bool>& stop_requested = commit_on_signals();
     if (line.dry_run) {
         const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), stop_requested);

@@ -25,12 +25,13 @@ class PartFile:
     begun: float  # seconds since 1970, by the clock of its machine
     changed: float  # when a run was last committed to it, by the clock of the file system
     bytes: int
+    adopted: int  # samples that earlier attempts had rendered
 
     @property
     def rate(self):
         """Samples per second; None if there is no saying."""
-        seconds = self.changed - self.begun
-        return ranges.size(self.held) / seconds if self.held and seconds > 0.5 else None
+        seconds, rendered = self.changed - self.begun, ranges.size(self.held) - self.adopted
+        return rendered / seconds if rendered > 0 and seconds > 0.5 else None
 
 
 @dataclasses.dataclass
@@ -91,7 +92,7 @@ def take(state, folder, plan, path, info):
     state.left_out += [(str(path), reason) for reason in info["damage"]]
     origin = info["origin"] if isinstance(info["origin"], dict) else {}
     state.files.append(PartFile(path.name, int(name[1]), attempt, held, origin.get("host", "unknown"), date_of(origin),
-                                status.st_mtime, status.st_size))
+                                status.st_mtime, status.st_size, 0 if attempt else origin.get("committed_before", 0)))
 
 
 def unfinished(plan, state):

@@ -102,7 +102,7 @@ Json json_of_groups(const RenderJob& job) {
 
 }  // namespace
 
-std::string provenance(const RenderJob& job, const RenderSettings& settings) {
+std::string provenance(const RenderJob& job, const RenderSettings& settings, std::uint64_t committed_before) {
     const IntegratorSettings& integrator = job.settings;
     const bool bdpt = integrator.kind == IntegratorKind::kBdpt;
     char host[256] = "";
@@ -127,6 +127,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings) {
     out["simd"] = job.settings.simd;
     out["render_epoch"] = kRenderEpoch;
     if (!job.light_groups.empty()) out["light_groups"] = json_of_groups(job);
+    if (committed_before > 0) out["committed_before"] = committed_before;
     out["host"] = host;
     out["date"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
     return json_text(out, -1);

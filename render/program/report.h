@@ -13,6 +13,7 @@ std::string to_text(const Forecast& forecast, const RenderJob& job, bool json);
 std::string to_text(const RadianceFaults& faults);
 
 // Program and version, scene, all settings that shape the samples or choose them, host and date, as JSON for the file's header.
-std::string provenance(const RenderJob& job, const RenderSettings& settings);
+// `committed_before`: samples of the part that earlier attempts have committed.
+std::string provenance(const RenderJob& job, const RenderSettings& settings, std::uint64_t committed_before = 0);
 
 }  // namespace latent::render

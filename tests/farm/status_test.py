@@ -4,8 +4,11 @@ import shutil
 import subprocess
 import time
 import unittest
+from unittest import mock
 
-from support import SCENE, FarmTest
+from support import SCENE, TOOLS, FarmTest
+from latent_farm import state
+from latent_farm.plan import Folder
 
 
 class Status(FarmTest):
@@ -51,6 +54,22 @@ class Status(FarmTest):
         self.assertEqual((status["tasks_working"], status["stalled"]), (0, [attempt.name]))
         self.assertIsNone(status["seconds_left"])
         self.assertEqual(self.status("night", "--stalled-after", "10m")["stalled"], [])
+
+    def test_the_rate_of_a_resumed_part_counts_what_its_last_attempt_rendered(self):
+        self.plan("--tasks", 1, "--checkpoint", "0.05", "--until", "render", spp=400)
+        task = subprocess.Popen([self.folder / "night/task", "0"], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        while not self.status()["committed"]:
+            time.sleep(0.05)
+        task.kill()
+        task.wait()
+        committed = self.status()["committed"]
+        self.succeed(self.folder / "night/task", "0")
+        part = self.folder / "night/parts/part-00000.latent"
+        os.utime(part, (time.time() + 1000,) * 2)
+        folder = Folder(self.folder / "night")
+        with mock.patch.dict(os.environ, PATH=f"{TOOLS}:{os.environ['PATH']}"):
+            [file] = state.read_state(folder, folder.read_plan()).files
+        self.assertAlmostEqual(file.rate * (file.changed - file.begun), 400 * 64 * 64 - committed, delta=1)
 
     def test_what_is_no_part_of_the_job_is_listed_and_does_not_count(self):
         self.plan("--tasks", 2)
