@@ -4,7 +4,7 @@
 
 #include "sampledb/http/http_source.h"
 
-latent::Status latent_open_http(const std::string& url, std::shared_ptr<const latent::sampledb::ByteSource>& source) {
+void latent_open_http(const std::string& url, std::shared_ptr<const latent::sampledb::ByteSource>& source, latent::Status& status) {
     using namespace latent::sampledb;
     static std::mutex mutex;
     static std::weak_ptr<BlockCache> shared;
@@ -15,7 +15,9 @@ latent::Status latent_open_http(const std::string& url, std::shared_ptr<const la
         if (!cache) shared = cache = std::make_shared<BlockCache>(Patience{});
     }
     latent::Result<std::shared_ptr<const HttpSource>> opened = HttpSource::open(url, std::move(cache));
-    if (!opened) return opened.error();
+    if (!opened) {
+        status = opened.error();
+        return;
+    }
     source = std::move(*opened);
-    return {};
 }

@@ -6,6 +6,7 @@
 
 #include "sampledb/read/byte_source.h"
 
-// Opens a file on a web server. All sources of a program share one cache. Errors: those of HttpSource::open.
-extern "C" __attribute__((visibility("default"))) latent::Status latent_open_http(
-    const std::string& url, std::shared_ptr<const latent::sampledb::ByteSource>& source);
+// Opens a file on a web server. All sources of a program share one cache. Errors, in `status`: those of HttpSource::open.
+extern "C" __attribute__((visibility("default"))) void latent_open_http(const std::string& url,
+                                                                        std::shared_ptr<const latent::sampledb::ByteSource>& source,
+                                                                        latent::Status& status);
