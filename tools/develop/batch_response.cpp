@@ -151,9 +151,10 @@ void BatchResponse::xyz(std::uint32_t xi, const float* power, float* out) const 
 
 Result<BatchWhite> BatchWhite::make(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer) {
     const auto refuse = [](const char* why) { return Error{ErrorCode::kUsage, std::string("--estimator ratio: ") + why}; };
-    if (density.empty()) return refuse("needs records whose wavelengths were drawn from the job's density; these hold their own");
+    if (density.empty())
+        return refuse("needs wavelengths that were drawn from the density of the job; these records store their wavelengths");
     for (const std::array<double, 3>& f : observer.responses()) {
-        if (std::ranges::min(f) < 0) return refuse("a response of this observer is negative somewhere");
+        if (std::ranges::min(f) < 0) return refuse("a response of this observer has negative values");
     }
     const std::vector<double> breaks = breaks_in_xi(density, k, observer);
     BatchWhite white;
