@@ -71,11 +71,11 @@ double LuminanceHistogram::percentile(double p, std::uint64_t dark) const {
     return centre_of(last);
 }
 
-Result<double> auto_sigma(const LuminanceHistogram& histogram) {
-    constexpr double kTrim = 0.01, kGrey = 0.18;
+Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure) {
+    constexpr double kTrim = 0.01;
     const double average = histogram.log_average(kTrim, 1 - kTrim);
     if (!(average > 0)) return Error{ErrorCode::kOutOfRange, "no pixel has a positive luminance, so the exposure cannot be chosen"};
-    const double sigma = -std::log2(1 - kGrey) / average;
+    const double sigma = exposure / average;
     const std::string digits = fmt::format("{:.4g}", sigma);
     double rounded = sigma;
     std::from_chars(digits.data(), digits.data() + digits.size(), rounded);

@@ -27,8 +27,9 @@ class LuminanceHistogram {
     std::vector<std::uint64_t> bins_;
 };
 
-// The sigma that prints the log average of all but the darkest and brightest 1 % at y' = 0.18, rounded to 4 digits, so that the
-// number printed is the number used. Errors: kOutOfRange if no pixel has a positive luminance.
-Result<double> auto_sigma(const LuminanceHistogram& histogram);
+// The sigma that gives the log average of all but the darkest and brightest 1 % this exposure (by default, that which the film
+// prints at y' = 0.18), rounded to 4 digits, so that the number printed is the number used. Errors: kOutOfRange if no pixel has a
+// positive luminance.
+Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure = 0.28630418515664108);
 
 }  // namespace latent::color

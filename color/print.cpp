@@ -11,12 +11,6 @@
 
 namespace latent::color {
 
-Result<Tone> tone_by_name(std::string_view name) {
-    if (name == "film") return Tone::kFilm;
-    if (name == "none") return Tone::kNone;
-    return Error{ErrorCode::kUsage, fmt::format("unknown tone \"{}\"; choose film or none", name)};
-}
-
 Result<Gamut> gamut_by_name(std::string_view name) {
     if (name == "luminance") return Gamut::kLuminance;
     if (name == "grey") return Gamut::kGrey;
@@ -41,12 +35,13 @@ Result<Print> Print::create(const RgbSpace& space, const PrintSettings& settings
     if (!(settings.sigma > 0) || !std::isfinite(static_cast<float>(settings.sigma))) {
         return Error{ErrorCode::kOutOfRange, fmt::format("the sensitivity must be a positive number, not {}", settings.sigma)};
     }
-    const bool keeps_luminance = settings.tone == Tone::kFilm && settings.gamut != Gamut::kClip;
+    const bool keeps_luminance = settings.tone != Tone::kNone && settings.gamut != Gamut::kClip;
     if (Status s = space.check_luminance_row(); keeps_luminance && !s) return s.error();
     Print print;
     print.sigma_ = settings.sigma;
     print.tone_ = settings.tone;
     print.gamut_ = settings.gamut;
+    print.curve_ = settings.curve;
     print.y_row_ = settings.adaptation.m[1];
     print.rgb_from_xyz_ = space.rgb_from_xyz * settings.adaptation;
     print.m_ = space.luminance_row;
@@ -94,7 +89,7 @@ Rgb Print::pixel(Xyz xyz, PrintReport& report) const {
         ++report.nan;
         return {};
     }
-    if (y <= 0 && (tone_ == Tone::kFilm || !adaptable)) {
+    if (y <= 0 && (tone_ != Tone::kNone || !adaptable)) {
         report.negative += y < 0;
         return {};
     }
@@ -103,12 +98,16 @@ Rgb Print::pixel(Xyz xyz, PrintReport& report) const {
         return {1, 1, 1};
     }
     // y' and y' / y; the latter tends to sigma ln 2.
-    const double y_printed = tone_ == Tone::kFilm ? -std::expm1(-sigma_ * y * std::numbers::ln2) : sigma_ * y;
+    const double y_printed = tone_ == Tone::kFilm    ? -std::expm1(-sigma_ * y * std::numbers::ln2)
+                             : tone_ == Tone::kCurve ? curve_(sigma_ * y)
+                                                     : sigma_ * y;
     if (!coloured) {
         ++report.colourless;
         return {y_printed, y_printed, y_printed};
     }
-    const double scale = tone_ == Tone::kNone ? sigma_ : sigma_ * y < 1e-12 ? sigma_ * std::numbers::ln2 : y_printed / y;
+    const double scale = tone_ == Tone::kNone                         ? sigma_
+                         : tone_ == Tone::kFilm && sigma_ * y < 1e-12 ? sigma_ * std::numbers::ln2
+                                                                      : y_printed / y;
     std::array<double, 3> rgb = rgb_from_xyz_ * std::array{xyz.x * scale, xyz.y * scale, xyz.z * scale};
     const bool out = outside(rgb);
     report.out_of_gamut += out;
@@ -123,6 +122,19 @@ Rgb Print::pixel(Xyz xyz, PrintReport& report) const {
     return {rgb[0], rgb[1], rgb[2]};
 }
 
+std::optional<Rgb> Print::unmapped(Xyz xyz) const {
+    if (!std::isfinite(xyz.x) || !std::isfinite(xyz.y) || !std::isfinite(xyz.z)) return std::nullopt;
+    const double y = y_row_[0] * xyz.x + y_row_[1] * xyz.y + y_row_[2] * xyz.z;
+    if (!(y > 0)) return std::nullopt;
+    const double scale = tone_ == Tone::kFilm    ? -std::expm1(-sigma_ * y * std::numbers::ln2) / y
+                         : tone_ == Tone::kCurve ? curve_(sigma_ * y) / y
+                                                 : sigma_;
+    const std::array<double, 3> rgb = rgb_from_xyz_ * std::array{xyz.x * scale, xyz.y * scale, xyz.z * scale};
+    return Rgb{rgb[0], rgb[1], rgb[2]};
+}
+
+bool Print::out_of_gamut(const Rgb& unmapped) const { return outside({unmapped.r, unmapped.g, unmapped.b}); }
+
 void Print::row(std::span<const float> x, std::span<const float> y, std::span<const float> z, std::span<float> r,
                 std::span<float> g, std::span<float> b, PrintReport& report) const {
     assert(y.size() == x.size() && z.size() == x.size() && r.size() == x.size() && g.size() == x.size() && b.size() == x.size());
@@ -132,7 +144,8 @@ void Print::row(std::span<const float> x, std::span<const float> y, std::span<co
                                 .adapted = y_row_ != std::array<double, 3>{0, 1, 0},
                                 .y_row = y_row_,
                                 .rgb_from_xyz = {},
-                                .luminance_row = {}};
+                                .luminance_row = {},
+                                .curve = curve_.table().data()};
     for (int i = 0; i < 3; ++i) {
         constants.luminance_row[i] = static_cast<float>(m_[i]);
         for (int j = 0; j < 3; ++j) constants.rgb_from_xyz[3 * i + j] = static_cast<float>(rgb_from_xyz_.m[i][j]);

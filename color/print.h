@@ -3,25 +3,27 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include "base/result.h"
 #include "color/rgb_space.h"
+#include "color/tone_curve.h"
 #include "color/tristimulus.h"
 
 namespace latent::color {
 
 enum class Tone {
-    kFilm,  // y' = 1 - 2^(-sigma y)
-    kNone,  // y' = sigma y: only converts; no gamut mapping, values leave [0,1]
+    kFilm,   // y' = 1 - 2^(-sigma y)
+    kCurve,  // y' = PrintSettings::curve(sigma y)
+    kNone,   // y' = sigma y: only converts; no gamut mapping, values leave [0,1]
 };
 enum class Gamut {
     kLuminance,  // clamp, then scale or fade to white until the luminance is y' again [R06 5.3.3]
     kGrey,       // straight towards the grey (y',y',y') until inside: keeps hue better, the same luminance
     kClip,       // clamp and leave it; neither luminance nor hue is kept
 };
-Result<Tone> tone_by_name(std::string_view name);    // "film", "none"
 Result<Gamut> gamut_by_name(std::string_view name);  // "luminance", "grey", "clip"
 
 // Pixels, by what happened to them.
@@ -43,6 +45,7 @@ struct PrintSettings {
     Tone tone = Tone::kFilm;
     Gamut gamut = Gamut::kLuminance;
     Matrix3 adaptation{};  // from the picture's white to the space's (color/adaptation.h); y is the Y after it
+    ToneCurve curve{};     // of Tone::kCurve
 };
 
 // sigma pushed by `stops`: sigma 2^stops.
@@ -53,8 +56,13 @@ class Print {
     // Errors: kOutOfRange if sigma is not positive and finite; for kLuminance and kGrey, if the space's luminance row is refused.
     static Result<Print> create(const RgbSpace& space, const PrintSettings& settings);
 
-    // One pixel in double: the reference. With Tone::kFilm the result is in [0,1], and m . rgb = y' unless the gamut is clipped.
+    // One pixel in double: the reference. Except with Tone::kNone, the result is in [0,1], and m . rgb = y' unless the gamut is
+    // clipped.
     Rgb pixel(Xyz xyz, PrintReport& report) const;
+
+    // The colour of a pixel before it is mapped into the gamut; nothing for those that have none, or are black.
+    std::optional<Rgb> unmapped(Xyz xyz) const;
+    bool out_of_gamut(const Rgb& unmapped) const;
 
     // The same in float over whole rows (planes of equal length; out may be in), with the processor's widest instructions and the
     // same bits whatever these are. With Tone::kFilm: in [0,1], |m . rgb - y'| < 1e-6.
@@ -67,8 +75,9 @@ class Print {
     Tone tone_ = Tone::kFilm;
     Gamut gamut_ = Gamut::kLuminance;
     std::array<double, 3> y_row_{};  // y after adaptation = y_row . (x, y, z)
-    Matrix3 rgb_from_xyz_;           // adaptation included
-    std::array<double, 3> m_{};      // luminance row
+    ToneCurve curve_;
+    Matrix3 rgb_from_xyz_;       // adaptation included
+    std::array<double, 3> m_{};  // luminance row
 };
 
 }  // namespace latent::color

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "color/luminance_vector-inl.h"
@@ -40,6 +41,21 @@ Film film(V sigma, V y) {
     return {printed, hn::IfThenElse(hn::Eq(n, constant(0)), hn::Mul(sigma, p), hn::Div(printed, y))};
 }
 
+// y' of exposure t by ToneCurve::table.
+V tabulated(const float* table, V t) {
+    constexpr int kMantissaBits = 23 - ToneCurve::kStepBits;  // between two entries
+    const hn::Rebind<std::int32_t, D> integer;
+    const V first = constant(std::ldexp(1.0F, ToneCurve::kFirstOctave));
+    const V last = constant(std::ldexp(1.0F, ToneCurve::kFirstOctave + ToneCurve::kOctaves));
+    const V inside = hn::IfThenElse(hn::Gt(t, first), hn::Min(t, last), first);  // NaN too
+    const auto bits = hn::Sub(hn::BitCast(integer, inside), hn::BitCast(integer, first));
+    const auto index = hn::ShiftRight<kMantissaBits>(bits);
+    const V part =
+        hn::Mul(hn::ConvertTo(d, hn::And(bits, hn::Set(integer, (1 << kMantissaBits) - 1))), constant(1.0F / (1 << kMantissaBits)));
+    const V from = hn::GatherIndex(d, table, index), to = hn::GatherIndex(d, table + 1, index);
+    return clamp01(hn::Mul(hn::Add(from, hn::Mul(part, hn::Sub(to, from))), hn::Min(hn::Div(t, first), constant(1))));
+}
+
 // Largest t <= 1 that keeps y' + t (v - y') inside [0,1].
 V steps_to_border(V v, V printed) {
     const V grey_distance = hn::Sub(v, printed);
@@ -68,7 +84,7 @@ RgbV print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& count
     // The rare ones. A lane is lit if it has a printed value at all; the others are black.
     const Mask white = hn::Eq(y, constant(std::numeric_limits<float>::infinity()));
     const Mask positive = hn::Gt(y, zero);
-    const Mask lit = kTone == Tone::kFilm ? positive : hn::Or(positive, adaptable);
+    const Mask lit = kTone != Tone::kNone ? positive : hn::Or(positive, adaptable);
     const Mask grey = hn::And(hn::AndNot(white, lit), hn::Not(coloured));
     if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(positive, adaptable)))) {
         counts.nan += hn::CountTrue(d, hn::Not(hn::Eq(y, y)));  // Ne is false for NaN with AVX-512
@@ -82,6 +98,9 @@ RgbV print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& count
         const Film f = film(sigma, y);
         printed = f.printed;
         scale = f.over_y;
+    } else if constexpr (kTone == Tone::kCurve) {
+        printed = tabulated(c.curve, hn::Mul(sigma, y));
+        scale = hn::Div(printed, y);
     } else {
         printed = hn::Mul(sigma, y);
         scale = sigma;
@@ -96,7 +115,7 @@ RgbV print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& count
                                 hn::Gt(hn::Max(hn::Max(rgb.r, rgb.g), rgb.b), hn::Add(one, margin)));
     counts.out_of_gamut += hn::CountTrue(d, hn::And(outside, coloured_and_lit));
 
-    if constexpr (kTone == Tone::kFilm) {
+    if constexpr (kTone != Tone::kNone) {
         if constexpr (kGamut == Gamut::kGrey) {
             const V t =
                 hn::Min(hn::Min(steps_to_border(rgb.r, printed), steps_to_border(rgb.g, printed)), steps_to_border(rgb.b, printed));
@@ -158,19 +177,31 @@ void print_all(const PrintRowConstants& c, const float* x, const float* y, const
                .infinite = counts.infinite,
                .colourless = counts.colourless,
                .out_of_gamut = counts.out_of_gamut,
-               .clipped = kTone == Tone::kFilm && kGamut == Gamut::kClip ? counts.out_of_gamut : 0};
+               .clipped = kTone != Tone::kNone && kGamut == Gamut::kClip ? counts.out_of_gamut : 0};
+}
+
+template <Tone kTone>
+void print_by_gamut(const PrintRowConstants& c, const float* x, const float* y, const float* z, float* r, float* g, float* b,
+                    std::size_t count, PrintReport& report) {
+    switch (c.gamut) {
+        case Gamut::kLuminance:
+            return print_all<kTone, Gamut::kLuminance>(c, x, y, z, r, g, b, count, report);
+        case Gamut::kGrey:
+            return print_all<kTone, Gamut::kGrey>(c, x, y, z, r, g, b, count, report);
+        case Gamut::kClip:
+            return print_all<kTone, Gamut::kClip>(c, x, y, z, r, g, b, count, report);
+    }
 }
 
 void print_row_of_target(const PrintRowConstants& c, const float* x, const float* y, const float* z, float* r, float* g, float* b,
                          std::size_t count, PrintReport& report) {
-    if (c.tone == Tone::kNone) return print_all<Tone::kNone, Gamut::kClip>(c, x, y, z, r, g, b, count, report);
-    switch (c.gamut) {
-        case Gamut::kLuminance:
-            return print_all<Tone::kFilm, Gamut::kLuminance>(c, x, y, z, r, g, b, count, report);
-        case Gamut::kGrey:
-            return print_all<Tone::kFilm, Gamut::kGrey>(c, x, y, z, r, g, b, count, report);
-        case Gamut::kClip:
-            return print_all<Tone::kFilm, Gamut::kClip>(c, x, y, z, r, g, b, count, report);
+    switch (c.tone) {
+        case Tone::kFilm:
+            return print_by_gamut<Tone::kFilm>(c, x, y, z, r, g, b, count, report);
+        case Tone::kCurve:
+            return print_by_gamut<Tone::kCurve>(c, x, y, z, r, g, b, count, report);
+        case Tone::kNone:
+            return print_all<Tone::kNone, Gamut::kClip>(c, x, y, z, r, g, b, count, report);
     }
 }
 

@@ -20,6 +20,7 @@ struct PrintRowConstants {
     std::array<double, 3> y_row;  // y after adaptation, summed in double: it may be a small difference of large terms
     std::array<float, 9> rgb_from_xyz;
     std::array<float, 3> luminance_row;
+    const float* curve;  // ToneCurve::table
 };
 
 void print_row(const PrintRowConstants& constants, const float* x, const float* y, const float* z, float* r, float* g, float* b,

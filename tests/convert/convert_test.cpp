@@ -62,7 +62,7 @@ TEST_F(Convert, SixteenBitsAndFloatsAreTheReferencePrint) {
             options.profile = profile;
             options.gamut = gamut;
             options.sensitivity = 1.25;
-            options.stops = 1;
+            options.stops = {1};
             options.replace = true;
             options.depth = Depth::k16;
             ASSERT_TRUE(print("a.exr", "a.png", options));

@@ -63,7 +63,7 @@ Result<BandPlan> plan_bands(const image::ExrImage& image, const Rect& area, cons
     if (!tiled) plan.origin_x = area.x0;
 
     // Each thread holds one block of floats, and up to three times the file's block while it is decompressed.
-    const std::size_t block = 12 * static_cast<std::size_t>(std::min(plan.block_step_x, area.width())) *
+    const std::size_t block = (need.second_block ? 24 : 12) * static_cast<std::size_t>(std::min(plan.block_step_x, area.width())) *
                               static_cast<std::size_t>(std::min(plan.block_step_y, area.height()));
     const std::size_t file_block = 12 * static_cast<std::size_t>(image.block_width) * static_cast<std::size_t>(image.block_height);
     const std::size_t fixed = need.bytes_held + static_cast<std::size_t>(threads) * (block + 3 * file_block);

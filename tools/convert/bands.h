@@ -24,6 +24,7 @@ struct BandPlan {
 // What the outputs need per row of a band, and besides.
 struct MemoryNeed {
     std::size_t bytes_per_row = 0, bytes_held = 0;
+    bool second_block = false;  // each thread holds two
 };
 
 // Errors: kUsage if the smallest bands do not fit `memory`, with the amount that would do.

@@ -16,6 +16,12 @@ Profiles:
   FILE.icc                  profile with three primaries and one curve; it is
                             embedded unchanged
 
+Tone curves (all print luminance 1/X at half of display white):
+  film                      1 - 2^-t, where t is sensitivity times luminance
+  linear, reinhard, filmic  for comparison
+  density                   a slide; density:GAMMA,TOE,SHOULDER for another one
+  none                      linear RGB for other programs, not limited to 0..1
+
 Whites:
   D65, D50, A, E, F1 to F12 standard illuminants
   5200K                     daylight, or a blackbody below 4000K
@@ -35,6 +41,8 @@ Examples:
       write a tiled pyramid, as BigTIFF if needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M
       write two outputs in one pass
+  latent-convert picture.exr -o test.png --auto --stops -1,0,1
+      write test-1.png, test+0.png and test+1.png in one pass
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
       print a part of the picture
 

@@ -6,10 +6,13 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/result.h"
 #include "color/print.h"
 #include "image/rect.h"
+#include "tools/convert/inspection.h"
 #include "tools/convert/white.h"
 
 namespace latent::convert {
@@ -20,10 +23,12 @@ struct ConvertOptions {
     std::filesystem::path input;
     std::vector<std::filesystem::path> outputs;  // the format is the extension's
 
-    double sensitivity = 1;  // sigma; pushed by `stops`
-    double stops = 0;
-    bool auto_exposure = false;  // sigma from the picture; then pushed by `stops`
-    std::string tone = "film";
+    double sensitivity = 1;        // sigma; pushed by `stops`
+    std::vector<double> stops{0};  // several: a print for each, with the stops in the names of its files
+    bool auto_exposure = false;    // sigma from the picture; then pushed by `stops`
+    double key = 0.18;             // what the mean prints at then
+    std::string tone = "film";     // color/tone_curve.h, or none
+    double contrast = 1, black = 0;
     std::string gamut = "luminance";
     std::string profile = "srgb";
     std::optional<std::array<double, 3>> luminance_row;
@@ -32,6 +37,8 @@ struct ConvertOptions {
 
     Depth depth = Depth::kDefault;    // 8 for display files, float for EXR; only what the format holds is accepted
     bool dither = true;               // of 8 bits
+    bool show_clipped = false;        // mark what is burnt, black or out of gamut
+    bool gamut_report = false;        // look for the largest shift of hue
     std::optional<image::Rect> crop;  // in the coordinates of the display window
     int level = 0;                    // mip level of the input
     int dpi = 300;                    // pixels per inch: how large the print is on paper
@@ -51,19 +58,36 @@ struct ConvertOptions {
 // Of the pixels, in percent.
 inline constexpr std::array kPercentiles{1, 10, 50, 90, 99};
 
-struct ConvertReport {
-    int width = 0, height = 0;
-    double sigma = 1;
-    std::string profile, gamut, tone, adapt;
-    color::Chromaticity white;  // that was printed neutral
+using Percentiles = std::array<double, kPercentiles.size()>;
+
+struct ExposureReport {
+    double stops = 0, sigma = 1;
     color::PrintReport print;
-    std::array<double, kPercentiles.size()> luminance{};  // in the scene, at these percentiles; after adaptation
-    std::uint64_t black = 0, burnt = 0;                   // pixels whose grey would be code 0 or 255 of 8 bits
+    std::uint64_t black = 0, burnt = 0;  // pixels whose grey would be code 0 or 255 of 8 bits
+    HueShifts hue_shifts;                // with ConvertOptions::gamut_report
     std::vector<std::string> outputs;
+};
+
+struct PassReport {
+    std::vector<ExposureReport> exposures;
+    Percentiles luminance{};  // in the scene; after adaptation
+};
+
+struct ConvertReport : ExposureReport {  // of the first exposure
+    std::vector<ExposureReport> others;
+    int width = 0, height = 0;
+    std::string profile, gamut, tone, adapt;
+    double contrast = 1, black_point = 0;
+    bool gamut_report = false;
+    color::Chromaticity white;  // that was printed neutral
+    Percentiles luminance{};
     double seconds = 0;
 
     // Pixels that were not numbers and stand for a fault upstream.
     std::uint64_t damaged() const { return print.nan + print.infinite + print.colourless; }
 };
+
+// "-1,0,1": 1 to 16 different numbers from -100 to 100. Errors: kUsage.
+Result<std::vector<double>> parse_stops(std::string_view text);
 
 }  // namespace latent::convert

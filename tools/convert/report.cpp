@@ -6,19 +6,19 @@
 
 namespace latent::convert {
 
-std::string to_text(const ConvertReport& r) {
+namespace {
+
+std::string text_of(const ExposureReport& r, bool gamut_report) {
     const auto share = [&](std::uint64_t count) {
         return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
     };
-    std::string text =
-        fmt::format("size           {} x {}\nsensitivity    {}\nprint          tone {}, gamut {}, {}\nwhite          {}, {}\n",
-                    r.width, r.height, r.sigma, r.tone, r.gamut, r.profile, text_of(r.white), r.adapt);
-    text += "luminance      ";
-    for (std::size_t i = 0; i < kPercentiles.size(); ++i)
-        text += fmt::format("{}{} %: {:.3g}", i == 0 ? "" : ", ", kPercentiles[i], r.luminance[i]);
-    text += fmt::format("\nblack          {} pixels ({:.3f} %)\nburnt          {} pixels ({:.3f} %)\n", r.black, share(r.black),
-                        r.burnt, share(r.burnt));
+    std::string text = fmt::format("black          {} pixels ({:.3f} %)\nburnt          {} pixels ({:.3f} %)\n", r.black,
+                                   share(r.black), r.burnt, share(r.burnt));
     text += fmt::format("out of gamut   {} pixels ({:.3f} %)\n", r.print.out_of_gamut, share(r.print.out_of_gamut));
+    if (gamut_report)
+        text += fmt::format("hue            shifted by {:.1f} degrees at most, at {},{}; by more than 10 in {} pixels ({:.3f} %)\n",
+                            r.hue_shifts.largest_degrees, r.hue_shifts.x, r.hue_shifts.y, r.hue_shifts.above_10_degrees,
+                            share(r.hue_shifts.above_10_degrees));
     const auto line = [&](const char* name, std::uint64_t count, const char* became) {
         if (count > 0) text += fmt::format("{:<15}{} pixels ({:.3f} %), {}\n", name, count, share(count), became);
     };
@@ -31,29 +31,57 @@ std::string to_text(const ConvertReport& r) {
     return text;
 }
 
+nlohmann::ordered_json json_of(const ExposureReport& r, bool gamut_report) {
+    nlohmann::ordered_json json{{"black", r.black},
+                                {"burnt", r.burnt},
+                                {"out_of_gamut", r.print.out_of_gamut},
+                                {"clipped", r.print.clipped},
+                                {"negative", r.print.negative},
+                                {"not_a_number", r.print.nan},
+                                {"infinite", r.print.infinite},
+                                {"colourless", r.print.colourless}};
+    if (gamut_report)
+        json["hue_shift"] = {{"largest_degrees", r.hue_shifts.largest_degrees},
+                             {"at", {r.hue_shifts.x, r.hue_shifts.y}},
+                             {"above_10_degrees", r.hue_shifts.above_10_degrees}};
+    json["outputs"] = r.outputs;
+    return json;
+}
+
+}  // namespace
+
+std::string to_text(const ConvertReport& r) {
+    std::string text = fmt::format("size           {} x {}\n", r.width, r.height);
+    text += fmt::format("print          tone {}, gamut {}, {}\nwhite          {}, {}\n", r.tone, r.gamut, r.profile,
+                        text_of(r.white), r.adapt);
+    if (r.contrast != 1 || r.black_point != 0)
+        text += fmt::format("contrast       {}, black below {}\n", r.contrast, r.black_point);
+    text += "luminance      ";
+    for (std::size_t i = 0; i < kPercentiles.size(); ++i)
+        text += fmt::format("{}{} %: {:.3g}", i == 0 ? "" : ", ", kPercentiles[i], r.luminance[i]);
+    text += "\n";
+    const auto add = [&](const ExposureReport& exposure) {
+        text += fmt::format("sensitivity    {}\n", exposure.sigma) + text_of(exposure, r.gamut_report);
+    };
+    add(r);
+    for (const ExposureReport& other : r.others) add(other);
+    return text;
+}
+
 std::string to_json(const ConvertReport& r) {
     nlohmann::ordered_json luminance;
     for (std::size_t i = 0; i < kPercentiles.size(); ++i) luminance[fmt::format("p{}", kPercentiles[i])] = r.luminance[i];
-    const nlohmann::ordered_json json{{"width", r.width},
-                                      {"height", r.height},
-                                      {"sensitivity", r.sigma},
-                                      {"tone", r.tone},
-                                      {"gamut", r.gamut},
-                                      {"profile", r.profile},
-                                      {"white", {r.white.x, r.white.y}},
-                                      {"adaptation", r.adapt},
-                                      {"pixels", r.print.pixels},
-                                      {"luminance", luminance},
-                                      {"black", r.black},
-                                      {"burnt", r.burnt},
-                                      {"out_of_gamut", r.print.out_of_gamut},
-                                      {"clipped", r.print.clipped},
-                                      {"negative", r.print.negative},
-                                      {"not_a_number", r.print.nan},
-                                      {"infinite", r.print.infinite},
-                                      {"colourless", r.print.colourless},
-                                      {"seconds", r.seconds},
-                                      {"outputs", r.outputs}};
+    nlohmann::ordered_json json{{"width", r.width},      {"height", r.height},       {"sensitivity", r.sigma},
+                                {"tone", r.tone},        {"contrast", r.contrast},   {"black_point", r.black_point},
+                                {"gamut", r.gamut},      {"profile", r.profile},     {"white", {r.white.x, r.white.y}},
+                                {"adaptation", r.adapt}, {"pixels", r.print.pixels}, {"luminance", luminance}};
+    json.update(json_of(r, r.gamut_report));
+    json["seconds"] = r.seconds;
+    for (const ExposureReport& other : r.others) {
+        nlohmann::ordered_json exposure{{"stops", other.stops}, {"sensitivity", other.sigma}};
+        exposure.update(json_of(other, r.gamut_report));
+        json["other_exposures"].push_back(exposure);
+    }
     return json_text(json) + "\n";
 }
 

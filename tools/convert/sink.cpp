@@ -123,13 +123,17 @@ class WriterSink final : public Sink {
 // What a file says about the print. Numbers as they were used, no names of files.
 std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& picture, const Display& display,
                                                        const ConvertOptions& options) {
-    return {{"Software", "latent-convert " LATENT_VERSION},
-            {"Sensitivity", fmt::format("{}", picture.sigma)},
-            {"Tone", options.tone},
-            {"Gamut", options.gamut},
-            {"Profile", display.space.name},
-            {"White", text_of(picture.white)},
-            {"Adaptation", options.adapt}};
+    std::vector<std::pair<std::string, std::string>> all{{"Software", "latent-convert " LATENT_VERSION},
+                                                         {"Sensitivity", fmt::format("{}", picture.sigma)},
+                                                         {"Tone", options.tone},
+                                                         {"Gamut", options.gamut},
+                                                         {"Profile", display.space.name},
+                                                         {"White", text_of(picture.white)},
+                                                         {"Adaptation", options.adapt}};
+    if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
+    if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
+    if (options.show_clipped) all.emplace_back("Shown", "clipped");
+    return all;
 }
 
 Result<std::unique_ptr<Sink>> rows_sink(Result<std::unique_ptr<image::RowWriter>> writer, const PrintedPicture& picture,

@@ -1,0 +1,138 @@
+// Several prints in one pass, their tone, and what is found out about their colours.
+#include <nlohmann/json.hpp>
+
+#include "tests/convert/test_picture.h"
+#include "tools/convert/inspection.h"
+
+namespace latent::convert {
+namespace {
+
+using Exposures = PrintTest;
+
+TEST_F(Exposures, OfOnePassAreThoseOfOneEach) {
+    write_picture(folder_ / "a.exr", {.width = 700, .height = 300, .tile = 64, .zip = true});
+    const testing::Outcome several =
+        run_tool({at("a.exr"), "-o", at("all.png"), "-o", at("all.tif"), "--stops", "-1,0,1.5", "-s", "2", "--json"});
+    ASSERT_EQ(several.status, 0) << several.err;
+    const auto report = nlohmann::json::parse(several.out);
+    ASSERT_EQ(report["other_exposures"].size(), 2u);
+    int number = 0;
+    for (const auto& [stops, name] : {std::pair{"-1", "all-1"}, {"0", "all+0"}, {"1.5", "all+1.5"}}) {
+        const testing::Outcome one =
+            run_tool({at("a.exr"), "-o", at("one.png"), "-o", at("one.tif"), "--stops", stops, "-s", "2", "--json", "--force"});
+        ASSERT_EQ(one.status, 0) << one.err;
+        for (const char* type : {".png", ".tif"})
+            EXPECT_EQ(testing::read_text(folder_ / (name + std::string(type))),
+                      testing::read_text(folder_ / ("one" + std::string(type))));
+        const auto alone = nlohmann::json::parse(one.out);
+        const auto& among = number == 0 ? report : report["other_exposures"][static_cast<std::size_t>(number - 1)];
+        for (const char* key : {"sensitivity", "black", "burnt", "out_of_gamut"}) EXPECT_EQ(among[key], alone[key]) << key;
+        EXPECT_EQ(among["outputs"][0], at(name + std::string(".png")));
+        if (number == 0) {
+            EXPECT_EQ(among["luminance"], alone["luminance"]);
+        }
+        ++number;
+    }
+}
+
+TEST_F(Exposures, ThatCannotBeAreRefused) {
+    write_picture(folder_ / "a.exr", {.width = 8, .height = 8});
+    for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--stops", "1,1"},
+                                                  {"--stops", "1,,2"},
+                                                  {"--stops", "101"},
+                                                  {"--stops", "1,nan"},
+                                                  {"--stops", "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17"},
+                                                  {"--key", "0.2"},
+                                                  {"--auto", "--key", "1"},
+                                                  {"--tone", "aces"},
+                                                  {"--tone", "density:1,2"},
+                                                  {"--tone", "none", "--contrast", "2"},
+                                                  {"--contrast", "0"},
+                                                  {"--black", "0.6"},
+                                                  {"--show", "all"}}) {
+        std::vector<std::string> arguments = {at("a.exr"), "-o", at("a.png")};
+        arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+        const testing::Outcome outcome = run_tool(arguments);
+        EXPECT_EQ(outcome.status, 2) << outcome.err;
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "a.png"));
+    }
+}
+
+// A grey ramp: the pixel of luminance 1/sensitivity has the code of half of display white, whatever the curve.
+TEST_F(Exposures, HalfOfWhiteIsAtOneOverTheSensitivityWithEveryCurve) {
+    write_picture(folder_ / "a.exr", {.width = 3, .height = 1}, [](int x, int) -> std::array<float, 3> {
+        const float light = 0.25f * static_cast<float>(1 << x);
+        return {light * 0.3127f / 0.3290f, light, light * 0.3583f / 0.3290f};
+    });
+    for (const char* tone : {"film", "linear", "reinhard", "filmic", "density"}) {
+        for (const char* contrast : {"1", "1.8"}) {
+            const testing::Outcome outcome = run_tool(
+                {at("a.exr"), "-o", at("a.png"), "-s", "2", "--tone", tone, "--contrast", contrast, "--no-dither", "--force"});
+            ASSERT_EQ(outcome.status, 0) << outcome.err;
+            const image::Decoded png = image::decode_png(folder_ / "a.png");
+            EXPECT_EQ(static_cast<int>(png.pixels[4]), 188) << tone;
+            EXPECT_LT(static_cast<int>(png.pixels[1]), 188);
+            EXPECT_GT(static_cast<int>(png.pixels[7]), 188);
+        }
+    }
+}
+
+TEST_F(Exposures, TheKeyIsTheGreyThatTheMeanPrintsAt) {
+    write_picture(folder_ / "a.exr", {.width = 64, .height = 64}, [](int, int) -> std::array<float, 3> {
+        return {7 * 0.3127f / 0.3290f, 7, 7 * 0.3583f / 0.3290f};
+    });
+    for (const char* tone : {"film", "reinhard", "none"}) {
+        const testing::Outcome outcome = run_tool(
+            {at("a.exr"), "-o", at("a.exr.tif"), "--bits", "float", "--auto", "--key", "0.4", "--tone", tone, "--force", "--json"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const double sigma = nlohmann::json::parse(outcome.out)["sensitivity"];
+        const double t = 7 * sigma;
+        const double printed = tone == std::string("film") ? 1 - std::exp2(-t) : tone == std::string("none") ? t : t / (1 + t);
+        EXPECT_NEAR(printed, 0.4, 0.004) << tone;  // luminances are counted in bins of 1/64 octave
+    }
+}
+
+// One pixel of each kind.
+TEST_F(Exposures, AProofShowsWhatIsClipped) {
+    write_picture(folder_ / "a.exr", {.width = 4, .height = 1}, [](int x, int) -> std::array<float, 3> {
+        if (x == 0) return {0.95f * 100, 100, 1.09f * 100};  // burnt
+        if (x == 1) return {0, 0, 0};
+        if (x == 2) return {0.1f, 0.5f, 0.05f};  // a green that no display has
+        return {0.95f * 0.5f, 0.5f, 1.09f * 0.5f};
+    });
+    const testing::Outcome outcome =
+        run_tool({at("a.exr"), "-o", at("a.png"), "--show", "clipped", "--no-dither", "--gamut-report"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("hue            shifted by "), std::string::npos) << outcome.out;
+    const image::Decoded png = image::decode_png(folder_ / "a.png");
+    const auto pixel = [&](std::size_t i) {
+        return std::array{static_cast<int>(png.pixels[3 * i]), static_cast<int>(png.pixels[3 * i + 1]),
+                          static_cast<int>(png.pixels[3 * i + 2])};
+    };
+    EXPECT_EQ(pixel(0), (std::array{255, 0, 0}));
+    EXPECT_EQ(pixel(1), (std::array{0, 0, 255}));
+    EXPECT_EQ(pixel(2), (std::array{255, 0, 255}));
+    EXPECT_EQ(pixel(3)[0], pixel(3)[1]);
+    EXPECT_EQ(pixel(3)[1], pixel(3)[2]);
+    EXPECT_GT(pixel(3)[1], 100);
+}
+
+TEST_F(Exposures, TheLargestShiftOfHueIsFoundWhateverTheThreads) {
+    write_picture(folder_ / "a.exr", {.width = 500, .height = 300, .tile = 32});
+    ConvertOptions options;
+    options.gamut_report = true;
+    const Result<ConvertReport> luminance = print("a.exr", "a.png", options);
+    ASSERT_TRUE(luminance) << luminance.error().message;
+    EXPECT_GT(luminance->hue_shifts.largest_degrees, 20);
+    options.threads = 1;
+    const Result<ConvertReport> alone = print("a.exr", "b.png", options);
+    EXPECT_EQ(alone->hue_shifts.largest_degrees, luminance->hue_shifts.largest_degrees);
+    EXPECT_EQ(alone->hue_shifts.x, luminance->hue_shifts.x);
+    EXPECT_EQ(alone->hue_shifts.y, luminance->hue_shifts.y);
+    EXPECT_EQ(alone->hue_shifts.above_10_degrees, luminance->hue_shifts.above_10_degrees);
+    options.gamut = "grey";
+    EXPECT_LT(print("a.exr", "c.png", options)->hue_shifts.above_10_degrees, luminance->hue_shifts.above_10_degrees / 2);
+}
+
+}  // namespace
+}  // namespace latent::convert

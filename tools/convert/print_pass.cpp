@@ -1,0 +1,170 @@
+#include "tools/convert/print_pass.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+
+#include "base/first_error.h"
+
+namespace latent::convert {
+
+using image::Rect;
+
+namespace {
+
+// After each band.
+void tell(const Progress& progress, std::size_t done, std::size_t all, const char* what) {
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(all), what);
+}
+
+// A block of pixels, in the planes of one thread.
+struct Block {
+    Rect area;
+    std::array<float*, 3> planes;
+
+    Block(const Rect& a, std::vector<float>& memory) : area(a) {
+        memory.resize(3 * area.pixels());
+        for (std::size_t c = 0; c < 3; ++c) planes[c] = memory.data() + c * area.pixels();
+    }
+    std::span<float> row(std::size_t c, int y) const {
+        const std::size_t width = static_cast<std::size_t>(area.width());
+        return {planes[c] + static_cast<std::size_t>(y - area.y0) * width, width};
+    }
+};
+
+// What came of an exposure in one thread.
+struct Outcome {
+    color::PrintReport print;
+    color::LuminanceCounts counts;
+    HueShifts hue_shifts;
+};
+
+// What one thread works in.
+struct Workbench {
+    image::ExrReader::Scratch scratch;
+    std::vector<float> planes, printed, luminances;
+    color::LuminanceHistogram histogram;
+    std::vector<Outcome> outcomes;
+
+    // Luminances of a row, until the next call.
+    color::LuminanceCounts see(const std::array<double, 3>& y_row, const color::PrintableRange& range, const Block& block, int y) {
+        luminances.resize(static_cast<std::size_t>(block.area.width()));
+        return color::luminance_row(y_row, range, block.row(0, y), block.row(1, y), block.row(2, y), luminances);
+    }
+};
+using Workbenches = tbb::enumerable_thread_specific<Workbench>;
+
+// Reads the blocks of a band side by side and hands each to `use`.
+template <class Use>
+void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workbenches& benches, FirstError& error,
+                    const Use& use) {
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+        if (error) return;
+        Workbench& bench = benches.local();
+        const Block block(blocks[i], bench.planes);
+        if (Status s = source.reader.read(block.area, block.planes, static_cast<std::size_t>(block.area.width()), bench.scratch);
+            !s)
+            return error.set(s.error());
+        use(block, bench);
+    });
+}
+
+void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
+               Workbench& bench, Outcome& outcome) {
+    outcome.counts += bench.see(settings.y_row, exposure.range, from, y);
+    if (first) bench.histogram.add(bench.luminances);
+    exposure.print.row(from.row(0, y), from.row(1, y), from.row(2, y), to.row(0, y), to.row(1, y), to.row(2, y), outcome.print);
+    const InspectedRow row{from.row(0, y),   from.row(1, y), from.row(2, y),
+                           bench.luminances, to.row(0, y),   to.row(1, y),
+                           to.row(2, y),     from.area.x0,   y};
+    if (settings.gamut_report) find_hue_shifts(exposure.print, settings.space, row, outcome.hue_shifts);
+    if (settings.show_clipped) mark_clipped(exposure.print, settings.space, exposure.range, row);
+}
+
+}  // namespace
+
+bool needs_second_block(const std::vector<Exposure>& exposures, const PassSettings& settings) {
+    return exposures.size() > 1 || settings.show_clipped || settings.gamut_report;
+}
+
+Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& plan, const std::array<double, 3>& y_row,
+                                          const Progress& progress) {
+    Workbenches benches;
+    FirstError error;
+    for (std::size_t i = 0; i < plan.band_ends.size() && !error; ++i) {
+        for_each_block(source, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
+            for (int y = block.area.y0; y < block.area.y1; ++y) {
+                bench.see(y_row, {}, block, y);
+                bench.histogram.add(bench.luminances);
+            }
+        });
+        tell(progress, i + 1, plan.band_ends.size(), "measuring the light");
+    }
+    if (error) return error.status().error();
+    color::LuminanceHistogram all;
+    for (const Workbench& bench : benches) all += bench.histogram;
+    return all;
+}
+
+Result<PassReport> print_all(const Source& source, const BandPlan& plan, const std::vector<Exposure>& exposures,
+                             const PassSettings& settings, const Progress& progress) {
+    Workbenches benches;
+    FirstError error;
+    std::size_t next = 0, done = 0;
+    using Bands = std::vector<std::vector<Band>>;  // of the outputs of each exposure
+    const bool apart = needs_second_block(exposures, settings);
+    const auto print_band = [&](tbb::flow_control& flow) -> std::shared_ptr<Bands> {
+        if (next == plan.band_ends.size() || error) {
+            flow.stop();
+            return nullptr;
+        }
+        const Rect area = plan.band(next++);
+        auto bands = std::make_shared<Bands>(exposures.size());
+        for (std::size_t e = 0; e < exposures.size(); ++e) {
+            for (const auto& sink : exposures[e].sinks) (*bands)[e].push_back(sink->new_band(area));
+        }
+        for_each_block(source, plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
+            bench.outcomes.resize(exposures.size());
+            const Block to = apart ? Block(block.area, bench.printed) : block;
+            for (std::size_t e = 0; e < exposures.size(); ++e) {
+                for (int y = block.area.y0; y < block.area.y1; ++y)
+                    print_row(exposures[e], settings, block, to, y, e == 0, bench, bench.outcomes[e]);
+                const PrintedBlock printed{
+                    block.area, {to.planes[0], to.planes[1], to.planes[2]}, static_cast<std::size_t>(block.area.width())};
+                for (std::size_t i = 0; i < exposures[e].sinks.size(); ++i) exposures[e].sinks[i]->take((*bands)[e][i], printed);
+            }
+        });
+        return bands;
+    };
+    const auto encode_band = [&](const std::shared_ptr<Bands>& bands) {
+        for (std::size_t e = 0; e < exposures.size(); ++e) {
+            for (std::size_t i = 0; i < exposures[e].sinks.size() && !error; ++i)
+                error.keep(exposures[e].sinks[i]->write((*bands)[e][i]));
+        }
+        tell(progress, ++done, plan.band_ends.size(), "");
+    };
+    tbb::parallel_pipeline(plan.overlapped ? 2 : 1,
+                           tbb::make_filter<void, std::shared_ptr<Bands>>(tbb::filter_mode::serial_in_order, print_band) &
+                               tbb::make_filter<std::shared_ptr<Bands>, void>(tbb::filter_mode::serial_in_order, encode_band));
+    if (error) return error.status().error();
+    PassReport report;
+    report.exposures.resize(exposures.size());
+    color::LuminanceHistogram histogram;
+    std::uint64_t dark = 0;
+    for (const Workbench& bench : benches) {
+        histogram += bench.histogram;
+        for (std::size_t e = 0; e < bench.outcomes.size(); ++e) {
+            const Outcome& outcome = bench.outcomes[e];
+            ExposureReport& to = report.exposures[e];
+            to.print += outcome.print;
+            to.black += outcome.counts.black;
+            to.burnt += outcome.counts.burnt;
+            to.hue_shifts += outcome.hue_shifts;
+            if (e == 0) dark += outcome.counts.dark;
+        }
+    }
+    for (std::size_t i = 0; i < kPercentiles.size(); ++i) report.luminance[i] = histogram.percentile(kPercentiles[i] / 100.0, dark);
+    return report;
+}
+
+}  // namespace latent::convert

@@ -1,0 +1,45 @@
+// tools/convert/print_pass.h: the picture passes by in bands, is printed, and goes to all outputs. docs/converting.md, "How pixels
+// pass through".
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/progress.h"
+#include "color/auto_exposure.h"
+#include "tools/convert/bands.h"
+#include "tools/convert/luminances.h"
+#include "tools/convert/options.h"
+#include "tools/convert/sink.h"
+#include "tools/convert/source.h"
+
+namespace latent::convert {
+
+// One print of the picture, and the outputs that get it.
+struct Exposure {
+    double stops = 0, sigma = 1;
+    color::Print print;
+    color::PrintableRange range;  // of luminances
+    std::vector<std::filesystem::path> paths;
+    std::vector<std::unique_ptr<Sink>> sinks;
+};
+
+struct PassSettings {
+    std::array<double, 3> y_row;  // what luminance is
+    color::RgbSpace space;        // that is printed for
+    bool show_clipped = false, gamut_report = false;
+};
+
+// True if blocks are printed beside the picture's pixels, which takes memory for another block per thread.
+bool needs_second_block(const std::vector<Exposure>& exposures, const PassSettings& settings);
+
+// Luminances of all pixels. Errors: of reading.
+Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& plan, const std::array<double, 3>& y_row,
+                                          const Progress& progress);
+
+// What came of each exposure, in their order; percentiles in the first one's. Bands go through printing and encoding one after
+// another; where memory allows, one is printed while the one before is encoded. Errors: of reading, of the sinks.
+Result<PassReport> print_all(const Source& source, const BandPlan& plan, const std::vector<Exposure>& exposures,
+                             const PassSettings& settings, const Progress& progress);
+
+}  // namespace latent::convert
