@@ -1,0 +1,27 @@
+// The pictures of docs/darkroom.md are made by the script that says so.
+#include <regex>
+
+#include "tests/darkroom/darkroom.h"
+
+namespace latent::testing {
+namespace {
+
+TEST(Tour, MakesEveryPictureOfItsPage) {
+    if (run({"sh", "-c", "command -v oiiotool"}).status != 0) GTEST_SKIP() << "oiiotool is missing: scripts/install bench";
+    const std::filesystem::path source = LATENT_SOURCE_DIR;
+    const TemporaryFolder folder;
+    const Outcome outcome = run({"env", "LATENT_BIN=" + std::filesystem::path(tool("latent-render")).parent_path().string(),
+                                 (source / "scripts/tour").string(), folder.path().string(), "72", "4"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string page = read_text(source / "docs/darkroom.md");
+    const std::regex picture(R"(\(images/darkroom/([a-z]+\.jpg)\))");
+    int pictures = 0;
+    for (std::sregex_iterator i(page.begin(), page.end(), picture); i != std::sregex_iterator(); ++i, ++pictures) {
+        EXPECT_TRUE(std::filesystem::exists(folder.path() / i->str(1))) << i->str(1);
+        EXPECT_TRUE(std::filesystem::exists(source / "docs/images/darkroom" / i->str(1))) << i->str(1);
+    }
+    EXPECT_EQ(pictures, 7);
+}
+
+}  // namespace
+}  // namespace latent::testing
