@@ -1,8 +1,9 @@
 """What the commands of latent-farm do."""
 import json
+import pathlib
 import sys
 
-from latent_farm import engines, frames, planning, slurm, units
+from latent_farm import engines, frames, planning, slurm, strips, units
 from latent_farm import status as status_of
 from latent_farm.errors import DONE, Failure, Misuse
 from latent_farm.plan import check_render_options
@@ -68,7 +69,7 @@ def submit_command(args):
         show(reports, args.json)
         return engines.run([line for work in works for line in work.lines])
     for work, report in zip(works, reports):
-        report["jobs"] = work.chain.submit(work.missing, work.steps)
+        report["jobs"] = work.chain.submit(work.stages)
     show(reports, args.json)
     jobs = [job for report in reports for job in report["jobs"]]
     if jobs and not args.json:
@@ -86,4 +87,10 @@ def status_command(args):
     return DONE
 
 
-RUN = {"plan": plan_command, "submit": submit_command, "resume": resume_command, "status": status_command}
+def join_command(args):
+    strips.join([pathlib.Path(path) for path in args.strip], pathlib.Path(args.output), args.force)
+    return DONE
+
+
+RUN = {"plan": plan_command, "submit": submit_command, "resume": resume_command, "status": status_command,
+       "join": join_command}

@@ -23,21 +23,25 @@ def numbers_of(tasks):
     return "; ".join(parts)
 
 
-def shell_line(folder, tasks, steps):
-    """Task after task, then the steps; ends where one of them fails."""
-    task = shlex.quote(str(folder.path / "task"))
-    return _line(folder, tasks, f"(for k in $({numbers_of(tasks)}); do {task} $k || exit; done)", steps)
+def shell_line(folder, stages):
+    """Task after task, stage after stage; ends where one of them fails."""
+    def array(stage):
+        return f"(for k in $({numbers_of(stage.tasks)}); do {shlex.quote(str(folder.script(stage.name)))} $k || exit; done)"
+    return _line(folder, stages, array)
 
 
-def parallel_line(folder, tasks, steps, hosts):
+def parallel_line(folder, stages, hosts):
     where = f"--sshloginfile {shlex.quote(hosts)} " if hosts else ""
-    task = shlex.quote(shlex.quote(str(folder.path / "task")))  # it passes through two shells
     log = shlex.quote(str(folder.logs / "parallel.log"))
-    return _line(folder, tasks, f"({numbers_of(tasks)}) | parallel --will-cite --jobs 1 {where}--retries 3 --joblog {log} {task}", steps)
+
+    def array(stage):
+        script = shlex.quote(shlex.quote(str(folder.script(stage.name))))  # it passes through two shells
+        return f"({numbers_of(stage.tasks)}) | parallel --will-cite --jobs 1 {where}--retries 3 --joblog +{log} {script}"
+    return _line(folder, stages, array)
 
 
-def _line(folder, tasks, render, steps):
-    return " && ".join([*([render] if tasks else []), *(shlex.quote(str(folder.path / name)) for name in steps)])
+def _line(folder, stages, array):
+    return " && ".join(array(stage) if stage.tasks is not None else shlex.quote(str(folder.script(stage.name))) for stage in stages)
 
 
 def run(lines):

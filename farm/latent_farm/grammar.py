@@ -52,6 +52,8 @@ def add_steps(command):
     command.option("--throttle", "N", "maximum number of tasks of an array that run at once", type=number(1), default=0)
     command.option("--sbatch", "OPTIONS", "options for sbatch, such as --sbatch=\"--partition=long\"", type=words, default=[])
     command.option("--develop", "OPTIONS", "options for latent-develop, such as --develop=\"--size 4096\"", type=words, default=[])
+    command.option("--strips", "N", "develop the picture in N strips at the same time; needs --develop=\"--size WxH\"", type=number(1),
+                   default=0, shown_default="1")
     command.option("--checkpoint", "TIME", "interval at which finished work is committed to disk",
                    type=units.parse_duration, shown_default="60s")
     command.option("--until", "render|merge|develop", "last step to run", choices=["render", "merge", "develop"], shown_default="develop")
@@ -143,5 +145,17 @@ Examples:
     status.option("--stalled-after", "TIME", "time without a commit after which a part counts as stalled", type=units.parse_duration, default=300.0,
                   shown_default="5m")
     status.option("--json", None, "print the report as JSON on standard output")
-    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status}
+    join = Command("latent-farm join", "Join the strips of a picture.", "latent-farm join STRIP... -o FILE.exr [OPTIONS]", f"""
+Submit runs this for --strips. STRIP is a picture that latent-develop made with
+--crop: all columns, from a row that is a multiple of 256 up to the next strip.
+Tiles are copied as they are.
+
+Examples:
+  latent-farm join strips/*.exr -o picture.exr
+
+{STATUSES}""")
+    join.argument("strip", "strips of one picture, in any order", metavar="STRIP", nargs="+")
+    join.option("-o,--output", "FILE", "picture to write", required=True)
+    join.option("--force", None, "replace an existing output")
+    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "join": join}
     return tool

@@ -5,10 +5,20 @@ import json
 import math
 import os
 import pathlib
+import re
+import typing
 
 from latent_farm.errors import Failure, Misuse
 
 VERSION = 1
+TILE = 256  # pixels: the sides of a picture's tiles; strips are whole rows of tiles
+
+
+class Stage(typing.NamedTuple):
+    """A step of a plan, of which nothing begins before all of the one before is done."""
+
+    name: str  # render, merge, develop or join
+    tasks: list | None = None  # numbers, for a script that takes one; else it is run once
 
 
 @dataclasses.dataclass
@@ -29,6 +39,7 @@ class Plan:
     cpus: int  # of a task; 0: all that the machine has
     develop: list  # options of latent-develop
     develop_since: float = 0  # when these were chosen; an older picture is another
+    strips: int = 1  # of the picture, one for each job of latent-develop, as far as it has rows of tiles
     until: str = "develop"  # the last step: render, merge or develop
     checkpoint: float = 60  # seconds
     version: int = VERSION
@@ -51,8 +62,39 @@ class Plan:
         """Of all parts; the merged file is as large again."""
         return round(self.samples * self.bytes_per_sample)
 
+    @property
+    def strip_rows(self):
+        """Rows of pixels of each strip but the last."""
+        _, height = size_of(self.develop)
+        return math.ceil(height / self.strips / TILE) * TILE
+
+    @property
+    def strip_tasks(self):
+        """The numbers of the strips; None if the picture is developed as a whole."""
+        return list(range(math.ceil(size_of(self.develop)[1] / self.strip_rows))) if self.strips > 1 else None
+
     def range_of(self, task):
         return task * self.task_samples, min((task + 1) * self.task_samples, self.samples)
+
+
+def size_of(develop):
+    """Width and height that --size WxH of latent-develop asks for; none if it asks for less."""
+    found = re.search(r"--size[ =](\d+)x(\d+)(?: |$)", " ".join(develop))
+    return (int(found[1]), int(found[2])) if found else None
+
+
+def check_strips(plan):
+    if plan.strips == 1:
+        return
+    if not size_of(plan.develop):
+        raise Misuse('--strips: needs the size of the picture, such as --develop="--size 30000x20000"')
+    for option in ("--mipmap", "--crop", "--budget", "--fraction"):
+        if any(word.split("=")[0] == option for word in plan.develop):
+            raise Misuse(f"--strips: does not go with {option} of latent-develop")
+
+
+def strip_name(task):
+    return f"strip-{task:05}.exr"
 
 
 def part_name(task):
@@ -69,7 +111,11 @@ class Folder:
         self.logs = self.path / "logs"
         self.merged = self.path / "samples.latent"
         self.picture = self.path / "picture.exr"
+        self.strips = self.path / "strips"
         self.jobs = self.path / "jobs.json"
+
+    def script(self, stage):
+        return self.path / ("task" if stage == "render" else stage)
 
     def has_plan(self):
         return self.plan_file.exists()

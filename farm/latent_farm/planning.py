@@ -35,6 +35,7 @@ def make_plan(folder, args, machines, like=None):
     return Plan(scene=scene, spp=args.spp, options=args.options, samples=answer["samples"], task_samples=task_samples,
                 run_samples=run_samples, job=answer["job"], rate=rate, bytes_per_sample=answer["bytes"] / answer["samples"],
                 memory=args.memory or max(1 << 30, peak * 3 // 2), machines=machines, cpus=args.cpus, develop=args.develop,
+                strips=args.strips or 1,
                 until=args.until or "develop", checkpoint=args.checkpoint or 60)
 
 
@@ -59,8 +60,9 @@ def extend_plan(folder, plan, args, machines):
     if args.cpus:
         plan.cpus = args.cpus
     plan.memory = args.memory or plan.memory
-    if args.develop and args.develop != plan.develop:
-        plan.develop, plan.develop_since = args.develop, time.time()
+    chosen = args.develop or plan.develop, args.strips or plan.strips
+    if chosen != (plan.develop, plan.strips):
+        (plan.develop, plan.strips), plan.develop_since = chosen, time.time()
     plan.until = args.until or plan.until
     plan.checkpoint = args.checkpoint or plan.checkpoint
     plan.machines = machines or plan.machines

@@ -3,6 +3,7 @@ import math
 import shlex
 
 from latent_farm import tools
+from latent_farm.plan import size_of, strip_name
 
 TASK = """#!/bin/sh
 # Written by latent-farm. Usage: task K    renders samples K * {length} up to the next task's into parts/.
@@ -37,6 +38,26 @@ DEVELOP = """#!/bin/sh
 cd "$(dirname "$0")" || exit 1
 {program}
 exec "$program" samples.latent --samples 0:{samples} {options} --force -o picture.exr
+"""
+
+STRIP = """#!/bin/sh
+# Written by latent-farm. Usage: develop K    develops rows K * {rows} up to the next strip's of samples.latent into strips/.
+k=$1
+case $k in '' | *[!0-9]*) echo "usage: $0 K    (K: 0 to {last})" >&2; exit 2 ;; esac
+[ "$k" -le {last} ] || {{ echo "$0: strip $k: the last one is {last}" >&2; exit 2; }}
+cd "$(dirname "$0")" && mkdir -p strips || exit 1
+first=$((k * {rows})) end=$(((k + 1) * {rows}))
+[ "$end" -le {height} ] || end={height}
+{program}
+exec "$program" samples.latent --samples 0:{samples} {options} --crop "0,$first,{width},$end" --force \\
+    -o "$(printf 'strips/strip-%05d.exr' "$k")"
+"""
+
+JOIN = """#!/bin/sh
+# Written by latent-farm. Joins strips/ into picture.exr.
+cd "$(dirname "$0")" || exit 1
+{program}
+"$program" join {strips} --force -o picture.exr && rm -r strips
 """
 
 # The renderer is a child of the shell, so that the shell can requeue the task when its time is up. docs/farm.md, "Slurm".
@@ -96,13 +117,22 @@ def write_scripts(folder, plan, name, minutes=None):
         length=plan.task_samples, samples=plan.samples, last=plan.tasks - 1, program=find_program("latent-render"),
         scene=shlex.quote(plan.scene), options=options, cpus=plan.cpus, checkpoint=plan.checkpoint), 0o755)
     folder.write(path / "merge", MERGE.format(samples=plan.samples, job=plan.job, program=find_program("latent-merge")), 0o755)
-    folder.write(path / "develop", DEVELOP.format(samples=plan.samples, program=find_program("latent-develop"),
-                                                  options=shlex.join(plan.develop)), 0o755)
+    develop = {"samples": plan.samples, "program": find_program("latent-develop"), "options": shlex.join(plan.develop)}
+    steps = {"merge": "", "develop": ""}  # and their arguments
+    if plan.strips == 1:
+        folder.write(path / "develop", DEVELOP.format(**develop), 0o755)
+    else:
+        width, height = size_of(plan.develop)
+        strips = plan.strip_tasks
+        folder.write(path / "develop", STRIP.format(**develop, rows=plan.strip_rows, last=strips[-1], width=width, height=height), 0o755)
+        folder.write(path / "join", JOIN.format(program=find_program("latent-farm"),
+                                                strips=" ".join(f"strips/{strip_name(task)}" for task in strips)), 0o755)
+        steps = {"merge": "", "develop": " $((${1:-0} + SLURM_ARRAY_TASK_ID))", "join": ""}
     cpus = f" --cpus-per-task={plan.cpus}" if plan.cpus else ""
     folder.write(path / "render.sbatch", RENDER_JOB.format(
         name=name, cpus=cpus, memory=plan.memory >> 20, minutes=minutes, notice=notice, logs=logs,
         task=shlex.quote(str(path / "task"))))
-    for step in ("merge", "develop"):
+    for step, arguments in steps.items():
         folder.write(path / f"{step}.sbatch", STEP_JOB.format(
             name=name, step=step, cpus=cpus, memory=max(2 << 10, plan.memory >> 20), logs=logs,
-            script=shlex.quote(str(path / step))))
+            script=shlex.quote(str(path / step)) + arguments))

@@ -24,23 +24,23 @@ def nodes():
 
 
 class Chain:
-    """The jobs of a plan in stages: arrays of render tasks, then merge, then develop. The jobs of a stage wait for those of the one
-    before, and do not run at all if one of them has failed."""
+    """The stages of a plan as jobs, or arrays of jobs. Those of a stage wait for those of the one before, and do not run at all if
+    one of them has failed."""
 
     def __init__(self, folder, plan, options=(), throttle=0):
         self.folder, self.plan, self.options, self.throttle = folder, plan, list(options), throttle
 
-    def lines(self, tasks, steps):
+    def lines(self, stages):
         """What `submit` runs, for a shell."""
         lines = []
 
         def start(*words):
             lines.append(f"J{len(lines)}=$({' '.join(words)})")
             return f"${{J{len(lines) - 1}%;*}}"  # sbatch prints NUMBER or NUMBER;CLUSTER
-        self._start(tasks, steps, start, shlex.quote)
+        self._start(stages, start, shlex.quote)
         return lines
 
-    def submit(self, tasks, steps):
+    def submit(self, stages):
         """The numbers of the jobs, also kept in the folder."""
         numbers = []
 
@@ -48,24 +48,24 @@ class Chain:
             numbers.append(tools.output_of(words).strip().split(";")[0])
             self.folder.write(self.folder.jobs, json.dumps(numbers) + "\n")
             return numbers[-1]
-        self._start(tasks, steps, start, str)
+        self._start(stages, start, str)
         return numbers
 
-    def _stages(self, tasks, steps):
-        """For each stage, what follows sbatch's options for each of its jobs."""
+    def _jobs(self, stage):
+        """What follows sbatch's options for each of its jobs."""
+        script = str(self.folder.path / f"{stage.name}.sbatch")
+        if stage.tasks is None:
+            return [[script]]
         limit = f"%{self.throttle}" if self.throttle else ""
-        if tasks:
-            yield [[f"--array={ranges.array_list(indices)}{limit}", str(self.folder.path / "render.sbatch"), str(offset)]
-                   for offset, indices in sizing.arrays_of(tasks)]
-        for name in steps:
-            yield [[str(self.folder.path / f"{name}.sbatch")]]
+        return [[f"--array={ranges.array_list(indices)}{limit}", script, str(offset)]
+                for offset, indices in sizing.arrays_of(stage.tasks)]
 
-    def _start(self, tasks, steps, start, quote):
+    def _start(self, stages, start, quote):
         """`start` takes the words of a command, and returns the number of the job, or what stands for it."""
         before = []
-        for stage in self._stages(tasks, steps):
+        for stage in stages:
             wait = [f"--dependency=afterok:{':'.join(before)}", "--kill-on-invalid-dep=yes"] if before else []
-            before = [start("sbatch", "--parsable", *map(quote, self.options), *wait, *map(quote, job)) for job in stage]
+            before = [start("sbatch", "--parsable", *map(quote, self.options), *wait, *map(quote, job)) for job in self._jobs(stage)]
 
 
 def in_queue(folder):

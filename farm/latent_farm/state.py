@@ -7,7 +7,7 @@ import shutil
 import time
 
 from latent_farm import ranges, tools
-from latent_farm.plan import part_name
+from latent_farm.plan import Stage, part_name, strip_name
 
 BATCH = 500  # files of one call of latent-inspect
 NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?")
@@ -107,14 +107,19 @@ def unfinished(plan, state):
 
 
 def steps_left(folder, plan, state, tasks):
-    """Which of merge and develop are still to be run."""
-    steps = []
+    """The stages after rendering that are still to be run."""
     if plan.until == "render":
-        return steps
-    if tasks or ranges.missing((0, plan.samples), state.merged):
-        steps.append("merge")
-    if plan.until == "develop":
-        made = folder.picture.stat().st_mtime if folder.picture.exists() else 0
-        if steps or made < max(plan.develop_since, folder.merged.stat().st_mtime):
-            steps.append("develop")
-    return steps
+        return []
+    merge = [Stage("merge")] if tasks or ranges.missing((0, plan.samples), state.merged) else []
+    if plan.until == "merge":
+        return merge
+    merged = float("inf") if merge else max(plan.develop_since, folder.merged.stat().st_mtime)
+
+    def is_made(picture):
+        return picture.exists() and picture.stat().st_mtime >= merged
+    if is_made(folder.picture):
+        return merge
+    if plan.strips == 1:
+        return [*merge, Stage("develop")]
+    strips = [task for task in plan.strip_tasks if not is_made(folder.strips / strip_name(task))]
+    return [*merge, *([Stage("develop", strips)] if strips else []), Stage("join")]

@@ -53,7 +53,7 @@ def summary(folder, plan, found, now, stalled_after):
         "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
         "free_bytes": found.free, "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
         "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
-        "steps_left": state.steps_left(folder, plan, found, tasks),
+        "steps_left": [stage.name for stage in state.steps_left(folder, plan, found, tasks)],
     }
 
 

@@ -4,6 +4,7 @@ import re
 
 from latent_farm import engines, planning, ranges, scripts, slurm, state
 from latent_farm.errors import Misuse
+from latent_farm.plan import Stage, check_strips
 
 
 class Work:
@@ -13,18 +14,19 @@ class Work:
         self.folder, self.plan = folder, prepare(folder, args, like, share)
         self.found = state.read_state(folder, self.plan)
         self.missing = state.unfinished(self.plan, self.found)
-        self.steps = state.steps_left(folder, self.plan, self.found, self.missing)
+        self.stages = [Stage("render", self.missing)] if self.missing else []
+        self.stages += state.steps_left(folder, self.plan, self.found, self.missing)
         self.chain = slurm.Chain(folder, self.plan, args.sbatch, args.throttle) if args.engine == "slurm" else None
         self.lines = self._lines(args)
 
     def _lines(self, args):
-        if not self.missing and not self.steps:
+        if not self.stages:
             return []
         if self.chain:
-            return self.chain.lines(self.missing, self.steps)
+            return self.chain.lines(self.stages)
         if args.engine == "parallel":
-            return [engines.parallel_line(self.folder, self.missing, self.steps, args.hosts)]
-        return [engines.shell_line(self.folder, self.missing, self.steps)]
+            return [engines.parallel_line(self.folder, self.stages, args.hosts)]
+        return [engines.shell_line(self.folder, self.stages)]
 
     def report(self):
         """For --json."""
@@ -37,7 +39,7 @@ class Work:
                 "machines": machines, "samples_per_second": plan.rate, "missing_tasks": ranges.array_list(self.missing),
                 "missing_samples": left, "seconds": left / plan.rate / min(machines, max(1, len(self.missing))),
                 "bytes": whole, "bytes_needed": whole - found.disk, "free_bytes": found.free, "fits": whole - found.disk <= found.free,
-                "steps": (["render"] if self.missing else []) + self.steps, "commands": self.lines}
+                "steps": [stage.name for stage in self.stages], "commands": self.lines}
 
 
 def prepare(folder, args, like, share):
@@ -53,6 +55,7 @@ def prepare(folder, args, like, share):
             plan = planning.make_plan(folder, args, machines, like)
     else:
         raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp")
+    check_strips(plan)
     folder.write_plan(plan)
     name = re.sub(r"[^\w.-]", "_", os.path.splitext(os.path.basename(plan.scene))[0])
     scripts.write_scripts(folder, plan, name, minutes=args.time and max(1, round(args.time / 60)))

@@ -11,7 +11,7 @@ from unittest import mock
 
 from support import FarmTest
 from latent_farm import engines, slurm
-from latent_farm.plan import Folder
+from latent_farm.plan import Folder, Stage
 
 SBATCH = """#!{python}
 import json, pathlib, sys
@@ -45,18 +45,22 @@ class Commands(FarmTest):
 
     def test_the_lines_that_plan_prints_are_what_submit_runs(self):
         chain = slurm.Chain(self.night, types.SimpleNamespace(), ["--comment=two words"], throttle=7)
-        for tasks, steps in ([0, 1, 5, 1500], ["merge", "develop"]), ([], ["merge", "develop"]), ([3], []), ([], ["develop"]):
-            numbers = chain.submit(tasks, steps)
+        render, merge, develop = Stage("render", [0, 1, 5, 1500]), Stage("merge"), Stage("develop", [0, 1, 2])
+        for stages in [render, merge, Stage("develop")], [merge, develop, Stage("join")], [render], [Stage("join")]:
+            numbers = chain.submit(stages)
             submitted = self.called()
-            self.succeed("bash", "-ec", "\n".join(chain.lines(tasks, steps)))
+            self.succeed("bash", "-ec", "\n".join(chain.lines(stages)))
             self.assertEqual(self.called(), submitted)
             self.assertEqual(numbers, [str(100 + i) for i in range(len(submitted))])
             self.assertEqual(json.loads(self.night.jobs.read_text()), numbers)
 
     def test_each_stage_waits_for_all_jobs_of_the_one_before(self):
-        slurm.Chain(self.night, types.SimpleNamespace()).submit([0, 1500], ["merge", "develop"])
+        slurm.Chain(self.night, types.SimpleNamespace()).submit([Stage("render", [0, 1500]), Stage("merge"), Stage("develop")])
         waits = [[word for word in call if word.startswith("--dependency")] for call in self.called()]
         self.assertEqual(waits, [[], [], ["--dependency=afterok:100:101"], ["--dependency=afterok:102"]])
+
+    def stages(self, tasks):
+        return [Stage("render", tasks), Stage("merge")]
 
     def tasks_run_by(self, line):
         """A task notes its number and its folder's name; one that is called with 13 fails."""
@@ -73,15 +77,15 @@ class Commands(FarmTest):
         return done.returncode, lines
 
     def test_a_shell_runs_every_task_and_then_the_steps_and_stops_at_a_failure(self):
-        self.assertEqual(self.tasks_run_by(engines.shell_line(self.night, [0, 1, 2, 7], ["merge"])), (0, ["0", "1", "2", "7", "merge"]))
-        status, ran = self.tasks_run_by(engines.shell_line(self.night, [12, 13, 14], ["merge"]))
+        self.assertEqual(self.tasks_run_by(engines.shell_line(self.night, self.stages([0, 1, 2, 7]))), (0, ["0", "1", "2", "7", "merge"]))
+        status, ran = self.tasks_run_by(engines.shell_line(self.night, self.stages([12, 13, 14])))
         self.assertEqual((status, ran), (1, ["12", "13"]))
 
     @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
     def test_parallel_runs_every_task_and_no_step_after_a_failure(self):
-        status, ran = self.tasks_run_by(engines.parallel_line(self.night, [0, 1, 2, 7], ["merge"], None))
+        status, ran = self.tasks_run_by(engines.parallel_line(self.night, self.stages([0, 1, 2, 7]), None))
         self.assertEqual((status, sorted(ran)), (0, ["0", "1", "2", "7", "merge"]))
-        status, ran = self.tasks_run_by(engines.parallel_line(self.night, [12, 13, 14], ["merge"], None))
+        status, ran = self.tasks_run_by(engines.parallel_line(self.night, self.stages([12, 13, 14]), None))
         self.assertNotEqual(status, 0)
         self.assertEqual(sorted(ran), ["12", "13", "13", "13", "14"])  # three tries
 

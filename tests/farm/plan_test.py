@@ -9,6 +9,7 @@ import time
 import unittest
 
 from support import SCENE, SOURCE, TOOLS, FarmTest, run
+from latent_farm.strips import Strip
 
 
 class Plan(FarmTest):
@@ -119,6 +120,55 @@ class Plan(FarmTest):
         self.assertEqual(self.plan("--develop=--size 32", command="submit")["steps"], ["develop"])
         self.assertNotEqual((self.folder / "night/picture.exr").read_bytes(), first)
 
+    def test_strips_make_the_pixels_of_a_picture_that_is_developed_as_a_whole(self):
+        size = "--size 700x700 --layers variance"
+        report = self.plan("--tasks", 1, "--strips", 3, "--develop", size, command="submit")
+        self.assertEqual(report["steps"], ["render", "merge", "develop", "join"])
+        joined = self.folder / "night/picture.exr"
+        self.single_process(4, report["run_samples"], develop=size.split())
+        for crop in ("0,0,700,700", "130,200,400,699"):
+            printed = []
+            for picture in (joined, self.folder / "single.exr"):
+                printed.append(self.folder / f"print-{len(printed)}.tif")
+                self.succeed("latent-convert", picture, "--crop", crop, "-o", printed[-1], "--force")
+            self.assertEqual(printed[0].read_bytes(), printed[1].read_bytes())
+        self.assertEqual(sorted(self.tiles(joined)), sorted(self.tiles(self.folder / "single.exr")))
+        self.assertFalse((self.folder / "night/strips").exists())
+        self.assertEqual(self.plan("--strips", 3)["steps"], [])
+        self.assertEqual(self.plan("--strips", 2)["steps"], ["develop", "join"])
+        self.assertEqual(self.plan("--strips", 1)["steps"], ["develop"])
+
+    def tiles(self, picture):
+        strip = Strip(picture)
+        self.addCleanup(strip.file.close)
+        return [strip.tile(index) for index in range(len(strip.offsets))]
+
+    def test_only_strips_that_are_missing_are_developed_again(self):
+        self.plan("--tasks", 1, "--strips", 3, "--develop=--size 700x700", "--until", "merge", command="submit")
+        report = self.plan("--until", "develop")
+        self.assertEqual(report["steps"], ["develop", "join"])
+        for strip in (0, 2):
+            self.succeed(self.folder / "night/develop", strip)
+        self.fail_with("strips/strip-00001.exr: no such file", self.folder / "night/join")
+        kept = (self.folder / "night/strips/strip-00000.exr").stat().st_ino
+        line = self.plan("--until", "develop")["commands"][0]
+        self.assertIn("seq 1 1", line)
+        self.assertEqual((self.folder / "night/strips/strip-00000.exr").stat().st_ino, kept)
+        self.fail_with("is a strip of another picture", "latent-farm", "join", *self.other_strips(), "-o", self.folder / "x.exr")
+        self.assertFalse((self.folder / "x.exr").exists())
+        self.succeed("/bin/sh", "-c", line)
+        self.assertEqual(self.status()["steps_left"], [])
+
+    def other_strips(self):
+        other = self.folder / "other.exr"
+        self.succeed("latent-develop", self.folder / "night/samples.latent", "--size", "700", "--crop", "0,256,700,512", "--filter", "box", "-o", other)
+        return self.folder / "night/strips/strip-00000.exr", other
+
+    def test_strips_need_the_size_of_the_picture(self):
+        farm = ["latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x", "--engine", "shell", "--strips", 4]
+        self.fail_with('--develop="--size', *farm, status=2)
+        self.fail_with("--mipmap", *farm, "--develop=--size 600x600 --mipmap", status=2)
+
     def test_an_animation_has_a_chain_for_each_frame(self):
         for number in range(3):
             text = SCENE.read_text().replace("2856", str(2856 + number))
@@ -147,7 +197,7 @@ class Plan(FarmTest):
         self.fail_with("has changed", "latent-farm", "plan", scene, "--spp", 3, "--out", self.folder / "night", "--engine", "shell")
 
     def test_help_fits_80_columns_and_is_found_for_every_command(self):
-        for command in ([], ["plan"], ["submit"], ["resume"], ["status"]):
+        for command in ([], ["plan"], ["submit"], ["resume"], ["status"], ["join"]):
             text = self.succeed("latent-farm", *command, "--help").stdout
             self.assertLessEqual(max(map(len, text.splitlines())), 80)
             self.assertIn("Usage: latent-farm", text)

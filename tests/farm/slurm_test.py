@@ -36,10 +36,10 @@ class Slurm(FarmTest):
     def farm(self, *arguments):
         return json.loads(self.cluster("exec", "latent-farm", arguments[0], "--json", *arguments[1:]))
 
-    def submit(self, *more, spp=200, tasks=6, command="submit"):
+    def submit(self, *more, spp=200, tasks=6, command="submit", develop="--size 64"):
         """One processor for a task, so that two run on a node."""
         return self.farm(command, SCENE, "--spp", spp, "--out", self.night, "--tasks", tasks, "--cpus", 1, "--memory", "100M",
-                         "--checkpoint", "0.5", "--develop=--size 64", *more, "--", *OPTIONS)
+                         "--checkpoint", "0.5", f"--develop={develop}", *more, "--", *OPTIONS)
 
     def queue(self):
         return [line.split() for line in self.cluster("exec", "squeue", "-h", "-r", "-o", "%i %T %N %j").splitlines()]
@@ -156,6 +156,13 @@ class Slurm(FarmTest):
         self.check_picture(report)
         for name, inode in finished.items():
             self.assertEqual((self.night / "parts" / name).stat().st_ino, inode, f"{name} was rendered again")
+
+    def test_g_strips_are_developed_by_an_array_and_joined(self):
+        report = self.submit("--strips", 3, spp=4, tasks=2, develop="--size 600x600")
+        self.assertEqual((report["steps"], len(report["jobs"])), (["render", "merge", "develop", "join"], 4))
+        self.wait_for_end()
+        self.assertEqual(self.farm("status", self.night)["steps_left"], [], self.logs())
+        self.assertEqual(len(list(self.night.glob("logs/develop-*.log"))), 3)
 
 
 def load(names):
