@@ -30,20 +30,19 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
                                                  "sensitivity of the film; luminance 1/X prints at half of display white");
     cli::add_parsed(
         app, "--stops", options.stops, latent::convert::parse_stops,
-        "exposure correction in stops; negative is darker. Several, such as -1,0,1, make as many prints, with the stops "
-        "in their names")
+        "exposure correction in stops; negative is darker. Several, such as -1,0,1, write one print each, with the stops "
+        "in its name")
         ->type_name("EV,...")
         ->default_str("0");
-    app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey")
+    app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey, or at --key")
         ->excludes(sensitivity);
-    cli::add_number(app, "--key", options.key, "grey that the mean prints at, with --auto", 0.001, 0.999)->needs("--auto");
+    cli::add_number(app, "--key", options.key, "grey at which --auto prints the mean", 0.001, 0.999)->needs("--auto");
     app.add_option("--tone", options.tone,
                    "tone curve: film (1 - 2^(-S Y), where S is the sensitivity), another one, or none; see below")
         ->type_name("CURVE")
         ->capture_default_str();
-    cli::add_number(app, "--contrast", options.contrast, "contrast of the tone curve; half of display white stays where it is", 0.1,
-                    10);
-    cli::add_number(app, "--black", options.black, "part of display white below which the print is black", 0, 0.5);
+    cli::add_number(app, "--contrast", options.contrast, "contrast of the tone curve, around half of display white", 0.1, 10);
+    cli::add_number(app, "--black", options.black, "fraction of display white below which the print is black", 0, 0.5);
     app.add_option(
            "--gamut", options.gamut,
            "gamut mapping: luminance (preserves luminance), grey (the same, with less change of hue), or clip (preserves neither)")
@@ -51,8 +50,9 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
         ->capture_default_str();
     app.add_option("--profile", options.profile, "profile of the display; see below")->capture_default_str()->type_name("PROFILE");
     app.add_flag("--gamut-report", options.gamut_report, "also report the largest shift of hue that gamut mapping causes");
-    cli::add_choice<bool>(app, "--show", options.show_clipped, {{"print", false}, {"clipped", true}},
-                          "clipped: a grey proof where burnt pixels are red, black ones blue, and those out of gamut magenta");
+    cli::add_choice<bool>(
+        app, "--show", options.show_clipped, {{"print", false}, {"clipped", true}},
+        "print, or clipped: a grey proof in which burnt pixels are red, black pixels blue, and pixels out of gamut magenta");
     cli::add_parsed(app, "--luminance-row", options.luminance_row, luminances_of,
                     "luminances of red, green and blue; needed only if the matrix is singular")
         ->type_name("R,G,B");
