@@ -103,6 +103,51 @@ TEST(Rounding, IsUnbiasedForValuesOfEverySignAndExponent) {
     }
 }
 
+// The same for powers, whose random numbers belong to (record, pair): two million of a precision, by exponent and by pair.
+TEST(Rounding, IsUnbiasedForPowersOfEveryPair) {
+    constexpr std::size_t kRecords = 2520, kPairs = 28;
+    std::mt19937_64 random(2);
+    for (const std::uint8_t precision : {1, 9, 15, 22}) {
+        SCOPED_TRACE(int{precision});
+        const Job job = rounding_job(precision, RecordKind::kSpectral);
+        ASSERT_EQ(job.batch, kPairs);
+        const unsigned dropped = 23u - precision;
+        Errors all;
+        std::array<Errors, 256> by_exponent;
+        std::array<Errors, kPairs> by_pair;
+        std::uint64_t sample = 0;
+        for (int i = 0; i < 36; ++i) {
+            Page page;
+            page.count = kRecords;
+            for (std::size_t row = 0; row < kRecords; ++row) {
+                page.sample.push_back(sample++);
+                const FilmPosition at = halton23(page.sample[row], job.positions);
+                page.u.push_back(at.u), page.v.push_back(at.v);
+                page.pairs.push_back(row % 7 == 3 ? 1 : row % 11 == 5 ? 0 : kPairs);  // whole batches, single pairs, black
+                for (std::size_t pair = 0; pair < page.pairs[row]; ++pair)
+                    page.power.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random()) & 0x7FFFFFFF));
+            }
+            const std::vector<float> before = page.power;
+            round_values(job, page);
+            std::size_t at = 0;
+            for (std::size_t row = 0; row < kRecords; ++row) {
+                for (std::size_t pair = 0; pair < page.pairs[row]; ++pair, ++at) {
+                    const std::uint32_t a = bits_of(before[at]), b = bits_of(page.power[at]);
+                    if (a > 0x7F800000 - (1u << dropped)) continue;  // no neighbour above, or no number
+                    ASSERT_LT(std::max(a, b) - std::min(a, b), 1u << dropped);
+                    all.add(a, b, dropped);
+                    by_exponent[a >> 23].add(a, b, dropped);
+                    by_pair[pair].add(a, b, dropped);
+                }
+            }
+            ASSERT_EQ(at, before.size());
+        }
+        EXPECT_LT(std::abs(all.sigmas()), 4);
+        for (const Errors& errors : by_pair) EXPECT_LT(std::abs(errors.sigmas()), 4.5);
+        for (const Errors& errors : by_exponent) EXPECT_LT(std::abs(errors.sigmas()), 5);
+    }
+}
+
 // As a light that is seen directly: every sample has one value. 4 standard errors for each.
 TEST(Rounding, TheMeanOfEqualSamplesConvergesToTheirValue) {
     constexpr std::size_t kRecords = 4096;

@@ -92,14 +92,16 @@ Rooms below(const std::string& room) {
 std::string top_folder(const std::string& path) { return path.substr(0, path.find('/')); }
 const Rooms kTopFolders = {"base", "color", "image", "sampledb", "render", "tools", "c_api", "python"};
 
-// The name between quotes that a line includes; "" if there is none.
+// The name between quotes or brackets that a line includes; "" if there is none.
 std::string included(std::string line) {
-    constexpr std::string_view kInclude = "#include\"";
+    constexpr std::string_view kInclude = "#include";
     std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });
-    return line.starts_with(kInclude) ? line.substr(kInclude.size(), line.find('"', kInclude.size()) - kInclude.size()) : "";
+    if (!line.starts_with(kInclude)) return "";
+    const std::size_t end = line.find_first_of("\">", kInclude.size() + 1);
+    return end == std::string::npos ? "" : line.substr(kInclude.size() + 1, end - kInclude.size() - 1);
 }
 
-// "FILE includes HEADER" for every include from a room to one that it may not know.
+// "FILE includes HEADER" for every include from a room to one that it may not know, and for every path that leads upwards.
 std::vector<std::string> reversed_arrows(const std::string& file, std::istream& text) {
     std::vector<std::string> wrong;
     const std::string from = room_of(file);
@@ -107,6 +109,7 @@ std::vector<std::string> reversed_arrows(const std::string& file, std::istream& 
     std::string line;
     while (std::getline(text, line)) {
         const std::string header = included(line), to = room_of(header);
+        if (header.find("..") != std::string::npos) wrong.push_back(file + " includes " + header);
         if (kTopFolders.count(top_folder(header)) == 0 || to == from) continue;
         if (allowed.count(to) == 0) wrong.push_back(file + " includes " + header);
     }
@@ -174,8 +177,10 @@ TEST(Structure, EveryIncludePointsDownTheArrows) {
 
 TEST(Structure, AReversedArrowIsCaught) {
     const auto wrong = [](const std::string& file, const std::string& header) {
-        std::istringstream text("  # include  \"" + header + "\"\n");
-        return reversed_arrows(file, text).size();
+        std::istringstream quotes("  # include  \"" + header + "\"\n"), brackets("#include <" + header + ">\n");
+        const std::size_t count = reversed_arrows(file, quotes).size();
+        EXPECT_EQ(reversed_arrows(file, brackets).size(), count);
+        return count;
     };
     EXPECT_EQ(wrong("sampledb/data/page.h", "render/scene/description.h"), 1u);
     EXPECT_EQ(wrong("tools/convert/convert.cpp", "sampledb/data/page.h"), 1u);
@@ -185,6 +190,7 @@ TEST(Structure, AReversedArrowIsCaught) {
     EXPECT_EQ(wrong("render/bsdf/bsdf.h", "render/geometry/geometry.h"), 1u);  // side by side
     EXPECT_EQ(wrong("sampledb/format/run_frame.cpp", "sampledb/codec/page_decoder.h"), 1u);
     EXPECT_EQ(wrong("render/world/world.h", "render/world.h"), 1u);  // in no room
+    EXPECT_EQ(wrong("render/bsdf/bsdf.h", "../light/light_set.h"), 1u);
     EXPECT_EQ(wrong("sampledb/data/page.h", "base/result.h"), 0u);
     EXPECT_EQ(wrong("render/world/world.h", "render/math/vec.h"), 0u);
     EXPECT_EQ(wrong("render/world/world.cpp", "hwy/highway.h"), 0u);
