@@ -20,12 +20,11 @@ inline constexpr std::size_t kPiecesPerThread = 2;  // that exist at once
 inline std::size_t pieces_at_once() { return kPiecesPerThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()); }
 
 // For i = 0 .. count-1: `make(i)` on any thread, then `take(i, piece)` on one thread at a time, in the order of i. make(i) begins
-// when piece i - pieces_at_once() has been taken. The first error ends it: later pieces are not taken. A thread that has nothing to
+// when piece i - `live` has been taken. The first error ends it: later pieces are not taken. A thread that has nothing to
 // do sleeps, where a tbb::parallel_pipeline would spin.
 template <class Make, class Take>
-Status make_in_order(std::size_t count, const Make& make, const Take& take) {
+Status make_in_order(std::size_t count, const Make& make, const Take& take, std::size_t live = pieces_at_once()) {
     using Made = std::invoke_result_t<Make, std::size_t>;  // Result<T>
-    const std::size_t live = pieces_at_once();
     std::vector<std::optional<Made>> made(live);
     std::mutex mutex;
     std::condition_variable changed;

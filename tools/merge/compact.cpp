@@ -2,7 +2,6 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "base/first_error.h"
+#include "base/in_order.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/page_encoder.h"
 #include "sampledb/codec/run_codec.h"
@@ -41,7 +41,8 @@ Budget budget_of(const Job& job, std::size_t runs, std::uint64_t memory) {
     const std::uint64_t page = page_memory(job);
     const std::uint64_t decoded = std::min(memory / 2, kComfortable) / (page + max_page_records(job) * kRowBytes);
     const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
-    return {std::max<std::size_t>(1, decoded / runs), std::clamp<std::uint64_t>(memory / 4 / page, 1, kPagesPerThread * threads)};
+    // With one page of each run, a round would end wherever the first of them does.
+    return {std::max<std::size_t>(2, decoded / runs), std::clamp<std::uint64_t>(memory / 4 / page, 1, kPagesPerThread * threads)};
 }
 
 // Appends to the output file, in large pieces.
@@ -142,40 +143,26 @@ class ClassMerger {
 
     // Encodes the pages that are complete; `more` records are to come.
     Status encode(bool more) {
-        FirstError error;
+        std::vector<std::size_t> cuts{0};  // a page's end shows once the record that is one too many is there
+        while (order_.size() - cuts.back() > (more ? most_ : 0)) cuts.push_back(page_end(z_, lead_ + cuts.back(), most_) - lead_);
         struct Encoded {
-            std::size_t begin, end;
             PageInfo info;
             Bytes bytes;
         };
-        using Passed = std::shared_ptr<Encoded>;
-        std::size_t begin = 0;
-        const auto cut = [&](tbb::flow_control& flow) -> Passed {
-            const std::size_t left = order_.size() - begin;
-            if (error || left == 0 ||
-                (more && left <= most_)) {  // a page's end shows once the record that is one too many is there
-                flow.stop();
-                return nullptr;
-            }
-            const std::size_t end = page_end(z_, lead_ + begin, most_) - lead_;
-            return std::make_shared<Encoded>(Encoded{std::exchange(begin, end), end, {}, {}});
-        };
-        const auto make = [&](const Passed& encoded) {
+        const auto make = [&](std::size_t i) -> Result<Encoded> {
             Worker& worker = workers_.local();
-            table_.gather(std::span(order_).subspan(encoded->begin, encoded->end - encoded->begin), worker.page);
-            encoded->info = worker.encoder.encode(job_, worker.page, encoded->bytes);
+            table_.gather(std::span(order_).subspan(cuts[i], cuts[i + 1] - cuts[i]), worker.page);
+            Encoded encoded;
+            encoded.info = worker.encoder.encode(job_, worker.page, encoded.bytes);
             return encoded;
         };
-        const auto write = [&](const Passed& encoded) {
-            encoder_.add_page(encoded->info);
-            if (!error) error.keep(writer_.append(encoded->bytes));
+        const auto write = [&](std::size_t, const Encoded& encoded) {
+            encoder_.add_page(encoded.info);
+            return writer_.append(encoded.bytes);
         };
-        using tbb::filter_mode;
-        tbb::parallel_pipeline(budget_.encoded, tbb::make_filter<void, Passed>(filter_mode::serial_in_order, cut) &
-                                                    tbb::make_filter<Passed, Passed>(filter_mode::parallel, make) &
-                                                    tbb::make_filter<Passed, void>(filter_mode::serial_in_order, write));
-        keep_rest(begin);
-        return error.status();
+        if (Status s = make_in_order(cuts.size() - 1, make, write, budget_.encoded); !s) return s;
+        keep_rest(cuts.back());
+        return {};
     }
 
     // What no page has taken is copied, so that the pages which it comes from can go.
