@@ -310,13 +310,13 @@ TEST(Rounding, ValuesWithMoreBitsThanTheJobAreStoredBesideRoundedOnes) {
     }
 }
 
-TEST(Rounding, OnlyHeadersOfRoundedJobsAskForMoreThanVersionOne) {
+TEST(Rounding, HeadersSayWhatOlderReadersWouldGetWrong) {
     const auto word_at = [](const Bytes& header, std::size_t at) { return load_le<std::uint64_t>(&header[at]); };
     const Bytes exact = *encode_file_header({rounding_job(23), "{}"}), rounded = *encode_file_header({rounding_job(22), "{}"});
     EXPECT_EQ(word_at(exact, 8) & 0xFFFFFFFF, 1u);  // major 1, minor 0
-    EXPECT_EQ(word_at(exact, 16), 0u);
+    EXPECT_EQ(word_at(exact, 16), kFooterFeature);
     EXPECT_EQ(word_at(rounded, 8) & 0xFFFFFFFF, 0x00010001u);
-    EXPECT_EQ(word_at(rounded, 16), kPrecisionFeature);
+    EXPECT_EQ(word_at(rounded, 16), kPrecisionFeature | kFooterFeature);
     EXPECT_EQ(decode_file_header(rounded)->job.precision, 22);
 
     for (const Bytes& header : {exact, rounded}) {  // the feature without the field, the field without the feature

@@ -74,7 +74,7 @@ def encode_header(job, provenance=b""):
     if with_precision:
         body += bytes([job.precision])
     rest = padded(bytes(64) + body)[64:]
-    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, with_precision, 64 + len(rest), with_precision, len(body), hash64(rest))
+    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, with_precision, 64 + len(rest), with_precision | 2, len(body), hash64(rest))
     return 2 * (front + struct.pack("<Q", hash64(front)) + rest)
 
 

@@ -66,12 +66,12 @@ def read_header(data):
         (major, minor, size, features, body_size, body_hash) = fields("HHIQQQ", data, at + 8)
         if hash64(data[at : at + 56]) != fields("Q", data, at + 56)[0] or (at != 0 and at != size):
             continue
-        check(major == 1 and features in (0, 1), "another format")
+        check(major == 1 and features < 4, "another format")
         check(size % 4096 == 0 and 0 < size <= 2**20 and body_size <= size - 64, "size of the header")
         if hash64(data[at + 64 : at + size]) == body_hash:
             rule(not any(data[at + 40 : at + 56]), "reserved bytes of the header")
             check(not any(data[at + 64 + body_size : at + size]), "zeros of the header")
             job = Job(data[at + 64 : at + 64 + body_size], minor)
-            check(features == (job.precision < 23), "features")
+            check(features & 1 == (job.precision < 23), "features")
             return job, 2 * size, data[:size] == data[size : 2 * size]
     raise ValueError("no header")
