@@ -152,7 +152,7 @@ const std::map<std::string, std::string>& other_headers() {
     return table;
 }
 
-// In render, a class may have several sources.
+// Those of render: see EverySourceOfTheRendererHasAHeaderOfItsName.
 TEST(Structure, EverySourceOutsideRenderHasAHeaderOfItsName) {
     const std::vector<std::string> files = all_sources();
     const std::set<std::string> there(files.begin(), files.end());
