@@ -34,7 +34,8 @@ std::string& program_name() {
 
 bool failure_was_said = false;
 
-constexpr const char* kNoMemoryAdvice = " (try fewer --threads, or a smaller --memory)";
+// Names only options that the command has: `parse` sees which.
+const char* no_memory_advice = " (try fewer --threads)";
 
 // When memory runs out, several threads may meet that at once: the first of them speaks, the others wait for the end.
 std::atomic<pthread_t> ending{};
@@ -64,7 +65,7 @@ void say_exception(const std::exception_ptr& exception) {
         if (exception) std::rethrow_exception(exception);
         say("failed inside a library", "");
     } catch (const std::bad_alloc&) {
-        say("out of memory", kNoMemoryAdvice);
+        say("out of memory", no_memory_advice);
     } catch (const std::exception& what) {
         say(what.what(), "");
     } catch (...) {
@@ -168,6 +169,9 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
     format_help(app);
     try {
         app.parse(argc, argv);
+        const auto takes_memory = [](const CLI::App* command) { return command->get_option_no_throw("--memory") != nullptr; };
+        if (takes_memory(&app) || std::ranges::any_of(app.get_subcommands(), takes_memory))
+            no_memory_advice = " (try fewer --threads, or a smaller --memory)";
         return std::nullopt;
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
@@ -237,7 +241,7 @@ int fail(const Error& error) {
     wait_if_another_ends();
     failure_was_said = true;
     fmt::print(stderr, "{}: {}{}\n", program(), printable(error.message),
-               error.code == ErrorCode::kNoMemory ? kNoMemoryAdvice : "");
+               error.code == ErrorCode::kNoMemory ? no_memory_advice : "");
     if (error.code == ErrorCode::kUsage) return kUsage;
     return error.code == ErrorCode::kStopped ? kStopped : kFailed;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace latent {
 
@@ -123,16 +124,13 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
 }
 
 Result<std::array<std::int32_t, 4>> parse_crop(std::string_view text) {
-    std::array<std::int32_t, 4> crop{};
-    std::string_view rest = text;
-    bool good = true;
-    for (std::size_t i = 0; good && i < 4; ++i) {
-        const std::optional<std::int32_t> value = take<std::int32_t>(rest);
-        good = value && (i < 3 ? rest.starts_with(',') : rest.empty());
-        crop[i] = value.value_or(0);
-        if (good && i < 3) rest.remove_prefix(1);
+    const std::optional<std::vector<double>> numbers = parse_numbers(text);
+    const auto is_pixel = [](double x) { return x == std::floor(x) && std::abs(x) <= std::numeric_limits<std::int32_t>::max(); };
+    if (numbers && numbers->size() == 4 && std::ranges::all_of(*numbers, is_pixel)) {
+        std::array<std::int32_t, 4> crop{};
+        std::ranges::transform(*numbers, crop.begin(), [](double x) { return static_cast<std::int32_t>(x); });
+        if (crop[0] < crop[2] && crop[1] < crop[3]) return crop;
     }
-    if (good && crop[0] < crop[2] && crop[1] < crop[3]) return crop;
     return wrong(text, "a rectangle of pixels X0,Y0,X1,Y1, ends exclusive (try 0,0,512,512)");
 }
 

@@ -104,6 +104,7 @@ TEST(Numbers, HaveSingleCommasBetweenThem) {
 TEST(Crop, IsARectangleThatIsNotEmpty) {
     EXPECT_EQ(parse_crop("1,2,30,40").value(), (std::array{1, 2, 30, 40}));
     EXPECT_EQ(parse_crop("-10,-2,0,4").value(), (std::array{-10, -2, 0, 4}));
+    EXPECT_EQ(parse_crop("0,1Ki,1K,1.5K").value(), (std::array{0, 1024, 1000, 1500}));
     for (const char* text :
          {"", "1,2,3", "1,2,3,4,", "1,2,3,4,5", "5,0,5,1", "0,5,1,4", "0,0,1,2147483648", "0,0,1.5,2", "a,0,1,1"})
         EXPECT_FALSE(parse_crop(text)) << text;

@@ -76,6 +76,13 @@ class Exhaustion : public ::testing::Test {
             EXPECT_TRUE(contents(out) == undisturbed(i));
             return;
         }
+        if (outcome.err.find("--memory") != std::string::npos) {  // advice names options that the command has
+            const Command command = commands(out)[i];
+            Command help{command[0]};
+            if (command[0] == tool("latent-inspect")) help.push_back(command[1]);
+            help.push_back("--help");
+            EXPECT_NE(run(help).out.find("--memory"), std::string::npos) << command[0] << ": " << outcome.err;
+        }
         const bool library_gave_up = outcome.err.starts_with("Fatal glibc error");
         EXPECT_EQ(outcome.status, library_gave_up ? kAborted : 1) << outcome.err;
         EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
