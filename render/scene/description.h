@@ -21,7 +21,8 @@ namespace latent::render {
 inline constexpr std::uint32_t kUnlimited = 0xFFFFFFFF;  // depth without a bound
 
 struct FilmDescription {
-    std::uint32_t width = 1280, height = 720;  // their ratio is the film's aspect; the numbers count samples for --spp, and size the footprints of textures
+    // Their ratio is the film's aspect; the numbers count samples for --spp, and set the footprint of textures.
+    std::uint32_t width = 1280, height = 720;
 };
 
 enum class CameraKind : std::uint8_t { kPerspective, kOrthographic, kSpherical };
