@@ -6,7 +6,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "color/difference.h"
+#include "image/exr_reader.h"
 #include "tests/convert/test_picture.h"
+#include "tools/convert/device.h"
 
 namespace latent::convert {
 namespace {
@@ -114,6 +117,190 @@ TEST_F(IccFile, WhatIsNotAProfileOfPrimariesIsRefusedClearly) {
         EXPECT_NE(refused.error().message.find(name), std::string::npos);
     }
     EXPECT_NE(display_from(at("lut.icc"), std::nullopt).error().message.find("LUT"), std::string::npos);
+}
+
+// Greys and soft colours from black to white.
+std::array<float, 3> soft(int x, int y) {
+    const float light = std::exp2(-8 + 11 * static_cast<float>(y) / 64);
+    return {light * (0.8f + 0.3f * static_cast<float>(x) / 64), light, light * (1.3f - 0.6f * static_cast<float>(x) / 64)};
+}
+
+// Codes of a profile's own curves bring back the light that was printed: of L*, and of a different power for each primary.
+TEST_F(IccFile, AnyCurvesOfPrimariesAreInverted) {
+    write_picture(folder_ / "a.exr", {64, 64}, soft);
+    const cmsCIExyY white{0.3127, 0.3290, 1};
+    const cmsCIExyYTRIPLE primaries{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}};
+    for (const bool lightness : {true, false}) {
+        std::array<cmsToneCurve*, 3> curves{};
+        for (std::size_t c = 0; c < 3; ++c) {
+            std::vector<cmsFloat32Number> table;
+            for (int i = 0; i < 4096; ++i) {
+                const double e = i / 4095.0, l = 100 * e, f = (l + 16) / 116;
+                table.push_back(static_cast<float>(!lightness ? std::pow(e, 1.6 + 0.4 * static_cast<double>(c))
+                                                   : l > 8    ? f * f * f
+                                                              : l / 903.3));
+            }
+            curves[c] = cmsBuildTabulatedToneCurveFloat(nullptr, 4096, table.data());
+        }
+        const cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves.data());
+        ASSERT_TRUE(cmsSaveProfileToFile(profile, at("curves.icc").c_str()));
+        cmsCloseProfile(profile);
+        cmsFreeToneCurveTriple(curves.data());
+        ConvertOptions by_name, by_file;
+        by_name.depth = by_file.depth = Depth::k16;
+        by_name.replace = by_file.replace = true;
+        by_file.profile = at("curves.icc");
+        ASSERT_TRUE(print("a.exr", "1.png", by_name));
+        const Result<ConvertReport> printed = print("a.exr", "2.png", by_file);
+        ASSERT_TRUE(printed) << printed.error().message;
+        const image::Decoded one = image::decode_png(folder_ / "1.png"), two = image::decode_png(folder_ / "2.png");
+        const auto* a = reinterpret_cast<const std::uint16_t*>(one.pixels.data());
+        const auto* b = reinterpret_cast<const std::uint16_t*>(two.pixels.data());
+        const auto decoded = [&](int c, double e) {
+            const double l = 100 * e, f = (l + 16) / 116;
+            return !lightness ? std::pow(e, 1.6 + 0.4 * c) : l > 8 ? f * f * f : l / 903.3;
+        };
+        for (int i = 0; i < 64 * 64 * 3; ++i) {
+            const double light = color::Transfer::srgb().decode(a[i] / 65535.0);
+            ASSERT_NEAR(decoded(i % 3, b[i] / 65535.0), light, 1e-4 + 1e-3 * light) << i;
+        }
+    }
+}
+
+// A printer: RGB by tables both ways, of a device whose black is not quite black.
+class PrinterProfile : public PrintTest {
+ protected:
+    void SetUp() override {
+        const cmsCIExyY white{0.3457, 0.3585, 1};
+        const cmsCIExyYTRIPLE primaries{{0.60, 0.34, 1}, {0.28, 0.57, 1}, {0.17, 0.10, 1}};
+        cmsToneCurve* curve = cmsBuildGamma(nullptr, 1.8);
+        cmsToneCurve* curves[] = {curve, curve, curve};
+        const cmsHPROFILE device = cmsCreateRGBProfile(&white, &primaries, curves), lab = cmsCreateLab4Profile(nullptr);
+        cmsFreeToneCurve(curve);
+        const cmsHPROFILE printer = cmsCreateProfilePlaceholder(nullptr);
+        cmsSetProfileVersion(printer, 2.1);
+        cmsSetDeviceClass(printer, cmsSigOutputClass);
+        cmsSetColorSpace(printer, cmsSigRgbData);
+        cmsSetPCS(printer, cmsSigLabData);
+        const auto write = [&](cmsTagSignature tag, cmsHTRANSFORM transform) {
+            cmsPipeline* pipeline = cmsPipelineAlloc(nullptr, 3, 3);
+            cmsStage* table = cmsStageAllocCLut16bit(nullptr, 33, 3, 3, nullptr);
+            const auto sample = [](const cmsUInt16Number in[], cmsUInt16Number out[], void* cargo) -> cmsInt32Number {
+                cmsDoTransform(cargo, in, out, 1);
+                return 1;
+            };
+            ASSERT_TRUE(cmsStageSampleCLut16bit(table, sample, transform, 0));
+            ASSERT_TRUE(cmsPipelineInsertStage(pipeline, cmsAT_END, table));
+            ASSERT_TRUE(cmsWriteTag(printer, tag, pipeline));
+            cmsPipelineFree(pipeline);
+            cmsDeleteTransform(transform);
+        };
+        const cmsUInt32Number intent = INTENT_RELATIVE_COLORIMETRIC, flags = cmsFLAGS_NOOPTIMIZE | cmsFLAGS_NOCACHE;
+        for (const cmsTagSignature tag : {cmsSigAToB0Tag, cmsSigAToB1Tag})
+            write(tag, cmsCreateTransform(device, TYPE_RGB_16, lab, TYPE_LabV2_16, intent, flags));
+        for (const cmsTagSignature tag : {cmsSigBToA0Tag, cmsSigBToA1Tag})
+            write(tag, cmsCreateTransform(lab, TYPE_LabV2_16, device, TYPE_RGB_16, intent, flags));
+        cmsWriteTag(printer, cmsSigMediaWhitePointTag, cmsD50_XYZ());
+        ASSERT_TRUE(cmsSaveProfileToFile(printer, at("printer.icc").c_str()));
+        cmsCloseProfile(printer);
+        cmsCloseProfile(device);
+        cmsCloseProfile(lab);
+        write_picture(folder_ / "a.exr", {64, 64}, soft);
+    }
+};
+
+// Little CMS' own way from Lab to 8 bits, for the colours of a float print in the same space.
+TEST_F(PrinterProfile, CodesAreThoseOfLittleCms) {
+    for (const bool compensation : {true, false}) {
+        ConvertOptions options;
+        options.profile = at("printer.icc");
+        options.dither = false;
+        options.replace = true;
+        options.rendering.black_point_compensation = compensation;
+        const Result<ConvertReport> printed = print("a.exr", "a.png", options);
+        ASSERT_TRUE(printed) << printed.error().message;
+        ASSERT_TRUE(print("a.exr", "a.exr.exr", options));
+        image::Rect window;
+        const Result<image::ExrReader> reader = image::ExrReader::open(folder_ / "a.exr.exr");
+        ASSERT_TRUE(reader);
+        std::vector<float> planes(3 * 64 * 64);
+        image::ExrReader::Scratch scratch;
+        ASSERT_TRUE(
+            reader->read(reader->image().data_window, {planes.data(), &planes[64 * 64], &planes[2 * 64 * 64]}, 64, scratch));
+        const color::RgbSpace& space = table_space();
+        const cmsHPROFILE lab = cmsCreateLab4Profile(nullptr), printer = cmsOpenProfileFromFile(at("printer.icc").c_str(), "r");
+        const cmsHTRANSFORM transform =
+            cmsCreateTransform(lab, TYPE_Lab_DBL, printer, TYPE_RGB_8, INTENT_RELATIVE_COLORIMETRIC,
+                               cmsFLAGS_NOOPTIMIZE | (compensation ? cmsFLAGS_BLACKPOINTCOMPENSATION : 0));
+        const image::Decoded png = image::decode_png(folder_ / "a.png");
+        EXPECT_FALSE(png.icc.empty());
+        const color::Xyz white{0.9642, 1, 0.8249};
+        for (std::size_t i = 0; i < 64 * 64; ++i) {
+            const std::array<double, 3> xyz =
+                space.xyz_from_rgb * std::array{static_cast<double>(planes[i]), static_cast<double>(planes[64 * 64 + i]),
+                                                static_cast<double>(planes[2 * 64 * 64 + i])};
+            const color::Lab from = color::lab_from_xyz({xyz[0], xyz[1], xyz[2]}, white);
+            const double values[] = {from.l, from.a, from.b};
+            std::uint8_t expected[3];
+            cmsDoTransform(transform, values, expected, 1);
+            for (std::size_t c = 0; c < 3; ++c)
+                ASSERT_NEAR(static_cast<int>(png.pixels[3 * i + c]), static_cast<int>(expected[c]), 1) << i << ' ' << c;
+        }
+        cmsDeleteTransform(transform);
+        cmsCloseProfile(lab);
+        cmsCloseProfile(printer);
+    }
+}
+
+// Soft colours of middle lightness are inside both gamuts: there the proof is the print, but for the coarse steps of the tables.
+TEST_F(PrinterProfile, AProofOfColoursThatThePrinterHasIsThePrint) {
+    ConvertOptions plain, proof;
+    plain.dither = proof.dither = false;
+    proof.proof = at("printer.icc");
+    ASSERT_TRUE(print("a.exr", "1.png", plain));
+    const Result<ConvertReport> shown = print("a.exr", "2.png", proof);
+    ASSERT_TRUE(shown) << shown.error().message;
+    const image::Decoded a = image::decode_png(folder_ / "1.png"), b = image::decode_png(folder_ / "2.png");
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+        const int one = static_cast<int>(a.pixels[i]), two = static_cast<int>(b.pixels[i]);
+        if (one < 90 || one > 200) continue;
+        sum += std::abs(one - two);
+        ++count;
+    }
+    EXPECT_GT(count, 1000);
+    EXPECT_LT(sum / count, 3);
+    // A green that only the display has becomes one that the printer has: bluer.
+    write_picture(folder_ / "g.exr", {8, 8}, [](int, int) -> std::array<float, 3> { return {0.18f, 0.36f, 0.06f}; });
+    ASSERT_TRUE(print("g.exr", "3.png", plain));
+    ASSERT_TRUE(print("g.exr", "4.png", proof));
+    EXPECT_GT(static_cast<int>(image::decode_png(folder_ / "4.png").pixels[2]),
+              static_cast<int>(image::decode_png(folder_ / "3.png").pixels[2]) + 10);
+}
+
+TEST_F(PrinterProfile, BrokenOnesAreRefusedOrHarmless) {
+    const std::string bytes = testing::read_text(folder_ / "printer.icc");
+    std::uint32_t state = 1;
+    const auto random = [&] { return state = state * 1664525 + 1013904223; };
+    int refused = 0;
+    for (int i = 0; i < 24; ++i) {
+        std::string broken = i % 3 == 0 ? bytes.substr(0, random() % bytes.size()) : bytes;
+        for (int k = 0; k < 4 && !broken.empty(); ++k)
+            broken[random() % (i % 3 == 1 ? std::min<std::size_t>(400, broken.size()) : broken.size())] =
+                static_cast<char>(random() >> 24);
+        std::ofstream(folder_ / "broken.icc", std::ios::binary) << broken;
+        ConvertOptions options;
+        options.profile = at("broken.icc");
+        options.replace = true;
+        const Result<ConvertReport> printed = print("a.exr", "b.png", options);
+        refused += !printed;
+        if (!printed) {
+            EXPECT_TRUE(printed.error().message.find("broken.icc") != std::string::npos ||
+                        printed.error().message.find("profile 'ICC'") != std::string::npos)  // libpng looks at it, too
+                << printed.error().message;
+        }
+    }
+    EXPECT_GT(refused, 6);
 }
 
 }  // namespace

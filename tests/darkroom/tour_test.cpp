@@ -2,16 +2,17 @@
 #include <regex>
 
 #include "tests/darkroom/darkroom.h"
+#include "tests/support/paths.h"
 
 namespace latent::testing {
 namespace {
 
 TEST(Tour, MakesEveryPictureOfItsPage) {
-    if (run({"sh", "-c", "command -v oiiotool"}).status != 0) GTEST_SKIP() << "oiiotool is missing: scripts/install bench";
-    const std::filesystem::path source = LATENT_SOURCE_DIR;
+    if (run({"/bin/sh", "-c", "command -v oiiotool"}).status != 0) GTEST_SKIP() << "oiiotool is missing: scripts/install bench";
+    const std::filesystem::path source = in_tree("");
     const TemporaryFolder folder;
-    const Outcome outcome = run({"env", "LATENT_BIN=" + std::filesystem::path(tool("latent-render")).parent_path().string(),
-                                 (source / "scripts/tour").string(), folder.path().string(), "72", "4"});
+    const Outcome outcome =
+        run({(source / "scripts/tour").string(), folder.path().string(), "72", "4"}, {{"LATENT_BIN", tools_folder()}});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const std::string page = read_text(source / "docs/darkroom.md");
     const std::regex picture(R"(\(images/darkroom/([a-z]+\.jpg)\))");

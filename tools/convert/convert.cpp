@@ -72,7 +72,7 @@ Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const 
     const double sigma = settings.sigma;
     for (const double stops : options.stops) {
         settings.sigma = color::pushed_sigma(sigma, stops);
-        const Result<color::Print> print = color::Print::create(display.space, settings);
+        const Result<color::Print> print = color::Print::create(display.print_space(), settings);
         if (!print) return print.error();
         Exposure exposure{.stops = stops,
                           .sigma = settings.sigma,
@@ -113,8 +113,11 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     if (Status s = check_outputs(options.outputs); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
-    const Result<Display> display = display_from(options.profile, options.luminance_row);
+    Result<Display> display = display_from(options.profile, options.luminance_row, options.rendering);
     if (!display) return display.error();
+    if (!options.proof.empty()) {
+        if (Status s = add_proof(options.proof, options.rendering, *display); !s) return s.error();
+    }
     const Result<ToneChoice> tone = tone_of(options);
     if (!tone) return tone.error();
     const Result<color::Gamut> gamut = color::gamut_by_name(options.gamut);
@@ -123,7 +126,7 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     if (!cones) return cones.error();
     const Result<color::Chromaticity> white = options.white ? chromaticity_of(*options.white, *source) : source->white;
     if (!white) return white.error();
-    const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->white, *cones);
+    const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->print_white(), *cones);
     if (!adaptation && options.white) return Error{ErrorCode::kUsage, adaptation.error().message}.at("--white");
     if (!adaptation) return adaptation.error().at(options.input.string());
     color::PrintSettings settings{options.sensitivity, tone->tone, *gamut, *adaptation * source->xyz_from_file, tone->curve};
@@ -135,7 +138,8 @@ Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Prog
     const Result<std::vector<Exposure>> exposures =
         exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white});
     if (!exposures) return exposures.error();
-    const PassSettings pass{settings.adaptation.m[1], display->space, options.show_clipped, options.gamut_report};
+    const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof, options.show_clipped,
+                            options.gamut_report};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {

@@ -58,10 +58,11 @@ std::optional<std::array<std::uint8_t, 4>> code_points_of(const color::RgbSpace&
 
 }  // namespace
 
-Result<Display> display_from(const std::string& text, const std::optional<std::array<double, 3>>& luminance_row) {
+Result<Display> display_from(const std::string& text, const std::optional<std::array<double, 3>>& luminance_row,
+                             const Rendering& rendering) {
     const std::string extension = std::filesystem::path(text).extension().string();
     if (extension == ".icc" || extension == ".icm" || extension == ".ICC" || extension == ".ICM")
-        return display_from_icc(text, luminance_row);
+        return display_from_icc(text, luminance_row, rendering);
     const std::array<double, 3>* m = luminance_row ? &*luminance_row : nullptr;
     const std::optional<color::Matrix3> matrix = matrix_of(text);
     Result<color::RgbSpace> space =
@@ -77,6 +78,16 @@ Result<Display> display_from(const std::string& text, const std::optional<std::a
     display.srgb = text == "srgb" && !luminance_row;
     if (invertible) display.cicp = code_points_of(*space);
     return display;
+}
+
+Status add_proof(const std::string& path, const Rendering& rendering, Display& display) {
+    if (display.device || !display.space.rgb_from_xyz.invertible())
+        return Error{ErrorCode::kUsage, "--proof: needs a display with primaries and a known curve, such as --profile srgb"};
+    const auto proof = proof_of(path, display.space, rendering);
+    if (!proof) return proof.error();
+    display.proof = *proof;
+    display.proof_space = table_space();
+    return {};
 }
 
 }  // namespace latent::convert

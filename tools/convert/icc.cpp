@@ -7,18 +7,15 @@
 #include <cmath>
 #include <memory>
 #include <new>
+#include <optional>
+#include <vector>
 
-#include "base/file.h"
 #include "color/adaptation.h"
+#include "tools/convert/lcms.h"
 
 namespace latent::convert {
 
 namespace {
-
-struct CloseProfile {
-    void operator()(void* profile) const { cmsCloseProfile(profile); }
-};
-using Profile = std::unique_ptr<void, CloseProfile>;
 
 struct FreeCurve {
     void operator()(cmsToneCurve* curve) const { cmsFreeToneCurve(curve); }
@@ -43,17 +40,18 @@ double distance(const cmsToneCurve* curve, const color::Transfer& transfer) {
     return most;
 }
 
-// The transfer that a curve is, to half a code value of 8 bits where it is steepest.
-Result<color::Transfer> transfer_of(const cmsToneCurve* curve) {
+// The transfer that all three curves are, to half a code value of 8 bits where it is steepest; none if they are something else.
+std::optional<color::Transfer> transfer_of(const std::array<const void*, 3>& curves) {
     constexpr double kTolerance = 0.5 / 255;
+    const auto* first = static_cast<const cmsToneCurve*>(curves[0]);
     std::vector<color::Transfer> candidates{color::Transfer::linear(), color::Transfer::srgb(), color::Transfer::rec2020()};
-    const double gamma = cmsEstimateGamma(curve, 0.1);
+    const double gamma = cmsEstimateGamma(first, 0.1);
     if (gamma > 0) candidates.push_back(color::Transfer::gamma(gamma));
     const auto nearest = std::min_element(
         candidates.begin(), candidates.end(),
-        [&](const color::Transfer& a, const color::Transfer& b) { return distance(curve, a) < distance(curve, b); });
-    if (distance(curve, *nearest) > kTolerance) {
-        return Error{ErrorCode::kUnsupported, "its tone curve is neither that of sRGB or Rec.2020 nor a power"};
+        [&](const color::Transfer& a, const color::Transfer& b) { return distance(first, a) < distance(first, b); });
+    for (const void* curve : curves) {
+        if (distance(static_cast<const cmsToneCurve*>(curve), *nearest) > kTolerance) return std::nullopt;
     }
     return *nearest;
 }
@@ -94,7 +92,7 @@ Bytes icc_of(const color::RgbSpace& space) {
     const cmsCIExyYTRIPLE primaries{{p.red.x, p.red.y, 1}, {p.green.x, p.green.y, 1}, {p.blue.x, p.blue.y, 1}};
     const auto curve = curve_of(space.transfer);
     cmsToneCurve* curves[] = {curve.get(), curve.get(), curve.get()};
-    const Profile profile(cmsCreateRGBProfile(&white, &primaries, curves));
+    const lcms::Profile profile(cmsCreateRGBProfile(&white, &primaries, curves));
     if (!profile) {
         // That the white cannot be adapted is said elsewhere.
         if (color::adaptation_matrix(p.white, {0.3457, 0.3585})) throw std::bad_alloc();
@@ -116,52 +114,57 @@ Bytes icc_of(const color::RgbSpace& space) {
     return bytes;
 }
 
-Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row) {
-    const Result<File> file = File::open_read(path);
-    if (!file) return file.error();
-    const Result<std::uint64_t> size = file->size();
-    if (!size) return size.error();
-    const auto unsupported = [&](const std::string& why) {
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: {}", path, why)};
-    };
-    if (*size > (std::uint64_t{16} << 20)) return unsupported("is too large for a display profile");
-    Display display;
-    display.icc.resize(*size);
-    if (Status s = file->read_exact(0, display.icc); !s) return s.error();
-    cmsSetLogErrorHandler(nullptr);
-    const Profile profile(cmsOpenProfileFromMem(display.icc.data(), static_cast<cmsUInt32Number>(display.icc.size())));
-    if (!profile) return Error{ErrorCode::kForeign, path + ": is not an ICC profile"};
-    if (cmsGetColorSpace(profile.get()) != cmsSigRgbData) return unsupported("is not a profile of an RGB display");
-    if (!cmsIsMatrixShaper(profile.get()) || cmsIsTag(profile.get(), cmsSigBToA0Tag) || cmsIsTag(profile.get(), cmsSigAToB0Tag)) {
-        return unsupported("is based on tables (a LUT profile); only profiles with three primaries and one curve are supported");
-    }
+namespace {
+
+// Three primaries and their curves.
+Status read_matrix(cmsHPROFILE profile, const std::optional<std::array<double, 3>>& luminance_row, Display& display) {
+    const auto unsupported = [](const std::string& why) { return Error{ErrorCode::kUnsupported, why}; };
     color::Matrix3 xyz_from_rgb;
     const cmsTagSignature columns[] = {cmsSigRedColorantTag, cmsSigGreenColorantTag, cmsSigBlueColorantTag};
-    const cmsTagSignature curves[] = {cmsSigRedTRCTag, cmsSigGreenTRCTag, cmsSigBlueTRCTag};
-    std::array<color::Transfer, 3> transfers;
+    const cmsTagSignature curve_tags[] = {cmsSigRedTRCTag, cmsSigGreenTRCTag, cmsSigBlueTRCTag};
+    std::array<const void*, 3> curves;
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto* column = static_cast<const cmsCIEXYZ*>(cmsReadTag(profile.get(), columns[i]));
-        const auto* curve = static_cast<const cmsToneCurve*>(cmsReadTag(profile.get(), curves[i]));
-        if (column == nullptr || curve == nullptr) return unsupported("lacks a primary or a curve");
+        const auto* column = static_cast<const cmsCIEXYZ*>(cmsReadTag(profile, columns[i]));
+        curves[i] = cmsReadTag(profile, curve_tags[i]);
+        if (column == nullptr || curves[i] == nullptr) return unsupported("lacks a primary or a curve");
         xyz_from_rgb.m[0][i] = column->X;
         xyz_from_rgb.m[1][i] = column->Y;
         xyz_from_rgb.m[2][i] = column->Z;
-        const Result<color::Transfer> transfer = transfer_of(curve);
-        if (!transfer) return unsupported(transfer.error().message);
-        transfers[i] = *transfer;
-        if (std::abs(transfers[i].exponent - transfers[0].exponent) > 1e-6 ||
-            transfers[i].linear_below != transfers[0].linear_below) {
-            return unsupported("has a different tone curve for each primary");
-        }
     }
-    xyz_from_rgb = unadapted(profile.get(), xyz_from_rgb);
+    xyz_from_rgb = unadapted(profile, xyz_from_rgb);
     if (!xyz_from_rgb.invertible()) return unsupported("its primaries lie on a line");
+    const std::optional<color::Transfer> transfer = transfer_of(curves);
+    if (!transfer) display.device = curves_of(curves);
     Result<color::RgbSpace> space =
-        color::RgbSpace::from_matrix(path, xyz_from_rgb.inverse(), luminance_row ? &*luminance_row : nullptr, transfers[0]);
-    if (!space) return space.error().at(path);
+        color::RgbSpace::from_matrix("ICC profile", xyz_from_rgb.inverse(), luminance_row ? &*luminance_row : nullptr,
+                                     transfer.value_or(color::Transfer::linear()));
+    if (!space) return space.error();
     display.space = *space;
-    display.space.name = "ICC profile";  // no path may enter an output
     display.white = white_of(xyz_from_rgb);
+    return {};
+}
+
+}  // namespace
+
+// The space's name is no path: none may enter an output.
+Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row,
+                                 const Rendering& rendering) {
+    Display display;
+    const Result<lcms::Profile> profile = lcms::open_profile(path, &display.icc);
+    if (!profile) return profile.error();
+    const bool tables = !cmsIsMatrixShaper(profile->get()) || cmsIsTag(profile->get(), cmsSigBToA0Tag);
+    if (!tables) {
+        if (Status s = read_matrix(profile->get(), luminance_row, display); !s) return s.error().at(path);
+        return display;
+    }
+    if (luminance_row) return Error{ErrorCode::kUsage, fmt::format("--luminance-row: {} has no primaries, but tables", path)};
+    const auto device = cmsIsTag(profile->get(), cmsSigBToA0Tag)
+                            ? tables_of(profile->get(), rendering)
+                            : Error{ErrorCode::kUnsupported, "is a LUT profile without tables for printing (BToA0)"};
+    if (!device) return device.error().at(path);
+    display.device = *device;
+    display.space = table_space();
+    display.white = display.space.primaries.white;
     return display;
 }
 

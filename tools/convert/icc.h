@@ -1,4 +1,4 @@
-// tools/convert/icc.h: matrix profiles through Little CMS [ICC]: written for our spaces, read from files.
+// tools/convert/icc.h: profiles through Little CMS [ICC]: written for our spaces, read from files.
 #pragma once
 
 #include <array>
@@ -15,6 +15,7 @@ namespace latent::convert {
 // The profile of a space with primaries; always the same bytes for the same space.
 Bytes icc_of(const color::RgbSpace& space);
 // `luminance_row` and errors as of display_from.
-Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row);
+Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row,
+                                 const Rendering& rendering);
 
 }  // namespace latent::convert

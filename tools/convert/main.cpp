@@ -49,6 +49,17 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
         ->check(CLI::IsMember({"luminance", "grey", "clip"}))
         ->capture_default_str();
     app.add_option("--profile", options.profile, "profile of the display; see below")->capture_default_str()->type_name("PROFILE");
+    using latent::convert::Intent;
+    cli::add_choice<Intent>(app, "--intent", options.rendering.intent,
+                            {{"perceptual", Intent::kPerceptual},
+                             {"relative", Intent::kRelative},
+                             {"saturation", Intent::kSaturation},
+                             {"absolute", Intent::kAbsolute}},
+                            "rendering intent, for profiles of tables");
+    app.add_flag("--black-point-compensation,!--no-black-point-compensation", options.rendering.black_point_compensation,
+                 "darkest of the picture becomes darkest of the device, for profiles of tables (default: on)");
+    app.add_option("--proof", options.proof, "show on the display how the print will look on the device of this profile")
+        ->type_name("FILE.icc");
     app.add_flag("--gamut-report", options.gamut_report, "also report the largest shift of hue that gamut mapping causes");
     cli::add_choice<bool>(
         app, "--show", options.show_clipped, {{"print", false}, {"clipped", true}},

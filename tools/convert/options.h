@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "color/print.h"
 #include "image/rect.h"
+#include "tools/convert/device.h"
 #include "tools/convert/inspection.h"
 #include "tools/convert/white.h"
 
@@ -31,6 +32,8 @@ struct ConvertOptions {
     double contrast = 1, black = 0;
     std::string gamut = "luminance";
     std::string profile = "srgb";
+    std::string proof;    // profile of another device, whose prints are shown; "": none
+    Rendering rendering;  // of profiles of tables
     std::optional<std::array<double, 3>> luminance_row;
     std::optional<White> white;      // printed neutral; unless given, the picture's own white
     std::string adapt = "bradford";  // from that white to the display's

@@ -25,8 +25,9 @@ struct Exposure {
 };
 
 struct PassSettings {
-    std::array<double, 3> y_row;  // what luminance is
-    color::RgbSpace space;        // that is printed for
+    std::array<double, 3> y_row;                   // what luminance is
+    color::RgbSpace space;                         // that is printed for
+    std::shared_ptr<const DeviceTransform> proof;  // applied to what was printed; null: none
     bool show_clipped = false, gamut_report = false;
 };
 

@@ -27,9 +27,24 @@ struct Encoder {
     SampleType sample = SampleType::kU8;
     color::Transfer transfer;
     bool dither = true;
+    std::shared_ptr<const DeviceTransform> device{};  // instead of `transfer`
 
     // One row of pixels, the first of which is (x0, y) of its level.
     void encode(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const {
+        if (device) return encode_for_device(level, rgb, x0, y, out);
+        quantise(level, rgb, x0, y, out);
+    }
+
+ private:
+    void encode_for_device(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y,
+                           std::byte* out) const {
+        thread_local std::array<std::vector<float>, 3> codes;
+        for (std::size_t c = 0; c < 3; ++c) codes[c].assign(rgb[c].begin(), rgb[c].end());
+        device->apply({codes[0], codes[1], codes[2]});
+        quantise(level, {codes[0], codes[1], codes[2]}, x0, y, out);
+    }
+
+    void quantise(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const {
         const color::Quantiser quantiser{transfer, dither && sample == SampleType::kU8, static_cast<std::uint32_t>(level)};
         const std::size_t samples = 3 * rgb[0].size();
         const auto column = static_cast<std::uint32_t>(x0), row = static_cast<std::uint32_t>(y);
@@ -133,6 +148,12 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
     if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
     if (options.show_clipped) all.emplace_back("Shown", "clipped");
+    if (display.proof) all.emplace_back("Shown", "a proof");
+    if (display.device || display.proof) {
+        constexpr const char* kIntents[] = {"perceptual", "relative", "saturation", "absolute"};
+        all.emplace_back("Intent", kIntents[static_cast<std::size_t>(options.rendering.intent)]);
+        all.emplace_back("BlackPointCompensation", options.rendering.black_point_compensation ? "yes" : "no");
+    }
     return all;
 }
 
@@ -155,7 +176,7 @@ Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const PrintedPicture& pic
     }
     return rows_sink(
         image::create_exr(std::move(out), picture.area, picture.display_window, options.depth == Depth::k16, tags, options.threads),
-        picture, Encoder{SampleType::kF32, color::Transfer::linear(), false});
+        picture, Encoder{SampleType::kF32, color::Transfer::linear(), false, {}});
 }
 
 Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const PrintedPicture& picture, const image::ImageTags& tags,
@@ -208,7 +229,8 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     if (type == ".exr" && options.depth == Depth::k8) return wrong_bits("EXR has floats, or half floats with --bits 16");
     if ((jpeg || type == ".dzi") && (options.depth == Depth::k16 || options.depth == Depth::kFloat))
         return wrong_bits("JPEG and Deep Zoom have 8 bits; use .png, .tif or .exr for more");
-    Encoder encoder{SampleType::kU8, display.space.transfer, options.dither};
+    Encoder encoder{SampleType::kU8, display.device ? color::Transfer::linear() : display.space.transfer, options.dither,
+                    display.device};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
     if (type == ".dzi") return deep_zoom_sink(path, picture, display, encoder, options);

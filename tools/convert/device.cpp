@@ -1,0 +1,116 @@
+#include "tools/convert/device.h"
+
+#include <fmt/format.h>
+#include <lcms2.h>
+
+#include <algorithm>
+#include <cassert>
+#include <vector>
+
+#include "base/small_file.h"
+#include "tools/convert/lcms.h"
+
+namespace latent::convert {
+
+namespace {
+
+// Codes whose decoding curves were measured at 65536 places; found by bisection.
+class Curves final : public DeviceTransform {
+ public:
+    explicit Curves(const std::array<const void*, 3>& curves) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto* curve = static_cast<const cmsToneCurve*>(curves[c]);
+            float last = 0;
+            for (int i = 0; i < kPlaces; ++i)  // never falls, whatever a file says
+                decoded_[c].push_back(last = std::max(last, cmsEvalToneCurveFloat(curve, static_cast<float>(i) / (kPlaces - 1))));
+        }
+    }
+
+    void apply(const std::array<std::span<float>, 3>& rgb) const override {
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (float& v : rgb[c]) v = code_of(decoded_[c], v);
+        }
+    }
+
+ private:
+    static constexpr int kPlaces = 65536;
+
+    static float code_of(const std::vector<float>& decoded, float light) {
+        const auto above = std::ranges::upper_bound(decoded, light);
+        if (above == decoded.begin()) return 0;  // NaN too
+        if (above == decoded.end()) return 1;
+        const float below = *(above - 1), part = (light - below) / (*above - below);
+        return (static_cast<float>(above - decoded.begin() - 1) + part) / (kPlaces - 1);
+    }
+
+    std::array<std::vector<float>, 3> decoded_;
+};
+
+struct DeleteTransform {
+    void operator()(void* transform) const { cmsDeleteTransform(transform); }
+};
+
+class Lcms final : public DeviceTransform {
+ public:
+    explicit Lcms(cmsHTRANSFORM transform) : transform_(transform) {}
+
+    void apply(const std::array<std::span<float>, 3>& rgb) const override {
+        constexpr std::size_t kAtOnce = 256;
+        std::array<float, 3 * kAtOnce> pixels;
+        for (std::size_t first = 0; first < rgb[0].size(); first += kAtOnce) {
+            const std::size_t count = std::min(kAtOnce, rgb[0].size() - first);
+            for (std::size_t i = 0; i < 3 * count; ++i) {
+                const float v = rgb[i % 3][first + i / 3];
+                pixels[i] = v >= 0 ? std::min(v, 1.0f) : 0;  // NaN too
+            }
+            cmsDoTransform(transform_.get(), pixels.data(), pixels.data(), static_cast<cmsUInt32Number>(count));
+            for (std::size_t i = 0; i < 3 * count; ++i) rgb[i % 3][first + i / 3] = std::clamp(pixels[i], 0.0f, 1.0f);
+        }
+    }
+
+ private:
+    std::unique_ptr<void, DeleteTransform> transform_;
+};
+
+cmsUInt32Number flags_of(const Rendering& rendering) {
+    return cmsFLAGS_NOCACHE | cmsFLAGS_NOOPTIMIZE | (rendering.black_point_compensation ? cmsFLAGS_BLACKPOINTCOMPENSATION : 0);
+}
+
+}  // namespace
+
+const color::RgbSpace& table_space() {
+    static const color::RgbSpace space = [] {
+        const color::Primaries romm{{0.7347, 0.2653}, {0.1596, 0.8404}, {0.0366, 0.0001}, {0.3457, 0.3585}};
+        auto made = color::RgbSpace::from_primaries("ICC profile", romm, color::Transfer::linear());
+        assert(made);
+        return *std::move(made);
+    }();
+    return space;
+}
+
+std::shared_ptr<const DeviceTransform> curves_of(const std::array<const void*, 3>& curves) {
+    return std::make_shared<Curves>(curves);
+}
+
+Result<std::shared_ptr<const DeviceTransform>> tables_of(void* profile, const Rendering& rendering) {
+    const lcms::Profile from = lcms::linear_profile(table_space());
+    cmsHTRANSFORM transform = cmsCreateTransform(from.get(), TYPE_RGB_FLT, profile, TYPE_RGB_FLT,
+                                                 static_cast<cmsUInt32Number>(rendering.intent), flags_of(rendering));
+    if (!transform) return Error{ErrorCode::kUnsupported, "is a LUT profile without tables for printing with this intent"};
+    return std::make_shared<Lcms>(transform);
+}
+
+Result<std::shared_ptr<const DeviceTransform>> proof_of(const std::string& path, const color::RgbSpace& display,
+                                                        const Rendering& rendering) {
+    const Result<lcms::Profile> device = lcms::open_profile(path);
+    if (!device) return device.error();
+    const lcms::Profile from = lcms::linear_profile(table_space()), to = lcms::linear_profile(display);
+    const bool absolute = rendering.intent == Intent::kAbsolute;
+    cmsHTRANSFORM transform = cmsCreateProofingTransform(
+        from.get(), TYPE_RGB_FLT, to.get(), TYPE_RGB_FLT, device->get(), static_cast<cmsUInt32Number>(rendering.intent),
+        absolute ? INTENT_ABSOLUTE_COLORIMETRIC : INTENT_RELATIVE_COLORIMETRIC, flags_of(rendering) | cmsFLAGS_SOFTPROOFING);
+    if (!transform) return Error{ErrorCode::kUnsupported, fmt::format("{}: has no tables for a proof with this intent", path)};
+    return std::make_shared<Lcms>(transform);
+}
+
+}  // namespace latent::convert

@@ -1,0 +1,43 @@
+// tools/convert/device.h: displays and printers that only their ICC profile describes: by curves, or by tables.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "color/rgb_space.h"
+
+namespace latent::convert {
+
+// How colours beyond a device are brought into it, as ICC profiles define it.
+enum class Intent : std::uint8_t { kPerceptual = 0, kRelative = 1, kSaturation = 2, kAbsolute = 3 };
+
+struct Rendering {
+    Intent intent = Intent::kRelative;
+    bool black_point_compensation = true;  // the darkest of the picture becomes the darkest of the device
+};
+
+// From rows of linear light to what the device gets, 0..1, or to other light. Thread-safe.
+class DeviceTransform {
+ public:
+    virtual ~DeviceTransform() = default;
+    // In place.
+    virtual void apply(const std::array<std::span<float>, 3>& rgb) const = 0;
+};
+
+// The space that prints for tables are made in: it holds every colour that a device has (ROMM RGB's primaries, D50), linear.
+const color::RgbSpace& table_space();
+
+// A curve for each primary, inverted. The curves are decoding ones of Little CMS (cmsToneCurve), and are copied.
+std::shared_ptr<const DeviceTransform> curves_of(const std::array<const void*, 3>& curves);
+// From table_space() through the tables of a profile (cmsHPROFILE). Errors: kUnsupported.
+Result<std::shared_ptr<const DeviceTransform>> tables_of(void* profile, const Rendering& rendering);
+// From table_space() to what the device's print looks like in the linear light of `display`, whose white is the paper's unless the
+// intent is absolute. Errors: of reading; kForeign, kUnsupported.
+Result<std::shared_ptr<const DeviceTransform>> proof_of(const std::string& path, const color::RgbSpace& display,
+                                                        const Rendering& rendering);
+
+}  // namespace latent::convert
