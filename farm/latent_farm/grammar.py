@@ -5,28 +5,27 @@ import shlex
 from latent_farm import units
 from latent_farm.help import Command
 
-FORMATS = """TIME is 90, 90s, 10m or 1h30m. SIZE is in bytes, where K, M, G, T are powers of
-1024."""
+FORMATS = """Numbers accept K, M, G, T (powers of 1000) and Ki, Mi, Gi, Ti (powers of 1024).
+SIZE is in bytes, where K, M, G, T are powers of 1024.
+TIME is in seconds, or like 90s, 10m, 1.5h or 1h30m."""
 STATUSES = """Exit status: 0 done; 1 failed; 2 wrong usage; 75 interrupted, all finished work
 saved: run the same command again to resume."""
 
 
 def number(least):
     def parse(text):
-        if not text.isdigit() or int(text) < least:
-            raise argparse.ArgumentTypeError(f"'{text}' is not a number of at least {least}")
-        return int(text)
+        value = units.parse_number(text)
+        if value is None or not least <= value < 2**63 or value != int(value):
+            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least {least}")
+        return int(value)
     return parse
 
 
 def spp(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0
-    if not 0 < value < 1e15:
+    value = units.parse_number(text)
+    if value is None or not 0 < value < 1e15:
         raise argparse.ArgumentTypeError(f"'{text}' is not a number of samples per pixel")
-    return value
+    return float(value)
 
 
 def tasks(text):

@@ -12,12 +12,21 @@ def parse_duration(text):
     return 3600 * hours + 60 * minutes + seconds
 
 
+def parse_number(text, kilo=1000):
+    """The value of 64, 1.5K or 64Ki, where K, M, G and T are powers of `kilo`, Ki to Ti of 1024; None if it is no number."""
+    match = re.fullmatch(r"(\d+(?:\.\d*)?(?:e[+-]?\d{1,3})?|\.\d+)(?:([KMGT])(i?))?", text, re.ASCII | re.IGNORECASE)
+    if not match:
+        return None
+    value = float(match[1]) if re.search(r"[.e]", match[1], re.IGNORECASE) else int(match[1])
+    return value * (1024 if match[3] else kilo) ** " KMGT".index((match[2] or " ").upper())
+
+
 def parse_size(text):
     """Bytes of 512M or 1.5G, where K, M, G and T are powers of 1024."""
-    match = re.fullmatch(r"(\d+(?:\.\d+)?)([KMGT]?)i?", text)
-    if not match:
+    value = parse_number(text, 1024)
+    if value is None or not value < 2**63:
         raise argparse.ArgumentTypeError(f"'{text}' is not a size (try 512M or 1.5G)")
-    return int(float(match[1]) * 1024 ** " KMGT".index(match[2] or " "))
+    return int(value)
 
 
 def format_duration(seconds):

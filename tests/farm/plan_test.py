@@ -1,10 +1,12 @@
 """latent-farm plans, runs and extends a render, with real tools on a small scene: its picture is that of a single process."""
 import json
 import os
+import resource
 import shutil
 import signal
 import socket
 import subprocess
+import sys
 import time
 import unittest
 
@@ -195,6 +197,28 @@ class Plan(FarmTest):
         self.plan(spp=2, scene=scene)
         scene.write_text(scene.read_text().replace("2856", "2857"))
         self.fail_with("has changed", "latent-farm", "plan", scene, "--spp", 3, "--out", self.folder / "night", "--engine", "shell")
+
+    def test_numbers_are_written_as_for_every_tool(self):
+        plan = ["latent-farm", "plan", SCENE, "--engine", "shell", "--out"]
+        size = ["--json", "--", "--resolution", "16x16", "--run-samples", 1024]
+        written = json.loads(self.succeed(*plan, self.folder / "a", "--spp", "0.25Ki", "--tasks", "0.03K", *size).stdout)
+        plain = json.loads(self.succeed(*plan, self.folder / "b", "--spp", 256, "--tasks", 30, *size).stdout)
+        self.assertEqual(written["samples"], plain["samples"])
+        self.assertEqual(written["tasks"], plain["tasks"])
+        for option, text in (("--spp", "1Q"), ("--spp", "K"), ("--spp", "nan"), ("--tasks", "1.5"), ("--tasks", "-1"), ("--tasks", "1KiB")):
+            self.fail_with(f"'{text}' is not a", *plan, self.folder / "c", "--spp", 4, f"{option}={text}", status=2)
+
+    def test_with_too_little_memory_there_is_one_line(self):
+        said = set()
+        for mebibytes in range(8, 32):
+            limit = mebibytes << 20
+            done = run(sys.executable, TOOLS / "latent-farm", "status", self.folder,
+                       preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+            self.assertNotIn(f'File "{TOOLS}/latent-farm"', done.stderr)  # a traceback; below some limit Python itself does not start
+            if done.stderr.startswith("latent-farm: "):
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+                said.add(done.stderr)
+        self.assertGreater(len(said), 1)  # not only that the folder holds no plan
 
     def test_help_fits_80_columns_and_is_found_for_every_command(self):
         for command in ([], ["plan"], ["submit"], ["resume"], ["status"], ["join"]):
