@@ -28,7 +28,7 @@ Result<Profile> open_profile(const std::string& path, Bytes* bytes) {
     Profile profile(cmsOpenProfileFromMem(text->data(), static_cast<cmsUInt32Number>(text->size())));
     if (!profile) return Error{ErrorCode::kForeign, path + ": is not an ICC profile"};
     if (cmsGetColorSpace(profile.get()) != cmsSigRgbData)
-        return Error{ErrorCode::kUnsupported, path + ": is not a profile of RGB, which is what can be printed"};
+        return Error{ErrorCode::kUnsupported, path + ": is not an RGB profile; other profiles are not supported"};
     if (bytes != nullptr) {
         const auto all = std::as_bytes(std::span(*text));
         bytes->assign(all.begin(), all.end());

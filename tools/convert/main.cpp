@@ -55,10 +55,11 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
                              {"relative", Intent::kRelative},
                              {"saturation", Intent::kSaturation},
                              {"absolute", Intent::kAbsolute}},
-                            "rendering intent, for profiles of tables");
+                            "rendering intent, for profiles with tables");
     app.add_flag("--black-point-compensation,!--no-black-point-compensation", options.rendering.black_point_compensation,
-                 "darkest of the picture becomes darkest of the device, for profiles of tables (default: on)");
-    app.add_option("--proof", options.proof, "show on the display how the print will look on the device of this profile")
+                 "map the darkest colour of the picture to that of the device, for profiles with tables (default: on)");
+    app.add_option("--proof", options.proof,
+                   "soft proof: show on the display how the print will look on the device of this profile")
         ->type_name("FILE.icc");
     app.add_flag("--gamut-report", options.gamut_report, "also report the largest shift of hue that gamut mapping causes");
     cli::add_choice<bool>(
