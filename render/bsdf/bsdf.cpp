@@ -14,6 +14,7 @@ void Bsdf::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSp
         return;
     }
     std::visit([&](const auto& closure) { closure.multiply_f_cos(camera, light, value); }, closure_);
+    if (weight_ != nullptr) value *= *weight_;
 }
 
 float Bsdf::pdf_omega(const Vec3f& world_wo, const Vec3f& world_wi) const {
@@ -27,6 +28,7 @@ bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u
                   SampledSpectrum& beta) const {
     const Vec3f wo = frame_.to_local(world_wo);
     if (wo.z == 0) return false;
+    if (weight_ != nullptr) beta *= *weight_;
     return std::visit(
         [&](const auto& closure) {
             ClosureSample drawn;

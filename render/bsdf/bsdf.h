@@ -31,6 +31,9 @@ class Bsdf {
     Bsdf(const Frame& frame, const Vec3f& ng, const C& closure)
         : frame_(frame), ng_(ng), delta_(closure.is_delta()), transmits_(C::kTransmits), closure_(closure) {}
 
+    // Multiplies f by `weight`, which must live as long. Directions are drawn as before.
+    void weigh(const SampledSpectrum& weight) { weight_ = &weight; }
+
     // Directions come from a delta function: nothing can be connected to this vertex.
     bool is_delta() const { return delta_; }
     // For whom a light's point is drawn, looked at from wo.
@@ -55,6 +58,7 @@ class Bsdf {
     Frame frame_;
     Vec3f ng_;
     bool delta_, transmits_;
+    const SampledSpectrum* weight_ = nullptr;
     AnyClosure closure_;
 };
 

@@ -6,13 +6,14 @@
 
 namespace latent::render {
 
-//   f = Kd / pi + Ks (n + 2) / (2 pi) max(0, cos a)^n,   a the angle between w_light and the mirror direction of w_camera
+//   f = Kd / pi + Ks (n + 2) / (2 pi) max(0, cos a)^n,   a the angle between w_light and the mirror direction of w_camera, or, if
+//                                                       the surface is retro-reflecting, between w_light and w_camera [R06 9.6]
 // [R06 3.1.2]. Kd + Ks <= 1 conserves energy; at grazing angles the surface cuts off a part of the lobe.
 class Phong {
  public:
     static constexpr bool kTransmits = false;
 
-    Phong(const SampledSpectrum& diffuse, const SampledSpectrum& specular, float exponent);
+    Phong(const SampledSpectrum& diffuse, const SampledSpectrum& specular, float exponent, bool retro = false);
 
     bool is_delta() const { return false; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
@@ -24,6 +25,7 @@ class Phong {
     const SampledSpectrum* diffuse_;
     const SampledSpectrum* specular_;
     float exponent_;
+    bool retro_;
     float specular_probability_;  // that a direction is drawn from the lobe
 };
 

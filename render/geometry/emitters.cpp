@@ -36,7 +36,8 @@ Result<std::vector<Emitter>> find_emitters(std::vector<PlacedShape>& shapes) {
             emitter.p = Vec3f(shape.to_world.t);
             emitter.radius = static_cast<float>(shape.radius * scale);
             emitter.inward = shape.flip_normal;
-            emitter.area = quadric_area(shape) * scale * scale;
+            emitter.area =
+                quadric_area(shape) * (is_stretched(shape) ? length(cross(shape.to_world.x, shape.to_world.y)) : scale * scale);
             emitters.push_back(emitter);
         }
     }

@@ -1,5 +1,7 @@
 #include "render/light/area_emission.h"
 
+#include "render/math/elementary.h"
+
 namespace latent::render {
 
 // Looked up without a footprint, so that all strategies find the same.
@@ -23,6 +25,7 @@ AreaEmission::AreaEmission(const AreaLightDescription& light, std::uint32_t spec
     : emission_{spectrum, 0},
       area_(static_cast<float>(emitter.area)),
       mean_(static_cast<float>(light.mean_luminance)),
+      exponent_(static_cast<float>(light.exponent)),
       two_sided_(light.two_sided),
       inside_medium_(emitter.inside_medium),
       outside_medium_(emitter.outside_medium),
@@ -31,14 +34,20 @@ AreaEmission::AreaEmission(const AreaLightDescription& light, std::uint32_t spec
     if (!(emitter.area > 0)) return;  // black
     // `power` is that of a whole patch, where the scene has one.
     const double sides = two_sided_ ? 2 : 1, area = emitter.is_half ? 2 * emitter.area : emitter.area;
-    const double per_scale = std::numbers::pi * area * sides * light.mean_luminance;
+    const double per_scale = std::numbers::pi * area * sides * light.mean_luminance * (2 / (light.exponent + 2));
     emission_.scale = static_cast<float>(light.scale * (light.power ? *light.power / per_scale : 1));
+}
+
+float AreaEmission::falloff(const Vec3f& ng, const Vec3f& d) const {
+    const float h = one_minus_dot(dot(ng, d) < 0 ? -ng : ng, d);
+    return h < 1 ? exp_nonpositive(exponent_ * log_one_minus(h)) : 0;
 }
 
 void AreaEmission::sample_direction(const Interaction& at, Uniform s, Uniform t, LightRay& out) const {
     const bool back = two_sided_ && s.index(2) == 1;
     if (two_sided_) s = s.within(2);
-    Vec3f local = sample_cosine_hemisphere(s, t);
+    Vec3f local = exponent_ == 0 ? sample_cosine_hemisphere(s, t)  // else the density goes with cos^(exponent + 1)
+                                 : direction_at(exp_nonpositive(log_one_minus(s) / (exponent_ + 2)), t);
     local.z = std::max(local.z, 1e-6f);
     out.at = at;
     out.d = normalize(Frame::from_z(back ? -at.ng : at.ng).to_world(local));

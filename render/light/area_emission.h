@@ -1,5 +1,5 @@
-// render/light/area_emission.h: what a point of a surface emits, whatever the surface's shape: one radiance for all directions of a
-// side, or of both, the same everywhere or as a picture has it.
+// render/light/area_emission.h: what a point of a surface emits, whatever the surface's shape: on a side, or on both, one radiance
+// for all directions or one that falls off with a power of the cosine, the same everywhere or as a picture has it.
 #pragma once
 
 #include <optional>
@@ -29,7 +29,9 @@ class AreaEmission {
     AreaEmission(const AreaLightDescription& light, std::uint32_t spectrum, const Emitter& emitter, const EmissionPattern* pattern);
 
     const Emission& emission() const { return emission_; }
-    double extent() const { return std::numbers::pi * static_cast<double>(area_) * (two_sided_ ? 2 : 1) * mean_; }
+    double extent() const {
+        return std::numbers::pi * static_cast<double>(area_) * (two_sided_ ? 2 : 1) * mean_ * (2 / (exponent_ + 2.0));
+    }
     bool shines(const Vec3f& ng, const Vec3f& d) const { return two_sided_ || dot(ng, d) > 0; }
 
     float pdf_position() const { return 1 / area_; }
@@ -42,23 +44,28 @@ class AreaEmission {
     float pdf_omega(const Vec3f& from, const LightSampleContext&, const LightHit& hit) const {
         return pdf_of_area(from, hit.p, hit.ng);
     }
-    // The rest of a ray that starts at `at`: its direction by the cosine to either side that shines.
+    // The rest of a ray that starts at `at`: its direction by what either side that shines sends there.
     void sample_direction(const Interaction& at, Uniform s, Uniform t, LightRay& out) const;
     float pdf_direction(const Vec3f& ng, const Vec3f& d) const {
-        const float c = dot(ng, d);
-        return two_sided_ ? 0.5f * kInvPi * std::abs(c) : kInvPi * std::max(0.0f, c);
+        const float c = dot(ng, d), even = two_sided_ ? 0.5f * kInvPi * std::abs(c) : kInvPi * std::max(0.0f, c);
+        return exponent_ == 0 ? even : even * 0.5f * (exponent_ + 2) * falloff(ng, d);
     }
     bool multiply_emission(const EmissionPoint& at, const Vec3f& d, SampledSpectra& spectra, SampledSpectrum& value) const {
         if (!shines(at.ng, d)) return false;
         emission_.multiply(spectra, value);
+        if (exponent_ != 0) value *= falloff(at.ng, d);
         if (pattern_ != nullptr) pattern_->multiply(primitive_, at, spectra, value);
         return true;
     }
 
  private:
+    // |cos|^exponent of d to the normal.
+    float falloff(const Vec3f& ng, const Vec3f& d) const;
+
     Emission emission_;
     float area_;
     float mean_;  // luminance of the picture
+    float exponent_;
     bool two_sided_;
     std::uint32_t inside_medium_, outside_medium_, primitive_;
     const EmissionPattern* pattern_;

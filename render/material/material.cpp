@@ -56,18 +56,32 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
       layer_(d.layer, textures, library),
       amount_(source(d.amount, textures)),
       mixed_(d.mixed),
+      retro_(d.retro),
       relief_(d, textures) {
+    if (d.selector) selector_ = source(*d.selector, textures, library);
     is_textured_ |= layer_.is_textured() || is_mixture() || !relief_.is_flat();
 }
 
-std::uint32_t Material::chosen(const TexturePoint& point) const {
+std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*& weight) const {
     // No place is told from another one by less than its last bits, so this is as good as chance.
     std::byte bytes[12];
     store_le(bytes, std::bit_cast<std::uint32_t>(point.p.x));
     store_le(bytes + 4, std::bit_cast<std::uint32_t>(point.p.y));
     store_le(bytes + 8, std::bit_cast<std::uint32_t>(point.p.z));
     const float u = static_cast<float>(hash64(bytes) >> 40) * 0x1p-24f;
-    return mixed_[u < amount_.at(point) ? 1 : 0];
+    if (!selector_) return mixed_[u < amount_.at(point) ? 1 : 0];
+    // Wavelengths are drawn about as the eye sees them, so their mean is the selector's luminance [R06 5.3.5].
+    const SampledSpectrum& share = reflectance(*selector_, point);
+    const std::uint32_t k = point.spectra->wavelengths.k;
+    float mean = 0;
+    for (std::uint32_t i = 0; i < k; ++i) mean += share.v[i] / static_cast<float>(k);
+    const bool second = u < mean;
+    SampledSpectrum& out = point.spectra->allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+        out.v[i] = (second ? share.v[i] / mean : (1 - share.v[i]) / (1 - mean)) * (weight != nullptr ? weight->v[i] : 1);
+    }
+    weight = &out;
+    return mixed_[second ? 1 : 0];
 }
 
 Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const {
@@ -92,7 +106,8 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
         case MaterialKind::kDiffuse:
             return plain(Diffuse(reflectance(reflectance_, point)));
         case MaterialKind::kPhong:
-            return plain(Phong(reflectance(reflectance_, point), reflectance(specular_, point), within(exponent_, 0, 1e6f, point)));
+            return plain(
+                Phong(reflectance(reflectance_, point), reflectance(specular_, point), within(exponent_, 0, 1e6f, point), retro_));
         case MaterialKind::kConductor: {
             const Metal m = metal();
             const Alpha a = facets();

@@ -27,9 +27,10 @@ class Material {
     Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const;
 
     // Of a mixture: the material at this point, one of two by a hash of the place, in the shares that it describes. So a mixture is
-    // one surface, whichever path comes there.
+    // one surface, whichever path comes there. If the shares vary with wavelength, the choice is made by their mean, and `weight`
+    // (null: 1) is multiplied by the share over its probability.
     bool is_mixture() const { return kind_ == MaterialKind::kMix; }
-    std::uint32_t chosen(const TexturePoint& point) const;
+    std::uint32_t chosen(const TexturePoint& point, const SampledSpectrum*& weight) const;
 
     const Relief& relief() const { return relief_; }
 
@@ -48,6 +49,8 @@ class Material {
     LayerSource layer_;
     FloatSource amount_;
     std::array<std::uint32_t, 2> mixed_;
+    std::optional<SpectrumSource> selector_;
+    bool retro_;
     Relief relief_;
 };
 

@@ -71,17 +71,19 @@ Refusals check_camera(const CameraDescription& d) {
     return refusals;
 }
 
+bool is_stretched(const ShapeDescription& quadric) { return !is_even(quadric.to_world, 1e-5); }
+
 Refusals check_area_light(const ShapeDescription& shape) {
     const auto refuse = [](const std::string& what) { return Refusals{"an area light on " + what + " is not supported"}; };
     switch (shape.kind) {
         case ShapeKind::kTriangles:
             return {};
         case ShapeKind::kSphere:
-            return is_even(shape.to_world, 1e-5) ? Refusals{} : refuse("a sphere that is stretched");
-        case ShapeKind::kDisk:
-            return is_even(shape.to_world, 1e-5) ? Refusals{} : refuse("a disk that is stretched");
+            return is_stretched(shape) ? refuse("a sphere that is stretched") : Refusals{};
+        case ShapeKind::kDisk:  // stays even
+            return {};
         case ShapeKind::kCylinder:
-            return is_even(shape.to_world, 1e-5) ? Refusals{} : refuse("a cylinder that is stretched");
+            return is_stretched(shape) ? refuse("a cylinder that is stretched") : Refusals{};
         case ShapeKind::kBilinear:
             break;
     }

@@ -14,8 +14,10 @@ using Refusals = std::vector<std::string>;
 
 // A transformation that skews or stretches; a lens on another camera than a perspective one.
 Refusals check_camera(const CameraDescription& camera);
-// An area light on a shape of which no points can be drawn: on curved patches and on quadrics that are stretched.
+// An area light on a shape of which no points can be drawn: on curved patches, and on quadrics but disks that are stretched.
 Refusals check_area_light(const ShapeDescription& shape);
+// Whether a quadric is not placed by a rotation, translation, mirroring and uniform scale alone.
+bool is_stretched(const ShapeDescription& quadric);
 // Textures that are made of themselves, or of others more than 256 deep: index and reason.
 std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures);
 // Mixtures that are made of themselves, or more than 256 deep.

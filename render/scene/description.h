@@ -74,6 +74,7 @@ struct MaterialDescription {
     SpectrumInput specular{};     // phong: Ks; diffusetransmission: what is transmitted
     float scale = 1;              // diffusetransmission: of both
     FloatInput exponent{};        // phong
+    bool retro = false;           // phong: the lobe leads back to where light comes from
     SpectrumInput eta{}, k{};     // metals: both (one given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
                                   // dielectric, thindielectric: eta, never a texture
     bool dispersive = false;      // eta of a dielectric or thindielectric varies with wavelength
@@ -88,6 +89,7 @@ struct MaterialDescription {
     std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
     std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials
     FloatInput amount{};                               // mix: share of the second
+    std::optional<SpectrumInput> selector{};           // mix: that share in each wavelength, instead of `amount`
     SourceLocation location{};
 };
 
@@ -115,6 +117,7 @@ struct AreaLightDescription {
     bool two_sided = false;         // else emits on the side of the geometric normal
     std::uint32_t picture = kNone;  // index into SceneDescription::textures: a spectrum that varies, times the other one
     double mean_luminance = 1;      // of that picture
+    double exponent = 0;            // radiance is that of the normal times cos^exponent
     std::string name{};             // "": none
     std::uint32_t group = 0;        // LightGroups (scene/light_groups.h); 0 unless the job asks for them
     SourceLocation location{};

@@ -73,10 +73,13 @@ void each_field(Of<LayerDescription> auto& layer, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [kind, name, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness,
-           metallic, f0, f90, coat, coat_roughness, layer, displacement, normal_map, mixed, amount, location] = material;
+    auto& [kind, name, reflectance, specular, scale, exponent, retro, eta, k, dispersive, alpha_x, alpha_y, remap_roughness,
+           roughness, metallic, f0, f90, coat, coat_roughness, layer, displacement, normal_map, mixed, amount, selector, location] =
+        material;
     visit(kind, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
           f0, f90, coat, coat_roughness, layer, displacement, amount);
+    if (material.retro) visit(retro);
+    if (material.selector) visit(selector);
     visit.template index<TextureDescription>(normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);
@@ -130,10 +133,11 @@ void each_field(Of<VoxelGrid> auto& grid, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<AreaLightDescription> auto& light, Visit&& visit) {
-    auto& [spectrum, scale, power, two_sided, picture, mean_luminance, name, group, location] = light;
+    auto& [spectrum, scale, power, two_sided, picture, mean_luminance, exponent, name, group, location] = light;
     visit(spectrum, scale, power, two_sided, mean_luminance);
     visit.template index<TextureDescription>(picture);
-    if (light.group != 0) visit(group);  // a job without groups is what it was before there were any
+    if (light.exponent != 0) visit(exponent);  // a job without is what it was before there were any
+    if (light.group != 0) visit(group);
     visit.label(name, location);
 }
 

@@ -75,7 +75,10 @@ enum class TextureKind : std::uint8_t {
     kFbm,
     kWrinkled,
     kWindy,
-    kMarble
+    kMarble,
+    kVeins,
+    kWood,
+    kClouds
 };
 
 // One of the kinds; each uses the fields that name it. Inputs of a float texture are `numbers`, of a spectrum texture `spectra`;
@@ -92,9 +95,9 @@ struct TextureDescription {
     PictureDescription picture{};       // image
     bool is_solid = false;              // checkerboard: of cubes
     Vec3d direction{0, 1, 0};           // directionmix: unit
-    std::uint32_t octaves = 8;          // fbm, wrinkled, marble
+    std::uint32_t octaves = 8;          // fbm, wrinkled, marble, veins, wood, clouds
     double roughness = 0.5;             // the same: weight of an octave over that before it
-    double scale = 1, variation = 0.2;  // marble
+    double scale = 1, variation = 0.2;  // marble, veins, wood, clouds
     SourceLocation location{};
 };
 

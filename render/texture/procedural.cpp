@@ -1,5 +1,6 @@
 #include "render/texture/procedural.h"
 
+#include "render/math/elementary.h"
 #include "render/texture/noise.h"
 #include "render/texture/rgb_spectrum.h"
 
@@ -19,6 +20,10 @@ double filtered_wave(double x, double r) {
     };
     const double near = std::fmod(x, 2.0);
     return (second_integral(near + r) - 2 * second_integral(near) + second_integral(near - r)) / (r * r);
+}
+float fraction(float x) {
+    const float part = x - std::floor(x);
+    return part >= 0 && part < 1 ? part : 0;  // where floats end, too
 }
 double filtered_wave(float x, float dx, float dy) { return filtered_wave(x, 1.5 * std::max(std::abs(dx), std::abs(dy))); }
 
@@ -60,12 +65,19 @@ std::array<float, 3> marble_colour(float t) {
 }
 
 float Noise::at(const TexturePoint& point) const {
-    const SpacePoint at = mapping_(point);
+    SpacePoint at = mapping_(point);
+    if (scale_ != 1) at = {at.p * scale_, at.dpdx * scale_, at.dpdy * scale_};
     switch (kind_) {
         case NoiseKind::kFbm:
             return fractal_noise(at, omega_, octaves_);
         case NoiseKind::kWrinkled:
             return turbulence(at, omega_, octaves_);
+        case NoiseKind::kVeins:
+            return 0.5f + 0.5f * sincos_turns(fraction(disturbed(at.p.x, at))).sin;
+        case NoiseKind::kWood:
+            return fraction(disturbed(std::sqrt(at.p.x * at.p.x + at.p.z * at.p.z), at));
+        case NoiseKind::kClouds:
+            return 1 - exp_nonpositive(-variation_ * std::max(0.0f, fractal_noise(at, omega_, octaves_)));
         case NoiseKind::kWindy:
             break;
     }

@@ -4,6 +4,7 @@
 #include "color/rgb_lattice.h"
 #include "render/texture/combine.h"
 #include "render/texture/mapping.h"
+#include "render/texture/noise.h"
 
 namespace latent::render {
 
@@ -80,18 +81,21 @@ class DirectionMix final : public Texture<Value> {
     Source<Value> of_[2];
 };
 
-enum class NoiseKind : std::uint8_t { kFbm, kWrinkled, kWindy };
+enum class NoiseKind : std::uint8_t { kFbm, kWrinkled, kWindy, kVeins, kWood, kClouds };
 class Noise final : public FloatTexture {
  public:
-    Noise(NoiseKind kind, const MappingDescription& mapping, float omega, int octaves)
-        : kind_(kind), mapping_(mapping), omega_(omega), octaves_(octaves) {}
+    Noise(NoiseKind kind, const MappingDescription& mapping, float omega, int octaves, float scale, float variation)
+        : kind_(kind), mapping_(mapping), omega_(omega), octaves_(octaves), scale_(scale), variation_(variation) {}
     float at(const TexturePoint& point) const override;
 
  private:
+    float disturbed(float x, const SpacePoint& at) const { return x + variation_ * fractal_noise(at, omega_, octaves_); }
+
     NoiseKind kind_;
     SpaceMapping mapping_;
     float omega_;
     int octaves_;
+    float scale_, variation_;
 };
 
 class Marble final : public SpectrumTexture {

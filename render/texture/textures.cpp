@@ -62,8 +62,12 @@ struct Textures::Builder {
     std::unique_ptr<FloatTexture> make_noise(float, const TextureDescription& d) {
         const NoiseKind kind = d.kind == TextureKind::kFbm        ? NoiseKind::kFbm
                                : d.kind == TextureKind::kWrinkled ? NoiseKind::kWrinkled
+                               : d.kind == TextureKind::kVeins    ? NoiseKind::kVeins
+                               : d.kind == TextureKind::kWood     ? NoiseKind::kWood
+                               : d.kind == TextureKind::kClouds   ? NoiseKind::kClouds
                                                                   : NoiseKind::kWindy;
-        return std::make_unique<Noise>(kind, d.mapping, static_cast<float>(d.roughness), static_cast<int>(d.octaves));
+        return std::make_unique<Noise>(kind, d.mapping, static_cast<float>(d.roughness), static_cast<int>(d.octaves),
+                                       static_cast<float>(d.scale), static_cast<float>(d.variation));
     }
     std::unique_ptr<SpectrumTexture> make_noise(const SampledSpectrum*, const TextureDescription& d) {
         return std::make_unique<Marble>(d.mapping, static_cast<float>(d.roughness), static_cast<int>(d.octaves),
@@ -100,6 +104,9 @@ struct Textures::Builder {
             case TextureKind::kWrinkled:
             case TextureKind::kWindy:
             case TextureKind::kMarble:
+            case TextureKind::kVeins:
+            case TextureKind::kWood:
+            case TextureKind::kClouds:
                 return make_noise(Value{}, d);
         }
         return std::make_unique<Constant<Value>>(input(0));

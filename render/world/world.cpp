@@ -51,9 +51,12 @@ Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kep
     const SurfaceCoordinates coordinates = geometry_->coordinates(hit);
     fill_in(hit, coordinates, footprint_, point);
     const Material* material = &materials_[hit.material];
-    while (material->is_mixture()) material = &materials_[material->chosen(point)];
+    const SampledSpectrum* weight = nullptr;
+    while (material->is_mixture()) material = &materials_[material->chosen(point, weight)];
     material->relief().tilt(point, coordinates, hit);
-    return material->bsdf(hit, point, kept);
+    Bsdf bsdf = material->bsdf(hit, point, kept);
+    if (weight != nullptr) bsdf.weigh(*weight);
+    return bsdf;
 }
 
 // Where a straight line from the camera, through everything, ends.

@@ -365,14 +365,14 @@ TEST(Emitters, HoldAreaAndNormal) {
 
 // The loader has told it before; a description may come from elsewhere.
 TEST(Emitters, OfShapesThatCannotBeSampledAreRefused) {
-    Result<LoadedScene> scene =
-        load_world("AttributeBegin\nScale 1 2 1\nShape \"disk\"\nAttributeEnd\nAreaLightSource \"diffuse\"\nShape \"sphere\"\n");
+    Result<LoadedScene> scene = load_world(
+        "AttributeBegin\nScale 1 2 1\nShape \"cylinder\"\nAttributeEnd\nAreaLightSource \"diffuse\"\nShape \"sphere\"\n");
     ASSERT_TRUE(scene);
     EXPECT_TRUE(Geometry::build(scene->description, "sse4.2"));
     scene->description.shapes[0].area_light = 0;
     const auto geometry = Geometry::build(scene->description, "sse4.2");
     ASSERT_FALSE(geometry);
-    EXPECT_EQ(geometry.error().message, "an area light on a disk that is stretched is not supported");
+    EXPECT_EQ(geometry.error().message, "an area light on a cylinder that is stretched is not supported");
 }
 
 // Along u and v a quadric moves as dpdu and dpdv say, and its normal as dndu and dndv do.

@@ -63,7 +63,8 @@ inline std::vector<Example<Phong>> examples() {
     return {{.name = "wide lobe", .scatters = Phong(v.rising, v.falling, 3)},
             {.name = "narrow lobe", .scatters = Phong(v.falling, v.rising, 60)},
             {.name = "lobe alone, flat", .scatters = Phong(v.black, v.white, 0)},
-            {.name = "no lobe", .scatters = Phong(v.white, v.black, 60)}};
+            {.name = "no lobe", .scatters = Phong(v.white, v.black, 60)},
+            {.name = "retro", .scatters = Phong(v.falling, v.rising, 12, true)}};
 }
 
 template <>

@@ -34,6 +34,9 @@ const std::vector<Case> kAreas = {
     {"disk",
      "AttributeBegin Translate 1 2 3 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"disk\" \"float radius\" 2 "
      "\"float innerradius\" 0.5 \"float phimax\" 200 AttributeEnd\n"},
+    {"two-sided ellipse with an exponent",
+     "AttributeBegin Translate 1 2 3 Scale 1.5 0.6 1 AreaLightSource \"diffuse\" \"bool twosided\" true \"float "
+     "latent:exponent\" 7 Shape \"disk\" \"float radius\" 1.4 AttributeEnd\n"},
 };
 // Their densities grow beyond all bounds along their edges, where numbers of a grid miss them.
 const std::vector<Case> kRound = {

@@ -121,6 +121,10 @@ std::uint32_t SceneBuilder::material(const std::string& text, const SourceLocati
 MaterialDescription SceneBuilder::read_mixture(const ParameterList& list) {
     MaterialDescription mixture{.kind = MaterialKind::kMix, .location = list.directive().where};
     mixture.amount = textures_.number(list, "amount", 0.5, 0, 1);
+    mixture.selector = textures_.find_spectrum(list, "latent:amount", SpectrumRole::kReflectance);
+    if (mixture.selector && !mixture.selector->is_textured() && mixture.selector->value.max_value() > 1) {
+        list.error("latent:amount: exceeds 1");
+    }
     const Parameter* names = list.find("materials", {"string"});
     if (names == nullptr || names->strings.size() != 2) {
         list.error("materials: must be the names of two materials");

@@ -74,7 +74,7 @@ constexpr TypeGrammar kTypes[] = {
     {"normal", Values::kNumbers},    {"rgb", Values::kNumbers},
     {"blackbody", Values::kNumbers}, {"spectrum", Values::kNumbersOrStrings},
     {"string", Values::kStrings},    {"texture", Values::kStrings},
-    {"bool", Values::kFlags},
+    {"bool", Values::kFlags},        {"latent:daylight", Values::kNumbers},
 };
 
 std::string quote(std::string_view text) { return fmt::format("\"{}\"", text.substr(0, 64)); }

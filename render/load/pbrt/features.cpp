@@ -19,7 +19,7 @@ std::span<const PbrtFeature> pbrt_features() {
           "coatedconductor", "mix", "interface"}},
         {"Texture",
          {"constant", "scale", "mix", "imagemap", "checkerboard", "dots", "bilerp", "directionmix", "fbm", "wrinkled", "windy",
-          "marble"}},
+          "marble", "latent:marble", "latent:wood", "latent:clouds"}},
         {"LightSource", {"point", "spot", "goniometric", "projection", "distant", "infinite"}},
         {"AreaLightSource", {"diffuse"}},
         {"Medium", {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"}},

@@ -63,6 +63,10 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
         const double fov = list.number("fov", 90, 1e-3, 179.999);
         const double scale = std::tan(fov / 2 * std::numbers::pi / 180);
         camera.x0 *= scale, camera.x1 *= scale, camera.y0 *= scale, camera.y1 *= scale;
+        // Both eyes of a pair see the same part of the plane in focus [R06 8.3.1].
+        const double shift = list.number("latent:lensshift", 0, -1e6, 1e6);
+        camera.world_from_camera.t = {shift, 0, 0};
+        camera.x0 -= shift / camera.focal_distance, camera.x1 -= shift / camera.focal_distance;
     } else if (type == "orthographic") {
         camera.kind = CameraKind::kOrthographic;
     } else {

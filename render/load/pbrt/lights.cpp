@@ -16,6 +16,15 @@ std::optional<double> positive(const ParameterList& list, std::string_view name)
     return value && *value > 0 ? value : std::nullopt;
 }
 
+// What the colours of a picture multiply.
+color::Spectrum illuminant_of_picture(const ParameterList& list, SceneSpectra& spectra) {
+    return spectra.emission(list, "latent:illuminant");
+}
+void refuse_radiance(const ParameterList& list) {
+    if (SceneSpectra::is_given(list, "L"))
+        list.error("L and filename cannot be combined; the light that the picture colours is latent:illuminant");
+}
+
 // Of a goniometric light: the mean of each pixel.
 std::shared_ptr<const ImageDescription> read_intensities(const ParameterList& list, const std::string& name, SceneFiles& files) {
     const std::shared_ptr<const ImageDescription> image = read_environment(list, name, files);
@@ -38,8 +47,8 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
         return light;
     }
     if (const std::optional<std::string> name = list.string("filename")) {
-        if (list.find("L", {"rgb", "spectrum", "blackbody"}) != nullptr) list.error("L and filename cannot be combined");
-        light.spectrum = spectra.white();
+        refuse_radiance(list);
+        light.spectrum = illuminant_of_picture(list, spectra);
         if (const std::shared_ptr<const ImageDescription> image = read_light_picture(list, *name, files)) {
             light.picture = textures.emission(list, *name);
             light.mean_luminance = mean_luminance(*image);
@@ -51,6 +60,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
     light.scale = list.number("scale", 1, 0, 1e30);
     light.power = positive(list, "power");
     light.two_sided = list.flag("twosided", false);
+    light.exponent = list.number("latent:exponent", 0, 0, 1e5);
     light.name = list.string("name").value_or("");
     list.report_unused();
     return light;
@@ -73,7 +83,7 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
     } else if (type == "goniometric" || type == "projection") {
         const bool is_map = type == "goniometric";
         light.kind = is_map ? LightKind::kGoniometric : LightKind::kProjection;
-        light.spectrum = is_map ? spectra.emission(list, "I") : spectra.white();
+        light.spectrum = is_map ? spectra.emission(list, "I") : illuminant_of_picture(list, spectra);
         light.power = positive(list, "power");
         if (!is_map) light.fov_degrees = list.number("fov", 90, 1e-3, 179);
         const std::optional<std::string> name = list.string("filename");
@@ -93,8 +103,8 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
         light.kind = LightKind::kInfinite;
         light.illuminance = positive(list, "illuminance");
         if (const std::optional<std::string> name = list.string("filename")) {
-            if (list.find("L", {"rgb", "spectrum", "blackbody"}) != nullptr) list.error("L and filename cannot be combined");
-            light.spectrum = spectra.white();
+            refuse_radiance(list);
+            light.spectrum = illuminant_of_picture(list, spectra);
             light.image = read_environment(list, *name, files);
         } else {
             light.spectrum = spectra.emission(list, "L");

@@ -113,6 +113,9 @@ void read_phong(const ParameterList& list, SceneTextures& textures, MaterialDesc
     material.reflectance = textures.spectrum(list, "Kd", SpectrumRole::kReflectance, quarter);
     material.specular = textures.spectrum(list, "Ks", SpectrumRole::kReflectance, quarter);
     material.exponent = textures.number(list, "exponent", 20, 0, 1e5);
+    const std::string lobe = list.string("latent:lobe").value_or("mirror");
+    if (lobe != "mirror" && lobe != "retro") list.error(fmt::format("latent:lobe: \"{}\" is neither mirror nor retro", lobe));
+    material.retro = lobe == "retro";
     if (makes_light(material.reflectance, material.specular, 1)) list.warn("Kd + Ks: exceeds 1, so the surface creates energy");
 }
 

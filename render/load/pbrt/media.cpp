@@ -93,7 +93,7 @@ void read_box(const ParameterList& list, MediumDescription& medium) {
 
 // Le and its scale, a number.
 void read_emission(const ParameterList& list, SceneSpectra& spectra, MediumDescription& medium) {
-    if (list.find("Le", {"rgb", "spectrum", "blackbody"}) != nullptr) medium.Le = spectra.emission(list, "Le");
+    if (SceneSpectra::is_given(list, "Le")) medium.Le = spectra.emission(list, "Le");
     medium.Le_scale = list.number("Lescale", 1, 0, 1e12);
 }
 
@@ -112,7 +112,7 @@ void read_uniform_grid(const ParameterList& list, SceneSpectra& spectra, MediumD
         volume.temperature = {read_voxels(list, "temperature", size, -1e30), grid_from_medium};
         read_temperature(list, volume);
     }
-    if (list.find("Le", {"rgb", "spectrum", "blackbody"}) != nullptr) {
+    if (SceneSpectra::is_given(list, "Le")) {
         if (volume.temperature.grid) list.error("Le and temperature cannot be combined");
         medium.Le = spectra.emission(list, "Le");
     }

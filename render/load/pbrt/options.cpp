@@ -55,7 +55,7 @@ void SceneOptions::place_camera(const Affined& ctm, std::uint32_t outside_medium
     const std::optional<Affined> inverse = camera_from_world.inverse();
     if (!inverse) diagnostics_.error(d.where, "Camera: the transformation is singular");
     scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, diagnostics_), scene_.film);
-    scene_.camera.world_from_camera = inverse.value_or(Affined{});
+    scene_.camera.world_from_camera = inverse.value_or(Affined{}) * scene_.camera.world_from_camera;
     scene_.camera.medium = medium;
     for (const std::string& refusal : check_camera(scene_.camera)) diagnostics_.error(d.where, refusal);
 }

@@ -43,7 +43,7 @@ const color::RgbToSpectrum& SceneSpectra::rgb() {
 color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }
 
 std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std::string_view name, SpectrumRole role) {
-    const Parameter* p = list.find(name, {"rgb", "spectrum", "blackbody"});
+    const Parameter* p = parameter(list, name);
     if (p == nullptr) return std::nullopt;
     std::optional<color::Spectrum> spectrum = resolve(list, *p, role);
     if (spectrum && spectrum->min_value() < 0) {
@@ -54,7 +54,7 @@ std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std
 }
 
 color::Spectrum SceneSpectra::emission(const ParameterList& list, std::string_view name) {
-    const Parameter* p = list.find(name, {"rgb", "spectrum", "blackbody"});
+    const Parameter* p = parameter(list, name);
     if (p == nullptr) return white();
     const std::optional<color::Spectrum> spectrum = find(list, name, SpectrumRole::kUnbounded);
     if (!spectrum) return {};
@@ -71,12 +71,13 @@ color::Spectrum SceneSpectra::emission(const ParameterList& list, std::string_vi
 }
 
 std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, const Parameter& p, SpectrumRole role) {
-    if (p.type == "blackbody") {
+    if (p.type == "blackbody" || p.type == "latent:daylight") {
         if (p.numbers.size() != 1) {
             list.error(p, "must be one temperature in kelvin");
             return std::nullopt;
         }
-        Result<color::Spectrum> spectrum = color::Spectrum::blackbody(p.numbers[0]);
+        Result<color::Spectrum> spectrum =
+            p.type == "blackbody" ? color::Spectrum::blackbody(p.numbers[0]) : color::daylight(p.numbers[0]);
         if (spectrum) return *spectrum;
         list.error(p, spectrum.error().message);
         return std::nullopt;

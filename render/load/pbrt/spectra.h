@@ -21,6 +21,8 @@ class SceneSpectra {
     // space.
     bool set_color_space(const std::string& name);
 
+    // Whether a spectrum of this name is there, of any type.
+    static bool is_given(const ParameterList& list, std::string_view name) { return parameter(list, name) != nullptr; }
     // The spectrum of a parameter; nothing if it is not there or an error was reported.
     std::optional<color::Spectrum> find(const ParameterList& list, std::string_view name, SpectrumRole role);
     // An emission, normalised as AreaLightDescription says; the colour space's white if the parameter is not there.
@@ -29,6 +31,9 @@ class SceneSpectra {
     const color::RgbToSpectrum& rgb();
 
  private:
+    static const Parameter* parameter(const ParameterList& list, std::string_view name) {
+        return list.find(name, {"rgb", "spectrum", "blackbody", "latent:daylight"});
+    }
     std::optional<color::Spectrum> resolve(const ParameterList& list, const Parameter& p, SpectrumRole role);
     std::optional<color::Spectrum> from_pairs(const ParameterList& list, const Parameter& p, std::span<const double> pairs);
     std::optional<color::Spectrum> from_file(const ParameterList& list, const Parameter& p);

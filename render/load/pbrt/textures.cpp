@@ -228,12 +228,19 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
             texture.variation = list.number("variation", 0.2);
         }
         mapping(true);
+    } else if (!use.is_spectrum && (is("latent:marble", TextureKind::kVeins) || is("latent:wood", TextureKind::kWood) ||
+                                    is("latent:clouds", TextureKind::kClouds))) {
+        texture.octaves = static_cast<std::uint32_t>(list.integer("octaves", 8, 0, 64));
+        texture.roughness = list.number("roughness", 0.5, 0, 1e3);
+        texture.scale = list.number("scale", 1);
+        texture.variation = list.number("variation", texture.kind == TextureKind::kClouds ? 4 : 0.2, 0, 1e6);
+        mapping(true);
     } else if (!use.is_spectrum && is("windy", TextureKind::kWindy)) {
         mapping(true);
     } else {
-        list.error(
-            fmt::format("Texture \"{}\": {} \"{}\" is not supported ({}; fbm, wrinkled, windy: float only; marble: spectrum only)",
-                        definition.directive.strings[0], definition.directive.strings[1], kind, types_of("Texture")));
+        list.error(fmt::format(
+            "Texture \"{}\": {} \"{}\" is not supported ({}; fbm, wrinkled, windy, latent:...: float only; marble: spectrum only)",
+            definition.directive.strings[0], definition.directive.strings[1], kind, types_of("Texture")));
         return texture;
     }
     list.report_unused();
