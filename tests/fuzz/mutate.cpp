@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstring>
 #include <random>
+#include <span>
 #include <string_view>
 
 namespace latent::fuzz {
@@ -47,8 +48,7 @@ class Mutator {
         if (below(4) == 0) return change_bytes();
         const auto [begin, end] = word();
         const std::string_view other = below(2) == 0 ? kTexts[below(kTexts.size())] : other_word();
-        Bytes with(other.size());
-        std::memcpy(with.data(), other.data(), other.size());
+        const ByteSpan with = std::as_bytes(std::span(other));
         if (below(4) != 0) bytes_.erase(bytes_.begin() + begin, bytes_.begin() + end);
         bytes_.insert(bytes_.begin() + begin, with.begin(), with.end());
     }

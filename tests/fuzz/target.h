@@ -1,5 +1,6 @@
 // tests/fuzz/target.h: functions that take any bytes, and must end orderly whatever these are: without a crash, an undefined
-// operation, a leak or an exception. fuzz_test replays seeds and mutants of them; scripts/fuzz looks for more with libFuzzer.
+// operation, a leak or an exception. fuzz_files_test and fuzz_scenes_test replay seeds and mutants of them; scripts/fuzz looks for
+// more with libFuzzer.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +18,7 @@ struct Target {
     // Makes the checksums of a mutant right again, so that what is behind them is reached; null if there are none.
     void (*mend)(Bytes&);
     bool is_text;
-    int mutants;                         // that fuzz_test makes of all seeds
+    int mutants;                         // that the tests make of all seeds
     std::vector<Bytes> (*made_seeds)();  // beside those in seeds/NAME; null: none
 };
 
@@ -40,6 +41,9 @@ Target ply();
 // texts.cpp
 Target csv();
 Target expressions();
+
+// Of a test program.
+std::vector<Target> all_targets();
 
 // A law of a target that does not hold ends the process.
 void require(bool holds, const char* law);
