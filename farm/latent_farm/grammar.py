@@ -43,7 +43,7 @@ def add_steps(command):
     command.option("--hosts", "FILE", "machines for --engine parallel, one per line, in the format of parallel --sshloginfile")
     command.option("--machines", "N", "expected number of concurrent tasks, for their size and the prediction (default: from Slurm or --hosts, else 1)",
                    type=number(1))
-    command.option("--cpus", "N", "processors per task (default: all of a machine)", type=number(1), default=0)
+    command.option("--cpus", "N", "processors per task (default: all that a machine has)", type=number(1), default=0)
     command.option("--memory", "SIZE", "memory per task, for Slurm (default: 1.5 times what was measured)",
                    type=units.parse_size)
     command.option("--time", "TIME", "time limit of a task, for Slurm; a task that reaches it is requeued and resumes "
@@ -81,8 +81,8 @@ For help on a command, with examples: latent-farm COMMAND --help
 {FORMATS}
 
 Renders for a few seconds to predict time, memory and disk space, then writes
-scripts into DIR. No task is started. Run again with a larger --spp, it extends
-the plan, and keeps finished work.
+scripts into DIR. No task is started. To extend a plan, run it again with a
+larger --spp; finished work is kept.
 
 Examples:
   latent-farm plan scene.pbrt --spp 256 --out night
