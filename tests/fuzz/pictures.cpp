@@ -28,7 +28,7 @@ bool run_exr(ByteSpan bytes) {
     return read;
 }
 
-bool run_icc(ByteSpan bytes) { return convert::display_from_icc(as_file("a.icc", bytes).string(), std::nullopt).has_value(); }
+bool run_icc(ByteSpan bytes) { return convert::display_from_icc(as_file("a.icc", bytes).string(), std::nullopt, {}).has_value(); }
 
 std::vector<Bytes> icc_seeds() { return {convert::icc_of(color::RgbSpace::srgb())}; }
 
