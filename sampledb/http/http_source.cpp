@@ -17,10 +17,28 @@ Result<std::shared_ptr<const HttpSource>> HttpSource::open(const std::string& ur
 }
 
 Status HttpSource::read(std::uint64_t offset, std::span<std::byte> into) const {
-    const std::uint64_t end = offset + into.size();
-    in_order_ = next_.exchange(end) == offset ? in_order_ + into.size() : into.size();
-    if (!scattered_ && in_order_ >= kLeastAhead) cache_->announce(file_, end, std::min<std::uint64_t>(in_order_, kMostAhead));
+    if (!scattered_) read_ahead(offset, into.size());
     return cache_->read(file_, offset, into);
+}
+
+void HttpSource::read_ahead(std::uint64_t offset, std::uint64_t size) const {
+    std::uint64_t begin = 0, end = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        auto stream = std::ranges::find(streams_, offset, &Stream::next);
+        if (stream == streams_.end()) {
+            stream = std::ranges::min_element(streams_, {}, &Stream::last_used);
+            *stream = {};
+        }
+        stream->next = offset + size;
+        stream->in_order += size;
+        stream->last_used = ++reads_;
+        const std::uint64_t ahead = std::min(stream->in_order, kMostAhead);
+        if (ahead < kLeastAhead || stream->announced > stream->next + ahead / 2) return;
+        begin = std::max(stream->announced, stream->next);
+        end = stream->announced = stream->next + ahead;
+    }
+    cache_->announce(file_, begin, end - begin);
 }
 
 }  // namespace latent::sampledb

@@ -1,8 +1,10 @@
 // sampledb/http/http_source.h: the bytes of a file on a web server that answers range requests.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "sampledb/http/block_cache.h"
@@ -24,10 +26,20 @@ class HttpSource final : public ByteSource {
     HttpSource(RemoteFile file, std::shared_ptr<BlockCache> cache) : file_(std::move(file)), cache_(std::move(cache)) {}
 
  private:
+    // Reads that follow each other, such as those of an index and of its pages in turn.
+    struct Stream {
+        std::uint64_t next = 0, in_order = 0,
+                      announced = 0;  // bytes: where it goes on, how many it has read, up to where it read ahead
+        std::uint64_t last_used = 0;
+    };
+    void read_ahead(std::uint64_t offset, std::uint64_t size) const;
+
     RemoteFile file_;
     std::shared_ptr<BlockCache> cache_;
     mutable std::atomic<bool> scattered_ = false;
-    mutable std::atomic<std::uint64_t> next_ = 0, in_order_ = 0;  // bytes; reads that follow each other are read ahead of
+    mutable std::mutex mutex_;
+    mutable std::array<Stream, 4> streams_;
+    mutable std::uint64_t reads_ = 0;
 };
 
 }  // namespace latent::sampledb
