@@ -92,6 +92,22 @@ TEST_F(Exposures, TheKeyIsTheGreyThatTheMeanPrintsAt) {
     }
 }
 
+TEST_F(Exposures, TheWidthOnPaperSetsTheResolution) {
+    write_picture(folder_ / "a.exr", {.width = 1000, .height = 10});
+    ASSERT_EQ(run_tool({at("a.exr"), "-o", at("a.png"), "--paper-width", "100"}).status, 0);
+    EXPECT_EQ(image::decode_png(folder_ / "a.png").x_resolution, 10000);  // 254 per inch, in metres
+    for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--paper-width", "0"},
+                                                  {"--paper-width", "100", "--dpi", "300"},
+                                                  {"--paper-width", "0.1"},
+                                                  {"--paper-width", "1000000"}}) {
+        std::vector<std::string> arguments = {at("a.exr"), "-o", at("b.png")};
+        arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+        const testing::Outcome outcome = run_tool(arguments);
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_NE(outcome.err.find("--paper-width"), std::string::npos) << outcome.err;
+    }
+}
+
 // One pixel of each kind.
 TEST_F(Exposures, AProofShowsWhatIsClipped) {
     write_picture(folder_ / "a.exr", {.width = 4, .height = 1}, [](int x, int) -> std::array<float, 3> {

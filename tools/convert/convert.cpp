@@ -109,10 +109,22 @@ Status publish(const std::vector<Exposure>& exposures, std::vector<ExposureRepor
     return {};
 }
 
-Result<ConvertReport> convert_in_arena(const ConvertOptions& options, const Progress& progress) {
+Result<int> dpi_of(const ConvertOptions& options, int width) {
+    if (options.paper_width_mm == 0) return options.dpi;
+    constexpr double kMillimetresPerInch = 25.4, kMost = 65535;
+    const double dpi = std::round(width * kMillimetresPerInch / options.paper_width_mm);
+    if (dpi >= 1 && dpi <= kMost) return static_cast<int>(dpi);
+    return Error{ErrorCode::kUsage, fmt::format("--paper-width: {} pixels on {} mm are {:.0f} per inch; 1 to {:.0f} are possible",
+                                                width, options.paper_width_mm, dpi, kMost)};
+}
+
+Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
     if (Status s = check_outputs(options.outputs); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
+    const Result<int> dpi = dpi_of(options, source->area.width());
+    if (!dpi) return dpi.error();
+    options.dpi = *dpi;
     Result<Display> display = display_from(options.profile, options.luminance_row, options.rendering);
     if (!display) return display.error();
     if (!options.proof.empty()) {

@@ -82,8 +82,12 @@ void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
     };
     cli::add_parsed(app, "--crop", options.crop, crop, "pixels to print, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
     cli::add_count(app, "--level", options.level, "mip level to read; each is half the size of the one before", 0, 31);
-    cli::add_count(app, "--dpi", options.dpi, "pixels per inch on paper, stored in TIFF, PNG, JPEG and EXR; does not change pixels",
-                   1, 65535);
+    auto* dpi = cli::add_count(app, "--dpi", options.dpi,
+                               "pixels per inch on paper, stored in TIFF, PNG, JPEG and EXR; does not change pixels", 1, 65535);
+    cli::add_number(app, "--paper-width", options.paper_width_mm,
+                    "width on paper in mm, instead of --dpi; stored as the nearest whole number of pixels per inch", 0.1, 1e6)
+        ->type_name("MM")
+        ->excludes(dpi);
     cli::add_count(app, "--quality", options.quality, "quality of JPEG files and JPEG tiles", 1, 100);
     cli::add_count(app, "--compression", options.png_level, "compression level of PNG and TIFF; 1 is fastest, 9 smallest", 1, 9);
     app.add_flag("--tiles", options.tiles, "write TIFF in tiles of 256 x 256 pixels");

@@ -45,6 +45,7 @@ struct ConvertOptions {
     std::optional<image::Rect> crop;  // in the coordinates of the display window
     int level = 0;                    // mip level of the input
     int dpi = 300;                    // pixels per inch: how large the print is on paper
+    double paper_width_mm = 0;        // instead: its width; 0: not given
 
     int quality = 90;        // of JPEG
     int png_level = 1;       // of zlib, in PNG and TIFF
