@@ -146,7 +146,7 @@ void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
     if (with_memory) add_size(app, "--memory", options.memory, "memory limit")->default_str("1G");
     app.add_flag("--json", options.json, "print the report as JSON on standard output");
     app.add_flag("--force", options.force, "replace an existing output");
-    app.add_flag("-q,--quiet", options.quiet, "show no progress (a bar on a terminal, lines in a log)");
+    app.add_flag("-q,--quiet", options.quiet, "print no progress: neither the bar on a terminal nor the lines in a log");
     app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
     app.set_help_flag("-h,--help", "print this help");
 }

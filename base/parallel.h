@@ -1,4 +1,4 @@
-// base/parallel.h: --threads. What computes runs inside one `Threads`, on oneTBB; what also waits, for a disk say, on `Workers`.
+// base/parallel.h: --threads. `Threads`, on oneTBB, for pure computation; `Workers` for work that also waits, such as for a disk.
 #pragma once
 
 #include <chrono>

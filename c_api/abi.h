@@ -1,4 +1,4 @@
-// c_api/abi.h: what every function of latent.h does at the border: structs of any version in and out, errors as numbers.
+// c_api/abi.h: the border of every function of latent.h: structs of any version in and out, errors as numbers.
 #pragma once
 
 #include <algorithm>

@@ -139,7 +139,7 @@ typedef struct latent_writer latent_writer;
 
 typedef struct latent_write_options {
     size_t size;
-    latent_range samples;      /* of this part; first is best a multiple of S, samples per run */
+    latent_range samples;      /* of this part; preferably from a multiple of S, samples per run */
     double checkpoint_seconds; /* interval of commits, the most work that a kill loses; 0: 60 */
     const char* provenance;    /* a JSON object: who wrote this, where and when; or null */
     uint32_t replace;          /* 1: start over, and replace what has this name */

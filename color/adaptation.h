@@ -1,4 +1,4 @@
-// color/adaptation.h: what is white here becomes what is white there. Equations: docs/color.md, "Adaptation".
+// color/adaptation.h: chromatic adaptation, from one white to another. Equations: docs/color.md, "Adaptation".
 #pragma once
 
 #include <string_view>

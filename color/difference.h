@@ -1,4 +1,4 @@
-// color/difference.h: how different two colours look.
+// color/difference.h: the visible difference of two colours.
 #pragma once
 
 #include "color/tristimulus.h"

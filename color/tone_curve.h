@@ -1,4 +1,4 @@
-// color/tone_curve.h: how bright a luminance prints. Formulas: docs/color.md, "Tone curves".
+// color/tone_curve.h: tone curves, from luminance to the brightness of a print. Formulas: docs/color.md, "Tone curves".
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// color/visible_density.h: where the eye looks: the density that wavelengths are drawn from when no lamp has lines.
+// color/visible_density.h: the density of wavelengths when no lamp has lines: that of the eye's response.
 #pragma once
 
 namespace latent::color {

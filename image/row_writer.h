@@ -1,4 +1,4 @@
-// image/row_writer.h: what all writers of display images share: rows come in from the top, a complete file comes out.
+// image/row_writer.h: the interface of all writers of display images: rows come in from the top, a complete file comes out.
 #pragma once
 
 #include <array>

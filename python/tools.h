@@ -1,4 +1,4 @@
-// python/tools.h: what latent-merge and latent-develop do, for Python.
+// python/tools.h: latent-merge and latent-develop as functions for Python.
 #pragma once
 
 #include <pybind11/numpy.h>

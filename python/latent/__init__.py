@@ -131,7 +131,7 @@ class Writer:
     ...         part.submit((first, end), sample=n, u=u, v=v, x=x, y=y, z=z)
 
     job_id: 32 hexadecimal digits that identify everything that shapes a record. wavelengths: k of a spectral job, 0 in XYZ jobs.
-    samples: (first, end); first is best a multiple of run_samples. Leaving the `with` block finishes the file, unless by an exception.
+    samples: (first, end); first is preferably a multiple of run_samples. Leaving the `with` block finishes the file, unless by an exception.
     """
 
     def __init__(

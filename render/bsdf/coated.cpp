@@ -10,7 +10,7 @@
 namespace latent::render {
 namespace {
 
-float passing(float thickness, float cosine) { return exp_nonpositive(-thickness / std::abs(cosine)); }
+float transmittance(float thickness, float cosine) { return exp_nonpositive(-thickness / std::abs(cosine)); }
 
 float squared_share(float a, float b) {  // the power heuristic's weight of a beside b; b is 0 if there is no other way
     const float r = b / a;
@@ -50,7 +50,7 @@ float mean_over_unit(F&& f) {
 // below the coat. Above the critical angle they are counted by the cosine c' above it, 1 - c'^2 = eta^2 (1 - c^2), where F is
 // smooth; below it F is 1.
 float returned_by_smooth(float eta, float thickness) {
-    const auto twice_through = [&](float c) { return thickness > 0 ? passing(2 * thickness, c) : 1; };
+    const auto twice_through = [&](float c) { return thickness > 0 ? transmittance(2 * thickness, c) : 1; };
     if (!(eta > 1)) {
         return mean_over_unit([&](float c) { return 2 * c * fresnel_dielectric(c, 1 / eta) * twice_through(c); });
     }
@@ -66,7 +66,7 @@ float returned_by_smooth(float eta, float thickness) {
 // What a smooth coat and the layer pass of light from above at cosine c, once.
 float passed_by_smooth(float c, float eta, float thickness) {
     const float sin2 = (1 - c * c) / (eta * eta);
-    return sin2 < 1 ? (1 - fresnel_dielectric(c, eta)) * passing(thickness, std::sqrt(1 - sin2)) : 0;
+    return sin2 < 1 ? (1 - fresnel_dielectric(c, eta)) * transmittance(thickness, std::sqrt(1 - sin2)) : 0;
 }
 
 bool is_smooth(const Diffuse&) { return false; }
@@ -105,7 +105,7 @@ template <class Base>
 float Coated<Base>::coat_probability(float c) const {
     const float f = fresnel_dielectric(c, state_->layer.coat.eta);
     if (state_->smooth_coat && state_->smooth_base) {
-        return state_->layer.albedo ? f + (1 - f) * passing(2 * state_->layer.thickness, c) : 1;
+        return state_->layer.albedo ? f + (1 - f) * transmittance(2 * state_->layer.thickness, c) : 1;
     }
     const float within = (1 - f) * state_->brightness;
     return f > 0 ? f / (f + within) : 0;
@@ -121,7 +121,7 @@ SampledSpectrum Coated<Base>::mirrored(float c) const {
         // T^2 A sum over j of (A F)^j,  A what the base and two ways through the layer leave.
         const SampledSpectrum a = spectrum_of([&](std::uint32_t i) {
             const float below = std::sqrt(std::max(1e-12f, 1 - (1 - c * c) / (eta(i) * eta(i))));
-            return passing(2 * layer.thickness, below) * state_->base.reflectance(below, i);
+            return transmittance(2 * layer.thickness, below) * state_->base.reflectance(below, i);
         });
         const SampledSpectrum sum = geometric_sum(a * f, base_scatterings(layer.max_depth));
         for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) f.v[i] += (1 - f.v[i]) * (1 - f.v[i]) * a.v[i] * sum.v[i];
@@ -157,7 +157,7 @@ SampledSpectrum Coated<Base>::diffuse_walk(const Vec3f& a, const Vec3f& b, Rando
         const auto passed = [&](const Vec3f& w) {
             const float u = number(), v = number();
             const Coat::Refracted in = layer.coat.sample_refraction(w, u, v);
-            return in.weight > 0 ? in.weight * passing(layer.thickness, in.up.z) : 0;
+            return in.weight > 0 ? in.weight * transmittance(layer.thickness, in.up.z) : 0;
         };
         const float at_a = passed(a), at_b = passed(b);
         SampledSpectrum sum(0.0f), term = r * (at_a * at_b * kInvPi / (layer.coat.eta * layer.coat.eta));
@@ -172,7 +172,7 @@ SampledSpectrum Coated<Base>::diffuse_walk(const Vec3f& a, const Vec3f& b, Rando
             Vec3f down;
             float returned = layer.coat.sample_reflection_below(up, x, y, down);
             if (!(returned > 0)) break;
-            returned *= passing(layer.thickness, up.z) * passing(layer.thickness, down.z);
+            returned *= transmittance(layer.thickness, up.z) * transmittance(layer.thickness, down.z);
             left *= returned * state_->brightness;
             if (j >= 3 && left < 0.25f) {
                 if (number() >= left) break;
@@ -212,7 +212,7 @@ SampledSpectrum Coated<Base>::walk(const Vec3f& a, const Vec3f& b, Random& numbe
         if (state_->smooth_coat) return;
         const Coat::Refracted out = coat.refraction(b, d);
         if (out.weight > 0)
-            add(value, out.weight * out.pdf / d.z * passing(way, d.z) * (pdf > 0 ? squared_share(pdf, out.pdf) : 1));
+            add(value, out.weight * out.pdf / d.z * transmittance(way, d.z) * (pdf > 0 ? squared_share(pdf, out.pdf) : 1));
     };
     // Between a smooth coat and a smooth base nothing else joins a scattering to b than all their reflections.
     const bool mirrors = state_->smooth_coat && state_->smooth_base && to.weight > 0;
@@ -221,7 +221,7 @@ SampledSpectrum Coated<Base>::walk(const Vec3f& a, const Vec3f& b, Random& numbe
     if (mirrors) {
         ClosureSample unused;
         base.sample(to.up, 0, 0, 0, unused, below);
-        between = below * (passing(2 * t, to.up.z) * fresnel_dielectric(to.up.z, 1 / coat.eta));
+        between = below * (transmittance(2 * t, to.up.z) * fresnel_dielectric(to.up.z, 1 / coat.eta));
     }
     // The share of the other way: joined to `to`, which may be a delta function's.
     const auto joined_share = [&](float pdf) { return to.pdf > 0 ? squared_share(to.pdf, pdf) : 1; };
@@ -246,11 +246,11 @@ SampledSpectrum Coated<Base>::walk(const Vec3f& a, const Vec3f& b, Random& numbe
                     if (mirrors) {
                         const Vec3f down{to.up.x, to.up.y, -to.up.z};
                         const std::uint32_t left = layer.max_depth - depth - 1;
-                        add(beta * geometric_sum(between, left / 2 + 1), p * through * passing(t - z, to.up.z));
+                        add(beta * geometric_sum(between, left / 2 + 1), p * through * transmittance(t - z, to.up.z));
                         add(beta * below * geometric_sum(between, (left + 1) / 2),
-                            phase(-d, down) * through * passing(t + z, to.up.z));
+                            phase(-d, down) * through * transmittance(t + z, to.up.z));
                     } else {
-                        add(beta, p * through * passing(t - z, to.up.z) * joined_share(p));
+                        add(beta, p * through * transmittance(t - z, to.up.z) * joined_share(p));
                     }
                 }
                 const float u = number(), v = number();
@@ -260,7 +260,7 @@ SampledSpectrum Coated<Base>::walk(const Vec3f& a, const Vec3f& b, Random& numbe
                 continue;
             }
         } else {
-            beta *= passing(t, d.z);
+            beta *= transmittance(t, d.z);
         }
         if (d.z > 0) {
             z = t;
@@ -275,7 +275,7 @@ SampledSpectrum Coated<Base>::walk(const Vec3f& a, const Vec3f& b, Random& numbe
         if (!state_->smooth_base && to.weight > 0) {
             SampledSpectrum value = beta;
             base.multiply_f_cos(wo, to.up, value);
-            add(value, to.weight / to.up.z * passing(t, to.up.z) * joined_share(base.pdf_omega(wo, to.up)));
+            add(value, to.weight / to.up.z * transmittance(t, to.up.z) * joined_share(base.pdf_omega(wo, to.up)));
         }
         ClosureSample next;
         const float u = number(), v = number();

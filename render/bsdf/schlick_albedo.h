@@ -1,4 +1,4 @@
-// render/bsdf/schlick_albedo.h: how much of the light from one direction GGX facets with Schlick's reflectance return in all.
+// render/bsdf/schlick_albedo.h: the directional albedo of GGX facets with Schlick's reflectance.
 // docs/rendering.md, "Surfaces".
 #pragma once
 

@@ -1,4 +1,4 @@
-// render/geometry/opacity.h: how much of a surface is there, where a texture says so.
+// render/geometry/opacity.h: the opacity of a surface, as its texture gives it.
 #pragma once
 
 #include "render/geometry/geometry.h"

@@ -1,4 +1,4 @@
-// render/medium/heterogeneous.h: what all media share whose density varies in space: tracking by tentative collisions.
+// render/medium/heterogeneous.h: the common part of media whose density varies in space: tracking by tentative collisions.
 // docs/rendering.md, "Media".
 #pragma once
 

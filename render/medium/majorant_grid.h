@@ -1,4 +1,4 @@
-// render/medium/majorant_grid.h: how dense a medium is at most, and in the mean, in each cell of a coarse grid over it.
+// render/medium/majorant_grid.h: the greatest and the mean density of a medium in each cell of a coarse grid over it.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// render/program/commit_log.h: what latent-render says in a log, such as that of a batch job: a line for each commit.
+// render/program/commit_log.h: the lines of latent-render in a log, such as that of a batch job: one for each commit.
 #pragma once
 
 #include <chrono>

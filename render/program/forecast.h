@@ -1,4 +1,4 @@
-// render/program/forecast.h: what a job will take, of time and of the disk, before it is rendered.
+// render/program/forecast.h: the time and disk space that a job will take, before it is rendered.
 #pragma once
 
 #include <atomic>

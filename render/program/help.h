@@ -1,4 +1,4 @@
-// render/program/help.h: what `--help` says below the options: examples, exit status.
+// render/program/help.h: the text of `--help` below the options: examples, exit status.
 #pragma once
 
 namespace latent::render {

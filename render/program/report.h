@@ -1,4 +1,4 @@
-// render/program/report.h: what latent-render tells at its end, as text or JSON, and what it notes in the file's header.
+// render/program/report.h: the final report of latent-render, as text or JSON, and the provenance in the file's header.
 #pragma once
 
 #include <string>

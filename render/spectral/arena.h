@@ -21,7 +21,7 @@ class SpectrumArena {
         ++used_;
         return value;
     }
-    // A copy of `value` in the room of one batch.
+    // A copy of `value` in the room of one sample.
     template <class T>
     const T& store(const T& value) {
         static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

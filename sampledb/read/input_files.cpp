@@ -42,7 +42,7 @@ std::optional<Damage> damage_at_end(const fs::path& path, const FileContents& fi
     const std::string found = fmt::format("{} run{} found", file.runs.size(), file.runs.size() == 1 ? " was" : "s were");
     if (file.footer_begun) {
         return Damage{file.end, file.unfinished_tail,
-                      fmt::format("truncated or damaged at its end: incomplete footer at byte {}; {} before it", file.end, found)};
+                      fmt::format("footer at byte {} truncated or damaged; {} before it", file.end, found)};
     }
     const std::string not_read =
         file.unfinished_tail > 0 ? fmt::format(", {} bytes from byte {} on were ignored", file.unfinished_tail, file.end) : "";

@@ -1,4 +1,4 @@
-// sampledb/read/recent_cache.h: what was used last, as much as fits.
+// sampledb/read/recent_cache.h: a cache of the values used last, as many as fit.
 #pragma once
 
 #include <cstddef>

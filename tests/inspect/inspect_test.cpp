@@ -132,7 +132,10 @@ TEST_F(InspectTest, APublishedNameWithoutItsFooterIsDamagedHoweverItsEndWasSpoil
         const fs::path file = write("a.latent", spoiled);
         const Outcome verified = inspect({"verify", file});
         EXPECT_EQ(verified.status, 4) << verified.out;
-        EXPECT_NE(verified.out.find("a.latent: truncated or damaged at its end"), std::string::npos) << verified.out;
+        const bool has_footer = spoiled.size() > sound.run_ends[3];
+        EXPECT_NE(verified.out.find(has_footer ? "a.latent: footer at byte " : "a.latent: truncated or damaged at its end"),
+                  std::string::npos)
+            << verified.out;
         const Outcome recovered = inspect({"recover", file, "-o", folder_ / "b.latent", "--force"});
         EXPECT_EQ(recovered.status, 3) << recovered.out;
         EXPECT_NE(recovered.out.find("lost: "), std::string::npos) << recovered.out;

@@ -149,7 +149,7 @@ TEST_F(ManyMachines, MergeTakesEveryWholeRunOnceAndListsTheRest) {
     std::set<std::string> left_out, notes;
     for (const auto& item : report["left_out"]) {
         left_out.insert(fs::path(item["place"].get<std::string>()).filename().string());
-        EXPECT_THAT(item["reason"].get<std::string>(), ::testing::StartsWith("truncated or damaged at its end: "));
+        EXPECT_THAT(item["reason"].get<std::string>(), ::testing::HasSubstr("truncated or damaged"));
     }
     EXPECT_EQ(left_out, night_.damaged());
     for (const auto& note : report["notes"]) {

@@ -1,4 +1,4 @@
-// tools/convert/bands.h: how a picture of any size is cut so that it passes through a fixed amount of memory.
+// tools/convert/bands.h: the bands of a picture of any size, which passes through a fixed amount of memory.
 #pragma once
 
 #include <cstdint>

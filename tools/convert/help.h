@@ -1,4 +1,4 @@
-// tools/convert/help.h: what `--help` says below the options: formats, profiles, whites, examples, exit status.
+// tools/convert/help.h: the text of `--help` below the options: formats, profiles, whites, examples, exit status.
 #pragma once
 
 namespace latent::convert::help {

@@ -1,4 +1,4 @@
-// tools/convert/report.h: what came of a print, for people and for scripts.
+// tools/convert/report.h: the report on a print, for people and for scripts.
 #pragma once
 
 #include <string>

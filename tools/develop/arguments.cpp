@@ -55,12 +55,13 @@ void add_observer(CLI::App& app, ObserverOptions& options) {
         ->type_name("NAME|FILE.csv");
     cli::add_choice<bool>(app, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
                           "pixels of a camera: R, G, B of its sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
-    cli::add_choice<bool>(app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
-                          "white balance of a camera: daylight (D65 is (1, 1, 1)), or none (all channels have the scale of green)");
+    cli::add_choice<bool>(
+        app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
+        "white balance of a camera: daylight (D65 is (1, 1, 1)), or none (one scale for all channels, set by green)");
     app.add_option("--lens-filter", options.lens_filter, "colour filter in front of the lens, such as wratten-25")
         ->type_name("NAME");
     cli::add_parsed(app, "--filter-factor", options.filter_factor, parse_filter_factor,
-                    "factor on the exposure; auto compensates for the light of D65 that the filter absorbs")
+                    "factor by which to multiply the exposure; auto makes up for the light of D65 that the filter absorbs")
         ->type_name("none|auto|X")
         ->default_str("none");
     app.add_flag_callback(

@@ -1,4 +1,4 @@
-// tools/develop/forecast.h: what a picture will take, of time, memory and the disk, before it is developed.
+// tools/develop/forecast.h: the time, memory and disk space that a picture will take, before it is developed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// tools/develop/regions.h: how the film is cut so that what each part needs fits into memory. docs/developing.md, "Regions".
+// tools/develop/regions.h: the regions of the film, each small enough for the memory. docs/developing.md, "Regions".
 #pragma once
 
 #include <cstdint>

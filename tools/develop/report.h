@@ -1,4 +1,4 @@
-// tools/develop/report.h: what latent-develop says when it is done.
+// tools/develop/report.h: the final report of latent-develop.
 #pragma once
 
 #include <string>

@@ -70,7 +70,7 @@ void add_gen_options(CLI::App& gen, GenOptions& options) {
                              {{"textured", Subject::kTextured}, {"uniform", Subject::kUniform}, {"black", Subject::kBlack}},
                              "values of the records: a texture, 1 everywhere, or 0 everywhere");
     cli::add_parsed(gen, "--aspect", scene.aspect, parse_aspect, "aspect ratio of the film")->type_name("W:H")->default_str("1:1");
-    cli::add_count(gen, "--first", options.first, "first sample number, best a multiple of the run length");
+    cli::add_count(gen, "--first", options.first, "first sample number, preferably a multiple of the run length");
     cli::add_count<std::uint64_t>(gen, "--every", scene.every, "spacing of sample numbers: only multiples of this have records", 1,
                                   std::uint64_t{1} << 40);
     cli::add_count<std::uint8_t>(gen, "--precision", scene.precision, "mantissa bits of each stored value; 23 keeps all", 1,

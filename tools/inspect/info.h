@@ -1,4 +1,4 @@
-// tools/inspect/info.h: what is in a file, without decoding it.
+// tools/inspect/info.h: the contents of a file, without decoding it.
 #pragma once
 
 #include <cstdint>

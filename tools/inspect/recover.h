@@ -1,4 +1,4 @@
-// tools/inspect/recover.h: what can still be read of a damaged file, as a new file.
+// tools/inspect/recover.h: the readable runs of a damaged file, copied to a new one.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// tools/inspect/violation.h: where a file breaks a rule that readers need not check.
+// tools/inspect/violation.h: a violation of a rule that readers need not check.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// tools/merge/report.h: what latent-merge says when it is done.
+// tools/merge/report.h: the final report of latent-merge.
 #pragma once
 
 #include <string>

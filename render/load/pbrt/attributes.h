@@ -1,4 +1,4 @@
-// render/load/pbrt/attributes.h: what Attribute directives add to later ones.
+// render/load/pbrt/attributes.h: the parameters that Attribute directives add to later ones.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// render/load/pbrt/features.h: what of pbrt-v4's format is read: for messages, and for those who ask.
+// render/load/pbrt/features.h: the features of pbrt-v4's format that are read, for messages and --list-features.
 #pragma once
 
 #include <initializer_list>
