@@ -133,8 +133,10 @@ TEST(Mixture, ChoosesInTheSharesThatItSays) {
     for (int i = 0; i < 10000; ++i) {
         TexturePoint point{};
         point.p = {static_cast<float>(i) * 1e-3f, 0.3f, 0};
-        const std::uint32_t chosen = mixture.chosen(point);
-        EXPECT_EQ(mixture.chosen(point), chosen);
+        const SampledSpectrum* weight = nullptr;
+        const std::uint32_t chosen = mixture.chosen(point, weight);
+        EXPECT_EQ(mixture.chosen(point, weight), chosen);
+        EXPECT_EQ(weight, nullptr);  // one share for all wavelengths
         if (scene.description.materials[chosen].kind == MaterialKind::kPhong) ++second;
     }
     EXPECT_NEAR(second, 3000, 5 * std::sqrt(10000 * 0.3 * 0.7));  // 5 sigma
