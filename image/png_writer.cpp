@@ -90,7 +90,10 @@ Result<Bytes> head(const PixelFormat& format, const ImageTags& tags) {
     }
     const bool good = describe(png, info, format, tags, texts.data(), static_cast<int>(texts.size()));
     png_destroy_write_struct(&png, &info);
-    if (!good) return Error{ErrorCode::kUsage, "PNG: " + fault};
+    if (!good) {
+        const bool no_memory = fault.find("memory") != std::string::npos;  // libpng says so in text alone
+        return Error{no_memory ? ErrorCode::kNoMemory : ErrorCode::kUsage, "PNG: " + fault};
+    }
     return out;
 }
 
