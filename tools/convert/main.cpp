@@ -1,111 +1,18 @@
 // latent-convert: from developed pixels to a print.
 #include <fmt/format.h>
 
-#include <array>
-
 #include "base/cli.h"
-#include "base/parse.h"
 #include "base/temporary_path.h"
+#include "tools/convert/arguments.h"
 #include "tools/convert/convert.h"
-#include "tools/convert/help.h"
 #include "tools/convert/report.h"
-
-namespace {
-
-latent::Result<std::array<double, 3>> luminances_of(const std::string& text) {
-    const auto numbers = latent::parse_numbers(text);
-    if (numbers && numbers->size() == 3) return std::array{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-    return latent::Error{latent::ErrorCode::kUsage, "'" + text + "' is not three luminances (try 0.2126,0.7152,0.0722)"};
-}
-
-void add_options(CLI::App& app, latent::convert::ConvertOptions& options) {
-    namespace cli = latent::cli;
-    using latent::convert::Depth;
-    app.add_option("IMAGE", options.input, "EXR picture, from latent-develop or in linear RGB")->required();
-    app.add_option("-o,--output", options.outputs, "file to write; may be repeated")
-        ->required()
-        ->allow_extra_args(false)
-        ->type_name("FILE");
-    auto* sensitivity = cli::add_positive_number(app, "-s,--sensitivity", options.sensitivity,
-                                                 "sensitivity of the film; luminance 1/X prints at half of display white");
-    cli::add_parsed(
-        app, "--stops", options.stops, latent::convert::parse_stops,
-        "exposure correction in stops; negative is darker. Several, such as -1,0,1, write one print each, with the stops "
-        "in its name")
-        ->type_name("EV,...")
-        ->default_str("0");
-    app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey, or at --key")
-        ->excludes(sensitivity);
-    cli::add_number(app, "--key", options.key, "grey at which --auto prints the mean", 0.001, 0.999)->needs("--auto");
-    app.add_option("--tone", options.tone,
-                   "tone curve: film (1 - 2^(-S Y), where S is the sensitivity), another one, or none; see below")
-        ->type_name("CURVE")
-        ->capture_default_str();
-    cli::add_number(app, "--contrast", options.contrast, "contrast of the tone curve, around half of display white", 0.1, 10);
-    cli::add_number(app, "--black", options.black, "fraction of display white below which the print is black", 0, 0.5);
-    app.add_option(
-           "--gamut", options.gamut,
-           "gamut mapping: luminance (preserves luminance), grey (the same, with less change of hue), or clip (preserves neither)")
-        ->check(CLI::IsMember({"luminance", "grey", "clip"}))
-        ->capture_default_str();
-    app.add_option("--profile", options.profile, "profile of the display; see below")->capture_default_str()->type_name("PROFILE");
-    using latent::convert::Intent;
-    cli::add_choice<Intent>(app, "--intent", options.rendering.intent,
-                            {{"perceptual", Intent::kPerceptual},
-                             {"relative", Intent::kRelative},
-                             {"saturation", Intent::kSaturation},
-                             {"absolute", Intent::kAbsolute}},
-                            "rendering intent, for profiles with tables");
-    app.add_flag("--black-point-compensation,!--no-black-point-compensation", options.rendering.black_point_compensation,
-                 "map the darkest colour of the picture to that of the device, for profiles with tables (default: on)");
-    app.add_option("--proof", options.proof,
-                   "soft proof: show on the display how the print will look on the device of this profile")
-        ->type_name("FILE.icc");
-    app.add_flag("--gamut-report", options.gamut_report, "also report the largest shift of hue that gamut mapping causes");
-    cli::add_choice<bool>(
-        app, "--show", options.show_clipped, {{"print", false}, {"clipped", true}},
-        "print, or clipped: a grey proof in which burnt pixels are red, black pixels blue, and pixels out of gamut magenta");
-    cli::add_parsed(app, "--luminance-row", options.luminance_row, luminances_of,
-                    "luminances of red, green and blue; needed only if the matrix is singular")
-        ->type_name("R,G,B");
-    cli::add_parsed(app, "--white", options.white, latent::convert::parse_white,
-                    "light of the scene that prints neutral; see below (default: the picture's own white)")
-        ->type_name("WHITE");
-    app.add_option("--adapt", options.adapt, "chromatic adaptation from that white to the white of the display")
-        ->check(CLI::IsMember({"bradford", "cat16"}))
-        ->capture_default_str();
-    cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
-                           "bits per channel (default: 8, or float in EXR, where 16 means half float)");
-    app.add_flag("--dither,!--no-dither", options.dither, "dither 8-bit output (default: on)");
-    const auto crop = [](const std::string& text) {
-        return latent::parse_crop(text).map([](const auto& c) { return latent::image::Rect{c[0], c[1], c[2], c[3]}; });
-    };
-    cli::add_parsed(app, "--crop", options.crop, crop, "pixels to print, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
-    cli::add_count(app, "--level", options.level, "mip level to read; each is half the size of the one before", 0, 31);
-    auto* dpi = cli::add_count(app, "--dpi", options.dpi,
-                               "pixels per inch on paper, stored in TIFF, PNG, JPEG and EXR; does not change pixels", 1, 65535);
-    cli::add_number(app, "--paper-width", options.paper_width_mm,
-                    "width on paper in mm, instead of --dpi; stored as the nearest whole number of pixels per inch", 0.1, 1e6)
-        ->type_name("MM")
-        ->excludes(dpi);
-    cli::add_count(app, "--quality", options.quality, "quality of JPEG files and JPEG tiles", 1, 100);
-    cli::add_count(app, "--compression", options.png_level, "compression level of PNG and TIFF; 1 is fastest, 9 smallest", 1, 9);
-    app.add_flag("--tiles", options.tiles, "write TIFF in tiles of 256 x 256 pixels");
-    app.add_flag("--pyramid", options.pyramid, "write TIFF as tiled pages, each half the size of the one before");
-    app.add_flag("--png-tiles", options.png_tiles, "write Deep Zoom tiles as PNG instead of JPEG");
-    cli::add_count(app, "--overlap", options.overlap,
-                   "pixels that Deep Zoom tiles share with their neighbours; use 0 only for viewers other than NAME.html", 0, 1);
-    app.footer(latent::convert::help::kConvert);
-}
-
-}  // namespace
 
 int main(int argc, char** argv) try {
     namespace cli = latent::cli;
     latent::convert::ConvertOptions options;
     cli::CommonOptions common;
     CLI::App app{"Turn a developed picture of any size into a print for a display.", "latent-convert"};
-    add_options(app, options);
+    latent::convert::add_arguments(app, options);
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
     options.threads = common.threads;
