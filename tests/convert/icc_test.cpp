@@ -220,7 +220,6 @@ TEST_F(PrinterProfile, CodesAreThoseOfLittleCms) {
         const Result<ConvertReport> printed = print("a.exr", "a.png", options);
         ASSERT_TRUE(printed) << printed.error().message;
         ASSERT_TRUE(print("a.exr", "a.exr.exr", options));
-        image::Rect window;
         const Result<image::ExrReader> reader = image::ExrReader::open(folder_ / "a.exr.exr");
         ASSERT_TRUE(reader);
         std::vector<float> planes(3 * 64 * 64);
