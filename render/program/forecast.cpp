@@ -48,7 +48,7 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
     Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return report.error();
     if (report->samples == 0) return Error{ErrorCode::kStopped, "the trial ended before any sample was finished"};
-    out.report = std::move(*report);
+    out.report = *report;
     out.file = std::filesystem::directory_iterator(folder)->path();  // the part, or an attempt at it
     return out;
 }

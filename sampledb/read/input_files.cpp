@@ -57,14 +57,12 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
     };
     for (const fs::path& input : inputs) {
         std::error_code error;
-        if (is_url(input)) {
-            files.push_back({input, true});
-        } else if (fs::is_directory(input, error)) {
+        if (!is_url(input) && fs::is_directory(input, error)) {
             const auto found = files_in(input);
             if (!found) return found.error();
             if (found->empty()) return Error{ErrorCode::kNotFound, input.string() + ": contains no files"};
             add_found(*found);
-        } else if (input.empty() || fs::exists(input, error) || error) {  // what cannot be read says why when it is opened
+        } else if (is_url(input) || input.empty() || fs::exists(input, error) || error) {  // when opened, it says what is wrong
             files.push_back({input, true});
         } else {
             std::vector<fs::path> found = attempts_of(input);
