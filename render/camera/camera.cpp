@@ -23,6 +23,11 @@ Result<Camera> Camera::make(const CameraDescription& d) {
     c.window_area_ = (c.x1_ - c.x0_) * (c.y1_ - c.y0_);
     c.lens_radius_ = static_cast<float>(d.lens_radius * scale);
     c.focal_distance_ = static_cast<float>(d.focal_distance * scale);
+    c.focal_slope_ = d.focal_slope * scale;
+    if (c.splits_wavelengths()) {
+        const auto most = static_cast<float>(std::max(std::abs(c.defocus(360)), std::abs(c.defocus(830)))) * 1.001f;
+        c.margin_ = {c.lens_radius_ / (c.x1_ - c.x0_) * most, c.lens_radius_ / (c.y1_ - c.y0_) * most};
+    }
     c.medium_ = d.medium;
     return c;
 }
@@ -77,7 +82,7 @@ float Camera::jacobian(const Vec3f& d) const {
 bool Camera::film_of_window(float x, float y, float& u, float& v) const {
     u = (x - x0_) / (x1_ - x0_);
     v = (y - y1_) / (y0_ - y1_);
-    return u >= 0 && u < 1 && v >= 0 && v < 1;
+    return u >= -margin_.x && u < 1 + margin_.x && v >= -margin_.y && v < 1 + margin_.y;
 }
 
 bool Camera::film_position(const Vec3f& lens, const Vec3f& d, float& u, float& v) const {
@@ -110,6 +115,7 @@ bool Camera::connect(const Vec3f& p, float s, float t, CameraPoint& out) const {
     } else {
         const Vec3f lens = lens_point(s, t);
         out.p = world_.point(lens);
+        out.spread = spread(lens);
         const Vec3f to = p - out.p;
         out.distance = length(to);
         if (!(out.distance > 0)) return false;
@@ -131,6 +137,7 @@ bool Camera::hit_lens(const Vec3f& o, const Vec3f& d, float t_max, CameraPoint& 
     out.w = -d;
     out.distance = t;
     out.parallel = false;
+    out.spread = spread(lens);
     out.jacobian = jacobian(out.w);
     return film_position(lens, to_camera(out.w), out.u, out.v);
 }

@@ -14,7 +14,8 @@ struct CameraPoint {
     Vec3f p;         // on the lens; orthographic: on the window
     Vec3f w;         // unit, from p towards the scene
     float distance;  // from the point in the scene
-    float u, v;      // on the film, in [0,1)
+    float u, v;      // on the film, in [0,1); of 595 nm if the lens splits wavelengths
+    Vec2f spread;    // where those fall: (u, v) + spread x defocus(lambda)
     // |d(u,v) / d omega|, at p kept fixed, for directions about w; orthographic: |d(u,v) / dA|, A an area square to w.
     float jacobian;
     bool parallel;  // orthographic: rays of one direction, no spreading with distance
@@ -37,6 +38,17 @@ class Camera {
     // film.
     bool hit_lens(const Vec3f& o, const Vec3f& d, float t_max, CameraPoint& out) const;
 
+    // Chromatic aberration: the focal distance f is linear in wavelength, and a ray that is drawn for 595 nm belongs to other film
+    // points at other wavelengths [R06 8.3.3]. A film point and a lens point determine the ray's direction d at unit depth by
+    //   window point = d + lens point / f(lambda),
+    // so a wavelength's film point is that of 595 nm + spread x defocus(lambda), both in [0,1) or outside of the film.
+    bool splits_wavelengths() const { return focal_slope_ != 0 && has_lens(); }
+    double defocus(double lambda_nm) const {
+        return 1 / (focal_distance_ + focal_slope_ * (lambda_nm - 595)) - 1 / focal_distance_;
+    }
+    // Of the lens point drawn with (s, t).
+    Vec2f spread(float s, float t) const { return spread(lens_point(s, t)); }
+
     bool has_lens() const { return lens_radius_ > 0; }
     float lens_area() const { return kPi * lens_radius_ * lens_radius_; }
     const Vec3f& axis() const { return world_.z; }
@@ -47,7 +59,8 @@ class Camera {
     Camera() = default;
     Vec3f to_camera(const Vec3f& v) const { return {dot(v, world_.x), dot(v, world_.y), dot(v, world_.z)}; }
     Vec3f lens_point(float s, float t) const;  // in camera space
-    // The film point of a ray through `lens` (camera space) along unit d. False: outside of the film.
+    Vec2f spread(const Vec3f& lens) const { return {lens.x / (x1_ - x0_), lens.y / (y0_ - y1_)}; }
+    // The film point of a ray through `lens` (camera space) along unit d. False: outside of the film in every wavelength.
     bool film_position(const Vec3f& lens, const Vec3f& d, float& u, float& v) const;
     bool film_of_window(float x, float y, float& u, float& v) const;
 
@@ -57,6 +70,8 @@ class Camera {
     float x0_ = -1, x1_ = 1, y0_ = -1, y1_ = 1;  // window; orthographic: in the world's lengths
     float window_area_ = 4;
     float lens_radius_ = 0, focal_distance_ = 1;  // in the world's lengths
+    double focal_slope_ = 0;                      // per nm
+    Vec2f margin_{0, 0};                          // that film points of 595 nm go beyond the film where another's lie in it
     std::uint32_t medium_ = kNone;
 };
 

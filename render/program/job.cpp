@@ -18,8 +18,10 @@ namespace {
 using sampledb::RecordKind;
 
 // Raw bytes that a sample takes at least, so that S brings runs near their size: one camera record, and for bdpt as much again.
-std::uint64_t bytes_per_sample(const IntegratorSettings& settings) {
+std::uint64_t bytes_per_sample(const IntegratorSettings& settings, bool splits_wavelengths) {
     const std::uint64_t fixed = 8 + 1 + 8 + 4;
+    if (splits_wavelengths)  // a camera record for each
+        return settings.batch * (fixed + (settings.record == RecordKind::kXyz ? 12 : 2 + 4 + 2 + 4));
     const std::uint64_t record = fixed + (settings.record == RecordKind::kXyz ? 12 : 2 + 4 + 2 + 4 * std::uint64_t{settings.batch});
     return settings.kind == IntegratorKind::kBdpt ? 2 * record : record;
 }
@@ -149,7 +151,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     out->settings.simd = std::move(*simd);
     if (settings.light_groups) out->settings.light_groups = groups_of(description, out->light_groups.size());
     const IntegratorSettings& integrator_options = out->settings;
-    out->raw_sample_bytes = bytes_per_sample(integrator_options);
+    out->raw_sample_bytes =
+        bytes_per_sample(integrator_options, description.camera.focal_slope != 0 && description.camera.lens_radius > 0);
     Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, integrator_options);
     if (!integrator) return integrator.error();
     out->integrator = std::move(*integrator);

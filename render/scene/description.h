@@ -35,6 +35,7 @@ struct CameraDescription {
     Affined world_from_camera{};
     double x0 = -1, x1 = 1, y0 = -1, y1 = 1;  // the visible window; fov and screenwindow are resolved into it
     double lens_radius = 0, focal_distance = 1e6;
+    double focal_slope = 0;  // [per nm] focal_distance is that of 595 nm; where a lens tells wavelengths apart, others differ
     SphericalMapping mapping = SphericalMapping::kEqualArea;
     std::uint32_t medium = kNone;
     SourceLocation location{};

@@ -23,8 +23,9 @@ concept Of = std::same_as<std::remove_const_t<T>, U>;
 
 template <class Visit>
 void each_field(Of<CameraDescription> auto& camera, Visit&& visit) {
-    auto& [kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, mapping, medium, location] = camera;
+    auto& [kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, focal_slope, mapping, medium, location] = camera;
     visit(kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, mapping);
+    if (camera.focal_slope != 0) visit(focal_slope);
     visit.template index<MediumDescription>(medium);
     visit.label(location);
 }

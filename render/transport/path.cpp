@@ -198,7 +198,7 @@ class PathIntegrator final : public Transport {
     using Transport::Transport;
 
  protected:
-    void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records&,
+    void trace_paths(SampleState& sample, double u, double v, bool, Radiance& camera, sampledb::Records&,
                      RadianceFaults&) const override {
         Path(world(), sample, settings().max_depth, camera).trace(u, v);
     }

@@ -19,6 +19,12 @@ bool is_valid(const SampledSpectrum& power, RadianceFaults& faults) {
     return false;
 }
 
+SampledSpectrum only_at(const SampledSpectrum& value, std::uint32_t i) {
+    SampledSpectrum out(0.0f);
+    out[i] = value[i];
+    return out;
+}
+
 }  // namespace
 
 RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups) : kind_(kind), with_groups_(with_groups) {
@@ -29,21 +35,21 @@ RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups) : kind_(ki
 }
 
 void RecordMaker::camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
-                         std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults) const {
-    put_groups(n, u, v, sampledb::RecordClass::kCamera, radiance, w, kept, out, faults);
+                         std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults, std::uint32_t only) const {
+    put_groups(n, u, v, sampledb::RecordClass::kCamera, radiance, w, kept, only, out, faults);
 }
 
 void RecordMaker::light(std::uint64_t n, float u, float v, const Radiance& radiance, const Wavelengths& w, std::uint32_t kept,
-                        sampledb::Records& out, RadianceFaults& faults) const {
+                        sampledb::Records& out, RadianceFaults& faults, std::uint32_t only) const {
     put_groups(n, static_cast<std::uint32_t>(u * 0x1p32f), static_cast<std::uint32_t>(v * 0x1p32f), sampledb::RecordClass::kLight,
-               radiance, w, kept, out, faults);
+               radiance, w, kept, only, out, faults);
 }
 
 void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class,
-                             const Radiance& radiance, const Wavelengths& w, std::uint32_t kept, sampledb::Records& out,
-                             RadianceFaults& faults) const {
-    const bool camera = record_class == sampledb::RecordClass::kCamera;
-    float share = camera ? 1.0f : 0.0f;  // of the first record of the sample
+                             const Radiance& radiance, const Wavelengths& w, std::uint32_t kept, std::uint32_t only,
+                             sampledb::Records& out, RadianceFaults& faults) const {
+    const bool camera = record_class == sampledb::RecordClass::kCamera, all = only == kAllWavelengths;
+    float share = !camera ? 0.0f : all ? 1.0f : 1 / static_cast<float>(w.k);  // of the first record of the position
     bool any = false;
     const auto note_group = [&](std::uint32_t group) {
         if (!with_groups_) return;
@@ -52,22 +58,22 @@ void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, 
     };
     for (std::uint32_t group = 0; group < radiance.groups(); ++group) {
         const RadianceSum& sum = radiance.of(group);
-        const SampledSpectrum power = sum.sum * w.weight;
+        SampledSpectrum power = sum.sum * w.weight;
+        if (!all) power = only_at(power, only);
         if (!is_valid(power, faults) || power.is_black()) continue;
-        put(n, u, v, record_class, std::exchange(share, 0.0f), &sum, power, w, kept, out);
+        put(n, u, v, record_class, std::exchange(share, 0.0f), sum.has_all && all, &power, w, all ? kept : only, out);
         note_group(group);
         any = true;
     }
     if (any || !camera) return;
-    put(n, u, v, record_class, share, nullptr, {}, w, kept, out);
+    put(n, u, v, record_class, share, false, nullptr, w, kept, out);
     note_group(0);
 }
 
-// `radiance`: null for a black record.
+// `power`: null for a black record.
 void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share,
-                      const RadianceSum* radiance, const SampledSpectrum& power, const Wavelengths& w, std::uint32_t kept,
+                      bool has_all, const SampledSpectrum* power, const Wavelengths& w, std::uint32_t kept,
                       sampledb::Records& out) const {
-    const bool lit = radiance != nullptr;
     out.sample.push_back(n);
     out.record_class.push_back(record_class);
     out.u.push_back(u);
@@ -75,9 +81,9 @@ void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampled
     out.share.push_back(share);
     if (kind_ == sampledb::RecordKind::kXyz) {
         std::array<float, 4> xyz{};
-        for (std::uint32_t i = 0; lit && i < w.k; ++i) {
+        for (std::uint32_t i = 0; power && i < w.k; ++i) {
             const std::array<float, 4>&a = observer_[w.below[i]], &b = observer_[w.below[i] + 1];
-            for (std::size_t c = 0; c < 4; ++c) xyz[c] += power[i] * (a[c] + w.fraction[i] * (b[c] - a[c]));
+            for (std::size_t c = 0; c < 4; ++c) xyz[c] += (*power)[i] * (a[c] + w.fraction[i] * (b[c] - a[c]));
         }
         out.x.push_back(xyz[0]);
         out.y.push_back(xyz[1]);
@@ -85,17 +91,17 @@ void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampled
         return;
     }
     out.xi.push_back(w.xi);
-    if (!lit) {
+    if (!power) {
         out.pairs.push_back(0);
         out.index.push_back(sampledb::kNoIndex);
-    } else if (radiance->has_all || w.k == 1) {
+    } else if (has_all || w.k == 1) {
         out.pairs.push_back(static_cast<std::uint16_t>(w.k));
         out.index.push_back(sampledb::kNoIndex);
-        out.power.insert(out.power.end(), power.v, power.v + w.k);
+        out.power.insert(out.power.end(), power->v, power->v + w.k);
     } else {
         out.pairs.push_back(1);
         out.index.push_back(static_cast<std::uint16_t>(kept));
-        out.power.push_back(power[kept]);
+        out.power.push_back((*power)[kept]);
     }
 }
 

@@ -45,25 +45,28 @@ class Radiance {
     std::vector<RadianceSum> others_;
 };
 
+inline constexpr std::uint32_t kAllWavelengths = 0xFFFFFFFF;
+
 // Writes records of one job: one of each group that has any light, the first with the sample's share; without groups one. A record
 // stores all k pairs if any path that kept them all contributed, the kept one alone if only dispersed paths did, and none if it is
-// black.
+// black. Of a lens that splits wavelengths, each has records of its own, all of them together the sample's share.
 class RecordMaker {
  public:
     RecordMaker(sampledb::RecordKind kind, bool with_groups);
 
     // Radiance that no light can have is counted and stored as black (camera) or not at all (light).
+    // `only`: the wavelength that goes to this film position, or all.
     void camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
-                std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults) const;
+                std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults, std::uint32_t only = kAllWavelengths) const;
     void light(std::uint64_t n, float u, float v, const Radiance& radiance, const Wavelengths& w, std::uint32_t kept,
-               sampledb::Records& out, RadianceFaults& faults) const;
+               sampledb::Records& out, RadianceFaults& faults, std::uint32_t only = kAllWavelengths) const;
 
  private:
     void put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, const Radiance& radiance,
-                    const Wavelengths& w, std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults) const;
-    void put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share,
-             const RadianceSum* radiance, const SampledSpectrum& power, const Wavelengths& w, std::uint32_t kept,
-             sampledb::Records& out) const;
+                    const Wavelengths& w, std::uint32_t kept, std::uint32_t only, sampledb::Records& out,
+                    RadianceFaults& faults) const;
+    void put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share, bool has_all,
+             const SampledSpectrum* power, const Wavelengths& w, std::uint32_t kept, sampledb::Records& out) const;
 
     sampledb::RecordKind kind_;
     bool with_groups_;

@@ -1,5 +1,9 @@
 #include "render/transport/transport.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 namespace latent::render {
 
 Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& settings)
@@ -20,9 +24,44 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     SampleState sample{numbers, spectra, kept};
 
     const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
+    if (world_->camera().splits_wavelengths()) return trace_split(sample, film.u * 0x1p-32, film.v * 0x1p-32, out, faults);
     Radiance camera(settings_.light_groups);
-    trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, camera, out, faults);
+    trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, false, camera, out, faults);
     records_.camera(n, film.u, film.v, camera, spectra.wavelengths, kept, out, faults);
+}
+
+// The film points of all wavelengths are spread evenly over the film: one that lies beyond an edge comes back over the opposite
+// edge. A ray belongs to those that go round equally often, so a sample near an edge has several.
+void Transport::trace_split(SampleState& sample, double u, double v, sampledb::Records& out, RadianceFaults& faults) const {
+    const Camera& camera = world_->camera();
+    const Wavelengths& w = sample.spectra.wavelengths;
+    const Vec2f spread = camera.spread(sample.numbers(Dimension::kLensU), sample.numbers(Dimension::kLensV));
+    struct Place {
+        double u, v, rounds_u, rounds_v;
+        bool operator==(const Place& b) const { return rounds_u == b.rounds_u && rounds_v == b.rounds_v; }
+    };
+    const auto place_of = [&](std::uint32_t i) {
+        const double defocus = camera.defocus(static_cast<double>(w.lambda_nm[i]));
+        const double at_u = u + static_cast<double>(spread.x) * defocus, at_v = v + static_cast<double>(spread.y) * defocus;
+        return Place{at_u, at_v, std::floor(at_u), std::floor(at_v)};
+    };
+    std::array<bool, kMaxWavelengths> recorded{};
+    bool again = false;
+    for (std::uint32_t i = 0; i < w.k; ++i) {
+        if (recorded[i]) continue;
+        const Place ray = place_of(i);
+        Radiance radiance(settings_.light_groups);
+        trace_paths(sample, u - ray.rounds_u, v - ray.rounds_v, again, radiance, out, faults);
+        again = true;
+        for (std::uint32_t j = i; j < w.k; ++j) {
+            const Place place = place_of(j);
+            if (!(place == ray)) continue;
+            const auto fixed = [](double x) { return static_cast<std::uint32_t>(std::min(x * 0x1p32, 0x1p32 - 1)); };
+            records_.camera(sample.numbers.sample(), fixed(place.u - place.rounds_u), fixed(place.v - place.rounds_v), radiance, w,
+                            sample.kept, out, faults, j);
+            recorded[j] = true;
+        }
+    }
 }
 
 std::vector<Sampler::Sharing> shared_dimensions() {

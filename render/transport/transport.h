@@ -34,8 +34,9 @@ class Transport : public Integrator {
     Status status() const final { return world_->textures().status(); }
 
  protected:
-    // Adds to `camera` what the camera sees at film point (u, v); may append light records.
-    virtual void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records& out,
+    // Adds to `camera` what the camera sees at film point (u, v); may append light records, unless the same sample is traced
+    // `again` from another film point.
+    virtual void trace_paths(SampleState& sample, double u, double v, bool again, Radiance& camera, sampledb::Records& out,
                              RadianceFaults& faults) const = 0;
 
     const World& world() const { return *world_; }
@@ -43,6 +44,8 @@ class Transport : public Integrator {
     const RecordMaker& records() const { return records_; }
 
  private:
+    void trace_split(SampleState& sample, double u, double v, sampledb::Records& out, RadianceFaults& faults) const;
+
     std::unique_ptr<World> world_;
     IntegratorSettings settings_;
     sampledb::WavelengthDensity density_;

@@ -31,6 +31,20 @@ FilmDescription read_film(const std::string& type, const ParameterList& list) {
     return film;
 }
 
+namespace {
+
+// Focal distances of the shortest and the longest wavelength; those between are linear in wavelength [R06 8.3.3].
+void read_chromatic_aberration(const ParameterList& list, CameraDescription& camera) {
+    const std::span<const double> ends = list.array("latent:focaldistances", "float", 2);
+    if (ends.empty()) return;
+    if (ends.size() != 2 || !(std::min(ends[0], ends[1]) >= 1e-6) || !(std::max(ends[0], ends[1]) <= 1e30))
+        return list.error("latent:focaldistances: must be two distances, of 360 nm and of 830 nm");
+    camera.focal_distance = (ends[0] + ends[1]) / 2;
+    camera.focal_slope = (ends[1] - ends[0]) / (830 - 360);
+}
+
+}  // namespace
+
 CameraDescription read_camera(const std::string& type, const ParameterList& list, const FilmDescription& film) {
     CameraDescription camera{.location = list.directive().where};
     // Nothing moves; what is left of the shutter is the exposure.
@@ -60,6 +74,7 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
     camera.lens_radius = list.number("lensradius", 0, 0, 1e6);
     camera.focal_distance = list.number("focaldistance", 1e6, 1e-6, 1e30);
     if (type == "perspective") {
+        read_chromatic_aberration(list, camera);
         const double fov = list.number("fov", 90, 1e-3, 179.999);
         const double scale = std::tan(fov / 2 * std::numbers::pi / 180);
         camera.x0 *= scale, camera.x1 *= scale, camera.y0 *= scale, camera.y1 *= scale;

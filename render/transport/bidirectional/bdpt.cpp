@@ -12,13 +12,15 @@ class BdptIntegrator final : public Transport {
     std::uint32_t light_paths_per_sample() const override { return 1; }
 
  protected:
-    void trace_paths(SampleState& sample, double u, double v, Radiance& camera, sampledb::Records& out,
+    void trace_paths(SampleState& sample, double u, double v, bool again, Radiance& camera, sampledb::Records& out,
                      RadianceFaults& faults) const override {
         const SubpathSample subpaths(world(), settings(), records(), sample, subpaths_.local(), camera, out, faults);
         SubpathWalk walk(subpaths);
-        walk.trace_light();
+        if (!again) walk.trace_light();
         walk.trace_camera(u, v);
-        SubpathJoin(subpaths).join_all(settings().connections);
+        SubpathJoin join(subpaths);
+        if (!again) join.join_lens();
+        join.join_all(settings().connections);
     }
 
  private:

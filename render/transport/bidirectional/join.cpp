@@ -2,8 +2,11 @@
 
 namespace latent::render {
 
-void SubpathJoin::join_all(Connections connections) {
+void SubpathJoin::join_lens() {
     for (std::size_t i = 1; i < light_subpath_.size(); ++i) join_lens(i);
+}
+
+void SubpathJoin::join_all(Connections connections) {
     for (std::size_t i = 1; i < camera_subpath_.size(); ++i) join_light(i);
     if (connections == Connections::kAll) {
         for (std::size_t i = 1; i < light_subpath_.size(); ++i) {

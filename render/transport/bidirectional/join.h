@@ -11,6 +11,8 @@ class SubpathJoin : public SubpathSample {
     explicit SubpathJoin(const SubpathSample& sample) : SubpathSample(sample) {}
 
     void join_all(Connections connections);
+    // t = 1: the whole light subpath.
+    void join_lens();
 
  private:
     // s = 1: a point of a light for camera vertex i.

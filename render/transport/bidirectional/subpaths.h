@@ -89,8 +89,16 @@ class SubpathSample {
     void splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
         Radiance radiance(light_groups_);
         radiance.add(value, dispersed, sample_.kept, sample_.k(), lights_[start_light_].id());
-        records_.light(sample_.numbers.sample(), point.u, point.v, radiance, sample_.spectra.wavelengths, sample_.kept, out_,
-                       faults_);
+        const Wavelengths& w = sample_.spectra.wavelengths;
+        const auto put = [&](float u, float v, std::uint32_t only) {
+            records_.light(sample_.numbers.sample(), u, v, radiance, w, sample_.kept, out_, faults_, only);
+        };
+        if (!world_.camera().splits_wavelengths()) return put(point.u, point.v, kAllWavelengths);
+        for (std::uint32_t i = 0; i < w.k; ++i) {
+            const auto defocus = static_cast<float>(world_.camera().defocus(static_cast<double>(w.lambda_nm[i])));
+            const float u = point.u + point.spread.x * defocus, v = point.v + point.spread.y * defocus;
+            if (u >= 0 && u < 1 && v >= 0 && v < 1) put(u, v, i);
+        }
     }
 
     const World& world_;
