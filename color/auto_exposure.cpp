@@ -12,9 +12,13 @@
 namespace latent::color {
 namespace {
 
-// A positive float's exponent and first 6 bits of mantissa: a bin.
+// A float's sign, exponent and first 6 bits of mantissa: a bin.
 constexpr int kShift = 17;
-constexpr std::size_t kBinCount = std::size_t{1} << (31 - kShift);
+constexpr std::size_t kAllBins = std::size_t{1} << (32 - kShift);
+constexpr std::size_t kNegative = kAllBins / 2;           // bins of the negative ones
+constexpr std::size_t kBinCount = 0x7F800000U >> kShift;  // of those of either sign that are finite
+
+std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
 
 double centre_of(std::size_t bin) {
     const float low = std::bit_cast<float>(static_cast<std::uint32_t>(bin) << kShift);
@@ -24,22 +28,55 @@ double centre_of(std::size_t bin) {
 
 }  // namespace
 
-LuminanceHistogram::LuminanceHistogram() : bins_(kBinCount) {}
+LuminanceHistogram::LuminanceHistogram() : recent_(kLanes * kAllBins), settled_(kAllBins) {}
 
 void LuminanceHistogram::add(std::span<const float> y) {
-    for (const float value : y) {
-        if (value > 0 && value <= std::numeric_limits<float>::max()) ++bins_[std::bit_cast<std::uint32_t>(value) >> kShift];
+    if (recent_count_ + y.size() > std::numeric_limits<std::uint32_t>::max()) settle();
+    recent_count_ += y.size();
+    std::uint32_t* counts = recent_.data();
+    std::uint64_t zeros = 0;
+    const auto add_one = [&](float value, std::size_t lane) {
+        const std::uint32_t bits = bits_of(value);
+        zeros += bits == 0;
+        ++counts[(bits >> kShift) * kLanes + lane];
+    };
+    for (; y.size() >= kLanes; y = y.subspan(kLanes)) {
+        static_assert(kLanes == 4);
+        add_one(y[0], 0), add_one(y[1], 1), add_one(y[2], 2), add_one(y[3], 3);
     }
+    for (const float value : y) add_one(value, 0);
+    zeros_ += zeros;
+}
+
+std::uint64_t LuminanceHistogram::bin(std::size_t index) const {
+    std::uint64_t sum = settled_[index];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) sum += recent_[index * kLanes + lane];
+    return index == 0 ? sum - zeros_ : sum;
+}
+
+void LuminanceHistogram::settle() {
+    for (std::size_t i = 0; i < kAllBins; ++i) settled_[i] = bin(i);
+    settled_[0] += zeros_;  // which bin 0 leaves out
+    std::ranges::fill(recent_, 0);
+    recent_count_ = 0;
 }
 
 LuminanceHistogram& LuminanceHistogram::operator+=(const LuminanceHistogram& other) {
-    for (std::size_t i = 0; i < kBinCount; ++i) bins_[i] += other.bins_[i];
+    for (std::size_t i = 0; i < kAllBins; ++i) settled_[i] += other.bin(i);
+    settled_[0] += other.zeros_;
+    zeros_ += other.zeros_;
     return *this;
 }
 
 std::uint64_t LuminanceHistogram::count() const {
     std::uint64_t sum = 0;
-    for (const std::uint64_t n : bins_) sum += n;
+    for (std::size_t i = 0; i < kBinCount; ++i) sum += bin(i);
+    return sum;
+}
+
+std::uint64_t LuminanceHistogram::dark() const {
+    std::uint64_t sum = zeros_;
+    for (std::size_t i = 0; i < kBinCount; ++i) sum += bin(kNegative + i);
     return sum;
 }
 
@@ -47,8 +84,8 @@ double LuminanceHistogram::log_average(double p_low, double p_high) const {
     const double total = static_cast<double>(count()), low = p_low * total, high = p_high * total;
     double below = 0, weight = 0, sum = 0;
     for (std::size_t i = 0; i < kBinCount; ++i) {
-        if (bins_[i] == 0) continue;
-        const double above = below + static_cast<double>(bins_[i]);
+        if (bin(i) == 0) continue;
+        const double above = below + static_cast<double>(bin(i));
         const double inside = std::min(above, high) - std::max(below, low);  // the part of this bin between the percentiles
         if (inside > 0) {
             weight += inside;
@@ -59,14 +96,14 @@ double LuminanceHistogram::log_average(double p_low, double p_high) const {
     return weight > 0 ? std::exp2(sum / weight) : 0;
 }
 
-double LuminanceHistogram::percentile(double p, std::uint64_t dark) const {
-    const double rank = p * static_cast<double>(dark + count());
-    std::uint64_t below = dark;
+double LuminanceHistogram::percentile(double p) const {
+    std::uint64_t below = dark();
+    const double rank = p * static_cast<double>(below + count());
     if (static_cast<double>(below) >= rank) return 0;
     std::size_t last = 0;
     for (std::size_t i = 0; i < kBinCount && static_cast<double>(below) < rank; ++i) {
-        if (bins_[i] > 0) last = i;
-        below += bins_[i];
+        if (bin(i) > 0) last = i;
+        below += bin(i);
     }
     return centre_of(last);
 }

@@ -13,18 +13,28 @@ namespace latent::color {
 class LuminanceHistogram {
  public:
     LuminanceHistogram();
-    void add(std::span<const float> y);  // only positive finite values count
+    void add(std::span<const float> y);
     LuminanceHistogram& operator+=(const LuminanceHistogram& other);
 
-    std::uint64_t count() const;
+    std::uint64_t count() const;  // of positive finite values
+    std::uint64_t dark() const;   // of zeros and negative finite values
     // exp of the mean log luminance of the pixels between two percentiles.
     double log_average(double p_low, double p_high) const;
-    // The luminance that a share `p` of the pixels does not exceed, to 0.8 %, where `dark` pixels more have none: 0 among these,
-    // and of an empty histogram.
-    double percentile(double p, std::uint64_t dark) const;
+    // The luminance that a share `p` of the finite values does not exceed, to 0.8 %; 0 among the dark ones, and of an empty
+    // histogram.
+    double percentile(double p) const;
 
  private:
-    std::vector<std::uint64_t> bins_;
+    static constexpr std::size_t kLanes = 4;
+    std::uint64_t bin(std::size_t index) const;
+    void settle();
+
+    // A count in memory has to be written before it is read again, and neighbouring pixels share a bin: so each of four has counts
+    // of its own, bin by bin, by sign, exponent and first 6 bits of mantissa.
+    std::vector<std::uint32_t> recent_;
+    std::uint64_t recent_count_ = 0;
+    std::vector<std::uint64_t> settled_;
+    std::uint64_t zeros_ = 0;
 };
 
 // The sigma that gives the log average of all but the darkest and brightest 1 % this exposure (by default, that which the film

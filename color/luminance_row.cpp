@@ -13,29 +13,18 @@ HWY_BEFORE_NAMESPACE();
 namespace latent::color::HWY_NAMESPACE {
 namespace {
 
-V luminances(const std::array<double, 3>& y_row, const PrintableRange& range, V x, V y, V z, LuminanceCounts& counts) {
+HWY_INLINE V luminances(const std::array<double, 3>& y_row, V x, V y, V z) {
     const Mask adaptable = hn::And(finite(x), hn::And(finite(y), finite(z)));
-    const V out = hn::IfThenElse(adaptable, adapted_luminance(y_row, x, y, z), y);
-    counts.dark += hn::CountTrue(d, hn::Le(out, constant(0)));
-    counts.black += hn::CountTrue(d, hn::Lt(out, constant(range.black)));
-    counts.burnt += hn::CountTrue(d, hn::Ge(out, constant(range.burnt)));
-    return out;
+    return hn::IfThenElse(adaptable, adapted_luminance(y_row, x, y, z), y);
 }
 
-LuminanceCounts luminance_row_of_target(const std::array<double, 3>& y_row, const PrintableRange& range, std::span<const float> x,
-                                        std::span<const float> y, std::span<const float> z, std::span<float> out) {
-    LuminanceCounts counts;
+void luminance_row_of_target(const std::array<double, 3>& y_row, std::span<const float> x, std::span<const float> y,
+                             std::span<const float> z, std::span<float> out) {
     const std::size_t lanes = hn::Lanes(d);
     std::size_t i = 0;
     for (; i + lanes <= out.size(); i += lanes)
-        hn::StoreU(luminances(y_row, range, hn::LoadU(d, &x[i]), hn::LoadU(d, &y[i]), hn::LoadU(d, &z[i]), counts), d, &out[i]);
-    for (; i < out.size(); ++i) {
-        // Lane 0 among copies of itself: each pixel of the rest alone.
-        LuminanceCounts copies;
-        out[i] = hn::GetLane(luminances(y_row, range, constant(x[i]), constant(y[i]), constant(z[i]), copies));
-        counts += {copies.dark / lanes, copies.black / lanes, copies.burnt / lanes};
-    }
-    return counts;
+        hn::StoreU(luminances(y_row, hn::LoadU(d, &x[i]), hn::LoadU(d, &y[i]), hn::LoadU(d, &z[i])), d, &out[i]);
+    for (; i < out.size(); ++i) out[i] = hn::GetLane(luminances(y_row, constant(x[i]), constant(y[i]), constant(z[i])));
 }
 
 }  // namespace
@@ -47,16 +36,9 @@ namespace latent::color {
 
 HWY_EXPORT(luminance_row_of_target);
 
-LuminanceCounts& LuminanceCounts::operator+=(const LuminanceCounts& other) {
-    dark += other.dark;
-    black += other.black;
-    burnt += other.burnt;
-    return *this;
-}
-
-LuminanceCounts luminance_row(const std::array<double, 3>& y_row, const PrintableRange& range, std::span<const float> x,
-                              std::span<const float> y, std::span<const float> z, std::span<float> out) {
-    return HWY_DYNAMIC_DISPATCH(luminance_row_of_target)(y_row, range, x, y, z, out);
+void luminance_row(const std::array<double, 3>& y_row, std::span<const float> x, std::span<const float> y, std::span<const float> z,
+                   std::span<float> out) {
+    HWY_DYNAMIC_DISPATCH(luminance_row_of_target)(y_row, x, y, z, out);
 }
 
 }  // namespace latent::color

@@ -22,11 +22,11 @@ using V = hn::Vec<D>;
 using Mask = hn::Mask<D>;
 constexpr D d;
 
-V constant(float value) { return hn::Set(d, value); }
-Mask finite(V v) { return hn::Le(hn::Abs(v), constant(std::numeric_limits<float>::max())); }
+HWY_INLINE V constant(float value) { return hn::Set(d, value); }
+HWY_INLINE Mask finite(V v) { return hn::Le(hn::Abs(v), constant(std::numeric_limits<float>::max())); }
 
 // y after adaptation, in double lanes: y may be a small difference of large terms.
-V adapted_luminance(const std::array<double, 3>& row, V x, V y, V z) {
+HWY_INLINE V adapted_luminance(const std::array<double, 3>& row, V x, V y, V z) {
     const hn::Half<D> half;
     const hn::Rebind<double, hn::Half<D>> wide;
     const auto sum = [&](auto part) {

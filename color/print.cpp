@@ -26,6 +26,8 @@ PrintReport& PrintReport::operator+=(const PrintReport& other) {
     colourless += other.colourless;
     out_of_gamut += other.out_of_gamut;
     clipped += other.clipped;
+    black += other.black;
+    burnt += other.burnt;
     return *this;
 }
 
@@ -42,6 +44,7 @@ Result<Print> Print::create(const RgbSpace& space, const PrintSettings& settings
     print.tone_ = settings.tone;
     print.gamut_ = settings.gamut;
     print.curve_ = settings.curve;
+    print.range_ = settings.range;
     print.y_row_ = settings.adaptation.m[1];
     print.rgb_from_xyz_ = space.rgb_from_xyz * settings.adaptation;
     print.m_ = space.luminance_row;
@@ -85,6 +88,8 @@ Rgb Print::pixel(Xyz xyz, PrintReport& report) const {
     const bool coloured = std::isfinite(xyz.x) && std::isfinite(xyz.z);
     const bool adaptable = coloured && std::isfinite(xyz.y);
     const double y = adaptable ? y_row_[0] * xyz.x + y_row_[1] * xyz.y + y_row_[2] * xyz.z : xyz.y;
+    report.black += static_cast<float>(y) < range_.black;
+    report.burnt += static_cast<float>(y) > range_.burnt;
     if (std::isnan(y)) {
         ++report.nan;
         return {};
@@ -136,7 +141,8 @@ std::optional<Rgb> Print::unmapped(Xyz xyz) const {
 bool Print::out_of_gamut(const Rgb& unmapped) const { return outside({unmapped.r, unmapped.g, unmapped.b}); }
 
 void Print::row(std::span<const float> x, std::span<const float> y, std::span<const float> z, std::span<float> r,
-                std::span<float> g, std::span<float> b, PrintReport& report) const {
+                std::span<float> g, std::span<float> b, PrintReport& report, std::span<float> luminances) const {
+    assert(luminances.empty() || luminances.size() == x.size());
     assert(y.size() == x.size() && z.size() == x.size() && r.size() == x.size() && g.size() == x.size() && b.size() == x.size());
     PrintRowConstants constants{.sigma = static_cast<float>(sigma_),
                                 .tone = tone_,
@@ -145,7 +151,9 @@ void Print::row(std::span<const float> x, std::span<const float> y, std::span<co
                                 .y_row = y_row_,
                                 .rgb_from_xyz = {},
                                 .luminance_row = {},
-                                .curve = curve_.table().data()};
+                                .curve = curve_.table().data(),
+                                .range = range_,
+                                .luminances = luminances.empty() ? nullptr : luminances.data()};
     for (int i = 0; i < 3; ++i) {
         constants.luminance_row[i] = static_cast<float>(m_[i]);
         for (int j = 0; j < 3; ++j) constants.rgb_from_xyz[3 * i + j] = static_cast<float>(rgb_from_xyz_.m[i][j]);

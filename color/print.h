@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -35,17 +36,25 @@ struct PrintReport {
     std::uint64_t colourless = 0;    // x or z is not finite: grey y'
     std::uint64_t out_of_gamut = 0;  // a component left [0,1] by more than 1e-5 before it was mapped
     std::uint64_t clipped = 0;       // those among them that Gamut::kClip cut off
+    std::uint64_t black = 0;         // y is below the printable range
+    std::uint64_t burnt = 0;         // y is above it
 
     PrintReport& operator+=(const PrintReport& other);
     bool operator==(const PrintReport&) const = default;
+};
+
+// Luminances that a display shows as neither black nor white: from `black` to `burnt`.
+struct PrintableRange {
+    float black = -std::numeric_limits<float>::infinity(), burnt = std::numeric_limits<float>::infinity();
 };
 
 struct PrintSettings {
     double sigma = 1;  // sensitivity of the film: y' = 1/2 at y = 1/sigma
     Tone tone = Tone::kFilm;
     Gamut gamut = Gamut::kLuminance;
-    Matrix3 adaptation{};  // from the picture's white to the space's (color/adaptation.h); y is the Y after it
-    ToneCurve curve{};     // of Tone::kCurve
+    Matrix3 adaptation{};    // from the picture's white to the space's (color/adaptation.h); y is the Y after it
+    ToneCurve curve{};       // of Tone::kCurve
+    PrintableRange range{};  // what is counted as black and burnt
 };
 
 // sigma pushed by `stops`: sigma 2^stops.
@@ -65,9 +74,12 @@ class Print {
     bool out_of_gamut(const Rgb& unmapped) const;
 
     // The same in float over whole rows (planes of equal length; out may be in), with the processor's widest instructions and the
-    // same bits whatever these are. With Tone::kFilm: in [0,1], |m . rgb - y'| < 1e-6.
+    // same bits whatever these are. With Tone::kFilm: in [0,1], |m . rgb - y'| < 1e-6. `luminances` takes y after adaptation, or
+    // nothing if it is empty.
     void row(std::span<const float> x, std::span<const float> y, std::span<const float> z, std::span<float> r, std::span<float> g,
-             std::span<float> b, PrintReport& report) const;
+             std::span<float> b, PrintReport& report, std::span<float> luminances = {}) const;
+
+    const PrintableRange& range() const { return range_; }
 
  private:
     Print() = default;
@@ -76,6 +88,7 @@ class Print {
     Gamut gamut_ = Gamut::kLuminance;
     std::array<double, 3> y_row_{};  // y after adaptation = y_row . (x, y, z)
     ToneCurve curve_;
+    PrintableRange range_;
     Matrix3 rgb_from_xyz_;       // adaptation included
     std::array<double, 3> m_{};  // luminance row
 };

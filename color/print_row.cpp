@@ -17,8 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace latent::color::HWY_NAMESPACE {
 namespace {
 
-V clamp01(V v) { return hn::Min(hn::Max(v, constant(0)), constant(1)); }
-V dot(const float* row, V a, V b, V c) {
+HWY_INLINE V clamp01(V v) { return hn::Min(hn::Max(v, constant(0)), constant(1)); }
+HWY_INLINE V dot(const float* row, V a, V b, V c) {
     return hn::Add(hn::Add(hn::Mul(constant(row[0]), a), hn::Mul(constant(row[1]), b)), hn::Mul(constant(row[2]), c));
 }
 
@@ -28,7 +28,7 @@ V dot(const float* row, V a, V b, V c) {
 struct Film {
     V printed, over_y;
 };
-Film film(V sigma, V y) {
+HWY_INLINE Film film(V sigma, V y) {
     constexpr float kTaylor[] = {0.69314718056F,    -0.240226506959F,    0.0555041086648F,   -0.00961812910763F,
                                  0.00133335581464F, -0.000154035303934F, 0.0000152527338041F};  // the next term is below 1.1e-8
     const V t = hn::Min(hn::Mul(sigma, y), constant(126));
@@ -42,7 +42,7 @@ Film film(V sigma, V y) {
 }
 
 // y' of exposure t by ToneCurve::table.
-V tabulated(const float* table, V t) {
+HWY_INLINE V tabulated(const float* table, V t) {
     constexpr int kMantissaBits = 23 - ToneCurve::kStepBits;  // between two entries
     const hn::Rebind<std::int32_t, D> integer;
     const V first = constant(std::ldexp(1.0F, ToneCurve::kFirstOctave));
@@ -57,7 +57,7 @@ V tabulated(const float* table, V t) {
 }
 
 // Largest t <= 1 that keeps y' + t (v - y') inside [0,1].
-V steps_to_border(V v, V printed) {
+HWY_INLINE V steps_to_border(V v, V printed) {
     const V grey_distance = hn::Sub(v, printed);
     const V above = hn::Div(hn::Sub(constant(1), printed), grey_distance);
     const V below = hn::Neg(hn::Div(printed, grey_distance));
@@ -66,20 +66,27 @@ V steps_to_border(V v, V printed) {
 }
 
 struct Counts {
-    std::size_t nan = 0, negative = 0, infinite = 0, colourless = 0, out_of_gamut = 0;
+    std::size_t nan = 0, negative = 0, infinite = 0, colourless = 0, out_of_gamut = 0, black = 0, burnt = 0;
 };
 
 struct RgbV {
     V r, g, b;
 };
+struct Printed {
+    RgbV rgb;
+    V luminance;
+};
 
 template <Tone kTone, Gamut kGamut>
-RgbV print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& counts) {
+HWY_INLINE Printed print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& counts) {
     const V zero = constant(0), one = constant(1), huge = constant(1e30F), sigma = constant(c.sigma);
     const Mask coloured = hn::And(finite(x), finite(z));
     const Mask adaptable = hn::And(coloured, finite(y_given));
     V y = y_given;
     if (c.adapted) y = hn::IfThenElse(adaptable, adapted_luminance(c.y_row, x, y_given, z), y_given);
+
+    counts.black += hn::CountTrue(d, hn::Lt(y, constant(c.range.black)));
+    counts.burnt += hn::CountTrue(d, hn::Gt(y, constant(c.range.burnt)));
 
     // The rare ones. A lane is lit if it has a printed value at all; the others are black.
     const Mask white = hn::Eq(y, constant(std::numeric_limits<float>::infinity()));
@@ -142,7 +149,7 @@ RgbV print_vector(const PrintRowConstants& c, V x, V y_given, V z, Counts& count
         const V without_colour = hn::IfThenElse(white, one, hn::IfThenElseZero(grey, printed));
         return hn::IfThenElse(coloured_and_lit, v, without_colour);
     };
-    return {final(rgb.r), final(rgb.g), final(rgb.b)};
+    return {{final(rgb.r), final(rgb.g), final(rgb.b)}, y};
 }
 
 template <Tone kTone, Gamut kGamut>
@@ -152,24 +159,31 @@ void print_all(const PrintRowConstants& c, const float* x, const float* y, const
     const std::size_t lanes = hn::Lanes(d);
     std::size_t i = 0;
     for (; i + lanes <= count; i += lanes) {
-        const RgbV rgb = print_vector<kTone, kGamut>(c, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), counts);
+        const auto [rgb, luminance] =
+            print_vector<kTone, kGamut>(c, hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i), counts);
         hn::StoreU(rgb.r, d, r + i);
         hn::StoreU(rgb.g, d, g + i);
         hn::StoreU(rgb.b, d, b + i);
+        if (c.luminances != nullptr) hn::StoreU(luminance, d, c.luminances + i);
     }
-    if (i < count) {  // the rest, beside black pixels, which count nothing
+    if (i < count) {  // the rest, beside black pixels
         std::array<std::array<float, HWY_MAX_BYTES / sizeof(float)>, 3> rest{};
         std::copy(x + i, x + count, rest[0].begin());
         std::copy(y + i, y + count, rest[1].begin());
         std::copy(z + i, z + count, rest[2].begin());
-        const RgbV rgb = print_vector<kTone, kGamut>(c, hn::LoadU(d, rest[0].data()), hn::LoadU(d, rest[1].data()),
-                                                     hn::LoadU(d, rest[2].data()), counts);
+        const auto [rgb, luminance] = print_vector<kTone, kGamut>(c, hn::LoadU(d, rest[0].data()), hn::LoadU(d, rest[1].data()),
+                                                                  hn::LoadU(d, rest[2].data()), counts);
         hn::StoreU(rgb.r, d, rest[0].data());
         hn::StoreU(rgb.g, d, rest[1].data());
         hn::StoreU(rgb.b, d, rest[2].data());
         std::copy_n(rest[0].begin(), count - i, r + i);
         std::copy_n(rest[1].begin(), count - i, g + i);
         std::copy_n(rest[2].begin(), count - i, b + i);
+        if (c.luminances != nullptr) {
+            hn::StoreU(luminance, d, rest[0].data());
+            std::copy_n(rest[0].begin(), count - i, c.luminances + i);
+        }
+        if (c.range.black > 0) counts.black -= i + lanes - count;
     }
     report += {.pixels = count,
                .nan = counts.nan,
@@ -177,7 +191,9 @@ void print_all(const PrintRowConstants& c, const float* x, const float* y, const
                .infinite = counts.infinite,
                .colourless = counts.colourless,
                .out_of_gamut = counts.out_of_gamut,
-               .clipped = kTone != Tone::kNone && kGamut == Gamut::kClip ? counts.out_of_gamut : 0};
+               .clipped = kTone != Tone::kNone && kGamut == Gamut::kClip ? counts.out_of_gamut : 0,
+               .black = counts.black,
+               .burnt = counts.burnt};
 }
 
 template <Tone kTone>

@@ -20,12 +20,13 @@ using V = hn::Vec<D>;
 constexpr D d;
 constexpr hn::Rebind<std::int32_t, D> di;
 constexpr hn::Rebind<std::uint32_t, D> du;
+using U = hn::Vec<hn::Rebind<std::uint32_t, D>>;
 
-V constant(float value) { return hn::Set(d, value); }
+HWY_INLINE V constant(float value) { return hn::Set(d, value); }
 
 // log2(v) for normal positive v: exponent plus 2/ln2 (s + s^3/3 + s^5/5 + s^7/7 + s^9/9), s = (m-1)/(m+1), sqrt(1/2) <= m <
 // sqrt(2). The next term is below 4e-10.
-V log2(V v) {
+HWY_INLINE V log2(V v) {
     constexpr float kTwoOverLn2 = 2.88539008F;
     const auto bits = hn::BitCast(di, v);
     const auto exponent = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3F3504F3)));  // of v / sqrt(1/2), rounded down
@@ -37,7 +38,7 @@ V log2(V v) {
 }
 
 // 2^u for -126 <= u <= 0: 2^n times Taylor's series of 2^f, |f| <= 1/2; the next term is below 6e-9.
-V exp2(V u) {
+HWY_INLINE V exp2(V u) {
     constexpr float kTaylor[] = {1,
                                  0.69314718056F,
                                  0.240226506959F,
@@ -53,7 +54,7 @@ V exp2(V u) {
 }
 
 // Transfer::encode on [0,1]; NaN and negative values encode to 0.
-V encode(const Transfer& t, V v) {
+HWY_INLINE V encode(const Transfer& t, V v) {
     const V x = hn::IfThenElseZero(hn::Gt(v, constant(0)), hn::Min(v, constant(1)));
     if (t.is_linear()) return x;
     const V power =
@@ -65,25 +66,27 @@ V encode(const Transfer& t, V v) {
 }
 
 template <class Code>
-void quantise_vector(const QuantiseRowConstants& c, V r, V g, V b, std::uint32_t x0, Code* out) {
+HWY_INLINE hn::Vec<hn::Rebind<Code, D>> code_of(const QuantiseRowConstants& c, V v, U hash) {
     constexpr float kMaxCode = std::numeric_limits<Code>::max();
-    constexpr hn::Rebind<Code, D> codes;
-    auto hash = hn::Xor(hn::Mul(hn::Iota(du, x0), hn::Set(du, kPixelStep)), hn::Set(du, c.row_key));
+    V h = constant(0.5F);
+    if (c.dither) {
+        const V field = hn::ConvertTo(d, hn::BitCast(di, hn::And(hash, hn::Set(du, 1023U))));
+        h = hn::Mul(hn::Add(field, constant(0.5F)), constant(1.0F / 1024));
+    }
+    const V level = hn::Min(hn::Add(hn::Mul(encode(c.transfer, v), constant(kMaxCode)), h), constant(kMaxCode));
+    return hn::DemoteTo(hn::Rebind<Code, D>(), hn::ConvertTo(di, hn::Floor(level)));
+}
+
+template <class Code>
+HWY_INLINE void quantise_vector(const QuantiseRowConstants& c, V r, V g, V b, std::uint32_t x0, Code* out) {
+    U hash = hn::Xor(hn::Mul(hn::Iota(du, x0), hn::Set(du, kPixelStep)), hn::Set(du, c.row_key));
     if (c.dither) {  // mixed_bits of every lane
         hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85EBCA6BU));
         hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<13>(hash)), hn::Set(du, 0xC2B2AE35U));
         hash = hn::Xor(hash, hn::ShiftRight<16>(hash));
     }
-    const auto code = [&](V v, auto hash_bits) {
-        V h = constant(0.5F);
-        if (c.dither) {
-            const V field = hn::ConvertTo(d, hn::BitCast(di, hn::And(hash_bits, hn::Set(du, 1023U))));
-            h = hn::Mul(hn::Add(field, constant(0.5F)), constant(1.0F / 1024));
-        }
-        const V level = hn::Min(hn::Add(hn::Mul(encode(c.transfer, v), constant(kMaxCode)), h), constant(kMaxCode));
-        return hn::DemoteTo(codes, hn::ConvertTo(di, hn::Floor(level)));
-    };
-    hn::StoreInterleaved3(code(r, hash), code(g, hn::ShiftRight<10>(hash)), code(b, hn::ShiftRight<20>(hash)), codes, out);
+    hn::StoreInterleaved3(code_of<Code>(c, r, hash), code_of<Code>(c, g, hn::ShiftRight<10>(hash)),
+                          code_of<Code>(c, b, hn::ShiftRight<20>(hash)), hn::Rebind<Code, D>(), out);
 }
 
 template <class Code>

@@ -6,7 +6,9 @@
 #include <openexr.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -259,6 +261,8 @@ void ExrReader::File::unpack(const std::byte* rows, int first_row, const Rect& b
             float* out = to.at(plane, wanted.x0, y);
             if (channel.half) {
                 for (std::size_t i = 0; i < count; ++i) out[i] = imath_half_to_float(load_le<imath_half_bits_t>(from + 2 * i));
+            } else if (std::endian::native == std::endian::little) {
+                std::memcpy(out, from, count * sizeof(float));
             } else {
                 for (std::size_t i = 0; i < count; ++i) out[i] = load_le<float>(from + 4 * i);
             }

@@ -155,7 +155,8 @@ TEST_P(PrintLaws, EveryInstructionSetGivesTheSameBits) {
     for (const Tone tone : {Tone::kFilm, Tone::kCurve, Tone::kNone}) {
         for (const Matrix3& adaptation : {Matrix3{}, from_e}) {
             const Print print = *Print::create(
-                RgbSpace::srgb(), {.sigma = 1.7, .tone = tone, .gamut = GetParam(), .adaptation = adaptation, .curve = curve});
+                RgbSpace::srgb(),
+                {.sigma = 1.7, .tone = tone, .gamut = GetParam(), .adaptation = adaptation, .curve = curve, .range = {0.1F, 2}});
             PrintReport first_report;
             const Planes first = print_rows(print, in, first_report);
             EXPECT_EQ(first_report.pixels, in.size());
@@ -196,6 +197,36 @@ TEST_P(PrintLaws, BrightnessIsMonotoneWhateverTheColour) {
                 last = printed;
             }
             EXPECT_GT(last, 1 - 1e-14);  // and every colour ends in white
+        }
+    }
+}
+
+TEST_P(PrintLaws, RowsOfAnyLengthCountWhatTheDisplayShowsBlackOrWhite) {
+    const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290});
+    for (const Matrix3& adaptation : {Matrix3{}, from_e}) {
+        const Print print =
+            *Print::create(RgbSpace::srgb(), {.sigma = 1, .gamut = GetParam(), .adaptation = adaptation, .range = {0.1F, 2}});
+        for (std::size_t n = 1; n < 40; ++n) {
+            Planes in = random_colours(n, 40 + n);
+            in.push(0, 0, 0);
+            in.push(1, -1, 1);
+            in.push(1, kNan, 1);
+            PrintReport report, expected;
+            Planes out = in;
+            std::vector<float> luminances(in.size());
+            print.row(in.a, in.b, in.c, out.a, out.b, out.c, report, luminances);
+            std::uint64_t black = 0, burnt = 0;
+            for (std::size_t i = 0; i < in.size(); ++i) {
+                print.pixel(in.at(i), expected);
+                black += luminances[i] < 0.1F;
+                burnt += luminances[i] > 2;
+            }
+            EXPECT_EQ(report.black, black);
+            EXPECT_EQ(report.burnt, burnt);
+            EXPECT_EQ(expected.black, black);
+            EXPECT_EQ(expected.burnt, burnt);
+            EXPECT_GE(black, 1U);
+            EXPECT_EQ(luminances[n], 0);
         }
     }
 }

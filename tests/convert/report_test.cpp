@@ -59,8 +59,8 @@ TEST_F(Report, BlackAndBurntPixelsAreThoseOfCodes0And255) {
             EXPECT_GT(burnt, 100u);
             // Rows are printed and encoded in float: where the ramp passes half a step, a pixel of each row may fall on either
             // side.
-            EXPECT_NEAR(static_cast<double>(report->black), static_cast<double>(black), kHeight);
-            EXPECT_NEAR(static_cast<double>(report->burnt), static_cast<double>(burnt), kHeight);
+            EXPECT_NEAR(static_cast<double>(report->print.black), static_cast<double>(black), kHeight);
+            EXPECT_NEAR(static_cast<double>(report->print.burnt), static_cast<double>(burnt), kHeight);
         }
     }
 }

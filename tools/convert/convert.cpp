@@ -72,14 +72,10 @@ Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const 
     const double sigma = settings.sigma;
     for (const double stops : options.stops) {
         settings.sigma = color::pushed_sigma(sigma, stops);
+        settings.range = printable_range(display.space.transfer, settings.tone, settings.curve, settings.sigma);
         const Result<color::Print> print = color::Print::create(display.print_space(), settings);
         if (!print) return print.error();
-        Exposure exposure{.stops = stops,
-                          .sigma = settings.sigma,
-                          .print = *print,
-                          .range = printable_range(display.space.transfer, settings.tone, settings.curve, settings.sigma),
-                          .paths = {},
-                          .sinks = {}};
+        Exposure exposure{.stops = stops, .sigma = settings.sigma, .print = *print, .paths = {}, .sinks = {}};
         picture.sigma = settings.sigma;
         for (const std::filesystem::path& path : options.outputs) {
             exposure.paths.push_back(options.stops.size() == 1 ? path : with_stops(path, stops));

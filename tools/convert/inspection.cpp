@@ -38,15 +38,14 @@ void find_hue_shifts(const color::Print& print, const color::RgbSpace& space, co
     }
 }
 
-void mark_clipped(const color::Print& print, const color::RgbSpace& space, const color::PrintableRange& range,
-                  const InspectedRow& row) {
+void mark_clipped(const color::Print& print, const color::RgbSpace& space, const InspectedRow& row) {
     const auto& m = space.luminance_row;
     for (std::size_t i = 0; i < row.x.size(); ++i) {
         const auto put = [&](float r, float g, float b) { row.red[i] = r, row.green[i] = g, row.blue[i] = b; };
         const auto unmapped = print.unmapped({row.x[i], row.y[i], row.z[i]});
-        if (row.luminance[i] >= range.burnt) {
+        if (row.luminance[i] > print.range().burnt) {
             put(1, 0, 0);
-        } else if (!(row.luminance[i] >= range.black)) {
+        } else if (!(row.luminance[i] >= print.range().black)) {
             put(0, 0, 1);
         } else if (unmapped && print.out_of_gamut(*unmapped)) {
             put(1, 0, 1);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 
-#include "color/luminance_row.h"
 #include "color/print.h"
 
 namespace latent::convert {
@@ -32,7 +31,6 @@ struct InspectedRow {
 void find_hue_shifts(const color::Print& print, const color::RgbSpace& space, const InspectedRow& row, HueShifts& shifts);
 
 // Burnt pixels become red, black ones blue, those out of gamut magenta; all others grey.
-void mark_clipped(const color::Print& print, const color::RgbSpace& space, const color::PrintableRange& range,
-                  const InspectedRow& row);
+void mark_clipped(const color::Print& print, const color::RgbSpace& space, const InspectedRow& row);
 
 }  // namespace latent::convert

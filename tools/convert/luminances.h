@@ -1,7 +1,6 @@
 // tools/convert/luminances.h: how bright the picture is, and where the print has neither drawing in its lights nor in its shadows.
 #pragma once
 
-#include "color/luminance_row.h"
 #include "color/print.h"
 
 namespace latent::convert {

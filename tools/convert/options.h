@@ -67,8 +67,7 @@ using Percentiles = std::array<double, kPercentiles.size()>;
 struct ExposureReport {
     double stops = 0, sigma = 1;
     color::PrintReport print;
-    std::uint64_t black = 0, burnt = 0;  // pixels whose grey would be code 0 or 255 of 8 bits
-    HueShifts hue_shifts;                // with ConvertOptions::gamut_report
+    HueShifts hue_shifts;  // with ConvertOptions::gamut_report
     std::vector<std::string> outputs;
 };
 

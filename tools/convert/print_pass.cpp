@@ -5,6 +5,7 @@
 #include <tbb/parallel_pipeline.h>
 
 #include "base/first_error.h"
+#include "color/luminance_row.h"
 
 namespace latent::convert {
 
@@ -35,22 +36,16 @@ struct Block {
 // What came of an exposure in one thread.
 struct Outcome {
     color::PrintReport print;
-    color::LuminanceCounts counts;
     HueShifts hue_shifts;
 };
 
 // What one thread works in.
 struct Workbench {
     image::ExrReader::Scratch scratch;
-    std::vector<float> planes, printed, luminances;
+    std::vector<float> planes, printed;
+    std::vector<float> luminances;  // of a row
     color::LuminanceHistogram histogram;
     std::vector<Outcome> outcomes;
-
-    // Luminances of a row, until the next call.
-    color::LuminanceCounts see(const std::array<double, 3>& y_row, const color::PrintableRange& range, const Block& block, int y) {
-        luminances.resize(static_cast<std::size_t>(block.area.width()));
-        return color::luminance_row(y_row, range, block.row(0, y), block.row(1, y), block.row(2, y), luminances);
-    }
 };
 using Workbenches = tbb::enumerable_thread_specific<Workbench>;
 
@@ -71,15 +66,16 @@ void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workb
 
 void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
                Workbench& bench, Outcome& outcome) {
-    outcome.counts += bench.see(settings.y_row, exposure.range, from, y);
+    bench.luminances.resize(static_cast<std::size_t>(from.area.width()));
+    exposure.print.row(from.row(0, y), from.row(1, y), from.row(2, y), to.row(0, y), to.row(1, y), to.row(2, y), outcome.print,
+                       bench.luminances);
     if (first) bench.histogram.add(bench.luminances);
-    exposure.print.row(from.row(0, y), from.row(1, y), from.row(2, y), to.row(0, y), to.row(1, y), to.row(2, y), outcome.print);
     const InspectedRow row{from.row(0, y),   from.row(1, y), from.row(2, y),
                            bench.luminances, to.row(0, y),   to.row(1, y),
                            to.row(2, y),     from.area.x0,   y};
     if (settings.gamut_report) find_hue_shifts(exposure.print, settings.space, row, outcome.hue_shifts);
     if (settings.proof) settings.proof->apply({to.row(0, y), to.row(1, y), to.row(2, y)});
-    if (settings.show_clipped) mark_clipped(exposure.print, settings.space, exposure.range, row);
+    if (settings.show_clipped) mark_clipped(exposure.print, settings.space, row);
 }
 
 }  // namespace
@@ -94,8 +90,9 @@ Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& 
     FirstError error;
     for (std::size_t i = 0; i < plan.band_ends.size() && !error; ++i) {
         for_each_block(source, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
+            bench.luminances.resize(static_cast<std::size_t>(block.area.width()));
             for (int y = block.area.y0; y < block.area.y1; ++y) {
-                bench.see(y_row, {}, block, y);
+                color::luminance_row(y_row, block.row(0, y), block.row(1, y), block.row(2, y), bench.luminances);
                 bench.histogram.add(bench.luminances);
             }
         });
@@ -151,20 +148,16 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
     PassReport report;
     report.exposures.resize(exposures.size());
     color::LuminanceHistogram histogram;
-    std::uint64_t dark = 0;
     for (const Workbench& bench : benches) {
         histogram += bench.histogram;
         for (std::size_t e = 0; e < bench.outcomes.size(); ++e) {
             const Outcome& outcome = bench.outcomes[e];
             ExposureReport& to = report.exposures[e];
             to.print += outcome.print;
-            to.black += outcome.counts.black;
-            to.burnt += outcome.counts.burnt;
             to.hue_shifts += outcome.hue_shifts;
-            if (e == 0) dark += outcome.counts.dark;
         }
     }
-    for (std::size_t i = 0; i < kPercentiles.size(); ++i) report.luminance[i] = histogram.percentile(kPercentiles[i] / 100.0, dark);
+    for (std::size_t i = 0; i < kPercentiles.size(); ++i) report.luminance[i] = histogram.percentile(kPercentiles[i] / 100.0);
     return report;
 }
 

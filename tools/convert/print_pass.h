@@ -8,7 +8,6 @@
 #include "base/progress.h"
 #include "color/auto_exposure.h"
 #include "tools/convert/bands.h"
-#include "tools/convert/luminances.h"
 #include "tools/convert/options.h"
 #include "tools/convert/sink.h"
 #include "tools/convert/source.h"
@@ -19,7 +18,6 @@ namespace latent::convert {
 struct Exposure {
     double stops = 0, sigma = 1;
     color::Print print;
-    color::PrintableRange range;  // of luminances
     std::vector<std::filesystem::path> paths;
     std::vector<std::unique_ptr<Sink>> sinks;
 };

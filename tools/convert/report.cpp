@@ -12,8 +12,8 @@ std::string text_of(const ExposureReport& r, bool gamut_report) {
     const auto share = [&](std::uint64_t count) {
         return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
     };
-    std::string text = fmt::format("black          {} pixels ({:.3f} %)\nburnt          {} pixels ({:.3f} %)\n", r.black,
-                                   share(r.black), r.burnt, share(r.burnt));
+    std::string text = fmt::format("black          {} pixels ({:.3f} %)\nburnt          {} pixels ({:.3f} %)\n", r.print.black,
+                                   share(r.print.black), r.print.burnt, share(r.print.burnt));
     text += fmt::format("out of gamut   {} pixels ({:.3f} %)\n", r.print.out_of_gamut, share(r.print.out_of_gamut));
     if (gamut_report)
         text += fmt::format("hue            shifted by {:.1f} degrees at most, at {},{}; by more than 10 in {} pixels ({:.3f} %)\n",
@@ -32,14 +32,10 @@ std::string text_of(const ExposureReport& r, bool gamut_report) {
 }
 
 nlohmann::ordered_json json_of(const ExposureReport& r, bool gamut_report) {
-    nlohmann::ordered_json json{{"black", r.black},
-                                {"burnt", r.burnt},
-                                {"out_of_gamut", r.print.out_of_gamut},
-                                {"clipped", r.print.clipped},
-                                {"negative", r.print.negative},
-                                {"not_a_number", r.print.nan},
-                                {"infinite", r.print.infinite},
-                                {"colourless", r.print.colourless}};
+    nlohmann::ordered_json json{
+        {"black", r.print.black},       {"burnt", r.print.burnt},          {"out_of_gamut", r.print.out_of_gamut},
+        {"clipped", r.print.clipped},   {"negative", r.print.negative},    {"not_a_number", r.print.nan},
+        {"infinite", r.print.infinite}, {"colourless", r.print.colourless}};
     if (gamut_report)
         json["hue_shift"] = {{"largest_degrees", r.hue_shifts.largest_degrees},
                              {"at", {r.hue_shifts.x, r.hue_shifts.y}},
