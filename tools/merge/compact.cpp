@@ -69,6 +69,20 @@ class Writer {
     Bytes bytes_;
 };
 
+// An array whose memory is kept, and not cleared when it grows: threads touch it first where they fill it.
+template <class T>
+class Scratch {
+ public:
+    std::span<T> of(std::size_t size) {  // what was in it is gone
+        if (size > room_) values_ = std::make_unique_for_overwrite<T[]>(room_ = size);
+        return {values_.get(), size};
+    }
+
+ private:
+    std::unique_ptr<T[]> values_;
+    std::size_t room_ = 0;
+};
+
 // Makes the pages of one class out of those of many runs. In rounds: every run has some pages decoded; the records that come before
 // all that is not decoded are sorted, cut into pages, encoded. Each step is parallel; what it yields follows from the records
 // alone.
@@ -88,9 +102,7 @@ class ClassMerger {
     }
 
     Status merge() {
-        for (RunFront& front : fronts_) {
-            if (Status s = front.open(); !s) return s;
-        }
+        if (Status s = of_each_front([](RunFront& front) { return front.open(); }); !s) return s;
         for (bool more = true; more;) {
             if (Status s = decode(); !s) return s;
             const SortKey last = last_complete();
@@ -105,13 +117,18 @@ class ClassMerger {
  private:
     static constexpr SortKey kEnd{std::numeric_limits<std::uint32_t>::max(), std::numeric_limits<std::uint64_t>::max()};
 
-    Status decode() {
+    template <class Do>
+    Status of_each_front(const Do& work) {
         FirstError error;
-        for (const RunFront& front : fronts_) front.announce(budget_.ahead);
         tbb::parallel_for(std::size_t{0}, fronts_.size(), [&](std::size_t i) {
-            if (!error) error.keep(fronts_[i].decode(budget_.ahead, workers_.local().decoder));
+            if (!error) error.keep(work(fronts_[i]));
         });
         return error.status();
+    }
+
+    Status decode() {
+        for (const RunFront& front : fronts_) front.announce(budget_.ahead);
+        return of_each_front([&](RunFront& front) { return front.decode(budget_.ahead, workers_.local().decoder); });
     }
 
     // No record that is not decoded yet comes before one with this key, or in front of it in its own run.
@@ -126,11 +143,8 @@ class ClassMerger {
     // The records up to `last`, behind those that were left over.
     void take(const SortKey& last) {
         table_.clear();
-        z_.resize(lead_ + left_over_.count);
-        order_.clear();
-        const std::uint32_t leftover_page = table_.add(left_over_);
-        for (std::uint32_t row = 0; row < left_over_.count; ++row) order_.push_back({leftover_page, row});
         std::vector<Slice> slices;
+        const std::uint32_t leftover_page = table_.add(left_over_);
         for (const RunFront& front : fronts_) {
             for (const auto& page : front.pages()) {
                 const std::size_t begin = page->used;
@@ -138,20 +152,26 @@ class ClassMerger {
                 if (begin < page->used) slices.push_back({page.get(), table_.add(page->page), begin, page->used});
             }
         }
-        merge_slices(slices, z_, order_);
+        const std::size_t left_over = left_over_.count, taken = rows_of(slices);
+        order_ = order_memory_.of(left_over + taken);
+        z_ = z_memory_.of(left_over_z_.size() + taken);
+        std::ranges::copy(left_over_z_, z_.begin());
+        for (std::uint32_t row = 0; row < left_over; ++row) order_[row] = {leftover_page, row};
+        merge_slices(slices, z_.last(taken), order_.last(taken));
     }
 
     // Encodes the pages that are complete; `more` records are to come.
     Status encode(bool more) {
         std::vector<std::size_t> cuts{0};  // a page's end shows once the record that is one too many is there
-        while (order_.size() - cuts.back() > (more ? most_ : 0)) cuts.push_back(page_end(z_, lead_ + cuts.back(), most_) - lead_);
+        const std::size_t lead = z_.size() - order_.size();
+        while (order_.size() - cuts.back() > (more ? most_ : 0)) cuts.push_back(page_end(z_, lead + cuts.back(), most_) - lead);
         struct Encoded {
             PageInfo info;
             Bytes bytes;
         };
         const auto make = [&](std::size_t i) -> Result<Encoded> {
             Worker& worker = workers_.local();
-            table_.gather(std::span(order_).subspan(cuts[i], cuts[i + 1] - cuts[i]), worker.page);
+            table_.gather(order_.subspan(cuts[i], cuts[i + 1] - cuts[i]), worker.page);
             Encoded encoded;
             encoded.info = worker.encoder.encode(job_, worker.page, encoded.bytes);
             return encoded;
@@ -168,11 +188,11 @@ class ClassMerger {
     // What no page has taken is copied, so that the pages which it comes from can go.
     void keep_rest(std::size_t begin) {
         Page rest;
-        table_.gather(std::span(order_).subspan(begin), rest);
+        table_.gather(order_.subspan(begin), rest);
         left_over_ = std::move(rest);
-        const std::size_t lead = lead_ + begin > 0 ? 1 : 0;  // the record before
-        z_.erase(z_.begin(), z_.begin() + static_cast<std::ptrdiff_t>(lead_ + begin - lead));
-        lead_ = lead;
+        const std::size_t with_lead = std::min(z_.size(), order_.size() - begin + 1);
+        const std::span<std::uint32_t> z = z_.last(with_lead);
+        left_over_z_.assign(z.begin(), z.end());
     }
 
     struct Worker {
@@ -190,9 +210,11 @@ class ClassMerger {
     std::vector<RunFront> fronts_;
     PageTable table_;
     Page left_over_;
-    std::vector<std::uint32_t> z_;  // of order_, behind `lead_` record (0 or 1) that was the last to be encoded
-    std::size_t lead_ = 0;
-    std::vector<RowRef> order_;
+    std::vector<std::uint32_t> left_over_z_;  // its Z prefixes, behind that of the last record to be encoded, if there is one
+    Scratch<RowRef> order_memory_;
+    Scratch<std::uint32_t> z_memory_;
+    std::span<RowRef> order_;     // rows of table_, ascending
+    std::span<std::uint32_t> z_;  // of order_, behind that of the last record to be encoded
 };
 
 }  // namespace

@@ -81,14 +81,12 @@ void sort_part(std::span<const Slice> slices, std::span<const std::size_t> begin
 
 }  // namespace
 
-void merge_slices(std::span<const Slice> slices, std::vector<std::uint32_t>& z, std::vector<RowRef>& order) {
-    std::size_t rows = 0;
-    for (const Slice& slice : slices) rows += slice.end - slice.begin;
-    if (rows == 0) return;
-    const std::vector<std::uint32_t> begins = part_begins(slices, rows);
+void merge_slices(std::span<const Slice> slices, std::span<std::uint32_t> z, std::span<RowRef> order) {
+    if (order.empty()) return;
+    const std::vector<std::uint32_t> begins = part_begins(slices, order.size());
     const std::size_t parts = begins.size();
     std::vector<std::size_t> bounds((parts + 1) * slices.size());  // of each part, the first row of each slice
-    for (std::size_t s = 0; s < slices.size(); ++s) {
+    tbb::parallel_for(std::size_t{0}, slices.size(), [&](std::size_t s) {
         const auto first = slices[s].rows->z.begin();
         auto from = first + static_cast<std::ptrdiff_t>(slices[s].begin);
         const auto end = first + static_cast<std::ptrdiff_t>(slices[s].end);
@@ -97,7 +95,7 @@ void merge_slices(std::span<const Slice> slices, std::vector<std::uint32_t>& z, 
             bounds[part * slices.size() + s] = static_cast<std::size_t>(from - first);
         }
         bounds[parts * slices.size() + s] = slices[s].end;
-    }
+    });
     const auto bounds_of = [&](std::size_t part) { return std::span(bounds).subspan(part * slices.size(), slices.size()); };
     std::vector<std::size_t> starts = {0};
     for (std::size_t part = 0; part < parts; ++part) {
@@ -105,13 +103,9 @@ void merge_slices(std::span<const Slice> slices, std::vector<std::uint32_t>& z, 
         for (std::size_t s = 0; s < slices.size(); ++s) count += bounds_of(part + 1)[s] - bounds_of(part)[s];
         starts.push_back(starts.back() + count);
     }
-    const std::size_t z_before = z.size(), order_before = order.size();
-    z.resize(z_before + rows);
-    order.resize(order_before + rows);
     tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
         const std::size_t start = starts[part], count = starts[part + 1] - start;
-        sort_part(slices, bounds_of(part), bounds_of(part + 1), std::span(z).subspan(z_before + start, count),
-                  std::span(order).subspan(order_before + start, count));
+        sort_part(slices, bounds_of(part), bounds_of(part + 1), z.subspan(start, count), order.subspan(start, count));
     });
 }
 

@@ -17,8 +17,14 @@ struct Slice {
     std::size_t begin, end;
 };
 
-// Appends the rows of all slices, ascending by (Z prefix, sample), to `z` and `order`. Of equal ones those of an earlier slice come
-// first. Runs on the threads of the arena that it is called in.
-void merge_slices(std::span<const Slice> slices, std::vector<std::uint32_t>& z, std::vector<RowRef>& order);
+inline std::size_t rows_of(std::span<const Slice> slices) {
+    std::size_t rows = 0;
+    for (const Slice& slice : slices) rows += slice.end - slice.begin;
+    return rows;
+}
+
+// Puts the rows of all slices, ascending by (Z prefix, sample), into `z` and `order`, which have room for just them. Of equal ones
+// those of an earlier slice come first. Runs on the threads of the arena that it is called in.
+void merge_slices(std::span<const Slice> slices, std::span<std::uint32_t> z, std::span<RowRef> order);
 
 }  // namespace latent::merge

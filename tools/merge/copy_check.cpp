@@ -53,11 +53,7 @@ Status CopyCheck::arrived(const ByteSource& output) {
         const std::lock_guard lock(mutex);
         if (i < first_wrong) first_wrong = i, wrong = good;
     };
-    if (level_ == VerifyLevel::kFull) {
-        threads_.run([&] { tbb::parallel_for(std::size_t{0}, tasks.size(), check_task); });
-    } else {  // waits for memory, not for the processor
-        for (std::size_t i = 0; i < tasks.size() && first_wrong == tasks.size(); ++i) check_task(i);
-    }
+    threads_.run([&] { tbb::parallel_for(std::size_t{0}, tasks.size(), check_task); });
     for (std::size_t i = 0; i < first_wrong; ++i) {
         if (tasks[i].page != kFrame) continue;
         runs_[sound_++].pages.reset();

@@ -175,10 +175,19 @@ class Output::Appending {
         output_.runs_.push_back(run);
         output_.end_ += header->size();
         for (std::size_t i = group.first; i < group.end; ++i) bytes_done_ += gathering_.runs()[i].header.size();
-        if (Status s = verify_run(view(output_.end_), run, gathering_.job(), output_.level_); !s) {
-            return s.error().at(output_.out_.path().string());
-        }
+        if (Status s = check_new(run); !s) return s.error().at(output_.out_.path().string());
         return true;
+    }
+
+    // Reads a run that was made here, as it stands in the output.
+    Status check_new(const RunInfo& run) {
+        const FileView written = view(output_.end_);
+        if (output_.level_ != VerifyLevel::kStored) return verify_run(written, run, gathering_.job(), output_.level_);
+        Result<RunIndex> index = read_run_index(written, run, gathering_.job());
+        if (!index) return index.error();
+        CopyCheck check(gathering_.job(), output_.level_, output_.threads_);
+        check.expect(run, run.offset, std::make_shared<const std::vector<PageInfo>>(std::move(index->pages)));
+        return check.arrived(written);
     }
 
     // Reads every record of a group's runs. False if some are damaged: they join damaged_.
