@@ -18,11 +18,13 @@ Result<FilmRegion> FilmRegion::from(const std::array<double, 4>& coordinates) {
     return region;
 }
 
-bool FilmRegion::touches(const FilmNode& node) const {
+bool FilmRegion::touches(const FilmNode& node, NodePart part) const {
     const int shift = 32 - node.level;
-    const std::uint64_t left = std::uint64_t{node.x} << shift, top = std::uint64_t{node.y} << shift;
-    const std::uint64_t side = std::uint64_t{1} << shift;
-    return left < u1 && left + side > u0 && top < v1 && top + side > v0;
+    const std::uint64_t side = std::uint64_t{1} << shift, left = std::uint64_t{node.x} << shift;
+    std::uint64_t top = std::uint64_t{node.y} << shift, bottom = top + side;
+    if (part == NodePart::kUpper) bottom -= side / 2;
+    if (part == NodePart::kLower) top += side / 2;
+    return left < u1 && left + side > u0 && top < v1 && bottom > v0;
 }
 
 bool FilmRegion::contains(const FilmNode& node) const {

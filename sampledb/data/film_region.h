@@ -17,8 +17,9 @@ struct FilmRegion {
     static Result<FilmRegion> from(const std::array<double, 4>& coordinates);
 
     bool contains(std::uint32_t u, std::uint32_t v) const { return u >= u0 && u < u1 && v >= v0 && v < v1; }
-    bool touches(const FilmNode& node) const;   // has a position in common with it
-    bool contains(const FilmNode& node) const;  // has all of them
+    // Whether it has a position in common with a node or a part of it, and whether it has all of a node.
+    bool touches(const FilmNode& node, NodePart part = NodePart::kAnywhere) const;
+    bool contains(const FilmNode& node) const;
 };
 
 }  // namespace latent::sampledb

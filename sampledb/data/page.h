@@ -18,10 +18,14 @@ struct FilmNode {
     bool operator==(const FilmNode&) const = default;
 };
 
+// Where in its node a page lies: the film is cut into halves by v, and these into squares.
+enum class NodePart : std::uint8_t { kAnywhere, kUpper, kLower };
+
 // What the index says of a page, before it is decoded.
 struct PageInfo {
     FilmNode node;  // all its records lie in it
     RecordClass record_class;
+    NodePart part = NodePart::kAnywhere;  // as far as it is known: see find_parts
     std::uint32_t record_count;
     std::uint32_t pair_count;    // spectral: pairs of all its records
     std::uint64_t offset;        // absolute in the file

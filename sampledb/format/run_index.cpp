@@ -96,6 +96,21 @@ Bytes encode_run_index(const RunIndex& index, RunHeader& header) {
     return bytes;
 }
 
+void find_parts(std::span<PageInfo> pages) {
+    // Pages are nodes of the binary tree, and named by the smallest square that holds their records. If that square has room for a
+    // neighbour's too, it is larger than the page's node, which is then half of it: no two pages have a position in common, but for
+    // those of the smallest squares.
+    const auto holds = [](const PageInfo& page, const PageInfo& other) {
+        const int finer = other.node.level - page.node.level;
+        return page.node.level < kZPrefixLevels && page.record_class == other.record_class && finer >= 0 &&
+               other.node.x >> finer == page.node.x && other.node.y >> finer == page.node.y;
+    };
+    for (std::size_t i = 0; i + 1 < pages.size(); ++i) {
+        if (holds(pages[i], pages[i + 1])) pages[i].part = NodePart::kUpper;
+        if (holds(pages[i + 1], pages[i])) pages[i + 1].part = NodePart::kLower;
+    }
+}
+
 RunIndexDecoder::RunIndexDecoder(const RunHeader& header, const Job& job, TakePage take)
     : header_(header), job_(job), take_(std::move(take)) {
     intervals_.reserve(header.interval_count);

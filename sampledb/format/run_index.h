@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,10 @@ struct RunIndex {
 Bytes encode_run_index(const RunIndex& index, RunHeader& header);
 // `bytes`: index and padding. Checks everything that the header says about it.
 Result<RunIndex> decode_run_index(ByteSpan bytes, const RunHeader& header, const Job& job);
+
+// Finds out which pages lie in one half of their nodes, from those before and behind them. `pages`: all of a run. docs/format.md,
+// "Pages".
+void find_parts(std::span<PageInfo> pages);
 
 // The same of an index that is read a piece at a time, for it may be long.
 class RunIndexDecoder {

@@ -9,7 +9,8 @@ namespace latent::sampledb {
 
 namespace {
 constexpr std::uint64_t kStretch = 4 << 20;  // bytes that a long read asks for at once
-}
+constexpr std::uint64_t kKeeping = 256;      // bytes of memory beside those of a block
+}  // namespace
 
 Result<RemoteFile> BlockCache::open(const std::string& url) {
     std::promise<Result<Fetched>> promise;
@@ -108,7 +109,7 @@ void BlockCache::finish(const Blocks& blocks, const Result<Fetched>& fetched) {
         blocks_.erase(recent_.front());  // a later read may fare better
         recent_.pop_front();
     }
-    while (recent_.size() * kBlock > kCapacity) {
+    while (recent_.size() * (kBlock + kKeeping) > kCapacity) {
         blocks_.erase(recent_.back());
         recent_.pop_back();
     }

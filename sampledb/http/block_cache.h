@@ -25,10 +25,10 @@ struct RemoteFile {
 // Thread-safe.
 class BlockCache {
  public:
-    static constexpr std::uint64_t kBlock = 4 << 10;       // bytes
+    static constexpr std::uint64_t kBlock = 1 << 10;       // bytes
     static constexpr std::uint64_t kOpening = 16 << 10;    // bytes that a file is opened with: the header, most often
     static constexpr std::uint64_t kTransfer = 128 << 10;  // bytes of neighbours that are asked for at once
-    static constexpr std::uint64_t kCapacity = 32 << 20;   // bytes
+    static constexpr std::uint64_t kCapacity = 32 << 20;   // bytes, with what it takes to keep them
     static constexpr std::uint64_t kMostAhead = 16 << 20;  // bytes on their way, beyond which nothing is announced
     static constexpr std::size_t kConnections = 32;
 

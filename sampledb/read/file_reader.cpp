@@ -242,6 +242,7 @@ Result<RunIndex> read_run_index(const ByteSource& source, const RunInfo& run, co
         return Status{};
     });
     if (!coverage) return coverage.error();
+    find_parts(index.pages);
     index.coverage = std::move(*coverage);
     return index;
 }

@@ -19,7 +19,7 @@ RecordCursor::RecordCursor(const Gathering& gathering, const RecordSelection& se
 
 bool RecordCursor::may_hold(const PageInfo& info) const {
     if (info.record_class == RecordClass::kCamera ? !selection_.camera : !selection_.light) return false;
-    return !selection_.region || selection_.region->touches(info.node);
+    return !selection_.region || selection_.region->touches(info.node, info.part);
 }
 
 void RecordCursor::keep_selected(const PageInfo& info, Page& page) {

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "sampledb/codec/page_decoder.h"
+#include "sampledb/data/film_region.h"
 #include "sampledb/data/z_order.h"
 #include "sampledb/format/frames.h"
 #include "tests/support/synthetic.h"
@@ -273,6 +274,7 @@ TEST(Pages, AreNodesOfTheFilmThatHoldAllTheirRecords) {
     Job job = make_job(RecordKind::kXyz);
     job.positions = {};
     std::mt19937 random(11);
+    std::size_t upper = 0, lower = 0;
     for (const int spread : {0, 8, 20, 32}) {  // all on one spot, clustered, everywhere
         Records records = make_records(job, {0, 40000}, {.light_per_sample = 0});
         for (std::size_t i = 0; i < records.size() / 2; ++i) {
@@ -283,8 +285,9 @@ TEST(Pages, AreNodesOfTheFilmThatHoldAllTheirRecords) {
         }
         const Bytes run = encode(job, Coverage(SampleRange{0, 40000}), records);
         const RunHeader header = *decode_run_header(run);
-        const Result<RunIndex> index = decode_run_index(ByteSpan(run).subspan(header.index_offset()), header, job);
+        Result<RunIndex> index = decode_run_index(ByteSpan(run).subspan(header.index_offset()), header, job);
         ASSERT_TRUE(index);
+        find_parts(index->pages);
         PageDecoder decoder;
         Page page;
         std::uint32_t last_z = 0;
@@ -296,9 +299,22 @@ TEST(Pages, AreNodesOfTheFilmThatHoldAllTheirRecords) {
                 ASSERT_TRUE(info.node.level == 0 || (page.u[i] >> shift == info.node.x && page.v[i] >> shift == info.node.y));
                 ASSERT_LE(last_z, z_prefix(page.u[i], page.v[i]));
                 last_z = z_prefix(page.u[i], page.v[i]);
+                if (info.part == NodePart::kAnywhere) continue;
+                ASSERT_EQ(page.v[i] >> (shift - 1) & 1, info.part == NodePart::kUpper ? 0u : 1u);
             }
+            upper += info.part == NodePart::kUpper;
+            lower += info.part == NodePart::kLower;
         }
     }
+    EXPECT_GT(upper, 3u);
+    EXPECT_GT(lower, 3u);
+}
+
+TEST(Pages, OfOneHalfDoNotTouchRegionsInTheOther) {
+    const FilmNode node{2, 1, 2};  // u in [1/4, 1/2), v in [1/2, 3/4)
+    const FilmRegion above = *FilmRegion::from({0.3, 0.4, 0.4, 0.625}), below = *FilmRegion::from({0.3, 0.625, 0.4, 0.9});
+    EXPECT_TRUE(above.touches(node) && above.touches(node, NodePart::kUpper) && !above.touches(node, NodePart::kLower));
+    EXPECT_TRUE(below.touches(node) && !below.touches(node, NodePart::kUpper) && below.touches(node, NodePart::kLower));
 }
 
 TEST(Pages, ColumnsThatAreNotWantedStayEmptyAndTheOthersAreTheSame) {

@@ -182,7 +182,9 @@ class Engine {
     // Decodes the node's own pages off the front of `room`.
     Status hold_own_pages(const Region& region, std::span<std::byte>& room) {
         std::vector<PageRef> pages;
-        const auto own = [&](const PageInfo& page) { return page.node == region.node; };
+        const auto own = [&](const PageInfo& page) {
+            return page.node == region.node && !intersection(grid_.cells_of(page.node, page.part), region.cells).empty();
+        };
         if (Status s = append_pages(own, pages); !s) return s;
         std::span<const PageRef> rest = pages;
         Result<RecordBatch> batch = load(rest, region.cells, room);
@@ -195,7 +197,7 @@ class Engine {
     // Pages that reach into a region and are not in memory yet.
     auto reaching(const Region& region) const {
         return [this, region](const PageInfo& page) {
-            return !intersection(grid_.cells_of(page.node), region.cells).empty() &&
+            return !intersection(grid_.cells_of(page.node, page.part), region.cells).empty() &&
                    std::ranges::find(held_, page.node, &Held::node) == held_.end();
         };
     }
@@ -203,7 +205,7 @@ class Engine {
     auto reaching_some(const Region& region, std::span<const std::size_t> cells) const {
         return [this, region, cells, pages = reaching(region)](const PageInfo& page) {
             if (page.record_class != RecordClass::kCamera || !pages(page)) return false;
-            const PixelRect reached = grid_.cells_of(page.node);
+            const PixelRect reached = grid_.cells_of(page.node, page.part);
             return std::ranges::any_of(cells, [&](std::size_t cell) {
                 const std::int64_t x = region.cells.x0 + static_cast<std::int64_t>(cell) % region.cells.width();
                 const std::int64_t y = region.cells.y0 + static_cast<std::int64_t>(cell) / region.cells.width();

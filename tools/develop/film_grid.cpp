@@ -89,7 +89,7 @@ PixelRect FilmGrid::inner_cells(const PixelRect& cells) const {
     return inner;
 }
 
-PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node) const {
+PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node, sampledb::NodePart part) const {
     if (node.level >= level_) {
         const int coarser = node.level - level_;
         const auto x = static_cast<std::int64_t>(std::uint64_t{node.x} >> coarser);
@@ -97,8 +97,12 @@ PixelRect FilmGrid::cells_of(const sampledb::FilmNode& node) const {
         return {x, y, x + 1, y + 1};
     }
     const int finer = level_ - node.level;
-    return {std::int64_t{node.x} << finer, std::int64_t{node.y} << finer, (std::int64_t{node.x} + 1) << finer,
-            (std::int64_t{node.y} + 1) << finer};
+    PixelRect cells{std::int64_t{node.x} << finer, std::int64_t{node.y} << finer, (std::int64_t{node.x} + 1) << finer,
+                    (std::int64_t{node.y} + 1) << finer};
+    const std::int64_t half = cells.height() / 2;
+    if (part == sampledb::NodePart::kUpper) cells.y1 -= half;
+    if (part == sampledb::NodePart::kLower) cells.y0 += half;
+    return cells;
 }
 
 }  // namespace latent::develop

@@ -81,7 +81,7 @@ std::uint64_t Loader::bytes_at_most(const sampledb::PageInfo& page, const PixelR
 }
 
 std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const {
-    const PixelRect common = intersection(grid_.cells_of(page.node), cells);
+    const PixelRect common = intersection(grid_.cells_of(page.node, page.part), cells);
     if (common.empty()) return 0;
     if (grid_.level() > kSortedLevels) return page.record_count;
     return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
