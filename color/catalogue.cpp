@@ -121,4 +121,13 @@ Result<Spectrum> lens_filter(std::string_view name) {
     return Spectrum::from_samples(t.column("wavelength_nm"), std::move(value), Outside::kClamped);
 }
 
+std::string listing(std::string_view title, const std::vector<CatalogueEntry>& entries) {
+    std::size_t width = 0;
+    for (const CatalogueEntry& e : entries) width = std::max(width, e.name.size());
+    std::string text = fmt::format("{}:\n", title);
+    for (const CatalogueEntry& e : entries)
+        text += fmt::format("  {:{}}  {}\n  {:{}}  source: {}\n", e.name, width, e.what, "", width, e.source);
+    return text;
+}
+
 }  // namespace latent::color

@@ -21,6 +21,9 @@ struct CatalogueEntry {
 const std::vector<CatalogueEntry>& observer_catalogue();     // the CIE's, cameras, films
 const std::vector<CatalogueEntry>& lens_filter_catalogue();  // wratten-3 .. wratten-99
 
+// A title, and below it the entries with the sources of their numbers, for people to read.
+std::string listing(std::string_view title, const std::vector<CatalogueEntry>& entries);
+
 // Transmittance, 0..1; its end values go on beyond its table. Errors: kNotFound, naming filters that are near.
 Result<Spectrum> lens_filter(std::string_view name);
 

@@ -2,17 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <half.h>
 #include <openexr.h>
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
-#include <cstring>
 #include <span>
 #include <vector>
 
 #include "base/file.h"
+#include "image/exr_channels.h"
 
 namespace latent::image {
 
@@ -63,17 +61,11 @@ struct ExrReader::Scratch::State {
     exr_const_context_t context = nullptr;
     exr_decode_pipeline_t pipeline{};
     Bytes packed;
+    std::vector<float> values;
 
     ~State() {
         if (context != nullptr) exr_decoding_destroy(context, &pipeline);
     }
-};
-
-// Where one of our planes is in each pixel row of the file: bytes per pixel of the channels before it, which are in alphabetic
-// order.
-struct Channel {
-    std::size_t offset = 0;
-    bool half = false;
 };
 
 struct ExrReader::File {
@@ -83,8 +75,8 @@ struct ExrReader::File {
     ExrImage image;
     bool tiled = false;
     int level = 0;
-    std::size_t pixel_bytes = 0;  // of all channels of the file
-    std::array<Channel, 3> channels{};
+    ExrChannels channels;
+    std::vector<std::array<float, 3>> weights{};
 
     ~File() {
         if (context != nullptr) exr_finish(&context);
@@ -94,11 +86,14 @@ struct ExrReader::File {
         return Error{otherwise,
                      fmt::format("{}: {}{}", path.string(), where, fault.theirs.empty() ? "cannot be read" : fault.theirs)};
     }
-    Status read_header(int wanted_level);
+    Status read_header(int wanted_level, ExrContent content);
     Status find_blocks(int wanted_level);
-    Status find_channels();
+    Status find_channels(ExrContent content);
     void read_attributes();
-    void unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to) const;
+    void integrate_row(const std::byte* row, std::size_t width, std::size_t skipped, std::size_t count,
+                       const std::array<float*, 3>& out, std::vector<float>& values) const;
+    void unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to,
+                std::vector<float>& values) const;
     Status read_block(int column, int row, const Rect& area, const Planes& to, Scratch::State& scratch) const;
     Rect block_area(int column, int row) const {
         const Rect& window = image.data_window;
@@ -118,7 +113,12 @@ ExrReader::~ExrReader() = default;
 const ExrImage& ExrReader::image() const { return file_->image; }
 const std::filesystem::path& ExrReader::path() const { return file_->path; }
 
-Result<ExrReader> ExrReader::open(const std::filesystem::path& path, int level) {
+void ExrReader::integrate(std::vector<std::array<float, 3>> weights) {
+    assert(weights.size() == file_->image.emitted_nm.size());
+    file_->weights = std::move(weights);
+}
+
+Result<ExrReader> ExrReader::open(const std::filesystem::path& path, int level, ExrContent content) {
     auto file = std::make_unique<File>();
     Result<latent::File> opened = latent::File::open_read(path);
     if (!opened) return opened.error();
@@ -136,11 +136,11 @@ Result<ExrReader> ExrReader::open(const std::filesystem::path& path, int level) 
             return Error{ErrorCode::kForeign, path.string() + ": not an OpenEXR file"};
         return file->error(ErrorCode::kForeign, "not a readable OpenEXR file: ");
     }
-    if (Status s = file->read_header(level); !s) return s.error();
+    if (Status s = file->read_header(level, content); !s) return s.error();
     return ExrReader(std::move(file));
 }
 
-Status ExrReader::File::read_header(int wanted_level) {
+Status ExrReader::File::read_header(int wanted_level, ExrContent content) {
     const auto unsupported = [&](const std::string& what) { return Error{ErrorCode::kUnsupported, path.string() + ": " + what}; };
     exr_storage_t storage;
     exr_compression_t compression;
@@ -160,7 +160,7 @@ Status ExrReader::File::read_header(int wanted_level) {
     image.data_window = rect_of(data);
     image.display_window = rect_of(display);
     if (Status s = find_blocks(wanted_level); !s) return s;
-    if (Status s = find_channels(); !s) return s;
+    if (Status s = find_channels(content); !s) return s;
     read_attributes();
     return {};
 }
@@ -196,76 +196,68 @@ Status ExrReader::File::find_blocks(int wanted_level) {
     return good ? Status{} : Status{error(ErrorCode::kCorrupt, "header: ")};
 }
 
-Status ExrReader::File::find_channels() {
+Status ExrReader::File::find_channels(ExrContent content) {
     const exr_attr_chlist_t* list = nullptr;
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS) return error(ErrorCode::kCorrupt, "channels: ");
-    const std::span<const exr_attr_chlist_entry_t> entries(list->entries, static_cast<std::size_t>(list->num_channels));
-    const auto find = [&](std::string_view name) {
-        return std::find_if(entries.begin(), entries.end(),
-                            [&](const exr_attr_chlist_entry_t& entry) { return name == entry.name.str; });
-    };
-    const auto all_there = [&](const std::array<const char*, 3>& names) {
-        return std::all_of(names.begin(), names.end(), [&](const char* name) { return find(name) != entries.end(); });
-    };
-    std::array<const char*, 3> names{"R", "G", "B"};
-    if (!all_there(names)) {
-        image.xyz = all_there({"X", "Y", "Z"});
-        names = image.xyz ? std::array{"X", "Y", "Z"} : std::array{"Y", "Y", "Y"};
-    }
-    if (!all_there(names)) {
-        std::string found;
-        for (const exr_attr_chlist_entry_t& entry : entries)
-            found += fmt::format("{}{}", found.empty() ? "" : ", ", entry.name.str);
-        return Error{ErrorCode::kUnsupported,
-                     fmt::format("{}: no channels R, G, B or X, Y, Z; the file has {}", path.string(), found)};
-    }
-    for (std::size_t plane = 0; plane < 3; ++plane) {
-        const auto entry = find(names[plane]);
-        if (entry->pixel_type == EXR_PIXEL_UINT) {
-            return Error{ErrorCode::kUnsupported, fmt::format("{}: channel {} holds integers; only half and float are supported",
-                                                              path.string(), names[plane])};
-        }
-        channels[plane].half = entry->pixel_type == EXR_PIXEL_HALF;
-        for (auto before = entries.begin(); before != entry; ++before)
-            channels[plane].offset += before->pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-    }
-    for (const exr_attr_chlist_entry_t& entry : entries) {
-        pixel_bytes += entry.pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-        if (entry.x_sampling != 1 || entry.y_sampling != 1) {
-            return Error{ErrorCode::kUnsupported,
-                         fmt::format("{}: channel {} is subsampled; convert it to full size first", path.string(), entry.name.str)};
-        }
-    }
+    Result<ExrChannels> found = find_exr_channels(path, {list->entries, static_cast<std::size_t>(list->num_channels)}, content);
+    if (!found) return found.error();
+    channels = *std::move(found);
+    image.has_colour = channels.has_colour;
+    image.xyz = channels.xyz;
+    image.grey = channels.grey;
+    image.emitted_nm = channels.emitted_nm;
     return {};
 }
 
 void ExrReader::File::read_attributes() {
     exr_attr_chromaticities_t c;
     exr_attr_v2f_t neutral;
+    const char* observer = nullptr;
+    std::int32_t length = 0;
     if (exr_attr_get_chromaticities(context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS && !image.xyz) {
         image.chromaticities = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
     }
     if (exr_attr_get_v2f(context, 0, "adoptedNeutral", &neutral) == EXR_ERR_SUCCESS) image.adopted_neutral = {neutral.x, neutral.y};
+    constexpr std::int32_t kLongestName = 200;
+    if (exr_attr_get_string(context, 0, "latentObserver", &length, &observer) == EXR_ERR_SUCCESS && length <= kLongestName) {
+        image.observer.assign(observer, static_cast<std::size_t>(length));
+        std::ranges::replace_if(
+            image.observer, [](char letter) { return letter < ' ' || letter > '~'; }, '?');
+    }
 }
 
 // A block holds its rows one after another, each of them its channels one after another. Takes the wanted part of it out of `rows`,
 // which begin with row `first_row` of the block.
-void ExrReader::File::unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to) const {
+void ExrReader::File::unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to,
+                             std::vector<float>& values) const {
     const std::size_t width = static_cast<std::size_t>(block.width()), skipped = static_cast<std::size_t>(wanted.x0 - block.x0);
     const std::size_t count = static_cast<std::size_t>(wanted.width());
     for (int y = wanted.y0; y < wanted.y1; ++y) {
-        const std::byte* row = rows + static_cast<std::size_t>(y - first_row) * width * pixel_bytes;
+        const std::byte* row = rows + static_cast<std::size_t>(y - first_row) * width * channels.pixel_bytes;
+        const std::array<float*, 3> out{to.at(0, wanted.x0, y), to.at(1, wanted.x0, y), to.at(2, wanted.x0, y)};
+        if (!weights.empty()) {
+            integrate_row(row, width, skipped, count, out, values);
+            continue;
+        }
         for (std::size_t plane = 0; plane < 3; ++plane) {
-            const Channel& channel = channels[plane];
-            const std::byte* from = row + width * channel.offset + skipped * (channel.half ? 2 : 4);
-            float* out = to.at(plane, wanted.x0, y);
-            if (channel.half) {
-                for (std::size_t i = 0; i < count; ++i) out[i] = imath_half_to_float(load_le<imath_half_bits_t>(from + 2 * i));
-            } else if (std::endian::native == std::endian::little) {
-                std::memcpy(out, from, count * sizeof(float));
-            } else {
-                for (std::size_t i = 0; i < count; ++i) out[i] = load_le<float>(from + 4 * i);
-            }
+            const ExrChannel& channel = channels.colour[plane];
+            load_channel(row + width * channel.offset + skipped * (channel.half ? 2 : 4), channel.half, {out[plane], count});
+        }
+    }
+}
+
+// Sums of all channels, in the order of their wavelengths. `values` are kept for the next row.
+void ExrReader::File::integrate_row(const std::byte* row, std::size_t width, std::size_t skipped, std::size_t count,
+                                    const std::array<float*, 3>& out, std::vector<float>& values) const {
+    values.resize(count);
+    for (float* plane : out) std::fill_n(plane, count, 0.0F);
+    for (std::size_t c = 0; c < weights.size(); ++c) {
+        const ExrChannel& channel = channels.emitted[c];
+        load_channel(row + width * channel.offset + skipped * (channel.half ? 2 : 4), channel.half, values);
+        for (std::size_t plane = 0; plane < 3; ++plane) {
+            const float weight = weights[c][plane];
+            if (weight == 0) continue;  // beyond the observer's curves; whatever is there is not seen
+            for (std::size_t i = 0; i < count; ++i) out[plane][i] += weight * values[i];
         }
     }
 }
@@ -278,13 +270,13 @@ Status ExrReader::File::read_block(int column, int row, const Rect& area, const 
     exr_chunk_info_t chunk;
     const exr_result_t found = tiled ? exr_read_tile_chunk_info(context, 0, column, row, level, level, &chunk)
                                      : exr_read_scanline_chunk_info(context, 0, block.y0, &chunk);
-    if (found != EXR_ERR_SUCCESS || chunk.unpacked_size != block.pixels() * pixel_bytes) return failed();
+    if (found != EXR_ERR_SUCCESS || chunk.unpacked_size != block.pixels() * channels.pixel_bytes) return failed();
     if (chunk.packed_size == chunk.unpacked_size) {  // not compressed: read the wanted rows only
-        const std::size_t row_bytes = static_cast<std::size_t>(block.width()) * pixel_bytes;
+        const std::size_t row_bytes = static_cast<std::size_t>(block.width()) * channels.pixel_bytes;
         scratch.packed.resize(row_bytes * static_cast<std::size_t>(wanted.height()));
         const std::uint64_t at = chunk.data_offset + row_bytes * static_cast<std::size_t>(wanted.y0 - block.y0);
         if (Status s = file.read_exact(at, scratch.packed); !s) return s;
-        unpack(scratch.packed.data(), wanted.y0, block, wanted, to);
+        unpack(scratch.packed.data(), wanted.y0, block, wanted, to, scratch.values);
         return {};
     }
     exr_decode_pipeline_t& pipeline = scratch.pipeline;
@@ -298,7 +290,7 @@ Status ExrReader::File::read_block(int column, int row, const Rect& area, const 
         pipeline.unpack_and_convert_fn = nullptr;
     }
     if (exr_decoding_run(context, 0, &pipeline) != EXR_ERR_SUCCESS) return failed();
-    unpack(static_cast<const std::byte*>(pipeline.unpacked_buffer), block.y0, block, wanted, to);
+    unpack(static_cast<const std::byte*>(pipeline.unpacked_buffer), block.y0, block, wanted, to, scratch.values);
     return {};
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "image/rect.h"
@@ -14,27 +16,37 @@ namespace latent::image {
 
 // What the header says of the picture.
 struct ExrImage {
-    Rect data_window;      // pixels that the file stores; of the chosen mip level
-    Rect display_window;   // the whole picture, in the same coordinates
-    int block_width = 0;   // pixels are compressed in blocks of this size that start at the data window's corner:
-    int block_height = 0;  // tiles, or some whole rows
-    int levels = 1;        // mip levels in the file
-    bool xyz = false;      // the channels are X, Y, Z; else linear red, green, blue (or Y alone: grey)
+    Rect data_window;         // pixels that the file stores; of the chosen mip level
+    Rect display_window;      // the whole picture, in the same coordinates
+    int block_width = 0;      // pixels are compressed in blocks of this size that start at the data window's corner:
+    int block_height = 0;     // tiles, or some whole rows
+    int levels = 1;           // mip levels in the file
+    bool has_colour = false;  // there are channels R, G, B; or X, Y, Z; or Y alone (grey)
+    bool xyz = false;         // X, Y, Z
+    bool grey = false;        // Y alone
     // Red, green, blue and white as x, y; absent if the file is silent (or `xyz`).
     std::optional<std::array<float, 8>> chromaticities;
     std::optional<std::array<float, 2>> adopted_neutral;  // x, y of what counts as white in the scene
+    std::string observer;                                 // that it was developed with; "" if the file is silent
+    std::vector<double> emitted_nm{};                     // of channels of emitted light [Fichet21], increasing
 };
+
+enum class ExrContent : std::uint8_t { kColour, kColourOrSpectrum };
 
 class ExrReader {
  public:
-    // Level 0 is the full picture, level n has 1/2^n of its sides. Channels: R, G, B; or X, Y, Z; or Y; half or float.
-    // Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep, subsampled or other channels, DWA), kOutOfRange (no such
-    // level).
-    static Result<ExrReader> open(const std::filesystem::path& path, int level = 0);
+    // Level 0 is the full picture, level n has 1/2^n of its sides. Channels: R, G, B; or X, Y, Z; or Y; or, if wanted, those of a
+    // spectrum; half or float. Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep, subsampled or other channels,
+    // DWA), kUsage (no such level).
+    static Result<ExrReader> open(const std::filesystem::path& path, int level = 0, ExrContent content = ExrContent::kColour);
     ExrReader(ExrReader&&) noexcept;
     ~ExrReader();
 
     const ExrImage& image() const;
+
+    // From now on, planes are sums of the channels of ExrImage::emitted_nm, each of which has three weights.
+    void integrate(std::vector<std::array<float, 3>> weights);
+
     const std::filesystem::path& path() const;
 
     // Buffers of one thread, kept from call to call; they must not outlive the reader.
@@ -50,7 +62,8 @@ class ExrReader {
         std::unique_ptr<State> state_;
     };
 
-    // Reads `area`, which lies in the data window, into three planes whose rows are `row_stride` floats apart. A block that
+    // Reads `area`, which lies in the data window, into three planes whose rows are `row_stride` floats apart: of the colour
+    // channels, unless they are integrated. A block that
     // `area` touches is decoded whole if it is compressed. Errors: kIo, kTruncated, kCorrupt, naming the file and the block.
     Status read(const Rect& area, const std::array<float*, 3>& planes, std::size_t row_stride, Scratch& scratch) const;
 

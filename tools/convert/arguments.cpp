@@ -5,6 +5,7 @@
 #include <array>
 
 #include "base/parse.h"
+#include "color/catalogue.h"
 #include "tools/convert/help.h"
 
 namespace latent::convert {
@@ -19,11 +20,23 @@ Result<std::array<double, 3>> luminances_of(const std::string& text) {
 }  // namespace
 
 void add_arguments(CLI::App& app, ConvertOptions& options) {
-    app.add_option("IMAGE", options.input, "EXR picture, from latent-develop or in linear RGB")->required();
+    app.add_option("IMAGE", options.input, "EXR picture: from latent-develop, in linear RGB, or spectral")->required();
     app.add_option("-o,--output", options.outputs, "file to write; may be repeated")
         ->required()
         ->allow_extra_args(false)
         ->type_name("FILE");
+    app.add_option("--observer", options.observer, "observer, camera or film that sees a spectral picture (default: cie1931)")
+        ->type_name("NAME|FILE.csv");
+    app.add_flag_callback(
+        "--list-observers",
+        [] {
+            cli::print(color::listing("observers (--observer)", color::observer_catalogue()));
+            throw CLI::Success();
+        },
+        "list all observers, cameras and films, with the sources of their numbers");
+    app.add_option("--input-space", options.input_space,
+                   "colour space of the pixels: xyz, or a space as for --profile (default: the picture's own, or srgb)")
+        ->type_name("SPACE");
     auto* sensitivity = cli::add_positive_number(app, "-s,--sensitivity", options.sensitivity,
                                                  "sensitivity of the film; luminance 1/X prints at half of display white");
     cli::add_parsed(

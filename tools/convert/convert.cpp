@@ -144,7 +144,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
 
     const image::ExrImage& image = source->reader.image();
     const Result<std::vector<Exposure>> exposures =
-        exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white});
+        exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white, source->observer});
     if (!exposures) return exposures.error();
     const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof, options.show_clipped,
                             options.gamut_report};
@@ -180,6 +180,8 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.gamut_report = options.gamut_report;
     report.white = *white;
     report.adapt = options.adapt;
+    report.observer = source->observer;
+    report.warnings = std::move(source->warnings);
     return report;
 }
 

@@ -37,6 +37,8 @@ Examples:
       print 16 bits for a wide-gamut display, one stop darker
   latent-convert picture.exr -o lamplight.png --white A
       print a scene lit by incandescent lamps without the orange cast
+  latent-convert spectrum.exr -o canon.png --observer canon_eos_5d
+      print a spectral picture as a camera sees it
   latent-convert picture.exr -o wall.tif --tiles --pyramid
       write a tiled pyramid, as BigTIFF if needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M

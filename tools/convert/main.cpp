@@ -21,6 +21,7 @@ int main(int argc, char** argv) try {
     latent::remove_temporaries_on_signals();
     const auto report = latent::convert::convert(options, cli::progress(common, "printing"));
     if (!report) return cli::fail(report.error());
+    for (const std::string& warning : report->warnings) cli::warn(warning);
     if (report->damaged() > 0) cli::warn(fmt::format("{} pixels were not finite", report->damaged()));
     return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),
                              report->damaged() > 0 ? cli::kDoneWithLosses : cli::kDone);

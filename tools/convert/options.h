@@ -24,6 +24,9 @@ struct ConvertOptions {
     std::filesystem::path input;
     std::vector<std::filesystem::path> outputs;  // the format is the extension's
 
+    std::string observer;     // of a spectral picture: of the catalogue, or a CSV file; "": cie1931
+    std::string input_space;  // of the pixels, whatever the file says: "xyz", or as of color/rgb_space.h; "": the file's
+
     double sensitivity = 1;        // sigma; pushed by `stops`
     std::vector<double> stops{0};  // several: a print for each, with the stops in the names of its files
     bool auto_exposure = false;    // sigma from the picture; then pushed by `stops`
@@ -80,6 +83,8 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::vector<ExposureReport> others;
     int width = 0, height = 0;
     std::string profile, gamut, tone, adapt;
+    std::string observer;  // "": unknown
+    std::vector<std::string> warnings;
     double contrast = 1, black_point = 0;
     bool gamut_report = false;
     color::Chromaticity white;  // that was printed neutral

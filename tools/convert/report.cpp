@@ -50,6 +50,7 @@ std::string to_text(const ConvertReport& r) {
     std::string text = fmt::format("size           {} x {}\n", r.width, r.height);
     text += fmt::format("print          tone {}, gamut {}, {}\nwhite          {}, {}\n", r.tone, r.gamut, r.profile,
                         text_of(r.white), r.adapt);
+    if (!r.observer.empty()) text += fmt::format("observer       {}\n", r.observer);
     if (r.contrast != 1 || r.black_point != 0)
         text += fmt::format("contrast       {}, black below {}\n", r.contrast, r.black_point);
     text += "luminance      ";
@@ -71,6 +72,7 @@ std::string to_json(const ConvertReport& r) {
                                 {"tone", r.tone},        {"contrast", r.contrast},   {"black_point", r.black_point},
                                 {"gamut", r.gamut},      {"profile", r.profile},     {"white", {r.white.x, r.white.y}},
                                 {"adaptation", r.adapt}, {"pixels", r.print.pixels}, {"luminance", luminance}};
+    if (!r.observer.empty()) json["observer"] = r.observer;
     json.update(json_of(r, r.gamut_report));
     json["seconds"] = r.seconds;
     for (const ExposureReport& other : r.others) {

@@ -145,6 +145,7 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
                                                          {"Profile", display.space.name},
                                                          {"White", text_of(picture.white)},
                                                          {"Adaptation", options.adapt}};
+    if (!picture.observer.empty()) all.emplace_back("Observer", picture.observer);
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
     if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
     if (options.show_clipped) all.emplace_back("Shown", "clipped");

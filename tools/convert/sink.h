@@ -36,6 +36,7 @@ struct PrintedPicture {
     image::Rect display_window;  // EXR keeps it
     double sigma = 1;
     color::Chromaticity white;  // printed neutral
+    std::string observer{};     // that the pixels were made for; "": unknown
 };
 
 class Sink {

@@ -2,27 +2,100 @@
 
 #include <fmt/format.h>
 
+#include "color/camera.h"
+#include "color/observer_file.h"
 #include "color/rgb_space.h"
+#include "color/spectral_bins.h"
 
 namespace latent::convert {
 
-Result<Source> open_source(const ConvertOptions& options) {
-    Result<image::ExrReader> reader = image::ExrReader::open(options.input, options.level);
-    if (!reader) return reader.error();
-    const image::ExrImage& image = reader->image();
-    color::Matrix3 xyz_from_file;
-    color::Chromaticity white = color::RgbSpace::srgb().primaries.white;  // of XYZ too, unless the file says another
-    const color::Primaries primaries =
-        image.chromaticities ? color::primaries_of(*image.chromaticities) : color::RgbSpace::srgb().primaries;
-    if (!image.xyz && !color::are_xyz(primaries)) {
+namespace {
+
+// What the three planes of a file are.
+struct Meaning {
+    color::Matrix3 xyz_from_file{};
+    color::Chromaticity white = color::RgbSpace::srgb().primaries.white;
+    std::string observer{};
+    std::vector<std::string> warnings{};
+};
+
+// Luminance in cd/m^2 of 1 W m^-2 sr^-1 nm^-1 over 1 nm where the eye responds most.
+constexpr double kLumensPerWatt = 683;
+
+// Lets the observer look at the spectra of the file.
+Result<Meaning> see_spectra(const ConvertOptions& options, image::ExrReader& reader) {
+    const std::vector<double>& nm = reader.image().emitted_nm;
+    if (!options.input_space.empty())
+        return Error{ErrorCode::kUsage,
+                     fmt::format("--input-space: {} is printed from its spectrum, which needs none", options.input.string())};
+    if (nm.size() < 2)
+        return Error{ErrorCode::kUnsupported,
+                     fmt::format("{}: has a spectrum of a single channel; two or more are needed", options.input.string())};
+    Result<color::Observer> observer = color::observer_by_name_or_file(options.observer);
+    if (!observer) return observer.error().at("--observer");
+    Meaning meaning{.white = observer->neutral(), .observer = observer->name()};
+    if (observer->kind() == color::ObserverKind::kCamera) {
+        const Result<color::CameraFit> fit = color::fit_camera(*observer);
+        if (!fit) return fit.error().at(options.observer).at("--observer");
+        observer = observer->as_eye(fit->xyz_from_rgb);
+    }
+    std::vector<std::array<float, 3>> weights;
+    bool sees = false;
+    for (const std::array<double, 3>& integral : color::bin_integrals(*observer, nm)) {
+        auto& weight = weights.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) weight[c] = static_cast<float>(kLumensPerWatt * integral[c]);
+        sees = sees || integral != std::array<double, 3>{};
+    }
+    if (!sees)
+        return Error{ErrorCode::kOutOfRange, fmt::format("{}: its spectrum, of {:.6g} to {:.6g} nm, is invisible to {}",
+                                                         options.input.string(), nm.front(), nm.back(), observer->name())};
+    reader.integrate(std::move(weights));
+    return meaning;
+}
+
+// Light in some space: as asked for, else as the file says, else in that of sRGB.
+Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage& image) {
+    Meaning meaning{.observer = image.observer};
+    color::Primaries primaries = color::RgbSpace::srgb().primaries;
+    bool xyz = image.xyz;
+    if (!options.input_space.empty()) {
+        xyz = options.input_space == "xyz";
+        const Result<color::RgbSpace> space = xyz ? color::RgbSpace::srgb() : color::RgbSpace::parse(options.input_space);
+        if (!space) return Error{ErrorCode::kUsage, space.error().message + "; or xyz"}.at("--input-space");
+        primaries = space->primaries;
+    } else if (image.chromaticities) {
+        primaries = color::primaries_of(*image.chromaticities);
+    } else if (!xyz && !image.grey) {
+        meaning.warnings.push_back(
+            fmt::format("{}: has no chromaticities, so its R, G, B are taken as those of sRGB; --input-space names another space",
+                        options.input.string()));
+    }
+    if (!xyz && !color::are_xyz(primaries)) {
         const Result<color::RgbSpace> space =
             color::RgbSpace::from_primaries("chromaticities", primaries, color::Transfer::linear());
         if (!space) return space.error().at(options.input.string());
-        xyz_from_file = space->xyz_from_rgb;
-        white = primaries.white;
+        meaning.xyz_from_file = space->xyz_from_rgb;
+        meaning.white = primaries.white;
     }
     if (const auto& neutral = image.adopted_neutral)
-        white = {static_cast<double>((*neutral)[0]), static_cast<double>((*neutral)[1])};
+        meaning.white = {static_cast<double>((*neutral)[0]), static_cast<double>((*neutral)[1])};
+    return meaning;
+}
+
+}  // namespace
+
+Result<Source> open_source(const ConvertOptions& options) {
+    Result<image::ExrReader> reader = image::ExrReader::open(options.input, options.level, image::ExrContent::kColourOrSpectrum);
+    if (!reader) return reader.error();
+    const image::ExrImage& image = reader->image();
+    if (!options.observer.empty() && image.emitted_nm.empty())
+        return Error{ErrorCode::kUsage,
+                     fmt::format("--observer: {} has no spectrum (channels S0.<wavelength>nm); choose the observer in "
+                                 "latent-develop, or write a spectrum with its --spectral-bins",
+                                 options.input.string())};
+    const bool spectral = !options.observer.empty() || !image.has_colour;
+    Result<Meaning> meaning = spectral ? see_spectra(options, *reader) : read_colour(options, image);
+    if (!meaning) return meaning.error();
 
     image::Rect area = image.data_window;
     if (options.crop) {
@@ -33,7 +106,8 @@ Result<Source> open_source(const ConvertOptions& options) {
         }
         area = *options.crop;
     }
-    return Source{std::move(*reader), area, xyz_from_file, white};
+    return Source{std::move(*reader),          area, meaning->xyz_from_file, meaning->white, std::move(meaning->observer),
+                  std::move(meaning->warnings)};
 }
 
 }  // namespace latent::convert

@@ -11,10 +11,13 @@ struct Source {
     image::ExrReader reader;
     image::Rect area;              // the part to print, in the coordinates of the display window
     color::Matrix3 xyz_from_file;  // the identity for a file that holds XYZ
-    color::Chromaticity white;     // what counts as white: the file's adopted neutral, else its white, else D65
+    color::Chromaticity white;     // what counts as white: the file's adopted neutral, else its white, else D65; or the observer's
+    std::string observer{};        // that the pixels were made for; "": unknown
+    std::vector<std::string> warnings{};
 };
 
-// Errors: those of ExrReader::open; kOutOfRange for a crop beyond the pixels that the file holds, naming these.
+// Errors: those of ExrReader::open and of observers; kUsage for a crop beyond the pixels that the file holds, naming these, and for
+// options that do not go with what it holds.
 Result<Source> open_source(const ConvertOptions& options);
 
 }  // namespace latent::convert

@@ -3,35 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
-#include "base/small_file.h"
 #include "color/catalogue.h"
 #include "color/named_spectra.h"
+#include "color/observer_file.h"
 
 namespace latent::develop {
 
 namespace {
 
-constexpr std::uint64_t kMaxObserverFile = 16 << 20;
 constexpr double kLargestFactor = 1e6;
 
 Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
-
-Result<color::Observer> observer_of(const std::string& name) {
-    if (name.empty()) return color::Observer::cie1931();
-    Result<color::Observer> known = color::Observer::by_name(name);
-    if (known) return known;
-    std::error_code ignored;
-    const bool is_file = std::filesystem::exists(name, ignored);
-    if (!is_file && name.ends_with(".csv")) return Error{ErrorCode::kNotFound, name + ": no such file"};
-    if (!is_file) return usage(known.error().message);
-    const Result<std::string> text = read_small_file(name, kMaxObserverFile, "a table of response curves");
-    if (!text) return text.error();
-    Result<color::Observer> observer = color::Observer::from_csv(*text, std::filesystem::path(name).filename().string());
-    if (!observer) return observer.error().at(name);
-    return observer;
-}
 
 double daylight_exposure(const color::Observer& observer) { return color::xyz_from_spectrum(color::illuminant_d65(), observer).y; }
 
@@ -56,18 +39,10 @@ Status put_filter(const ObserverOptions& options, ChosenObserver& chosen) {
     return {};
 }
 
-void append(const char* title, const std::vector<color::CatalogueEntry>& entries, std::string& text) {
-    std::size_t width = 0;
-    for (const color::CatalogueEntry& e : entries) width = std::max(width, e.name.size());
-    text += fmt::format("{}:\n", title);
-    for (const color::CatalogueEntry& e : entries)
-        text += fmt::format("  {:{}}  {}\n  {:{}}  source: {}\n", e.name, width, e.what, "", width, e.source);
-}
-
 }  // namespace
 
 Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
-    Result<color::Observer> found = observer_of(options.name);
+    Result<color::Observer> found = color::observer_by_name_or_file(options.name);
     if (!found) return found.error().at("--observer");
     ChosenObserver chosen{.observer = *std::move(found)};
     const bool camera = chosen.observer.kind() == color::ObserverKind::kCamera;
@@ -95,10 +70,8 @@ Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
 }
 
 std::string list_observers() {
-    std::string text;
-    append("observers (--observer)", color::observer_catalogue(), text);
-    append("filters in front of the lens (--lens-filter)", color::lens_filter_catalogue(), text);
-    return text;
+    return color::listing("observers (--observer)", color::observer_catalogue()) +
+           color::listing("filters in front of the lens (--lens-filter)", color::lens_filter_catalogue());
 }
 
 }  // namespace latent::develop
