@@ -99,7 +99,7 @@ void codes(benchmark::State& state, bool dither, std::int64_t target) {
     PrintReport report;
     make_print(Gamut::kLuminance).row(picture().a, picture().b, picture().c, linear.a, linear.b, linear.c, report);
     std::vector<std::uint8_t> out(3 * kPixels);
-    const Quantiser quantiser{.transfer = Transfer::srgb(), .dither = dither};
+    const Quantiser quantiser{.transfer = Transfer::srgb(), .dither = dither ? Dither::kRandom : Dither::kNone};
     std::uint32_t row = 0;
     for (auto step : state) {
         quantiser.to_8_bits(linear.a, linear.b, linear.c, 0, row++, out);

@@ -8,11 +8,19 @@
 
 namespace latent::color {
 
-// code = floor(encode(v) (2^bits - 1) + h), v clamped to [0,1] (NaN: 0). Without dither h = 1/2; with dither h in [0,1) is a hash
-// of (x, row, channel, seed), so crops, strips and threads give the same bytes, the mean over h is exact, and 0 and 1 stay pure.
+// What rounds code values: advised for 8 bits, needless for 16.
+enum class Dither : std::uint8_t {
+    kNone,
+    kRandom,      // noise of one code, least where a value is a code
+    kTriangular,  // noise of two codes, the same everywhere
+    kBlue,        // a pattern of one code without low frequencies (color/blue_noise.h)
+};
+
+// code = floor(encode(v) (2^bits - 1) + h), v clamped to [0,1] (NaN: 0). Without dither h = 1/2; with dither h depends on (x, row,
+// channel, seed), so crops, strips and threads give the same bytes, the mean over h is exact, and 0 and 1 stay pure.
 struct Quantiser {
     Transfer transfer;
-    bool dither = true;  // advised for 8 bits, needless for 16
+    Dither dither = Dither::kRandom;
     std::uint32_t seed = 0;
 
     // `out` holds 3 code values per pixel, r g b; the first pixel is (x0, row) of the whole picture. Same bits on every processor.
@@ -22,7 +30,7 @@ struct Quantiser {
                     std::uint32_t row, std::span<std::uint16_t> out) const;
 };
 
-// h of one code value: (k + 1/2) / 1024, k = 0..1023; channel 0..2.
+// h of one code value with Dither::kRandom: (k + 1/2) / 1024, k = 0..1023; channel 0..2.
 float dither_value(std::uint32_t x, std::uint32_t row, std::uint32_t channel, std::uint32_t seed);
 
 }  // namespace latent::color

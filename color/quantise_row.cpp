@@ -9,6 +9,8 @@
 #include <array>
 #include <limits>
 
+#include "color/blue_noise.h"
+
 // Mul and Add only, no fused or approximate operation: all instruction sets give the same bits.
 HWY_BEFORE_NAMESPACE();
 namespace latent::color::HWY_NAMESPACE {
@@ -65,38 +67,57 @@ HWY_INLINE V encode(const Transfer& t, V v) {
     return hn::IfThenElse(hn::Eq(x, constant(1)), constant(1), hn::IfThenElseZero(hn::Gt(x, constant(0)), encoded));
 }
 
-template <class Code>
-HWY_INLINE hn::Vec<hn::Rebind<Code, D>> code_of(const QuantiseRowConstants& c, V v, U hash) {
+// mixed_bits of every lane.
+HWY_INLINE U mixed(U hash) {
+    hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85EBCA6BU));
+    hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<13>(hash)), hn::Set(du, 0xC2B2AE35U));
+    return hn::Xor(hash, hn::ShiftRight<16>(hash));
+}
+
+// (k + 1/2) / 1024 of the lowest 10 bits.
+HWY_INLINE V fraction(U hash) {
+    const V field = hn::ConvertTo(d, hn::BitCast(di, hn::And(hash, hn::Set(du, 1023U))));
+    return hn::Mul(hn::Add(field, constant(0.5F)), constant(1.0F / 1024));
+}
+
+// What is added to values 0..most before they are rounded down.
+template <Dither kDither, std::size_t kChannel>
+HWY_INLINE V dither_of(const QuantiseRowConstants& c, V level, float most, std::uint32_t x0, U hash, U second) {
+    if constexpr (kDither == Dither::kNone) return constant(0.5F);
+    if constexpr (kDither == Dither::kBlue) return hn::LoadU(d, c.blue_rows[kChannel] + (x0 + c.blue_x[kChannel]) % kBlueNoiseSize);
+    const V h = fraction(hn::ShiftRight<10 * kChannel>(hash));
+    if constexpr (kDither == Dither::kRandom) return h;
+    // Of two codes where these are there: half a code from the ends it would be cut off, and change the mean.
+    const V both = hn::Sub(hn::Add(h, fraction(hn::ShiftRight<10 * kChannel>(second))), constant(0.5F));
+    return hn::IfThenElse(hn::And(hn::Ge(level, constant(0.5F)), hn::Le(level, constant(most - 0.5F))), both, h);
+}
+
+template <Dither kDither, std::size_t kChannel, class Code>
+HWY_INLINE hn::Vec<hn::Rebind<Code, D>> code_of(const QuantiseRowConstants& c, V v, std::uint32_t x0, U hash, U second) {
     constexpr float kMaxCode = std::numeric_limits<Code>::max();
-    V h = constant(0.5F);
-    if (c.dither) {
-        const V field = hn::ConvertTo(d, hn::BitCast(di, hn::And(hash, hn::Set(du, 1023U))));
-        h = hn::Mul(hn::Add(field, constant(0.5F)), constant(1.0F / 1024));
-    }
-    const V level = hn::Min(hn::Add(hn::Mul(encode(c.transfer, v), constant(kMaxCode)), h), constant(kMaxCode));
-    return hn::DemoteTo(hn::Rebind<Code, D>(), hn::ConvertTo(di, hn::Floor(level)));
+    const V level = hn::Mul(encode(c.transfer, v), constant(kMaxCode));
+    const V sum = hn::Min(hn::Add(level, dither_of<kDither, kChannel>(c, level, kMaxCode, x0, hash, second)), constant(kMaxCode));
+    return hn::DemoteTo(hn::Rebind<Code, D>(), hn::ConvertTo(di, hn::Floor(sum)));
 }
 
-template <class Code>
+template <Dither kDither, class Code>
 HWY_INLINE void quantise_vector(const QuantiseRowConstants& c, V r, V g, V b, std::uint32_t x0, Code* out) {
-    U hash = hn::Xor(hn::Mul(hn::Iota(du, x0), hn::Set(du, kPixelStep)), hn::Set(du, c.row_key));
-    if (c.dither) {  // mixed_bits of every lane
-        hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85EBCA6BU));
-        hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<13>(hash)), hn::Set(du, 0xC2B2AE35U));
-        hash = hn::Xor(hash, hn::ShiftRight<16>(hash));
-    }
-    hn::StoreInterleaved3(code_of<Code>(c, r, hash), code_of<Code>(c, g, hn::ShiftRight<10>(hash)),
-                          code_of<Code>(c, b, hn::ShiftRight<20>(hash)), hn::Rebind<Code, D>(), out);
+    U hash = hn::Zero(du), second = hash;
+    if constexpr (kDither == Dither::kRandom || kDither == Dither::kTriangular)
+        hash = mixed(hn::Xor(hn::Mul(hn::Iota(du, x0), hn::Set(du, kPixelStep)), hn::Set(du, c.row_key)));
+    if constexpr (kDither == Dither::kTriangular) second = mixed(hn::Add(hash, hn::Set(du, kPixelStep)));
+    hn::StoreInterleaved3(code_of<kDither, 0, Code>(c, r, x0, hash, second), code_of<kDither, 1, Code>(c, g, x0, hash, second),
+                          code_of<kDither, 2, Code>(c, b, x0, hash, second), hn::Rebind<Code, D>(), out);
 }
 
-template <class Code>
-void quantise_all(const QuantiseRowConstants& c, const float* r, const float* g, const float* b, std::uint32_t x0,
-                  std::size_t count, Code* out) {
+template <Dither kDither, class Code>
+void quantise_with(const QuantiseRowConstants& c, const float* r, const float* g, const float* b, std::uint32_t x0,
+                   std::size_t count, Code* out) {
     const std::size_t lanes = hn::Lanes(d);
     std::size_t i = 0;
     for (; i + lanes <= count; i += lanes) {
-        quantise_vector(c, hn::LoadU(d, r + i), hn::LoadU(d, g + i), hn::LoadU(d, b + i), x0 + static_cast<std::uint32_t>(i),
-                        out + 3 * i);
+        quantise_vector<kDither>(c, hn::LoadU(d, r + i), hn::LoadU(d, g + i), hn::LoadU(d, b + i),
+                                 x0 + static_cast<std::uint32_t>(i), out + 3 * i);
     }
     if (i < count) {
         std::array<std::array<float, HWY_MAX_BYTES / sizeof(float)>, 3> rest{};
@@ -104,9 +125,24 @@ void quantise_all(const QuantiseRowConstants& c, const float* r, const float* g,
         std::copy(r + i, r + count, rest[0].begin());
         std::copy(g + i, g + count, rest[1].begin());
         std::copy(b + i, b + count, rest[2].begin());
-        quantise_vector(c, hn::LoadU(d, rest[0].data()), hn::LoadU(d, rest[1].data()), hn::LoadU(d, rest[2].data()),
-                        x0 + static_cast<std::uint32_t>(i), rest_out.data());
+        quantise_vector<kDither>(c, hn::LoadU(d, rest[0].data()), hn::LoadU(d, rest[1].data()), hn::LoadU(d, rest[2].data()),
+                                 x0 + static_cast<std::uint32_t>(i), rest_out.data());
         std::copy_n(rest_out.begin(), 3 * (count - i), out + 3 * i);
+    }
+}
+
+template <class Code>
+void quantise_all(const QuantiseRowConstants& c, const float* r, const float* g, const float* b, std::uint32_t x0,
+                  std::size_t count, Code* out) {
+    switch (c.dither) {
+        case Dither::kNone:
+            return quantise_with<Dither::kNone>(c, r, g, b, x0, count, out);
+        case Dither::kRandom:
+            return quantise_with<Dither::kRandom>(c, r, g, b, x0, count, out);
+        case Dither::kTriangular:
+            return quantise_with<Dither::kTriangular>(c, r, g, b, x0, count, out);
+        case Dither::kBlue:
+            return quantise_with<Dither::kBlue>(c, r, g, b, x0, count, out);
     }
 }
 

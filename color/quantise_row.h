@@ -1,17 +1,20 @@
 // color/quantise_row.h: the quantiser's inner loop, one source for every vector width. Only color/quantise.cpp calls it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
-#include "color/transfer.h"
+#include "color/quantise.h"
 
 namespace latent::color {
 
 struct QuantiseRowConstants {
     Transfer transfer;
-    bool dither;
-    std::uint32_t row_key;  // hash of row and seed
+    Dither dither;
+    std::uint32_t row_key;                    // hash of row and seed
+    std::array<const float*, 3> blue_rows{};  // BlueNoiseRow of each channel
+    std::array<std::uint32_t, 3> blue_x{};    // added to x
 };
 
 // The hash behind the dither: the finaliser of MurmurHash3, which mixes every bit of its input into every bit of its output.

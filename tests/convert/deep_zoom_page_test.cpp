@@ -115,7 +115,7 @@ TEST_F(DeepZoomPage, MagnifiedItShowsNeitherSeamsNorBackground) {
     write_picture(folder_ / "plain.exr", {700, 500}, [](int, int) -> std::array<float, 3> { return {0.9f, 1, 1.1f}; });
     ConvertOptions options;
     options.png_tiles = true;
-    options.dither = false;
+    options.dither = color::Dither::kNone;
     ASSERT_TRUE(print("plain.exr", "plain.dzi", options));
     ASSERT_TRUE(print("plain.exr", "plain.png", options));
     const Decoded plain = image::decode_png(folder_ / "plain.png");

@@ -214,7 +214,7 @@ TEST_F(PrinterProfile, CodesAreThoseOfLittleCms) {
     for (const bool compensation : {true, false}) {
         ConvertOptions options;
         options.profile = at("printer.icc");
-        options.dither = false;
+        options.dither = color::Dither::kNone;
         options.replace = true;
         options.rendering.black_point_compensation = compensation;
         const Result<ConvertReport> printed = print("a.exr", "a.png", options);
@@ -254,7 +254,7 @@ TEST_F(PrinterProfile, CodesAreThoseOfLittleCms) {
 // Soft colours of middle lightness are inside both gamuts: there the proof is the print, but for the coarse steps of the tables.
 TEST_F(PrinterProfile, AProofOfColoursThatThePrinterHasIsThePrint) {
     ConvertOptions plain, proof;
-    plain.dither = proof.dither = false;
+    plain.dither = proof.dither = color::Dither::kNone;
     proof.proof = at("printer.icc");
     ASSERT_TRUE(print("a.exr", "1.png", plain));
     const Result<ConvertReport> shown = print("a.exr", "2.png", proof);

@@ -45,7 +45,7 @@ TEST_F(Report, BlackAndBurntPixelsAreThoseOfCodes0And255) {
             options.profile = profile;
             options.tone = tone;
             options.sensitivity = 2;
-            options.dither = false;
+            options.dither = color::Dither::kNone;
             options.replace = true;
             const Result<ConvertReport> report = print("a.exr", "a.png", options);
             ASSERT_TRUE(report);

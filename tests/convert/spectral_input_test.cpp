@@ -86,7 +86,7 @@ class SpectralInput : public PrintTest {
         of_spectrum.observer = observer;
         of_xyz.white = White{neutral};
         for (ConvertOptions* options : {&of_spectrum, &of_xyz}) {
-            options->dither = false;
+            options->dither = color::Dither::kNone;
             options->replace = true;
         }
         const Result<ConvertReport> printed = print(file, "a.png", of_spectrum);

@@ -68,7 +68,7 @@ TEST_F(Whites, LightOfTheWhitePrintsAsTheGreyOfItsLuminance) {
 TEST_F(Whites, TheOwnWhiteByNamePrintsLikeNoWhiteAtAll) {
     write_picture(folder_ / "a.exr", {});
     ConvertOptions options;
-    options.dither = false;
+    options.dither = color::Dither::kNone;
     ASSERT_TRUE(print("a.exr", "default.png", options));
     options.white = *parse_white("D65");
     ASSERT_TRUE(print("a.exr", "d65.png", options));

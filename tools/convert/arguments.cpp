@@ -86,7 +86,16 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
         ->capture_default_str();
     cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
                            "bits per channel (default: 8, or float in EXR, where 16 means half float)");
-    app.add_flag("--dither,!--no-dither", options.dither, "dither 8-bit output (default: on)");
+    auto* dither = cli::add_choice<color::Dither>(app, "--dither", options.dither,
+                                                  {{"none", color::Dither::kNone},
+                                                   {"random", color::Dither::kRandom},
+                                                   {"triangular", color::Dither::kTriangular},
+                                                   {"blue", color::Dither::kBlue}},
+                                                  "dither of 8-bit output: random noise, noise of twice the range that is the "
+                                                  "same at all levels (triangular), or a fine pattern (blue)");
+    app.add_flag_callback(
+           "--no-dither", [&options] { options.dither = color::Dither::kNone; }, "the same as --dither none")
+        ->excludes(dither);
     const auto crop = [](const std::string& text) {
         return parse_crop(text).map([](const auto& c) { return image::Rect{c[0], c[1], c[2], c[3]}; });
     };

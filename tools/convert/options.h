@@ -11,6 +11,7 @@
 
 #include "base/result.h"
 #include "color/print.h"
+#include "color/quantise.h"
 #include "image/rect.h"
 #include "tools/convert/device.h"
 #include "tools/convert/inspection.h"
@@ -41,14 +42,14 @@ struct ConvertOptions {
     std::optional<White> white;      // printed neutral; unless given, the picture's own white
     std::string adapt = "bradford";  // from that white to the display's
 
-    Depth depth = Depth::kDefault;    // 8 for display files, float for EXR; only what the format holds is accepted
-    bool dither = true;               // of 8 bits
-    bool show_clipped = false;        // mark what is burnt, black or out of gamut
-    bool gamut_report = false;        // look for the largest shift of hue
-    std::optional<image::Rect> crop;  // in the coordinates of the display window
-    int level = 0;                    // mip level of the input
-    int dpi = 300;                    // pixels per inch: how large the print is on paper
-    double paper_width_mm = 0;        // instead: its width; 0: not given
+    Depth depth = Depth::kDefault;                  // 8 for display files, float for EXR; only what the format holds is accepted
+    color::Dither dither = color::Dither::kRandom;  // of 8 bits
+    bool show_clipped = false;                      // mark what is burnt, black or out of gamut
+    bool gamut_report = false;                      // look for the largest shift of hue
+    std::optional<image::Rect> crop;                // in the coordinates of the display window
+    int level = 0;                                  // mip level of the input
+    int dpi = 300;                                  // pixels per inch: how large the print is on paper
+    double paper_width_mm = 0;                      // instead: its width; 0: not given
 
     int quality = 90;        // of JPEG
     int png_level = 1;       // of zlib, in PNG and TIFF

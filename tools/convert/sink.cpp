@@ -26,7 +26,7 @@ namespace {
 struct Encoder {
     SampleType sample = SampleType::kU8;
     color::Transfer transfer;
-    bool dither = true;
+    color::Dither dither = color::Dither::kRandom;
     std::shared_ptr<const DeviceTransform> device{};  // instead of `transfer`
 
     // One row of pixels, the first of which is (x0, y) of its level.
@@ -45,7 +45,8 @@ struct Encoder {
     }
 
     void quantise(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const {
-        const color::Quantiser quantiser{transfer, dither && sample == SampleType::kU8, static_cast<std::uint32_t>(level)};
+        const color::Quantiser quantiser{transfer, sample == SampleType::kU8 ? dither : color::Dither::kNone,
+                                         static_cast<std::uint32_t>(level)};
         const std::size_t samples = 3 * rgb[0].size();
         const auto column = static_cast<std::uint32_t>(x0), row = static_cast<std::uint32_t>(y);
         if (sample == SampleType::kU8) {
@@ -177,7 +178,7 @@ Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const PrintedPicture& pic
     }
     return rows_sink(
         image::create_exr(std::move(out), picture.area, picture.display_window, options.depth == Depth::k16, tags, options.threads),
-        picture, Encoder{SampleType::kF32, color::Transfer::linear(), false, {}});
+        picture, Encoder{SampleType::kF32, color::Transfer::linear(), color::Dither::kNone, {}});
 }
 
 Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const PrintedPicture& picture, const image::ImageTags& tags,
