@@ -7,6 +7,11 @@ bool Bsdf::connects(const Vec3f& world_a, const Vec3f& world_b, const Vec3f& a, 
     return (reflects || transmits_) && reflects == (dot(world_a, ng_) * dot(world_b, ng_) > 0);
 }
 
+SampledSpectrum Bsdf::albedo() const {
+    const SampledSpectrum whole = std::visit([](const auto& closure) { return closure.albedo(); }, closure_);
+    return weight_ != nullptr ? whole * *weight_ : whole;
+}
+
 void Bsdf::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     const Vec3f camera = frame_.to_local(w_camera), light = frame_.to_local(w_light);
     if (delta_ || !connects(w_camera, w_light, camera, light)) {

@@ -36,6 +36,10 @@ class Bsdf {
 
     // Directions come from a delta function: nothing can be connected to this vertex.
     bool is_delta() const { return delta_; }
+    // The shading normal.
+    const Vec3f& normal() const { return frame_.z; }
+    // About the share of light that it scatters.
+    SampledSpectrum albedo() const;
     // For whom a light's point is drawn, looked at from wo.
     LightSampleContext light_sample_context(const Vec3f& wo) const { return {face_forward(frame_.z, wo), transmits_}; }
 

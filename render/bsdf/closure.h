@@ -24,6 +24,8 @@ struct ClosureSample {
 //
 //   kTransmits      what it scatters may leave on the other side; otherwise both directions of f and pdf_omega are on one side
 //   is_delta        all directions come from delta functions; f and pdf_omega are not called
+//   albedo          about the share of light that it scatters in each wavelength, whatever the directions: a feature for denoisers,
+//                   which no radiance depends on
 //   disperses       light from w_light to w_camera is refracted by an index that varies: only the kept wavelength is right
 //   multiply_f_cos  value *= f |w_light.z|
 //   pdf_omega       density [1/sr] with which `sample` finds wi
@@ -34,6 +36,7 @@ concept Closure = std::is_trivially_copyable_v<C> && std::is_trivially_destructi
     requires(const C& c, const Vec3f& w, float u, ClosureSample& out, SampledSpectrum& value) {
     { C::kTransmits } -> std::convertible_to<bool>;
     { c.is_delta() } -> std::same_as<bool>;
+    { c.albedo() } -> std::same_as<SampledSpectrum>;
     { c.disperses(w, w) } -> std::same_as<bool>;
     { c.multiply_f_cos(w, w, value) } -> std::same_as<void>;
     { c.pdf_omega(w, w) } -> std::same_as<float>;

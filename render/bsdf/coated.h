@@ -44,6 +44,7 @@ class Coated {
     explicit Coated(const State& state) : state_(&state) {}
 
     bool is_delta() const { return state_->smooth_coat && state_->smooth_base && !state_->layer.albedo; }
+    SampledSpectrum albedo() const { return state_->base.albedo(); }
     bool disperses(const Vec3f&, const Vec3f&) const { return state_->layer.eta && !is_exact(); }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;

@@ -19,6 +19,7 @@ class Conductor {
     // Of a smooth surface, in one wavelength.
     float reflectance(float c, std::uint32_t lane) const { return fresnel_conductor(c, (*eta_)[lane], (*k_)[lane]); }
     bool is_delta() const { return facets_.are_smooth(); }
+    SampledSpectrum albedo() const { return fresnel_conductor(1, *eta_, *k_); }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;

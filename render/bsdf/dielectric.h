@@ -17,6 +17,7 @@ class Dielectric {
         : eta_(&eta), eta_kept_(eta[kept]), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), dispersive_(dispersive) {}
 
     bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_); }
+    SampledSpectrum albedo() const { return SampledSpectrum(1.0f); }
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return dispersive_ && w_camera.z * w_light.z < 0; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;

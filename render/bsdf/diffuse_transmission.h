@@ -2,6 +2,8 @@
 // other. docs/rendering.md, "Surfaces".
 #pragma once
 
+#include <algorithm>
+
 #include "render/bsdf/closure.h"
 
 namespace latent::render {
@@ -13,6 +15,9 @@ class DiffuseTransmission {
     DiffuseTransmission(const SampledSpectrum& reflectance, const SampledSpectrum& transmittance);
 
     bool is_delta() const { return false; }
+    SampledSpectrum albedo() const {
+        return spectrum_of([&](std::uint32_t i) { return std::min((*reflectance_)[i] + (*transmittance_)[i], 1.0f); });
+    }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;

@@ -27,6 +27,7 @@ class MetallicRoughness {
     MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters);
 
     bool is_delta() const { return false; }
+    SampledSpectrum albedo() const { return *base_; }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;

@@ -2,6 +2,8 @@
 // docs/rendering.md, "Surfaces".
 #pragma once
 
+#include <algorithm>
+
 #include "render/bsdf/closure.h"
 
 namespace latent::render {
@@ -16,6 +18,9 @@ class Phong {
     Phong(const SampledSpectrum& diffuse, const SampledSpectrum& specular, float exponent, bool retro = false);
 
     bool is_delta() const { return false; }
+    SampledSpectrum albedo() const {
+        return spectrum_of([&](std::uint32_t i) { return std::min((*diffuse_)[i] + (*specular_)[i], 1.0f); });
+    }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;

@@ -15,6 +15,7 @@ class ThinDielectric {
         : eta_(&eta), eta_kept_(eta[kept]), dispersive_(dispersive) {}
 
     bool is_delta() const { return true; }
+    SampledSpectrum albedo() const { return SampledSpectrum(1.0f); }
     bool disperses(const Vec3f&, const Vec3f&) const { return false; }
     void multiply_f_cos(const Vec3f&, const Vec3f&, SampledSpectrum& value) const { value = SampledSpectrum(0.0f); }
     float pdf_omega(const Vec3f&, const Vec3f&) const { return 0; }

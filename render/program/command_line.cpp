@@ -43,6 +43,9 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_count(app, "--wavelengths", line.settings.wavelengths, "wavelengths per sample", 4u, 32u);
     app.add_flag("--light-groups", line.settings.light_groups,
                  "store the light of lights with different names separately, for latent-develop --light");
+    cli::add_parsed(app, "--aov", line.settings.aovs, parse_aovs,
+                    "also store what each sample sees, for latent-develop --layers: a list of albedo, normal, depth, position, id")
+        ->type_name("albedo,normal,...");
     cli::add_count(app, "--precision", line.settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
     cli::add_count(app, "--seed", line.settings.seed, "random seed; each seed is a separate job with independent samples");

@@ -19,7 +19,8 @@ using sampledb::RecordKind;
 
 // Raw bytes that a sample takes at least, so that S brings runs near their size: one camera record, and for bdpt as much again.
 std::uint64_t bytes_per_sample(const IntegratorSettings& settings, bool splits_wavelengths) {
-    const std::uint64_t fixed = 8 + 1 + 8 + 4;
+    std::uint64_t fixed = 8 + 1 + 8 + 4;
+    for (const sampledb::ExtraColumnSpec& column : aov_columns(settings.aovs)) fixed += sampledb::width(column.type);
     if (splits_wavelengths)  // a camera record for each
         return settings.batch * (fixed + (settings.record == RecordKind::kXyz ? 12 : 2 + 4 + 2 + 4));
     const std::uint64_t record = fixed + (settings.record == RecordKind::kXyz ? 12 : 2 + 4 + 2 + 4 * std::uint64_t{settings.batch});
@@ -48,9 +49,12 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
     out.positions = positions_of(settings.seed);
     out.seed = settings.seed;
     const Resolution pixels = settings.resolution.value_or(Resolution{scene.film.width, scene.film.height});
+    out.aovs = settings.aovs;
     out.textures = {settings.texture_cache, pixels.width, pixels.height};
     return out;
 }
+
+constexpr std::uint64_t kAovTag = 0x616f760000000000;  // "aov": no other field is as large
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
 sampledb::JobId job_id(const Hash128& scene, bool has_textures, const IntegratorSettings& settings,
@@ -67,6 +71,7 @@ sampledb::JobId job_id(const Hash128& scene, bool has_textures, const Integrator
         writer.put(field);
     }
     if (settings.light_groups.any()) writer.put(std::uint64_t{settings.light_groups.count});
+    if (settings.aovs.any()) writer.put(kAovTag | settings.aovs.mask());
     if (has_textures) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
         writer.put(std::uint64_t{settings.textures.height});
@@ -171,6 +176,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     job.run_samples = settings.run_samples != 0 ? settings.run_samples : sampledb::default_run_samples(out->raw_sample_bytes);
     job.positions = integrator_options.positions;
     if (settings.light_groups) job.extra = {{kLightGroupColumn, sampledb::ColumnType::kU8}};
+    for (sampledb::ExtraColumnSpec& column : aov_columns(settings.aovs)) job.extra.push_back(std::move(column));
     job.id = job_id(content, !description.textures.empty(), integrator_options, out->integrator->density(), job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 

@@ -40,6 +40,7 @@ struct RenderSettings {
     std::uint32_t run_samples = 0;                           // 0: such that a run is near 64 MiB
     std::uint64_t texture_cache = std::uint64_t{256} << 20;  // bytes of decoded pictures
     bool light_groups = false;                               // records say whose light they are
+    AovSettings aovs{};                                      // records say what is seen
     std::string simd = "best";                               // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film

@@ -100,6 +100,20 @@ Json json_of_groups(const RenderJob& job) {
     return groups;
 }
 
+// Names of materials by number, as far as there is room, and if any has one.
+Json json_of_materials(const RenderJob& job) {
+    constexpr std::size_t kRoom = std::size_t{64} << 10;
+    Json names = Json::array();
+    std::size_t size = 0;
+    bool any = false;
+    for (const MaterialDescription& material : job.scene.description.materials) {
+        if ((size += material.name.size() + 4) > kRoom) break;
+        names.push_back(material.name);
+        any = any || !material.name.empty();
+    }
+    return any ? names : Json();
+}
+
 }  // namespace
 
 std::string provenance(const RenderJob& job, const RenderSettings& settings, std::uint64_t committed_before) {
@@ -126,6 +140,11 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings, std
     if (settings.shard.count > 1) out["shard"] = fmt::format("{}/{}", settings.shard.index, settings.shard.count);
     out["simd"] = job.settings.simd;
     out["render_epoch"] = kRenderEpoch;
+    if (settings.aovs.any()) out["aovs"] = to_text(settings.aovs);
+    if (settings.aovs.id) {
+        Json names = json_of_materials(job);
+        if (!names.is_null()) out["materials"] = std::move(names);
+    }
     if (!job.light_groups.empty()) out["light_groups"] = json_of_groups(job);
     if (committed_before > 0) out["committed_before"] = committed_before;
     out["host"] = host;

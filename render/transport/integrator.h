@@ -8,6 +8,7 @@
 #include "render/scene/description.h"
 #include "render/scene/light_groups.h"
 #include "render/texture/textures.h"
+#include "render/transport/aov_settings.h"
 #include "sampledb/data/film_position.h"
 #include "sampledb/data/record.h"
 #include "sampledb/data/wavelengths.h"
@@ -28,6 +29,7 @@ struct IntegratorSettings {
     std::string simd = "sse4.2";  // of Geometry; no record depends on it
     TextureSettings textures{};
     LightGroups light_groups{};
+    AovSettings aovs{};
 };
 
 // Radiance that no light can have: each such record was stored as black.

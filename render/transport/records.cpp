@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace latent::render {
@@ -25,36 +26,43 @@ SampledSpectrum only_at(const SampledSpectrum& value, std::uint32_t i) {
     return out;
 }
 
+const Seen kNothingSeen;  // by a light record
+
 }  // namespace
 
-RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups) : kind_(kind), with_groups_(with_groups) {
+RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups, const AovSettings& aovs)
+    : kind_(kind), with_groups_(with_groups), aovs_(aovs) {
+    if (with_groups) columns_.push_back({kLightGroupColumn, sampledb::ColumnType::kU8, {}});
+    for (const sampledb::ExtraColumnSpec& column : aov_columns(aovs)) columns_.push_back({column.name, column.type, {}});
     for (std::size_t c = 0; c < 3; ++c) {
         const color::IntegerNmSpectrum curve = color::sampled_at_integer_nm(color::Observer::cie1931().curve(static_cast<int>(c)));
         for (std::size_t i = 0; i < observer_.size(); ++i) observer_[i][c] = curve.value[i];
     }
 }
 
-void RecordMaker::camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
-                         std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults, std::uint32_t only) const {
-    put_groups(n, u, v, sampledb::RecordClass::kCamera, radiance, w, kept, only, out, faults);
+void RecordMaker::camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Seen& seen,
+                         const Wavelengths& w, std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults,
+                         std::uint32_t only) const {
+    put_groups(n, u, v, sampledb::RecordClass::kCamera, radiance, seen, w, kept, only, out, faults);
 }
 
 void RecordMaker::light(std::uint64_t n, float u, float v, const Radiance& radiance, const Wavelengths& w, std::uint32_t kept,
                         sampledb::Records& out, RadianceFaults& faults, std::uint32_t only) const {
     put_groups(n, static_cast<std::uint32_t>(u * 0x1p32f), static_cast<std::uint32_t>(v * 0x1p32f), sampledb::RecordClass::kLight,
-               radiance, w, kept, only, out, faults);
+               radiance, kNothingSeen, w, kept, only, out, faults);
 }
 
 void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class,
-                             const Radiance& radiance, const Wavelengths& w, std::uint32_t kept, std::uint32_t only,
-                             sampledb::Records& out, RadianceFaults& faults) const {
+                             const Radiance& radiance, const Seen& seen, const Wavelengths& w, std::uint32_t kept,
+                             std::uint32_t only, sampledb::Records& out, RadianceFaults& faults) const {
     const bool camera = record_class == sampledb::RecordClass::kCamera, all = only == kAllWavelengths;
     float share = !camera ? 0.0f : all ? 1.0f : 1 / static_cast<float>(w.k);  // of the first record of the position
     bool any = false;
-    const auto note_group = [&](std::uint32_t group) {
-        if (!with_groups_) return;
-        if (out.extra.empty()) out.extra.push_back({kLightGroupColumn, sampledb::ColumnType::kU8, {}});
-        out.extra[0].values.push_back(static_cast<std::byte>(group));
+    const auto fill_extra = [&](std::uint32_t group) {
+        if (columns_.empty()) return;
+        if (out.extra.empty()) out.extra = columns_;
+        if (with_groups_) out.extra[0].values.push_back(static_cast<std::byte>(group));
+        append(aovs_, seen, std::span(out.extra).subspan(with_groups_ ? 1 : 0));
     };
     for (std::uint32_t group = 0; group < radiance.groups(); ++group) {
         const RadianceSum& sum = radiance.of(group);
@@ -62,12 +70,12 @@ void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, 
         if (!all) power = only_at(power, only);
         if (!is_valid(power, faults) || power.is_black()) continue;
         put(n, u, v, record_class, std::exchange(share, 0.0f), sum.has_all && all, &power, w, all ? kept : only, out);
-        note_group(group);
+        fill_extra(group);
         any = true;
     }
     if (any || !camera) return;
     put(n, u, v, record_class, share, false, nullptr, w, kept, out);
-    note_group(0);
+    fill_extra(0);
 }
 
 // `power`: null for a black record.

@@ -6,6 +6,7 @@
 #include "color/observer.h"
 #include "render/scene/light_groups.h"
 #include "render/spectral/spectra.h"
+#include "render/transport/aovs.h"
 #include "render/transport/integrator.h"
 
 namespace latent::render {
@@ -52,24 +53,26 @@ inline constexpr std::uint32_t kAllWavelengths = 0xFFFFFFFF;
 // black. Of a lens that splits wavelengths, each has records of its own, all of them together the sample's share.
 class RecordMaker {
  public:
-    RecordMaker(sampledb::RecordKind kind, bool with_groups);
+    RecordMaker(sampledb::RecordKind kind, bool with_groups, const AovSettings& aovs);
 
     // Radiance that no light can have is counted and stored as black (camera) or not at all (light).
-    // `only`: the wavelength that goes to this film position, or all.
-    void camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Wavelengths& w,
+    // `only`: the wavelength that goes to this film position, or all. `seen`: if AOVs are wanted.
+    void camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Seen& seen, const Wavelengths& w,
                 std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults, std::uint32_t only = kAllWavelengths) const;
     void light(std::uint64_t n, float u, float v, const Radiance& radiance, const Wavelengths& w, std::uint32_t kept,
                sampledb::Records& out, RadianceFaults& faults, std::uint32_t only = kAllWavelengths) const;
 
  private:
     void put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, const Radiance& radiance,
-                    const Wavelengths& w, std::uint32_t kept, std::uint32_t only, sampledb::Records& out,
+                    const Seen& seen, const Wavelengths& w, std::uint32_t kept, std::uint32_t only, sampledb::Records& out,
                     RadianceFaults& faults) const;
     void put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share, bool has_all,
              const SampledSpectrum* power, const Wavelengths& w, std::uint32_t kept, sampledb::Records& out) const;
 
     sampledb::RecordKind kind_;
     bool with_groups_;
+    AovSettings aovs_;
+    std::vector<sampledb::ExtraColumn> columns_;  // of these, without values
     // CIE 1931 at integer nm: its three values side by side, and a fourth, 0, for vectors.
     std::array<std::array<float, 4>, color::kIntegerNmCount> observer_{};
 };

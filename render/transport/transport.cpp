@@ -12,7 +12,8 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       density_(wavelength_density(world_->lights().spectra())),
       wavelengths_(density_, settings.batch),
       sampler_(settings.seed, important_dimensions(*world_), shared_dimensions()),
-      records_(settings.record, settings.light_groups.any()),
+      records_(settings.record, settings.light_groups.any(), settings.aovs),
+      aovs_(*world_, settings.aovs, settings.max_depth),
       spectra_([this] { return SampledSpectra(world_->library()); }) {}
 
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
@@ -27,7 +28,8 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     if (world_->camera().splits_wavelengths()) return trace_split(sample, film.u * 0x1p-32, film.v * 0x1p-32, out, faults);
     Radiance camera(settings_.light_groups);
     trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, false, camera, out, faults);
-    records_.camera(n, film.u, film.v, camera, spectra.wavelengths, kept, out, faults);
+    const Seen seen = settings_.aovs.any() ? aovs_.look(sample, film.u * 0x1p-32, film.v * 0x1p-32) : Seen{};
+    records_.camera(n, film.u, film.v, camera, seen, spectra.wavelengths, kept, out, faults);
 }
 
 // The film points of all wavelengths are spread evenly over the film: one that lies beyond an edge comes back over the opposite
@@ -52,13 +54,14 @@ void Transport::trace_split(SampleState& sample, double u, double v, sampledb::R
         const Place ray = place_of(i);
         Radiance radiance(settings_.light_groups);
         trace_paths(sample, u - ray.rounds_u, v - ray.rounds_v, again, radiance, out, faults);
+        const Seen seen = settings_.aovs.any() ? aovs_.look(sample, u - ray.rounds_u, v - ray.rounds_v) : Seen{};
         again = true;
         for (std::uint32_t j = i; j < w.k; ++j) {
             const Place place = place_of(j);
             if (!(place == ray)) continue;
             const auto fixed = [](double x) { return static_cast<std::uint32_t>(std::min(x * 0x1p32, 0x1p32 - 1)); };
-            records_.camera(sample.numbers.sample(), fixed(place.u - place.rounds_u), fixed(place.v - place.rounds_v), radiance, w,
-                            sample.kept, out, faults, j);
+            records_.camera(sample.numbers.sample(), fixed(place.u - place.rounds_u), fixed(place.v - place.rounds_v), radiance,
+                            seen, w, sample.kept, out, faults, j);
             recorded[j] = true;
         }
     }

@@ -52,6 +52,7 @@ class Transport : public Integrator {
     WavelengthSampler wavelengths_;
     Sampler sampler_;
     RecordMaker records_;
+    Aovs aovs_;
     mutable tbb::enumerable_thread_specific<SampledSpectra> spectra_;  // caches of single samples: nothing outlives one
 };
 

@@ -14,6 +14,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     std::unique_ptr<World> world(new World(*camera, Footprint(scene.camera, settings.width > 0 ? settings.width : scene.film.width,
                                                               settings.height > 0 ? settings.height : scene.film.height)));
 
+    world->origin_ = scene.origin;
     Result<Textures> textures = Textures::build(scene, settings.cache_bytes, world->library_);
     if (!textures) return textures.error();
     world->textures_ = std::move(*textures);

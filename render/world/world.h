@@ -30,6 +30,8 @@ class World {
 
     const Geometry& geometry() const { return *geometry_; }
     const Camera& camera() const { return camera_; }
+    // A point as the scene's files have it.
+    Vec3d in_file(const Vec3f& p) const { return Vec3d(p) + origin_; }
     const LightSet& lights() const { return *lights_; }
     const SpectrumLibrary& library() const { return library_; }
     const Medium& medium(std::uint32_t i) const { return *media_[i]; }
@@ -62,6 +64,7 @@ class World {
                  LineOfSight& line) const;
 
     Camera camera_;
+    Vec3d origin_;
     Footprint footprint_;
     SpectrumLibrary library_;
     Textures textures_;

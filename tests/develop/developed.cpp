@@ -51,7 +51,7 @@ Developed develop_in_memory(const sampledb::Gathering& gathering, Settings setti
                             const Layers& layers) {
     auto channels = Channels::xyz(gathering.job(), observer);
     EXPECT_TRUE(channels);
-    channels->add_layers(layers);
+    EXPECT_TRUE(channels->add_layers(gathering.job(), layers));
     MemoryPicture picture(settings.crop, channels->layout().outputs());
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(threads).run([&] { counts = develop(gathering, *channels, settings, picture); });

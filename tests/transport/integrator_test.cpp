@@ -200,7 +200,7 @@ TEST(Records, FaultsAreCountedAndKeptOut) {
     Wavelengths w;
     sampler.draw(12345, w);
     for (const sampledb::RecordKind kind : {sampledb::RecordKind::kSpectral, sampledb::RecordKind::kXyz}) {
-        const RecordMaker maker(kind, false);
+        const RecordMaker maker(kind, false, {});
         const LightGroups none;
         sampledb::Records r;
         RadianceFaults faults;
@@ -209,7 +209,7 @@ TEST(Records, FaultsAreCountedAndKeptOut) {
             SampledSpectrum value(1.0f);
             value[7] = bad;
             radiance.add(value, false, 0, 28, kNone);
-            maker.camera(1, 2, 3, radiance, w, 0, r, faults);
+            maker.camera(1, 2, 3, radiance, {}, w, 0, r, faults);
             maker.light(1, 0.5f, 0.5f, radiance, w, 0, r, faults);
         }
         EXPECT_EQ(faults.nan, 2u);

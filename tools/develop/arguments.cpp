@@ -138,8 +138,9 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     };
     cli::add_parsed(
         app, "--layers", options.layers, layers,
-        "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples)")
-        ->type_name("variance,weight,count");
+        "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); of "
+        "files rendered with --aov: albedo, normal, depth, position, id")
+        ->type_name("variance,albedo,...");
     app.add_flag("--halves", options.layers.halves,
                  "also store the picture of each half of the samples; their difference shows the noise");
     app.add_flag("--dim-fireflies", options.dim_fireflies,

@@ -27,6 +27,14 @@ void Channels::see_through(const color::Observer* observer, GroupLight& light) c
         light.response = BatchResponse(density_, batch_, *observer);
 }
 
+Status Channels::add_layers(const sampledb::Job& job, const Layers& layers) {
+    Result<AovColumns> aovs = AovColumns::find(job, layers);
+    if (!aovs) return aovs.error();
+    aovs_ = *aovs;
+    layout_.layers = layers;
+    return {};
+}
+
 Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors) {
     const auto column = std::ranges::find(job.extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name);
     if (column == job.extra.end() || factors.empty()) return {};
@@ -112,7 +120,8 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const Spectra
 }
 
 sampledb::ColumnSet Channels::columns() const {
-    return {.samples = layout_.layers.by_sample() || layout_.layers.halves, .extra = group_column_.has_value()};
+    return {.samples = layout_.layers.by_sample() || layout_.layers.halves,
+            .extra = group_column_.has_value() || layout_.layers.aovs()};
 }
 
 const Channels::GroupLight& Channels::light_of(const sampledb::Page& page, std::size_t row) const {
@@ -207,6 +216,7 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
             if (!std::isfinite(share)) share = 0;
         }
         out[n] = share;
+        if (layout_.layers.aovs() && share > 0) aovs_.fill(page, row, share, layout_, out);
         if (white_ && share > 0) {
             const std::array<float, 3> white = (*white_)(page.xi[row]);
             for (int c = 0; c < n; ++c) out[layout_.divisor(c)] = share * white[static_cast<std::size_t>(c)];

@@ -12,6 +12,7 @@
 #include "color/observer.h"
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
+#include "tools/develop/aov_columns.h"
 #include "tools/develop/batch_response.h"
 #include "tools/develop/layers.h"
 #include "tools/develop/light_mix.h"
@@ -34,7 +35,8 @@ class Channels {
     // Mean spectral radiance of each bin in W m^-2 sr^-1 nm^-1. Errors: kUsage for XYZ jobs.
     static Result<Channels> spectral_bins(const sampledb::Job& job, const SpectralBins& bins);
 
-    void add_layers(const Layers& layers) { layout_.layers = layers; }
+    // Errors: of AovColumns.
+    Status add_layers(const sampledb::Job& job, const Layers& layers);
     // Multiplies the records of each group of lights. Errors: kUsage for curves in XYZ jobs.
     Status mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors);
 
@@ -74,8 +76,9 @@ class Channels {
     float bins_from_ = 0, bins_to_ = 0, bins_per_nm_ = 0;
     float bin_scale_ = 1;  // from a power to what it adds to the mean of its bin
     sampledb::WavelengthDensity density_;
-    std::vector<GroupLight> lights_{1};        // by number of their group; the last one is that of all further groups
-    std::optional<BatchWhite> white_;          // of the ratio estimator
+    std::vector<GroupLight> lights_{1};  // by number of their group; the last one is that of all further groups
+    std::optional<BatchWhite> white_;    // of the ratio estimator
+    AovColumns aovs_;
     std::optional<std::size_t> group_column_;  // among the extra ones; none: all light is alike
 };
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace latent::develop {
 
 namespace {
@@ -12,6 +15,10 @@ std::uint64_t mix(std::uint64_t z) {
     return z ^ (z >> 31);
 }
 
+constexpr std::pair<std::string_view, bool Layers::*> kNames[] = {
+    {"variance", &Layers::variance}, {"weight", &Layers::weight}, {"count", &Layers::count},       {"albedo", &Layers::albedo},
+    {"normal", &Layers::normal},     {"depth", &Layers::depth},   {"position", &Layers::position}, {"id", &Layers::id}};
+
 }  // namespace
 
 Result<Layers> parse_layers(std::string_view text) {
@@ -19,12 +26,11 @@ Result<Layers> parse_layers(std::string_view text) {
     for (std::string_view rest = text;;) {
         const std::size_t comma = rest.find(',');
         const std::string_view name = rest.substr(0, comma);
-        bool* const layer = name == "variance" ? &layers.variance
-                            : name == "weight" ? &layers.weight
-                            : name == "count"  ? &layers.count
-                                               : nullptr;
-        if (layer == nullptr) return Error{ErrorCode::kUsage, fmt::format("'{}' is not a layer (try variance,weight,count)", name)};
-        *layer = true;
+        const auto* const layer = std::ranges::find(kNames, name, &std::pair<std::string_view, bool Layers::*>::first);
+        if (layer == std::end(kNames))
+            return Error{ErrorCode::kUsage,
+                         fmt::format("'{}' is not a layer (try variance,weight,count,albedo,normal,depth,position,id)", name)};
+        layers.*layer->second = true;
         if (comma == std::string_view::npos) return layers;
         rest.remove_prefix(comma + 1);
     }
@@ -52,6 +58,14 @@ std::vector<std::string> RowLayout::names(const std::vector<std::string>& channe
     if (layers.weight) all.emplace_back("weight");
     if (layers.count) all.emplace_back("count");
     if (layers.halves) add("half0"), add("half1");
+    const auto add_aov = [&](bool wanted, std::initializer_list<const char*> names) {
+        if (wanted) all.insert(all.end(), names.begin(), names.end());
+    };
+    add_aov(layers.albedo, {"albedo.R", "albedo.G", "albedo.B"});
+    add_aov(layers.normal, {"N.X", "N.Y", "N.Z"});
+    add_aov(layers.depth, {"Z"});
+    add_aov(layers.position, {"P.X", "P.Y", "P.Z"});
+    add_aov(layers.id, {"id.object", "id.material"});
     return all;
 }
 

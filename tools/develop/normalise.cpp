@@ -1,6 +1,9 @@
 #include "tools/develop/normalise.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "color/rgb_space.h"
 
 namespace latent::develop {
 
@@ -38,6 +41,28 @@ std::size_t normalise_any(const SumRow& row, float* out) {
     return normalise<kCamera, kLight>(row, layout.stride(), layout.channels, out);
 }
 
+constexpr double kLeastShareOfHits = 1e-3;  // below, depths are those of nothing: a filter with negative lobes sums up to anything
+
+// AOVs of a pixel; null: it has too little weight.
+void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
+    const Layers& layers = layout.layers;
+    const auto put = [&out](double value) { *out++ = static_cast<float>(value); };
+    const auto mean = [&](int lane) { return camera ? camera[lane] / camera[layout.share()] : 0; };
+    if (layers.albedo) {  // linear sRGB within [0,1], which is what denoisers take
+        const int at = layout.albedo();
+        for (const double x : color::RgbSpace::srgb().rgb_from_xyz* std::array{mean(at), mean(at + 1), mean(at + 2)})
+            put(std::clamp(x, 0.0, 1.0));
+    }
+    for (int i = 0; i < 3 && layers.normal; ++i) put(mean(layout.normal() + i));
+    // Of what is hit: its mean, where it has some share of the pixel.
+    const auto mean_of_hits = [&](int lane, int hits, double none) {
+        return mean(hits) >= kLeastShareOfHits ? camera[lane] / camera[hits] : none;
+    };
+    if (layers.depth) put(mean_of_hits(layout.depth(), layout.depth() + 1, std::numeric_limits<double>::infinity()));
+    for (int i = 0; i < 3 && layers.position; ++i) put(mean_of_hits(layout.position() + i, layout.position() + 3, 0));
+    for (int i = 1; i < 3 && layers.id; ++i) put(camera ? camera[layout.chosen() + i] : 0);
+}
+
 // A pixel and all that goes with it; null sums are zeros. True if it has enough weight.
 bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const double* light, float* out) {
     const RowLayout& layout = row.layout;
@@ -72,6 +97,7 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
             put(from_camera + (light ? sum_of(light, c) * row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)] : 0));
         }
     }
+    if (layout.layers.aovs()) finish_aovs(layout, enough ? camera : nullptr, out);
     return enough;
 }
 

@@ -171,7 +171,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     if (!channels) return channels.error();
     Layers layers = options.layers;
     layers.samples = options.dim_fireflies;
-    channels->add_layers(layers);
+    if (Status s = channels->add_layers(job, layers); !s) return s.error();
     if (options.ratio) {
         if (Status s = channels->use_ratio(); !s) return s.error();
     }

@@ -28,9 +28,6 @@ void for_rows(const PixelRect& pixels, int stride, const PixelRect& from_rect, F
     }
 }
 
-void add_doubles(const double* from, double* to, std::int64_t count) {
-    for (std::int64_t i = 0; i < count; ++i) to[i] += from[i];
-}
 void copy_doubles(const double* from, double* to, std::int64_t count) { std::copy_n(from, count, to); }
 
 PixelRect moved(const PixelRect& r, std::int64_t x, std::int64_t y) { return {r.x0 + x, r.y0 + y, r.x1 + x, r.y1 + y}; }
@@ -58,7 +55,8 @@ void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const Pi
         pass_on(fireflies_, cell_x, cell_y, kCamera, found, [&](const RecordColumns& columns, std::span<const Segment> segments) {
             splat_patch(filter_, lanes_, Weights::kPositive, columns, segments, moved(part, -window.x0, -window.y0), patch.data());
         });
-        for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(), add_doubles);
+        for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(),
+                 [&](const double* from, double* to, std::int64_t count) { add_sums(lanes_, from, to, count); });
     });
 }
 
@@ -162,7 +160,8 @@ void PositiveWindows::add(std::int64_t cell_x, std::int64_t cell_y, const PixelR
     const auto cell = static_cast<std::size_t>((cell_y - cells_.y0) * cells_.width() + (cell_x - cells_.x0));
     const Window& held = windows_[cell];
     assert(held.sums);
-    for_rows(pixels, stride_, window(cell), static_cast<const double*>(held.sums), pixels, sums.data(), add_doubles);
+    for_rows(pixels, stride_, window(cell), static_cast<const double*>(held.sums), pixels, sums.data(),
+             [&](const double* from, double* to, std::int64_t count) { add_sums(lanes_, from, to, count); });
 }
 
 }  // namespace latent::develop

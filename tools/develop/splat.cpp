@@ -26,6 +26,7 @@ struct Shape {
     Lanes lanes;
     int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
     int stride() const { return kStrideOrZero > 0 ? kStrideOrZero : lanes.stride(); }
+    int added() const { return kStrideOrZero > 0 ? kStrideOrZero : lanes.added(); }
     // Weight of a lane where the filter weighs w. What is known when compiled has linear lanes alone.
     HWY_INLINE double weight(double w, int lane) const {
         if (kStrideOrZero > 0 || lane < lanes.linear) return w;
@@ -56,7 +57,7 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
                     double* HWY_RESTRICT window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
-    for (int lane = 0; lane < shape.stride(); lane += static_cast<int>(hn::Lanes(d))) {
+    for (int lane = 0; lane < shape.added(); lane += static_cast<int>(hn::Lanes(d))) {
         auto s = hn::PromoteTo(d, hn::LoadU(df, values + lane));
         if constexpr (Shape::kWeights == Weights::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side())));
         double* row = window + lane;
@@ -86,6 +87,14 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
                 for (int x = 0; x < shape.side(); ++x) add_pixel(x);
             }
         }
+    }
+    if (!Shape::kMayBeSquared || shape.lanes.chosen == 0) return;
+    double* row = window + shape.added();
+    const float* chosen = values + shape.added();
+    for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.stride(), weights += shape.side()) {
+        for (int x = 0; x < shape.side(); ++x)
+            choose(weights[x] * static_cast<double>(chosen[0]), static_cast<double>(chosen[1]), static_cast<double>(chosen[2]),
+                   row + x * shape.stride());
     }
 }
 
@@ -181,19 +190,26 @@ void splat_records(const Shape& shape, const FilterKernel& filter, const RecordC
     }
 }
 
-// The box: each record counts for the pixel that it lies in, with weight 1, which is also the sum of its weights.
-void splat_box(int stride, const RecordColumns& records, std::span<const Segment> segments, double* window,
+// The box: each record counts for the pixel that it lies in, with weight 1, which is also the sum of its weights. The record that
+// is chosen is the one nearest to the centre.
+void splat_box(const Lanes& lanes, const RecordColumns& records, std::span<const Segment> segments, double* window,
                std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
     Block block;
+    const int stride = lanes.stride(), added = lanes.added();
     for (BlockReader reader(records, segments, row_pixels, stride); reader.read(kHalf, block);) {
         for (std::size_t i = 0; i < block.count; ++i) {
             double* const sums = window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(stride);
-            for (int lane = 0; lane < stride; lane += static_cast<int>(hn::Lanes(d))) {
+            for (int lane = 0; lane < added; lane += static_cast<int>(hn::Lanes(d))) {
                 const auto s = hn::PromoteTo(d, hn::LoadU(df, block.values[i] + lane));
                 hn::StoreU(hn::Add(hn::LoadU(d, sums + lane), s), d, sums + lane);
             }
+            if (lanes.chosen == 0) continue;
+            const float* const chosen = block.values[i] + added;
+            const float x = block.gx[i] - 0.5f, y = block.gy[i] - 0.5f;
+            choose(static_cast<double>((1 - (x * x + y * y)) * chosen[0]), static_cast<double>(chosen[1]),
+                   static_cast<double>(chosen[2]), sums + added);
         }
     }
 }
@@ -209,7 +225,7 @@ void Splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, cons
             case Form::kSeparable:
                 return splat_records<Form::kSeparable>(shape, filter, records, segments, window, row_pixels);
             case Form::kBox:
-                return splat_box(shape.stride(), records, segments, window, row_pixels);
+                return splat_box(shape.lanes, records, segments, window, row_pixels);
         }
     };
     const int side = filter.covered;

@@ -34,7 +34,8 @@ enum class Weights : std::uint8_t {
 };
 
 // Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has a sum in float64 for each lane:
-// of w s, w^2 s or s.
+// of w s, w^2 s or s; or
+// what was chosen (layers.h).
 void splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
            std::span<const Segment> segments, double* window, std::size_t row_pixels);
 

@@ -1,0 +1,28 @@
+// tools/develop/aov_columns.h: what samples see beside light: columns of records become lanes of rows. docs/developing.md, "AOVs".
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "base/result.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
+#include "tools/develop/layers.h"
+
+namespace latent::develop {
+
+class AovColumns {
+ public:
+    // The columns that these layers need. Errors: kUsage: the job has none of that name.
+    static Result<AovColumns> find(const sampledb::Job& job, const Layers& layers);
+
+    // Fills the lanes of a camera record's row: means of layers are over shares. Values that are not finite are nothing.
+    void fill(const sampledb::Page& page, std::size_t row, float share, const RowLayout& layout, float* out) const;
+
+ private:
+    using Place = std::size_t;  // among the extra columns
+    std::array<Place, 3> albedo_{}, normal_{}, position_{};
+    Place depth_ = 0, object_ = 0, material_ = 0;
+};
+
+}  // namespace latent::develop
