@@ -1,4 +1,5 @@
-// tools/develop/aov_columns.h: what samples see beside light: columns of records become lanes of rows. docs/developing.md, "AOVs".
+// tools/develop/aov_columns.h: what samples see beside light: columns of records become entries of rows. docs/developing.md,
+// "AOVs".
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ class AovColumns {
     // The columns that these layers need. Errors: kUsage: the job has none of that name.
     static Result<AovColumns> find(const sampledb::Job& job, const Layers& layers);
 
-    // Fills the lanes of a camera record's row: means of layers are over shares. Values that are not finite are nothing.
+    // Fills the entries of a camera record's row: means of layers are over shares. Values that are not finite are nothing.
     void fill(const sampledb::Page& page, std::size_t row, float share, const RowLayout& layout, float* out) const;
 
  private:

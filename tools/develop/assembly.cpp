@@ -51,11 +51,11 @@ void for_chunks(const PixelRect& pixels, const Visit& visit) {
 }
 
 // Adds the part of a window that lies in `pixels` to their sums.
-void add_window(const double* window, const PixelRect& reach, const PixelRect& pixels, const Lanes& lanes, double* sums) {
-    const std::int64_t stride = lanes.stride(), row = pixels.width() * stride;
+void add_window(const double* window, const PixelRect& reach, const PixelRect& pixels, const EntryCounts& entries, double* sums) {
+    const std::int64_t stride = entries.stride(), row = pixels.width() * stride;
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y, sums += row) {
         const double* from = window + ((y - reach.y0) * reach.width() + (pixels.x0 - reach.x0)) * stride;
-        add_sums(lanes, from, sums, row);
+        add_sums(entries, from, sums, row);
     }
 }
 
@@ -66,8 +66,8 @@ Assembly::Assembly(const FilmGrid& grid, const Filter& filter, const PixelRect& 
     : grid_(grid),
       crop_(crop),
       normalisation_(normalisation),
-      lanes_(normalisation.layout.lanes()),
-      stride_(lanes_.stride()),
+      entries_(normalisation.layout.entries()),
+      stride_(entries_.stride()),
       has_lobes_(filter.kernel().has_negative_lobes),
       border_(filter, grid.width(), grid.height()),
       slot_sums_(static_cast<std::size_t>(kChunk * filter.kernel().side() * stride_)),
@@ -273,8 +273,8 @@ Assembly::Sums Assembly::add_up(const Windows& windows, const Piece& piece, doub
     for_cells_in_z_order(intersection(piece.cells, windows.cells), [&](std::int64_t x, std::int64_t y) {
         const Windows::Cell& cell = windows.at(x, y);
         const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-        if (cell.camera) add_window(cell.camera, window, piece.pixels, lanes_, camera), sums.camera = camera;
-        if (cell.light) add_window(cell.light, window, piece.pixels, lanes_, light), sums.light = light;
+        if (cell.camera) add_window(cell.camera, window, piece.pixels, entries_, camera), sums.camera = camera;
+        if (cell.light) add_window(cell.light, window, piece.pixels, entries_, light), sums.light = light;
     });
     return sums;
 }
@@ -350,7 +350,7 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
         const auto column_of = [&](std::int64_t x) { return static_cast<std::size_t>(x - piece.pixels.x0); };
         positive.assign(static_cast<std::size_t>(few.width() * few.height()) * stride, 0.0);
         if (has_lobes_ && sums.positive) {
-            add_window(sums.positive, piece.pixels, few, lanes_, positive.data());
+            add_window(sums.positive, piece.pixels, few, entries_, positive.data());
         }
         if (has_lobes_) {
             add_positive(pane, {few, piece.cells}, positive);

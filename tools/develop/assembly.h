@@ -104,7 +104,7 @@ class Assembly {
     const FilmGrid& grid_;
     PixelRect crop_;
     Normalisation normalisation_;
-    Lanes lanes_;
+    EntryCounts entries_;
     int stride_;
     bool has_lobes_;
     BorderShare border_;

@@ -158,7 +158,7 @@ void Channels::spectral_row(const GroupLight& light, const sampledb::Page& page,
     for (std::size_t i = 0; i < n; ++i) add_pair(light, lambda[i], power[i], out);
 }
 
-// The lanes behind the share.
+// The entries behind the share.
 void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std::size_t end, float* out) const {
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
@@ -170,7 +170,7 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
         std::size_t next = row + 1;
         for (; (camera ? layout_.layers.by_sample() : layout_.layers.samples) && next < end && same(row, next); ++next) {
             float* const other = out + static_cast<std::ptrdiff_t>(next - begin) * step;
-            for (int lane = 0; lane < layout_.filled(); ++lane) first[lane] += std::exchange(other[lane], 0.0f);
+            for (int entry = 0; entry < layout_.filled(); ++entry) first[entry] += std::exchange(other[entry], 0.0f);
         }
         if (layout_.layers.halves && half_of(page.sample[row]) == 0) std::copy_n(first, layout_.linear(), first + layout_.half());
         if (layout_.layers.variance && camera) {

@@ -69,7 +69,7 @@ class Engine {
           classes_{.camera = settings.camera && expected_.camera > 0,
                    .light = settings.light && expected_.light > 0 && gathering.light_paths() > 0},
           with_positive_(classes_.camera && settings.filter.kernel().has_negative_lobes),
-          pane_(grid_, settings.filter.kernel(), channels.layout().lanes(), classes_, fireflies()) {
+          pane_(grid_, settings.filter.kernel(), channels.layout().entries(), classes_, fireflies()) {
         counts_.light_paths = gathering.light_paths();
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
@@ -271,7 +271,7 @@ class Engine {
         pane_.add_records(batches, {});
         count_dimmed();
         return finish_pane(
-            node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.layout().lanes(), pane_.fireflies(), batches));
+            node, PositiveFromRecords(grid_, settings_.filter.kernel(), channels_.layout().entries(), pane_.fireflies(), batches));
     }
 
     Status develop_streaming(const Region& region, std::span<std::byte> room) {
@@ -308,7 +308,7 @@ class Engine {
             fireflies->decide();
             counting_ = false;
         }
-        PositiveWindows positive(grid_, settings_.filter.kernel(), channels_.layout().lanes(), pane_.fireflies(), region.cells);
+        PositiveWindows positive(grid_, settings_.filter.kernel(), channels_.layout().entries(), pane_.fireflies(), region.cells);
         if (with_positive_) positive.open_border(take(PositiveWindows::border_bytes(grid_, stride, region.cells)));
         const auto add = [&](const RecordBatch& batch, const PageRange& range) {
             const std::vector<const RecordBatch*> batches = with_held(batch);

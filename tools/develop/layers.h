@@ -35,13 +35,14 @@ Result<Layers> parse_layers(std::string_view text);
 int half_of(std::uint64_t sample);
 std::uint64_t count_in_half(const sampledb::Coverage& coverage, int half);
 
-// Sums of a pixel, and values of a record's row, `stride` of each: so many lanes (multiples of 4) are weighted by the filter w,
+// Sums of a pixel, and values of a record's row, `stride` of each: so many entries (multiples of 4) are weighted by the filter w,
 // then so many by w^2, then so many by 1 wherever w is not 0. The last ones, four or none, are not added up:
 // `choose` keeps those of one record.
-struct Lanes {
+struct EntryCounts {
     int linear, squared = 0, counted = 0, chosen = 0;
-    Lanes(int linear_lanes, int squared_lanes = 0, int counted_lanes = 0, int chosen_lanes = 0)  // implicit: most are linear
-        : linear(linear_lanes), squared(squared_lanes), counted(counted_lanes), chosen(chosen_lanes) {}
+    // Implicit: most pictures have linear entries alone.
+    EntryCounts(int of_w, int of_w_squared = 0, int of_one = 0, int kept = 0)
+        : linear(of_w), squared(of_w_squared), counted(of_one), chosen(kept) {}
     int added() const { return linear + squared + counted; }
     int stride() const { return added() + chosen; }
 };
@@ -55,12 +56,12 @@ inline void choose(double key, double first, double second, double* kept) {
 }
 
 // Adds sums of pixels to others.
-inline void add_sums(const Lanes& lanes, const double* from, double* to, std::int64_t doubles) {
-    if (lanes.chosen == 0) {
+inline void add_sums(const EntryCounts& entries, const double* from, double* to, std::int64_t doubles) {
+    if (entries.chosen == 0) {
         for (std::int64_t i = 0; i < doubles; ++i) to[i] += from[i];
         return;
     }
-    const int stride = lanes.stride(), added = lanes.added();
+    const int stride = entries.stride(), added = entries.added();
     for (std::int64_t at = 0; at < doubles; at += stride, from += stride, to += stride) {
         for (int i = 0; i < added; ++i) to[i] += from[i];
         choose(from[added], from[added + 1], from[added + 2], to + added);
@@ -91,8 +92,8 @@ struct RowLayout {
     int divisor_square(int channel) const { return squares() + 2 * channels + (ratio ? channel : 0); }  // c^2
     int counter() const { return squares() + (layers.variance ? (2 * channels + divisors() + 3) / 4 * 4 : 0); }
     int chosen() const { return counter() + (layers.count ? 4 : 0); }
-    Lanes lanes() const { return {squares(), counter() - squares(), layers.count ? 4 : 0, layers.id ? 4 : 0}; }
-    int stride() const { return lanes().stride(); }
+    EntryCounts entries() const { return {squares(), counter() - squares(), layers.count ? 4 : 0, layers.id ? 4 : 0}; }
+    int stride() const { return entries().stride(); }
 
     // The sum that is closest to 0 of those that divide, all of which have the same expectation.
     double least_divisor(const double* sums) const {

@@ -47,7 +47,7 @@ constexpr double kLeastShareOfHits = 1e-3;  // below, depths are those of nothin
 void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
     const Layers& layers = layout.layers;
     const auto put = [&out](double value) { *out++ = static_cast<float>(value); };
-    const auto mean = [&](int lane) { return camera ? camera[lane] / camera[layout.share()] : 0; };
+    const auto mean = [&](int entry) { return camera ? camera[entry] / camera[layout.share()] : 0; };
     if (layers.albedo) {  // linear sRGB within [0,1], which is what denoisers take
         const int at = layout.albedo();
         for (const double x : color::RgbSpace::srgb().rgb_from_xyz* std::array{mean(at), mean(at + 1), mean(at + 2)})
@@ -55,8 +55,8 @@ void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
     }
     for (int i = 0; i < 3 && layers.normal; ++i) put(mean(layout.normal() + i));
     // Of what is hit: its mean, where it has some share of the pixel.
-    const auto mean_of_hits = [&](int lane, int hits, double none) {
-        return mean(hits) >= kLeastShareOfHits ? camera[lane] / camera[hits] : none;
+    const auto mean_of_hits = [&](int entry, int hits, double none) {
+        return mean(hits) >= kLeastShareOfHits ? camera[entry] / camera[hits] : none;
     };
     if (layers.depth) put(mean_of_hits(layout.depth(), layout.depth() + 1, std::numeric_limits<double>::infinity()));
     for (int i = 0; i < 3 && layers.position; ++i) put(mean_of_hits(layout.position() + i, layout.position() + 3, 0));
@@ -87,9 +87,9 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
     if (layout.layers.weight) put(weight);
     if (layout.layers.count) put(camera ? camera[layout.counter()] : 0);
     for (int half = 0; half < 2 && layout.layers.halves; ++half) {
-        const auto sum_of = [&](const double* sums, int lane) {
-            const double first = sums[layout.half() + lane];
-            return half == 0 ? first : sums[lane] - first;
+        const auto sum_of = [&](const double* sums, int entry) {
+            const double first = sums[layout.half() + entry];
+            return half == 0 ? first : sums[entry] - first;
         };
         for (int c = 0; c < n; ++c) {
             const double divisor = camera ? sum_of(camera, layout.divisor(c)) : 0;

@@ -12,12 +12,12 @@ namespace latent::develop {
 
 using sampledb::RecordClass;
 
-Pane::Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes,
+Pane::Pane(const FilmGrid& grid, const FilterKernel& filter, const EntryCounts& entries, Classes classes,
            std::optional<Fireflies> fireflies)
-    : grid_(grid), filter_(filter), lanes_(lanes), classes_(classes), fireflies_(std::move(fireflies)) {
+    : grid_(grid), filter_(filter), entries_(entries), classes_(classes), fireflies_(std::move(fireflies)) {
     const std::uint64_t images = (classes.camera ? 1 : 0) + (classes.light ? 1 : 0);
     const std::uint64_t pixels = static_cast<std::uint64_t>(grid.window_width() * grid.window_height());
-    window_bytes_ = (pixels * images * static_cast<std::uint64_t>(lanes.stride()) * sizeof(double) + 63) / 64 * 64;
+    window_bytes_ = (pixels * images * static_cast<std::uint64_t>(entries.stride()) * sizeof(double) + 63) / 64 * 64;
 }
 
 void Pane::begin(const PixelRect& cells, std::span<std::byte> memory) {
@@ -43,7 +43,8 @@ void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> bat
     const std::int64_t x = windows_.cells.x0 + static_cast<std::int64_t>(cell) % windows_.cells.width();
     const std::int64_t y = windows_.cells.y0 + static_cast<std::int64_t>(cell) / windows_.cells.width();
     const PixelRect window = grid_.window(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-    const std::size_t sums = static_cast<std::size_t>(window.width() * window.height()) * static_cast<std::size_t>(lanes_.stride());
+    const std::size_t sums =
+        static_cast<std::size_t>(window.width() * window.height()) * static_cast<std::size_t>(entries_.stride());
     thread_local std::vector<BatchSegments> found;
     const auto add = [&](RecordClass record_class, Weights weights, double* to, const double*& used) {
         segments_in_order(batches, range, x, y, record_class, found);
@@ -51,7 +52,7 @@ void Pane::add_to_cell(std::size_t cell, std::span<const RecordBatch* const> bat
         if (!used) std::fill_n(to, sums, 0.0);
         used = to;
         const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
-            splat(filter_, lanes_, weights, columns, segments, to, static_cast<std::size_t>(window.width()));
+            splat(filter_, entries_, weights, columns, segments, to, static_cast<std::size_t>(window.width()));
         };
         dimmed_[2 * cell + (record_class == RecordClass::kLight ? 1 : 0)] +=
             pass_on(fireflies(), x, y, record_class, found, splat_some);

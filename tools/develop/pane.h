@@ -17,7 +17,8 @@ namespace latent::develop {
 
 class Pane {
  public:
-    Pane(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, Classes classes, std::optional<Fireflies> fireflies);
+    Pane(const FilmGrid& grid, const FilterKernel& filter, const EntryCounts& entries, Classes classes,
+         std::optional<Fireflies> fireflies);
 
     std::uint64_t cell_bytes() const { return window_bytes_ + (fireflies_ ? fireflies_->bytes() : 0); }  // that one cell takes
     std::uint64_t bytes(const PixelRect& cells) const {
@@ -38,7 +39,7 @@ class Pane {
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    Lanes lanes_;
+    EntryCounts entries_;
     Classes classes_;
     std::optional<Fireflies> fireflies_;
     std::vector<DimmedLight> dimmed_;  // of each cell, camera and light

@@ -53,19 +53,20 @@ void PositiveFromRecords::add(std::int64_t cell_x, std::int64_t cell_y, const Pi
         const PixelRect reach = patch_of(filter_, part);
         patch.assign(size_of(reach, stride_), 0.0);
         pass_on(fireflies_, cell_x, cell_y, kCamera, found, [&](const RecordColumns& columns, std::span<const Segment> segments) {
-            splat_patch(filter_, lanes_, Weights::kPositive, columns, segments, moved(part, -window.x0, -window.y0), patch.data());
+            splat_patch(filter_, entries_, Weights::kPositive, columns, segments, moved(part, -window.x0, -window.y0),
+                        patch.data());
         });
         for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), pixels, sums.data(),
-                 [&](const double* from, double* to, std::int64_t count) { add_sums(lanes_, from, to, count); });
+                 [&](const double* from, double* to, std::int64_t count) { add_sums(entries_, from, to, count); });
     });
 }
 
-PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const Fireflies* fireflies,
-                                 const PixelRect& cells)
+PositiveWindows::PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const EntryCounts& entries,
+                                 const Fireflies* fireflies, const PixelRect& cells)
     : grid_(grid),
       filter_(filter),
-      lanes_(lanes),
-      stride_(lanes.stride()),
+      entries_(entries),
+      stride_(entries.stride()),
       fireflies_(fireflies),
       cells_(cells),
       inner_(grid.inner_pixels(cells)),
@@ -125,7 +126,7 @@ void PositiveWindows::add_records(std::span<const RecordBatch* const> batches, c
         segments_in_order(batches, range, cell_x(cell), cell_y(cell), kCamera, found);
         if (!windows_[cell].whole) return add_to_border(cell, found);
         const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
-            splat(filter_, lanes_, Weights::kPositive, columns, segments, windows_[cell].sums,
+            splat(filter_, entries_, Weights::kPositive, columns, segments, windows_[cell].sums,
                   static_cast<std::size_t>(window(cell).width()));
         };
         pass_on(fireflies_, cell_x(cell), cell_y(cell), kCamera, found, splat_some);
@@ -148,7 +149,7 @@ void PositiveWindows::add_to_border(std::size_t cell, std::span<const BatchSegme
             patch.assign(size_of(reach, stride_), 0.0);
             for_rows(part, stride_, all, static_cast<const double*>(sums), reach, patch.data(), copy_doubles);
             const auto splat_some = [&](const RecordColumns& columns, std::span<const Segment> segments) {
-                splat_patch(filter_, lanes_, Weights::kPositive, columns, segments, moved(part, -all.x0, -all.y0), patch.data());
+                splat_patch(filter_, entries_, Weights::kPositive, columns, segments, moved(part, -all.x0, -all.y0), patch.data());
             };
             pass_on(fireflies_, cell_x(cell), cell_y(cell), kCamera, found, splat_some);
             for_rows(part, stride_, reach, static_cast<const double*>(patch.data()), all, sums, copy_doubles);
@@ -161,7 +162,7 @@ void PositiveWindows::add(std::int64_t cell_x, std::int64_t cell_y, const PixelR
     const Window& held = windows_[cell];
     assert(held.sums);
     for_rows(pixels, stride_, window(cell), static_cast<const double*>(held.sums), pixels, sums.data(),
-             [&](const double* from, double* to, std::int64_t count) { add_sums(lanes_, from, to, count); });
+             [&](const double* from, double* to, std::int64_t count) { add_sums(entries_, from, to, count); });
 }
 
 }  // namespace latent::develop

@@ -24,15 +24,15 @@ class PositiveSums {
 // From records in memory, looked through again.
 class PositiveFromRecords final : public PositiveSums {
  public:
-    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const Fireflies* fireflies,
+    PositiveFromRecords(const FilmGrid& grid, const FilterKernel& filter, const EntryCounts& entries, const Fireflies* fireflies,
                         std::span<const RecordBatch* const> batches)
-        : grid_(grid), filter_(filter), lanes_(lanes), stride_(lanes.stride()), fireflies_(fireflies), batches_(batches) {}
+        : grid_(grid), filter_(filter), entries_(entries), stride_(entries.stride()), fireflies_(fireflies), batches_(batches) {}
     void add(std::int64_t cell_x, std::int64_t cell_y, const PixelRect& pixels, std::span<double> sums) const override;
 
  private:
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    Lanes lanes_;
+    EntryCounts entries_;
     int stride_;
     const Fireflies* fireflies_;
     std::span<const RecordBatch* const> batches_;
@@ -42,7 +42,7 @@ class PositiveFromRecords final : public PositiveSums {
 // cells reach too; those of cells that were asked for hold all pixels.
 class PositiveWindows final : public PositiveSums {
  public:
-    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const Lanes& lanes, const Fireflies* fireflies,
+    PositiveWindows(const FilmGrid& grid, const FilterKernel& filter, const EntryCounts& entries, const Fireflies* fireflies,
                     const PixelRect& cells);
 
     static std::uint64_t bytes(const FilmGrid& grid, int stride);                                 // of one window
@@ -69,7 +69,7 @@ class PositiveWindows final : public PositiveSums {
 
     const FilmGrid& grid_;
     const FilterKernel& filter_;
-    Lanes lanes_;
+    EntryCounts entries_;
     int stride_;
     const Fireflies* fireflies_;
     PixelRect cells_, inner_;  // pixels that no cell outside reaches

@@ -23,14 +23,14 @@ struct Shape {
     static constexpr Weights kWeights = kWeightsUsed;
     static constexpr bool kMayBeSquared = kStrideOrZero == 0;
     int run_side;
-    Lanes lanes;
+    EntryCounts entries;
     int side() const { return kSideOrZero > 0 ? kSideOrZero : run_side; }
-    int stride() const { return kStrideOrZero > 0 ? kStrideOrZero : lanes.stride(); }
-    int added() const { return kStrideOrZero > 0 ? kStrideOrZero : lanes.added(); }
-    // Weight of a lane where the filter weighs w. What is known when compiled has linear lanes alone.
-    HWY_INLINE double weight(double w, int lane) const {
-        if (kStrideOrZero > 0 || lane < lanes.linear) return w;
-        return lane < lanes.linear + lanes.squared ? w * w : w != 0 ? 1 : 0;
+    int stride() const { return kStrideOrZero > 0 ? kStrideOrZero : entries.stride(); }
+    int added() const { return kStrideOrZero > 0 ? kStrideOrZero : entries.added(); }
+    // Weight of an entry where the filter weighs w. What is known when compiled has linear entries alone.
+    HWY_INLINE double weight(double w, int entry) const {
+        if (kStrideOrZero > 0 || entry < entries.linear) return w;
+        return entry < entries.linear + entries.squared ? w * w : w != 0 ? 1 : 0;
     }
     // Weights are computed for so many pixels: a footprint of 2 x 2 fills a vector of four, others have room for the widest.
     std::size_t padded() const { return side() == 2 ? 4 : (static_cast<std::size_t>(side()) * side() + 15) / 16 * 16; }
@@ -57,15 +57,15 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
                     double* HWY_RESTRICT window, std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
-    for (int lane = 0; lane < shape.added(); lane += static_cast<int>(hn::Lanes(d))) {
-        auto s = hn::PromoteTo(d, hn::LoadU(df, values + lane));
+    for (int entry = 0; entry < shape.added(); entry += static_cast<int>(hn::Lanes(d))) {
+        auto s = hn::PromoteTo(d, hn::LoadU(df, values + entry));
         if constexpr (Shape::kWeights == Weights::kUnitSum) s = hn::Mul(s, hn::Set(d, inverse_sum(weights, shape.side())));
-        double* row = window + lane;
+        double* row = window + entry;
         const double* w = weights;
         const auto add_pixel = [&](int x) HWY_ATTR {
             double* sums = row + x * shape.stride();
-            const auto before = hn::LoadU(d, sums), weight = hn::Set(d, shape.weight(w[x], lane));
-            if (Shape::kWeights == Weights::kUnitSum || (Shape::kMayBeSquared && lane >= shape.lanes.linear))
+            const auto before = hn::LoadU(d, sums), weight = hn::Set(d, shape.weight(w[x], entry));
+            if (Shape::kWeights == Weights::kUnitSum || (Shape::kMayBeSquared && entry >= shape.entries.linear))
                 hn::StoreU(hn::Add(hn::Mul(weight, s), before), d, sums);
             else
                 hn::StoreU(hn::MulAdd(weight, s, before), d, sums);
@@ -88,7 +88,7 @@ HWY_INLINE void add(const Shape& shape, const double* HWY_RESTRICT weights, cons
             }
         }
     }
-    if (!Shape::kMayBeSquared || shape.lanes.chosen == 0) return;
+    if (!Shape::kMayBeSquared || shape.entries.chosen == 0) return;
     double* row = window + shape.added();
     const float* chosen = values + shape.added();
     for (int y = 0; y < shape.side(); ++y, row += row_pixels * shape.stride(), weights += shape.side()) {
@@ -192,20 +192,20 @@ void splat_records(const Shape& shape, const FilterKernel& filter, const RecordC
 
 // The box: each record counts for the pixel that it lies in, with weight 1, which is also the sum of its weights. The record that
 // is chosen is the one nearest to the centre.
-void splat_box(const Lanes& lanes, const RecordColumns& records, std::span<const Segment> segments, double* window,
+void splat_box(const EntryCounts& entries, const RecordColumns& records, std::span<const Segment> segments, double* window,
                std::size_t row_pixels) {
     const hn::CappedTag<double, 4> d;
     const hn::Rebind<float, decltype(d)> df;
     Block block;
-    const int stride = lanes.stride(), added = lanes.added();
+    const int stride = entries.stride(), added = entries.added();
     for (BlockReader reader(records, segments, row_pixels, stride); reader.read(kHalf, block);) {
         for (std::size_t i = 0; i < block.count; ++i) {
             double* const sums = window + std::size_t{block.pixel[i]} * static_cast<std::size_t>(stride);
-            for (int lane = 0; lane < added; lane += static_cast<int>(hn::Lanes(d))) {
-                const auto s = hn::PromoteTo(d, hn::LoadU(df, block.values[i] + lane));
-                hn::StoreU(hn::Add(hn::LoadU(d, sums + lane), s), d, sums + lane);
+            for (int entry = 0; entry < added; entry += static_cast<int>(hn::Lanes(d))) {
+                const auto s = hn::PromoteTo(d, hn::LoadU(df, block.values[i] + entry));
+                hn::StoreU(hn::Add(hn::LoadU(d, sums + entry), s), d, sums + entry);
             }
-            if (lanes.chosen == 0) continue;
+            if (entries.chosen == 0) continue;
             const float* const chosen = block.values[i] + added;
             const float x = block.gx[i] - 0.5f, y = block.gy[i] - 0.5f;
             choose(static_cast<double>((1 - (x * x + y * y)) * chosen[0]), static_cast<double>(chosen[1]),
@@ -214,7 +214,7 @@ void splat_box(const Lanes& lanes, const RecordColumns& records, std::span<const
     }
 }
 
-void Splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+void Splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
            std::span<const Segment> segments, double* window, std::size_t row_pixels) {
     const auto with_shape = [&](const auto& shape) {
         switch (filter.form) {
@@ -225,16 +225,16 @@ void Splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, cons
             case Form::kSeparable:
                 return splat_records<Form::kSeparable>(shape, filter, records, segments, window, row_pixels);
             case Form::kBox:
-                return splat_box(shape.lanes, records, segments, window, row_pixels);
+                return splat_box(shape.entries, records, segments, window, row_pixels);
         }
     };
     const int side = filter.covered;
-    const bool plain = lanes.stride() == 4;
+    const bool plain = entries.stride() == 4;
     const auto with_size = [&]<Weights kWeights>() {
-        if (side == 4 && plain) return with_shape(Shape<4, 4, kWeights>{side, lanes});
-        if (side == 3 && plain) return with_shape(Shape<3, 4, kWeights>{side, lanes});
-        if (side == 2 && plain) return with_shape(Shape<2, 4, kWeights>{side, lanes});
-        return with_shape(Shape<0, 0, kWeights>{side, lanes});
+        if (side == 4 && plain) return with_shape(Shape<4, 4, kWeights>{side, entries});
+        if (side == 3 && plain) return with_shape(Shape<3, 4, kWeights>{side, entries});
+        if (side == 2 && plain) return with_shape(Shape<2, 4, kWeights>{side, entries});
+        return with_shape(Shape<0, 0, kWeights>{side, entries});
     };
     switch (weights) {
         case Weights::kSigned:
@@ -287,18 +287,18 @@ namespace latent::develop {
 HWY_EXPORT(Splat);
 HWY_EXPORT(Choose);
 
-void splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
            std::span<const Segment> segments, double* window, std::size_t row_pixels) {
-    HWY_DYNAMIC_DISPATCH(Splat)(filter, lanes, weights, records, segments, window, row_pixels);
+    HWY_DYNAMIC_DISPATCH(Splat)(filter, entries, weights, records, segments, window, row_pixels);
 }
 
-void splat_patch(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
                  std::span<const Segment> segments, const PixelRect& pixels, double* patch) {
     constexpr std::size_t kAtOnce = 256;
     thread_local std::vector<std::uint32_t> chosen, x, y;
     thread_local std::vector<float> values;
     const PixelRect reach = patch_of(filter, pixels);
-    const auto stride = static_cast<std::size_t>(lanes.stride());
+    const auto stride = static_cast<std::size_t>(entries.stride());
     const PixelRect places{reach.x0, reach.y0, pixels.x1, pixels.y1};  // where footprints that reach `pixels` begin
     const auto flush = [&] {
         x.assign(chosen.size() + RecordColumns::kReadable, 0), y = x;
@@ -310,7 +310,7 @@ void splat_patch(const FilterKernel& filter, const Lanes& lanes, Weights weights
             values.insert(values.end(), records.values + row * stride, records.values + (row + 1) * stride);
         }
         const Segment all{0, 0, static_cast<std::uint32_t>(chosen.size())};
-        splat(filter, lanes, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
+        splat(filter, entries, weights, {x.data(), y.data(), values.data()}, {&all, 1}, patch,
               static_cast<std::size_t>(reach.width()));
         chosen.clear();
     };

@@ -20,7 +20,7 @@ struct RecordColumns {
     static constexpr std::size_t kReadable = 16;
     const std::uint32_t* x;  // FilmGrid::place_x, place_y
     const std::uint32_t* y;
-    const float* values;  // `lanes.stride()` per record (layers.h): channel values, then the share (light records: 0), ...
+    const float* values;  // `entries.stride()` per record (layers.h): channel values, then the share (light records: 0), ...
 };
 struct Segment {
     std::uint64_t page;  // page_order (record_batch.h)
@@ -33,16 +33,15 @@ enum class Weights : std::uint8_t {
     kUnitSum,   // the filter, scaled so that the weights of a record sum to one over the pixel lattice (light records)
 };
 
-// Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has a sum in float64 for each lane:
-// of w s, w^2 s or s; or
-// what was chosen (layers.h).
-void splat(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+// Adds the records of `segments`, in order, to a window of `row_pixels` pixels per row. A pixel has a sum in float64 for each
+// entry: of w s, w^2 s or s; or what was chosen (layers.h).
+void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
            std::span<const Segment> segments, double* window, std::size_t row_pixels);
 
 // The same, of the records alone that reach one of `pixels` (of the window; at most 256 in a row). `patch`: rows of
 // patch_of(filter, pixels).width() pixels; those of `pixels` begin at its pixel (side - 1, side - 1) and get all that the records
 // give them.
-void splat_patch(const FilterKernel& filter, const Lanes& lanes, Weights weights, const RecordColumns& records,
+void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
                  std::span<const Segment> segments, const PixelRect& pixels, double* patch);
 inline PixelRect patch_of(const FilterKernel& filter, const PixelRect& pixels) {
     const int margin = filter.side() - 1;
