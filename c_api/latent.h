@@ -200,13 +200,14 @@ typedef struct latent_reader_info {
 
 typedef struct latent_run {
     size_t size;
-    const char* file; /* owned by the reader */
+    const char* file; /* owned by the reader; a URL without user, password and query */
     uint64_t offset;  /* of its first byte */
     uint64_t samples, pages, camera_records, light_records, pairs;
     latent_range interval; /* from its first sample to its last; there may be gaps */
 } latent_run;
 
-/* Files, folders, or names of unfinished parts. `options` may be null. */
+/* Files, folders, names of unfinished parts, or http(s) URLs of files on servers that answer range requests. URLs need the module
+ * latent_http.so of the same version, which the tools bring along; LATENT_UNSUPPORTED without it. `options` may be null. */
 LATENT_API latent_status latent_reader_open(const char* const* paths, size_t count, const latent_read_options* options,
                                             latent_reader** reader, latent_error* error);
 /* `job->knots`, `job->extra` and their names belong to the reader. */

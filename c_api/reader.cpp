@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/url.h"
 #include "c_api/abi.h"
 #include "c_api/records.h"
 #include "sampledb/read/record_cursor.h"
@@ -17,7 +18,7 @@ struct latent_reader {
         for (const WavelengthDensity::Knot& knot : from.density.knots()) knots.push_back({knot.cumulative, knot.lambda, 0});
         for (const ExtraColumnSpec& column : from.extra)
             extra.push_back({column.name.c_str(), static_cast<uint32_t>(column.type), 0});
-        for (const std::filesystem::path& file : gathering->files()) files.push_back(file.string());
+        for (const std::filesystem::path& file : gathering->files()) files.push_back(shown_name(file));
         for (const LeftOut& item : gathering->report().left_out) left_out.push_back(item.place + ": " + item.reason);
         job.size = sizeof job;
         job.id_low = from.id.low, job.id_high = from.id.high;

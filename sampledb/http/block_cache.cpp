@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <future>
 
+#include "base/url.h"
+
 namespace latent::sampledb {
 
 namespace {
@@ -27,7 +29,7 @@ Result<RemoteFile> BlockCache::open(const std::string& url) {
 
 Status BlockCache::read(const RemoteFile& file, std::uint64_t offset, std::span<std::byte> into) {
     if (offset > file.size || into.size() > file.size - offset)
-        return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}", shown_url(file.url), file.size)};
+        return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}", shown_name(file.url), file.size)};
     while (!into.empty()) {
         const std::span<std::byte> stretch = into.first(std::min<std::size_t>(into.size(), kStretch));
         const Blocks blocks = blocks_of(file, offset / kBlock, (offset + stretch.size() - 1) / kBlock, true);

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <thread>
 
+#include "base/url.h"
+
 namespace latent::sampledb {
 
 namespace {
@@ -106,14 +108,6 @@ struct HttpConnection::Answer {
     }
 };
 
-std::string shown_url(const std::string& url) {
-    std::string shown = url.substr(0, url.find_first_of("?#"));
-    const std::size_t host = shown.find("://") + 3, end = std::min(shown.find('/', host), shown.size());
-    const std::size_t at = shown.rfind('@', end);
-    if (at != std::string::npos && at >= host && at < end) shown.erase(host, at + 1 - host);
-    return shown;
-}
-
 HttpConnection::HttpConnection(const Patience& patience) : handle_(std::make_unique<Handle>()), patience_(patience) {
     if (handle_->curl == nullptr) return;
     const auto set = [this](CURLoption option, auto value) { curl_easy_setopt(handle_->curl, option, value); };
@@ -159,7 +153,7 @@ HttpConnection::Answer HttpConnection::ask(const std::string& url, std::uint64_t
 Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset, std::uint64_t size,
                                     const std::atomic<bool>& stop) {
     const auto fail = [&](ErrorCode code, std::string_view what) {
-        return Error{code, fmt::format("{}: {}", shown_url(url), what)};
+        return Error{code, fmt::format("{}: {}", shown_name(url), what)};
     };
     if (handle_->curl == nullptr) return fail(ErrorCode::kNoMemory, "libcurl cannot be used: out of memory");
     Fetched got;

@@ -23,9 +23,6 @@ struct Fetched {
     std::uint64_t file_size = 0;
 };
 
-// A URL as messages name it: without user, password and query, which may be secret.
-std::string shown_url(const std::string& url);
-
 // One transfer at a time; the connection stays open for the next.
 class HttpConnection {
  public:

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 
+#include "base/url.h"
 #include "sampledb/http/block_cache.h"
 #include "sampledb/read/byte_source.h"
 
@@ -19,7 +20,7 @@ class HttpSource final : public ByteSource {
 
     std::uint64_t size() const override { return file_.size; }
     Status read(std::uint64_t offset, std::span<std::byte> into) const override;
-    std::string name() const override { return shown_url(file_.url); }
+    std::string name() const override { return shown_name(file_.url); }
     void expect_scattered_reads() const override { scattered_ = true; }
     void will_read(std::uint64_t offset, std::uint64_t length) const override { cache_->announce(file_, offset, length); }
 

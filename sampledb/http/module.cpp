@@ -4,6 +4,8 @@
 
 #include "sampledb/http/http_source.h"
 
+const char* latent_http_version() { return LATENT_VERSION; }
+
 void latent_open_http(const std::string& url, std::shared_ptr<const latent::sampledb::ByteSource>& source, latent::Status& status) {
     using namespace latent::sampledb;
     static std::mutex mutex;

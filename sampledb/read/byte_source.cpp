@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/url.h"
 #include "sampledb/read/remote_source.h"
 
 namespace latent::sampledb {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/hash.h"
+#include "base/url.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/format/frames.h"
@@ -300,7 +301,7 @@ Result<FoundFile> open_file(const std::filesystem::path& path, VerifyLevel level
     Result<std::shared_ptr<const ByteSource>> source = open_source(path);
     if (!source) return source.error();
     Result<FileContents> contents = read_file(**source, level, use_footer);
-    if (!contents) return contents.error().at(path.string());
+    if (!contents) return contents.error().at(shown_name(path));
     return FoundFile{std::move(*source), std::move(*contents)};
 }
 

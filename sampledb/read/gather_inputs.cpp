@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 
+#include "base/url.h"
 #include "sampledb/data/unreadable.h"
 #include "sampledb/read/input_files.h"
 #include "sampledb/read/part_name.h"
@@ -22,7 +23,7 @@ constexpr std::uint64_t kLeastForLists = std::uint64_t{1} << 18;  // a tool that
 
 // The clause that follows the name of a file.
 std::string reason_of(const Error& error, const fs::path& file) {
-    const std::string place = file.string() + ": ";
+    const std::string place = shown_name(file) + ": ";
     return error.message.starts_with(place) ? error.message.substr(place.size()) : error.message;
 }
 
@@ -40,7 +41,7 @@ class InputReader {
             const Result<std::vector<InputFile>> files = list_input_files({input});
             if (!files && !options_.keep_going) return files.error();
             if (!files) {
-                leave_out(found_.report.left_out, {input.string(), reason_of(files.error(), input)});
+                leave_out(found_.report.left_out, {shown_name(input), reason_of(files.error(), input)});
             } else if (Status s = read_inputs(*files); !s) {
                 return s.error();
             }
@@ -106,7 +107,7 @@ Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& err
     std::error_code ignored;
     const bool just_begun =
         is_attempt(input.path) && (error.code == ErrorCode::kTruncated || fs::file_size(input.path, ignored) == 0);
-    const std::string name = input.path.string();
+    const std::string name = shown_name(input.path);
     const std::string reason =
         fs::is_directory(input.path, ignored) ? "a folder inside a folder is not searched" : reason_of(error, input.path);
     if (just_begun) {
@@ -122,7 +123,7 @@ Status InputReader::refuse_or_leave_out(const InputFile& input, const Error& err
 }
 
 Status InputReader::take_file(const InputFile& input, FoundFile opened) {
-    const std::string name = input.path.string();
+    const std::string name = shown_name(input.path);
     FileContents& file = opened.contents;
     const JobId id = file.header.job.id;
     if (options_.job && id != *options_.job) {
@@ -136,7 +137,7 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
         found_.job = std::move(file.header.job);
     } else if (const Status same = same_job(found_.job, file.header.job); !same) {
         const Error error{ErrorCode::kMismatch, fmt::format("{}: does not belong to the job of {}: {}", name,
-                                                            found_.files[0].string(), same.error().message)};
+                                                            shown_name(found_.files[0]), same.error().message)};
         if (may_refuse(input)) return error;
         leave_out(found_.report.left_out, {name, reason_of(error, input.path)});
         return {};
@@ -157,7 +158,7 @@ Status InputReader::take_runs(const std::string& name, const ByteSource& source,
     if (count > runs.capacity()) runs.reserve(runs.empty() ? count : std::max(count, runs.capacity() + runs.capacity() / 4));
     const auto number = static_cast<std::uint32_t>(found_.files.size() - 1);
     for (const RunInfo& run : file.runs) {
-        if (const auto damaged = damaged_.find({name, run.offset}); damaged != damaged_.end()) {
+        if (const auto damaged = damaged_.find({found_.files.back().string(), run.offset}); damaged != damaged_.end()) {
             leave_out(found_.report.left_out, {name, damaged->second});
             continue;
         }
@@ -181,7 +182,7 @@ Status InputReader::count_memory(const FileContents& file) {
 }
 
 void InputReader::report_state(const InputFile& input, const FileContents& file) {
-    const std::string name = input.path.string();
+    const std::string name = shown_name(input.path);
     for (const Damage& damage : file.damage) {
         if (damage.loss) {
             leave_out(found_.report.left_out, {name, damage.reason});
@@ -232,8 +233,8 @@ Status InputReader::check_repeats() const {
         if (next.range.first < reached && run.file != holder) {
             const auto [a, b] = std::minmax(holder, run.file);
             return Error{ErrorCode::kMismatch, fmt::format("{} and {} both hold samples {}:{}; --skip-duplicates uses one of them",
-                                                           found_.files[a].string(), found_.files[b].string(), next.range.first,
-                                                           std::min(reached, next.range.end))};
+                                                           shown_name(found_.files[a]), shown_name(found_.files[b]),
+                                                           next.range.first, std::min(reached, next.range.end))};
         }
         if (next.range.end > reached) reached = next.range.end, holder = run.file;
         if (++next.interval < run.coverage.ranges().size()) {

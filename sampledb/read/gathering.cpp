@@ -7,6 +7,7 @@
 #include <atomic>
 #include <mutex>
 
+#include "base/url.h"
 #include "sampledb/codec/page_filter.h"
 #include "sampledb/read/gather_inputs.h"
 
@@ -120,7 +121,7 @@ void OpenGathering::cut_to_samples() {
 }
 
 std::string OpenGathering::place(const SelectedRun& run) const {
-    return fmt::format("{}: samples {}:{}", files_[run.file].string(), run.header.samples.first, run.header.samples.end);
+    return fmt::format("{}: samples {}:{}", shown_name(files_[run.file]), run.header.samples.first, run.header.samples.end);
 }
 
 Result<std::shared_ptr<const ByteSource>> OpenGathering::source(std::size_t file) const {

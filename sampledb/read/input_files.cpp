@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "base/url.h"
 #include "sampledb/read/part_name.h"
-#include "sampledb/read/remote_source.h"
 
 namespace latent::sampledb {
 

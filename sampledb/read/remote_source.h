@@ -9,9 +9,6 @@
 
 namespace latent::sampledb {
 
-// http://... or https://...
-bool is_url(const std::filesystem::path& path);
-
 // By a module that is loaded when it is needed. Errors: kUnsupported (it is not installed), kNotFound, kIo (sampledb/http).
 Result<std::shared_ptr<const ByteSource>> open_remote(const std::filesystem::path& url);
 

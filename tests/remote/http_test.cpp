@@ -142,11 +142,5 @@ TEST_F(HttpTest, AServerThatGoesAwayIsAnErrorOfTheRead) {
     EXPECT_EQ(source->read(2'000'000, some).error().code, ErrorCode::kIo);
 }
 
-TEST(ShownUrl, LeavesOutWhatMayBeSecret) {
-    EXPECT_EQ(shown_url("https://me:word@host:80/a%20b/c.latent?X-Signature=1@2/3#x"), "https://host:80/a%20b/c.latent");
-    EXPECT_EQ(shown_url("https://host/a@b.latent"), "https://host/a@b.latent");
-    EXPECT_EQ(shown_url("http://host"), "http://host");
-}
-
 }  // namespace
 }  // namespace latent::sampledb

@@ -10,6 +10,7 @@ import unittest
 from server import Server
 from support import TOOLS, FarmTest, run
 
+PYTHON = os.environ.get("LATENT_PYTHON") or "/usr/bin/python3"  # that the Python module is for
 NGINX = """daemon off; worker_processes 1; pid {folder}/nginx.pid; error_log {folder}/nginx.log;
 events {{ worker_connections 256; }}
 http {{
@@ -129,11 +130,59 @@ class Remote(FarmTest):
             out = self.folder / "out.exr"
             self.fail_with(what, "latent-develop", self.server.url(name, way), "-o", out)
             self.assertFalse(out.exists())
-        done = self.fail_with("status 403", "latent-inspect", "info", self.server.url("a.latent?X-Signature=secret", "refused"))
-        self.assertNotIn("secret", done.stderr)
         with socket.socket() as nobody:
             nobody.bind(("127.0.0.1", 0))
             self.fail_with("127.0.0.1", "latent-inspect", "info", f"http://127.0.0.1:{nobody.getsockname()[1]}/a.latent")
+
+    def test_what_a_url_holds_in_secret_is_printed_and_written_nowhere(self):
+        self.generate("a.latent", "--records", "96Ki", "--run-samples", "32Ki")
+        self.generate("b.latent", "--records", "32Ki", "--seed", 1)
+        data = bytearray((self.folder / "a.latent").read_bytes())
+        data[len(data) // 2] ^= 1
+        (self.folder / "damaged.latent").write_bytes(data)
+        (self.folder / "cut.latent").write_bytes(data[:len(data) // 3])
+        (self.folder / "text").write_text("not samples")
+        damaged, cut, text, a, b = (self.server.url(f"{name}?X-Signature=secret").replace("//", "//me:secret@")
+                                    for name in ("damaged.latent", "cut.latent", "text", "a.latent", "b.latent"))
+        refused = self.server.url("a.latent?X-Signature=secret", "refused")
+        out, here = self.folder / "out.latent", self.folder / "a.latent"
+        for command in (["latent-inspect", "info", a], ["latent-inspect", "info", "--json", a, cut, text, refused],
+                        ["latent-inspect", "verify", a, damaged, cut, text], ["latent-inspect", "verify", "--json", "--deep", damaged, cut],
+                        ["latent-inspect", "verify", "--strict", damaged], ["latent-inspect", "cat", damaged, "--format", "json"],
+                        ["latent-inspect", "recover", damaged, "-o", out, "--json"], ["latent-inspect", "recover", text, "-o", out],
+                        ["latent-merge", damaged, "-o", out], ["latent-merge", a, a, "-o", out], ["latent-merge", a, b, "-o", out],
+                        ["latent-merge", a, cut, text, refused, "-o", out, "--keep-going", "--json"],
+                        ["latent-merge", damaged, "-o", out, "--compact", "--json"], ["latent-merge", refused, "-o", out],
+                        ["latent-merge", here, a, "-o", out, "--skip-duplicates"],
+                        ["latent-develop", damaged, "--size", 32, "-o", self.folder / "out.exr", "--json"],
+                        ["latent-develop", a, b, "-o", self.folder / "none.exr"], ["latent-develop", a, "--light", "x", "-o", self.folder / "none.exr"],
+                        ["latent-render", TOOLS.parent.parent / "scenes/cornell.pbrt", "--more-than", a, "-o", out]):
+            done = run(*command, *([] if "-o" not in command or "latent-inspect" in command else ["--force"]))
+            self.assertNotIn("secret", done.stdout + done.stderr, command)
+            for made in (out, self.folder / "out.exr"):
+                if made.exists():
+                    self.assertNotIn(b"secret", made.read_bytes(), command)
+                    made.unlink()
+        self.assertIn("damaged.latent?...: ", run("latent-inspect", "verify", damaged).stdout)
+        self.assertEqual(json.loads(run("latent-inspect", "info", "--json", a).stdout)["file"],
+                         self.server.url("a.latent?..."))
+
+    def test_the_library_reads_urls(self):
+        self.generate("a.latent", "--records", "96Ki", "--run-samples", "32Ki")
+        here, there = (self.succeed(TOOLS / "example_read", place).stdout for place in (self.folder / "a.latent", self.server.url("a.latent")))
+        self.assertEqual(here, there)
+        self.fail_with("a.latent?...: the server refuses access", TOOLS / "example_read", self.server.url("a.latent?X-Signature=secret", "refused"))
+
+    @unittest.skipUnless(list((TOOLS.parent / "python/latent").glob("_latent*.so")), "the Python module is not built")
+    def test_the_python_module_reads_urls(self):
+        self.generate("a.latent", "--records", "96Ki", "--run-samples", "32Ki")
+        self.server.reset()
+        script = "import latent, sys; r = latent.open(sys.argv[1]).read(region=(0.1, 0.1, 0.15, 0.2)); print(len(r['x']), r['x'].sum(), r['u'].max())"
+        here, there = (subprocess.run([PYTHON, "-B", "-c", script, place], env={**os.environ, "PYTHONPATH": TOOLS.parent / "python"},
+                                      check=True, capture_output=True, text=True).stdout
+                       for place in (self.folder / "a.latent", self.server.url("a.latent")))
+        self.assertEqual(here, there)
+        self.assertLess(self.server.sent, (self.folder / "a.latent").stat().st_size / 2)
 
     @unittest.skipUnless(shutil.which("nginx"), "nginx is not installed")
     def test_nginx_serves_what_is_on_its_disk(self):

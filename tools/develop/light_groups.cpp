@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/json.h"
+#include "base/url.h"
 #include "color/light_spectrum.h"
 #include "sampledb/read/file_reader.h"
 #include "sampledb/read/provenance.h"
@@ -48,7 +49,7 @@ Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathe
         const Result<std::shared_ptr<const sampledb::ByteSource>> source = sampledb::open_source(path);
         if (!source) return source.error();
         const Result<sampledb::FileContents> frames = sampledb::read_frames(**source);
-        if (!frames) return frames.error().at(path.string());
+        if (!frames) return frames.error().at(shown_name(path));
         const auto own = sampledb::quote_provenance(frames->header.provenance_json, sampledb::kHeaderProvenanceDepth);
         std::vector<LightGroup> groups = light_groups_in(own.json);
         const auto merged = sampledb::quote_provenance(frames->footer_provenance, sampledb::kFooterProvenanceDepth);

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/url.h"
 #include "sampledb/read/record_cursor.h"
 #include "tools/inspect/damage.h"
 #include "tools/inspect/npy_rows.h"
@@ -39,7 +40,7 @@ Result<GatherReport> for_each_page(const Gathering& gathering, const RecordSelec
         const Result<bool> more = cursor.next(page);
         if (!more) {
             if (!is_unreadable(more.error())) return more.error();
-            const std::string name = gathering.files()[gathering.runs()[cursor.run()].file].string();
+            const std::string name = shown_name(gathering.files()[gathering.runs()[cursor.run()].file]);
             leave_out(report.left_out, {name, more.error().message.substr(name.size() + 2)});
             continue;
         }

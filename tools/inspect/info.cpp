@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/printable.h"
 #include "base/size.h"
+#include "base/url.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
@@ -129,7 +130,7 @@ Result<FileInfo> read_info(const std::filesystem::path& path, std::uint64_t memo
     std::vector<RunInfo> runs = std::exchange(info.contents.runs, {});
     std::uint64_t intervals = 0;
     for (const RunInfo& run : runs) intervals += run.header.interval_count - 1;
-    if (Status s = check_list_memory(runs.size(), intervals, memory); !s) return s.error().at(path.string());
+    if (Status s = check_list_memory(runs.size(), intervals, memory); !s) return s.error().at(shown_name(path));
     std::vector<SelectedRun> candidates;
     candidates.reserve(runs.size());
     for (const RunInfo& run : runs) {
@@ -139,7 +140,7 @@ Result<FileInfo> read_info(const std::filesystem::path& path, std::uint64_t memo
         } else if (is_unreadable(coverage.error())) {
             add_damage(info.contents.damage, damage_of(run, coverage.error()));
         } else {
-            return coverage.error().at(path.string());
+            return coverage.error().at(shown_name(path));
         }
     }
     Selection selection = select_runs(candidates);
@@ -159,7 +160,7 @@ Result<FileInfo> read_info(const std::filesystem::path& path, std::uint64_t memo
         info.stored_bytes += header.size();
     }
     candidates = {};
-    if (Status s = look_at_pages(source, runs, info); !s) return s.error().at(path.string());
+    if (Status s = look_at_pages(source, runs, info); !s) return s.error().at(shown_name(path));
     return info;
 }
 
@@ -203,7 +204,7 @@ std::vector<std::string> FileInfo::remarks() const {
 std::string to_text(const FileInfo& info) {
     const Job& job = info.contents.header.job;
     const std::uint64_t records = info.camera_records + info.light_records;
-    std::string text = printable_line(info.path.string()) + "\n";
+    std::string text = printable_line(shown_name(info.path)) + "\n";
     const auto line = [&](const char* name, const std::string& value) { text += fmt::format("  {:<12}{}\n", name, value); };
     line("job", to_hex(job.id));
     line("film", fmt::format("aspect {}:{}, Y = 1 is {} cd/m^2", job.aspect_width, job.aspect_height, job.light_unit_cd_m2));
@@ -260,7 +261,7 @@ std::string to_json_text(const FileInfo& info) {
                                 {"decoded_bytes_per_record", static_cast<double>(column.decoded) / records}};
     }
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
-    const json report = {{"file", info.path.string()},
+    const json report = {{"file", shown_name(info.path)},
                          {"size", info.size},
                          {"finished", info.contents.finished},
                          {"job", to_hex(job.id)},

@@ -9,6 +9,7 @@
 
 #include "base/cli.h"
 #include "base/json.h"
+#include "base/url.h"
 #include "sampledb/read/input_files.h"
 #include "tools/inspect/info.h"
 #include "tools/inspect/verify.h"
@@ -60,7 +61,7 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
             cli::print(as_json ? to_json_text(*report) : to_text(*report));
         } else {
             gravest = graver(gravest, cli::fail(report.error()));
-            if (as_json) cli::print(json_text(nlohmann::json{{"file", path.string()}, {"error", report.error().message}}));
+            if (as_json) cli::print(json_text(nlohmann::json{{"file", shown_name(path)}, {"error", report.error().message}}));
         }
     }
     if (as_json) cli::print(array ? "]\n" : "\n");

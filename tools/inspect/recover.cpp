@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/size.h"
+#include "base/url.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
@@ -51,11 +52,11 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
         const RunInfo run = runs[i];
         if (progress) progress(static_cast<double>(run.offset) / static_cast<double>(source.size()), fmt::format("run {}", i));
         const Result<Coverage> covered = run_coverage(source, run, job);
-        if (!covered && covered.error().code == ErrorCode::kIo) return covered.error().at(input.string());
+        if (!covered && covered.error().code == ErrorCode::kIo) return covered.error().at(shown_name(input));
         const Coverage held = covered.value_or(Coverage(run.header.samples));  // what its header says if its index is damaged
         promised.add(held);
         if (Status s = verify_run(source, run, job, VerifyLevel::kFull); !s) {
-            if (s.error().code == ErrorCode::kIo) return s.error().at(input.string());
+            if (s.error().code == ErrorCode::kIo) return s.error().at(shown_name(input));
             add_damage(report.damage, lost_run(i, run, s.error()));
             continue;
         }
@@ -68,7 +69,7 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
     if (runs.empty() && (report.lost_anything() || report.unfinished_tail > 0)) {
         const auto loss = std::ranges::find(report.damage, true, &Damage::loss);
         const std::string why = loss != report.damage.end() ? loss->reason : "its only write was interrupted";
-        return Error{ErrorCode::kCorrupt, fmt::format("{}: {}; nothing could be recovered", input.string(), why)};
+        return Error{ErrorCode::kCorrupt, fmt::format("{}: {}; nothing could be recovered", shown_name(input), why)};
     }
     const Result<std::uint64_t> footer = put_footer(runs, file.footer_provenance, end, [&](ByteSpan piece) {
         const Status put = out->file().write_all(end, piece);
@@ -90,9 +91,9 @@ Result<RecoverReport> recover(const std::filesystem::path& input, const std::fil
 
 std::string to_text(const RecoverReport& report) {
     std::string text;
-    for (const Damage& damage : report.damage) text += fmt::format("{}: {}\n", report.input.string(), damage.reason);
+    for (const Damage& damage : report.damage) text += fmt::format("{}: {}\n", shown_name(report.input), damage.reason);
     if (report.unfinished_tail > 0) {
-        text += fmt::format("{}: the last {} are from an interrupted write\n", report.input.string(),
+        text += fmt::format("{}: the last {} are from an interrupted write\n", shown_name(report.input),
                             format_size(report.unfinished_tail));
     }
     text += fmt::format("{}: {} run{}, samples {}, {}\n", report.output.string(), report.runs, report.runs == 1 ? "" : "s",
@@ -103,9 +104,12 @@ std::string to_text(const RecoverReport& report) {
 }
 
 std::string to_json_text(const RecoverReport& report) {
-    const nlohmann::json facts = {
-        {"input", report.input.string()}, {"output", report.output.string()}, {"runs", report.runs},
-        {"bytes", report.bytes},          {"damage", report.damage},          {"unfinished_tail", report.unfinished_tail}};
+    const nlohmann::json facts = {{"input", shown_name(report.input)},
+                                  {"output", report.output.string()},
+                                  {"runs", report.runs},
+                                  {"bytes", report.bytes},
+                                  {"damage", report.damage},
+                                  {"unfinished_tail", report.unfinished_tail}};
     return with_member(with_member(json_text(facts), "kept_samples", report.kept), "lost_samples", report.lost);
 }
 

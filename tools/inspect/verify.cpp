@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/size.h"
+#include "base/url.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
@@ -97,7 +98,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     // The runs are the truth, so they are found by walking; the footer must say the same.
     Result<FileContents> file = read_file(source, VerifyLevel::kHeaders, false);
     if (!file) {
-        if (!is_damage(file.error())) return file.error().at(path.string());
+        if (!is_damage(file.error())) return file.error().at(shown_name(path));
         report.damage.push_back(file.error().message);
         return report;
     }
@@ -107,7 +108,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
     report.runs = file->runs.size();
     if (strict) {
         Result<Violations> violations = check_header_strictly(source, *file);
-        if (!violations) return violations.error().at(path.string());
+        if (!violations) return violations.error().at(shown_name(path));
         report.violations = std::move(*violations);
     }
     std::vector<Result<RunReport>> checked(std::min(report.runs, strict ? kRunsAtOnceStrictly : kRunsAtOnce));
@@ -127,7 +128,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
         for (std::size_t i = first; i < end; ++i) {
             const RunInfo& run = file->runs[i];
             Result<RunReport>& found = checked[i - first];
-            if (!found && found.error().code == ErrorCode::kIo) return found.error().at(path.string());
+            if (!found && found.error().code == ErrorCode::kIo) return found.error().at(shown_name(path));
             if (!found) {
                 add_damage(file->damage, lost_run(i, run, found.error()));
                 continue;
@@ -166,9 +167,9 @@ std::string place_of(const Violation& violation) {
 
 std::string to_text(const VerifyReport& report) {
     std::string text;
-    for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", report.path.string(), damage);
+    for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", shown_name(report.path), damage);
     const auto s = [](std::uint64_t count) { return count == 1 ? "" : "s"; };
-    text += fmt::format("{}: {}: {} run{}, {} page{}, {} record{}, {} ({} checked)\n", report.path.string(),
+    text += fmt::format("{}: {}: {} run{}, {} page{}, {} record{}, {} ({} checked)\n", shown_name(report.path),
                         !report.damage.empty()          ? "DAMAGED"
                         : report.violations.count() > 0 ? "readable, but VIOLATES THE FORMAT"
                         : report.strict                 ? "sound, and follows the format"
@@ -176,26 +177,26 @@ std::string to_text(const VerifyReport& report) {
                         report.runs, s(report.runs), report.pages, s(report.pages), report.records, s(report.records),
                         format_size(report.size), what_was_looked_at(report.level));
     if (!report.finished && is_attempt(report.path)) {
-        text += fmt::format("{}: not finished", report.path.string());
+        text += fmt::format("{}: not finished", shown_name(report.path));
         text += report.unfinished_tail > 0
                     ? fmt::format("; the last {} are from an interrupted write\n", format_size(report.unfinished_tail))
                     : "\n";
     }
-    for (const std::string& note : report.notes) text += fmt::format("{}: note: {}\n", report.path.string(), note);
+    for (const std::string& note : report.notes) text += fmt::format("{}: note: {}\n", shown_name(report.path), note);
     const std::vector<Violation>& violations = report.violations.listed();
     for (const Violation& violation : violations) {
         text +=
-            fmt::format("{}: {}{}; expected: {}\n", report.path.string(), place_of(violation), violation.what, violation.wanted);
+            fmt::format("{}: {}{}; expected: {}\n", shown_name(report.path), place_of(violation), violation.what, violation.wanted);
     }
     if (report.violations.count() > violations.size()) {
-        text += fmt::format("{}: {} more violations\n", report.path.string(), report.violations.count() - violations.size());
+        text += fmt::format("{}: {} more violations\n", shown_name(report.path), report.violations.count() - violations.size());
     }
-    if (report.not_finite > 0) text += fmt::format("{}: {} values are not finite\n", report.path.string(), report.not_finite);
+    if (report.not_finite > 0) text += fmt::format("{}: {} values are not finite\n", shown_name(report.path), report.not_finite);
     return text;
 }
 
 nlohmann::json to_json(const VerifyReport& report) {
-    nlohmann::json json = {{"file", report.path.string()},
+    nlohmann::json json = {{"file", shown_name(report.path)},
                            {"sound", report.damage.empty()},
                            {"size", report.size},
                            {"runs", report.runs},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/url.h"
 #include "sampledb/data/z_order.h"
 
 namespace latent::merge {
@@ -59,7 +60,7 @@ Status RunFront::decode(std::size_t ahead, PageDecoder& decoder) {
             const SelectedRun& run = gathering_.runs()[run_];
             return Error{ErrorCode::kCorrupt,
                          fmt::format("{}: run at byte {}: its records are not in order; merge without --compact",
-                                     gathering_.files()[run.file].string(), run.offset)};
+                                     shown_name(gathering_.files()[run.file]), run.offset)};
         }
         pages_.push_back(std::move(decoded));
     }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/json.h"
+#include "base/url.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/read/file_reader.h"
 #include "sampledb/read/provenance.h"
@@ -85,7 +86,7 @@ Result<std::string> provenance_of(const Gathering& gathering) {
         const Result<std::shared_ptr<const ByteSource>> source = open_source(path);
         if (!source) return source.error();
         const Result<FileContents> frames = read_frames(**source);
-        if (!frames) return frames.error().at(path.string());
+        if (!frames) return frames.error().at(shown_name(path));
         const FileContents& contents = *frames;
         const QuotedProvenance merged = quote_provenance(contents.footer_provenance, kFooterProvenanceDepth);
         if (merged.objection.empty() && member_of(merged.json, "parts").starts_with('[')) {
