@@ -61,11 +61,12 @@ class Compressor {
         return guarded([this] {
             jpeg_.image_width = static_cast<JDIMENSION>(format_.width);
             jpeg_.image_height = static_cast<JDIMENSION>(format_.height);
-            jpeg_.input_components = 3;
-            jpeg_.in_color_space = JCS_RGB;
-            jpeg_set_defaults(&jpeg_);
+            jpeg_.input_components = format_.channels;
+            jpeg_.in_color_space = format_.channels == 4 ? JCS_CMYK : JCS_RGB;
+            jpeg_set_defaults(&jpeg_);  // of CMYK: no conversion, full size, and Adobe's marker
             jpeg_set_quality(&jpeg_, options_.quality, TRUE);
-            if (options_.quality >= 90) jpeg_.comp_info[0].h_samp_factor = jpeg_.comp_info[0].v_samp_factor = 1;
+            if (options_.quality >= 90 && format_.channels == 3)
+                jpeg_.comp_info[0].h_samp_factor = jpeg_.comp_info[0].v_samp_factor = 1;
             if (tags_.pixels_per_inch > 0) {
                 jpeg_.density_unit = 1;  // inch
                 jpeg_.X_density = jpeg_.Y_density = static_cast<UINT16>(std::min(tags_.pixels_per_inch, 0xffff));
@@ -87,9 +88,11 @@ class Compressor {
     }
 
     Status write(const std::byte* const* rows, std::size_t count) {
+        if (format_.channels == 4) inverted_.resize(format_.row_bytes());
         return guarded([this, rows, count] {
             for (std::size_t y = 0; y < count; ++y) {
                 JSAMPROW row = const_cast<JSAMPROW>(reinterpret_cast<const JSAMPLE*>(rows[y]));
+                if (format_.channels == 4) row = inverted(row);
                 jpeg_write_scanlines(&jpeg_, &row, 1);
             }
         });
@@ -109,6 +112,12 @@ class Compressor {
         if (setjmp(back_) != 0) return Error{ErrorCode::kIo, std::string("JPEG: ") + message_};
         call();
         return written_;
+    }
+
+    // Files with Adobe's marker hold 255 for no ink.
+    JSAMPROW inverted(const JSAMPLE* row) {
+        std::transform(row, row + inverted_.size(), inverted_.begin(), [](JSAMPLE v) { return static_cast<JSAMPLE>(255 - v); });
+        return inverted_.data();
     }
 
     void new_buffer() {
@@ -135,6 +144,7 @@ class Compressor {
     std::jmp_buf back_{};
     char message_[JMSG_LENGTH_MAX] = {};
     JOCTET buffer_[kBufferSize];
+    std::vector<JSAMPLE> inverted_;
     File* file_ = nullptr;
     std::uint64_t at_ = 0;
     Status written_;

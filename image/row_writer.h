@@ -17,12 +17,15 @@ enum class SampleType : std::uint8_t { kU8, kU16, kF32 };
 
 inline std::size_t sample_bytes(SampleType type) { return type == SampleType::kU8 ? 1 : type == SampleType::kU16 ? 2 : 4; }
 
-// Three interleaved samples per pixel, red, green, blue, in the host's byte order.
+// Interleaved samples, in the host's byte order: red, green, blue; or, of four channels, cyan, magenta, yellow, black, where 0 is
+// no ink (TIFF and JPEG only).
 struct PixelFormat {
     int width = 0, height = 0;
     SampleType sample = SampleType::kU8;
+    int channels = 3;
 
-    std::size_t row_bytes() const { return static_cast<std::size_t>(width) * 3 * sample_bytes(sample); }
+    std::size_t pixel_bytes() const { return static_cast<std::size_t>(channels) * sample_bytes(sample); }
+    std::size_t row_bytes() const { return static_cast<std::size_t>(width) * pixel_bytes(); }
 };
 
 // What the file says about its pixels. Nothing here may depend on the date, the host or a path.

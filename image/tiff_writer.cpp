@@ -18,13 +18,13 @@ namespace {
 
 // Row by row, each sample becomes its difference from the pixel before; done from the right, in place.
 template <class T>
-void difference(std::byte* row, std::size_t samples) {
+void difference(std::byte* row, std::size_t samples, std::size_t channels) {
     T* values = reinterpret_cast<T*>(row);
-    for (std::size_t i = samples; i-- > 3;) values[i] = static_cast<T>(values[i] - values[i - 3]);
+    for (std::size_t i = samples; i-- > channels;) values[i] = static_cast<T>(values[i] - values[i - channels]);
 }
 
 // The bytes of a row of floats by significance, the most significant of all first, then differences of the pixel before [TIFF-TN3].
-void difference_floats(std::byte* row, std::size_t samples, Bytes& planes) {
+void difference_floats(std::byte* row, std::size_t samples, std::size_t channels, Bytes& planes) {
     planes.resize(4 * samples);
     for (std::size_t i = 0; i < samples; ++i) {
         for (std::size_t byte = 0; byte < 4; ++byte) {
@@ -32,14 +32,15 @@ void difference_floats(std::byte* row, std::size_t samples, Bytes& planes) {
             planes[significance * samples + i] = row[4 * i + byte];
         }
     }
-    difference<std::uint8_t>(planes.data(), planes.size());
+    difference<std::uint8_t>(planes.data(), planes.size(), channels);
     std::memcpy(row, planes.data(), planes.size());
 }
 
 // One strip or tile, `width` pixels wide, its first pixel `x` pixels into the rows; missing pixels are filled with the last ones,
 // which deflate well.
 Bytes packed(std::span<const std::byte* const> rows, const PixelFormat& format, int x, int width, int height, int level) {
-    const std::size_t pixel = 3 * sample_bytes(format.sample), row_bytes = static_cast<std::size_t>(width) * pixel;
+    const std::size_t pixel = format.pixel_bytes(), channels = static_cast<std::size_t>(format.channels),
+                      row_bytes = static_cast<std::size_t>(width) * pixel;
     const int present = std::min(width, format.width - x);
     Bytes raw(row_bytes * static_cast<std::size_t>(height));
     Bytes planes;
@@ -49,10 +50,10 @@ Bytes packed(std::span<const std::byte* const> rows, const PixelFormat& format, 
                     static_cast<std::size_t>(present) * pixel);
         for (int i = present; i < width; ++i)
             std::memcpy(row + static_cast<std::size_t>(i) * pixel, row + static_cast<std::size_t>(present - 1) * pixel, pixel);
-        const std::size_t samples = 3 * static_cast<std::size_t>(width);
-        if (format.sample == SampleType::kU8) difference<std::uint8_t>(row, samples);
-        if (format.sample == SampleType::kU16) difference<std::uint16_t>(row, samples);
-        if (format.sample == SampleType::kF32) difference_floats(row, samples, planes);
+        const std::size_t samples = channels * static_cast<std::size_t>(width);
+        if (format.sample == SampleType::kU8) difference<std::uint8_t>(row, samples, channels);
+        if (format.sample == SampleType::kU16) difference<std::uint16_t>(row, samples, channels);
+        if (format.sample == SampleType::kF32) difference_floats(row, samples, channels, planes);
     }
     return zlib_stream(raw, level);
 }
@@ -178,8 +179,9 @@ class Writer final : public TiffWriter {
         set(TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(format_.height));
         set(TIFFTAG_BITSPERSAMPLE, static_cast<int>(8 * sample_bytes(format_.sample)));
         set(TIFFTAG_SAMPLEFORMAT, floats ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
-        set(TIFFTAG_SAMPLESPERPIXEL, 3);
-        set(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
+        set(TIFFTAG_SAMPLESPERPIXEL, format_.channels);
+        set(TIFFTAG_PHOTOMETRIC, format_.channels == 4 ? PHOTOMETRIC_SEPARATED : PHOTOMETRIC_RGB);
+        if (format_.channels == 4) set(TIFFTAG_INKSET, INKSET_CMYK);
         set(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
         set(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
         // Required [TIFF6, section 6]. All images of a pyramid have the same size on paper.

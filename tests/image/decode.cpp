@@ -106,11 +106,15 @@ Decoded decode_jpeg(const std::filesystem::path& path) {
     d.resolution_unit = jpeg.density_unit;
     d.luminance_sampling = jpeg.comp_info[0].h_samp_factor;
     jpeg_start_decompress(&jpeg);
-    d.format = {static_cast<int>(jpeg.output_width), static_cast<int>(jpeg.output_height), SampleType::kU8};
+    d.format = {static_cast<int>(jpeg.output_width), static_cast<int>(jpeg.output_height), SampleType::kU8, jpeg.output_components};
     d.pixels.resize(d.format.row_bytes() * static_cast<std::size_t>(d.format.height));
     while (jpeg.output_scanline < jpeg.output_height) {
         JSAMPROW row = reinterpret_cast<JSAMPROW>(d.pixels.data() + jpeg.output_scanline * d.format.row_bytes());
         jpeg_read_scanlines(&jpeg, &row, 1);
+    }
+    if (d.format.channels == 4) {  // Adobe's marker: 255 is no ink
+        EXPECT_TRUE(jpeg.saw_Adobe_marker);
+        for (std::byte& sample : d.pixels) sample = ~sample;
     }
     jpeg_finish_decompress(&jpeg);
     jpeg_destroy_decompress(&jpeg);
@@ -133,6 +137,11 @@ Decoded decode_directory(TIFF* tiff) {
                 bits == 8    ? SampleType::kU8
                 : bits == 16 ? SampleType::kU16
                              : SampleType::kF32};
+    std::uint16_t channels = 0, photometric = 0;
+    TIFFGetField(tiff, TIFFTAG_SAMPLESPERPIXEL, &channels);
+    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+    d.format.channels = channels;
+    EXPECT_EQ(photometric, channels == 4 ? PHOTOMETRIC_SEPARATED : PHOTOMETRIC_RGB);
     float x_resolution = 0, y_resolution = 0;
     std::uint16_t unit = 0;
     if (TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &x_resolution) == 1) d.x_resolution = static_cast<double>(x_resolution);
@@ -147,7 +156,7 @@ Decoded decode_directory(TIFF* tiff) {
     if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &icc) == 1) {
         d.icc.assign(static_cast<std::byte*>(icc), static_cast<std::byte*>(icc) + size);
     }
-    const std::size_t row_bytes = d.format.row_bytes(), pixel = 3 * sample_bytes(d.format.sample);
+    const std::size_t row_bytes = d.format.row_bytes(), pixel = d.format.pixel_bytes();
     d.pixels.resize(row_bytes * height);
     if (!d.tiled) {
         for (std::uint32_t y = 0; y < height; ++y) EXPECT_EQ(TIFFReadScanline(tiff, d.pixels.data() + y * row_bytes, y), 1);

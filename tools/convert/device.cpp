@@ -26,7 +26,7 @@ class Curves final : public DeviceTransform {
         }
     }
 
-    void apply(const std::array<std::span<float>, 3>& rgb) const override {
+    void apply(const std::array<std::span<float>, 3>& rgb, std::span<float>) const override {
         for (std::size_t c = 0; c < 3; ++c) {
             for (float& v : rgb[c]) v = code_of(decoded_[c], v);
         }
@@ -52,24 +52,31 @@ struct DeleteTransform {
 
 class Lcms final : public DeviceTransform {
  public:
-    explicit Lcms(cmsHTRANSFORM transform) : transform_(transform) {}
+    Lcms(cmsHTRANSFORM transform, int channels) : transform_(transform), channels_(channels) {}
 
-    void apply(const std::array<std::span<float>, 3>& rgb) const override {
+    int channels() const override { return channels_; }
+
+    void apply(const std::array<std::span<float>, 3>& rgb, std::span<float> fourth) const override {
         constexpr std::size_t kAtOnce = 256;
+        const std::array<std::span<float>, 4> planes{rgb[0], rgb[1], rgb[2], fourth};
+        const auto n = static_cast<std::size_t>(channels_);
+        const float whole = channels_ == 4 ? 100.0f : 1.0f;  // inks are percentages
         std::array<float, 3 * kAtOnce> pixels;
+        std::array<float, 4 * kAtOnce> codes;
         for (std::size_t first = 0; first < rgb[0].size(); first += kAtOnce) {
             const std::size_t count = std::min(kAtOnce, rgb[0].size() - first);
             for (std::size_t i = 0; i < 3 * count; ++i) {
                 const float v = rgb[i % 3][first + i / 3];
                 pixels[i] = v >= 0 ? std::min(v, 1.0f) : 0;  // NaN too
             }
-            cmsDoTransform(transform_.get(), pixels.data(), pixels.data(), static_cast<cmsUInt32Number>(count));
-            for (std::size_t i = 0; i < 3 * count; ++i) rgb[i % 3][first + i / 3] = std::clamp(pixels[i], 0.0f, 1.0f);
+            cmsDoTransform(transform_.get(), pixels.data(), codes.data(), static_cast<cmsUInt32Number>(count));
+            for (std::size_t i = 0; i < n * count; ++i) planes[i % n][first + i / n] = std::clamp(codes[i] / whole, 0.0f, 1.0f);
         }
     }
 
  private:
     std::unique_ptr<void, DeleteTransform> transform_;
+    int channels_;
 };
 
 cmsUInt32Number flags_of(const Rendering& rendering) {
@@ -94,10 +101,11 @@ std::shared_ptr<const DeviceTransform> curves_of(const std::array<const void*, 3
 
 Result<std::shared_ptr<const DeviceTransform>> tables_of(void* profile, const Rendering& rendering) {
     const lcms::Profile from = lcms::linear_profile(table_space());
-    cmsHTRANSFORM transform = cmsCreateTransform(from.get(), TYPE_RGB_FLT, profile, TYPE_RGB_FLT,
+    const bool inks = cmsGetColorSpace(profile) == cmsSigCmykData;
+    cmsHTRANSFORM transform = cmsCreateTransform(from.get(), TYPE_RGB_FLT, profile, inks ? TYPE_CMYK_FLT : TYPE_RGB_FLT,
                                                  static_cast<cmsUInt32Number>(rendering.intent), flags_of(rendering));
     if (!transform) return Error{ErrorCode::kUnsupported, "is a LUT profile without tables for printing with this intent"};
-    return std::make_shared<Lcms>(transform);
+    return std::make_shared<Lcms>(transform, inks ? 4 : 3);
 }
 
 Result<std::shared_ptr<const DeviceTransform>> proof_of(const std::string& path, const color::RgbSpace& display,
@@ -110,7 +118,7 @@ Result<std::shared_ptr<const DeviceTransform>> proof_of(const std::string& path,
         from.get(), TYPE_RGB_FLT, to.get(), TYPE_RGB_FLT, device->get(), static_cast<cmsUInt32Number>(rendering.intent),
         absolute ? INTENT_ABSOLUTE_COLORIMETRIC : INTENT_RELATIVE_COLORIMETRIC, flags_of(rendering) | cmsFLAGS_SOFTPROOFING);
     if (!transform) return Error{ErrorCode::kUnsupported, fmt::format("{}: has no tables for a proof with this intent", path)};
-    return std::make_shared<Lcms>(transform);
+    return std::make_shared<Lcms>(transform, 3);
 }
 
 }  // namespace latent::convert

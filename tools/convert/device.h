@@ -24,8 +24,9 @@ struct Rendering {
 class DeviceTransform {
  public:
     virtual ~DeviceTransform() = default;
-    // In place.
-    virtual void apply(const std::array<std::span<float>, 3>& rgb) const = 0;
+    virtual int channels() const { return 3; }  // 4: cyan, magenta, yellow, black, where 1 is all of an ink
+    // In place; the fourth channel, if there is one, goes to `fourth`, of the same size.
+    virtual void apply(const std::array<std::span<float>, 3>& rgb, std::span<float> fourth) const = 0;
 };
 
 // The space that prints for tables are made in: it holds every colour that a device has (ROMM RGB's primaries, D50), linear.

@@ -13,8 +13,9 @@ Profiles:
   srgb, display-p3, rec2020, adobe-rgb
   rx,ry,gx,gy,bx,by,wx,wy   chromaticities of the primaries and the white
   9 numbers                 matrix from XYZ to RGB, separated by commas
-  FILE.icc                  RGB profile, of primaries and curves, or of tables
-                            (printers); it is embedded unchanged
+  FILE.icc                  profile of primaries and curves, or of tables
+                            (printers: RGB, or CMYK for .tif and .jpg); it is
+                            embedded unchanged
 
 Tone curves (all print luminance 1/X at half of display white):
   film                      1 - 2^-t, where t is sensitivity times luminance

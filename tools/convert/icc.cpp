@@ -136,8 +136,8 @@ Status read_matrix(cmsHPROFILE profile, const std::optional<std::array<double, 3
     const std::optional<color::Transfer> transfer = transfer_of(curves);
     if (!transfer) display.device = curves_of(curves);
     Result<color::RgbSpace> space =
-        color::RgbSpace::from_matrix("ICC profile", xyz_from_rgb.inverse(), luminance_row ? &*luminance_row : nullptr,
-                                     transfer.value_or(color::Transfer::linear()));
+        color::RgbSpace::from_matrix(lcms::description_of(profile), xyz_from_rgb.inverse(),
+                                     luminance_row ? &*luminance_row : nullptr, transfer.value_or(color::Transfer::linear()));
     if (!space) return space.error();
     display.space = *space;
     display.white = white_of(xyz_from_rgb);
@@ -146,7 +146,7 @@ Status read_matrix(cmsHPROFILE profile, const std::optional<std::array<double, 3
 
 }  // namespace
 
-// The space's name is no path: none may enter an output.
+// The space has the profile's own name: no path may enter an output.
 Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row,
                                  const Rendering& rendering) {
     Display display;
@@ -164,6 +164,7 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
     if (!device) return device.error().at(path);
     display.device = *device;
     display.space = table_space();
+    display.space.name = lcms::description_of(profile->get());
     display.white = display.space.primaries.white;
     return display;
 }

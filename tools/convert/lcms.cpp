@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <new>
 #include <span>
 
@@ -24,16 +25,32 @@ Result<Profile> open_profile(const std::string& path, Bytes* bytes) {
     constexpr std::uint64_t kMost = std::uint64_t{64} << 20;
     const Result<std::string> text = read_small_file(path, kMost, "a profile");
     if (!text) return text.error();
+    if (text->size() >= 4) {  // a profile begins with its size
+        std::uint32_t size = 0;
+        for (std::size_t i = 0; i < 4; ++i) size = size << 8 | static_cast<unsigned char>((*text)[i]);
+        if (text->size() > 128 && text->substr(36, 4) == "acsp" && size > text->size())
+            return Error{ErrorCode::kTruncated, fmt::format("{}: is cut off after {} of {} bytes", path, text->size(), size)};
+    }
     cmsSetLogErrorHandler(nullptr);
     Profile profile(cmsOpenProfileFromMem(text->data(), static_cast<cmsUInt32Number>(text->size())));
     if (!profile) return Error{ErrorCode::kForeign, path + ": is not an ICC profile"};
-    if (cmsGetColorSpace(profile.get()) != cmsSigRgbData)
-        return Error{ErrorCode::kUnsupported, path + ": is not an RGB profile; other profiles are not supported"};
+    const cmsColorSpaceSignature space = cmsGetColorSpace(profile.get());
+    if (space != cmsSigRgbData && space != cmsSigCmykData)
+        return Error{ErrorCode::kUnsupported, path + ": is neither an RGB nor a CMYK profile; others are not supported"};
     if (bytes != nullptr) {
         const auto all = std::as_bytes(std::span(*text));
         bytes->assign(all.begin(), all.end());
     }
     return profile;
+}
+
+std::string description_of(cmsHPROFILE profile) {
+    char text[128] = {};
+    cmsGetProfileInfoASCII(profile, cmsInfoDescription, "en", "US", text, sizeof text);
+    std::string name = text;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    return name.empty() ? "ICC profile" : name;
 }
 
 }  // namespace latent::convert::lcms

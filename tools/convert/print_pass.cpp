@@ -74,7 +74,7 @@ void print_row(const Exposure& exposure, const PassSettings& settings, const Blo
                            bench.luminances, to.row(0, y),   to.row(1, y),
                            to.row(2, y),     from.area.x0,   y};
     if (settings.gamut_report) find_hue_shifts(exposure.print, settings.space, row, outcome.hue_shifts);
-    if (settings.proof) settings.proof->apply({to.row(0, y), to.row(1, y), to.row(2, y)});
+    if (settings.proof) settings.proof->apply({to.row(0, y), to.row(1, y), to.row(2, y)}, {});
     if (settings.show_clipped) mark_clipped(exposure.print, settings.space, row);
 }
 

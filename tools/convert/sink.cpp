@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <cstring>
 #include <functional>
 
-#include "color/quantise.h"
 #include "image/deep_zoom_writer.h"
 #include "image/exr_writer.h"
 #include "image/jpeg_writer.h"
 #include "image/png_writer.h"
 #include "image/tiff_writer.h"
+#include "tools/convert/encoder.h"
 #include "tools/convert/viewer_page.h"
 
 namespace latent::convert {
@@ -21,47 +20,6 @@ using image::Rect;
 using image::SampleType;
 
 namespace {
-
-// From linear light to the samples of a file. `level` of a pyramid: each gets its own dither.
-struct Encoder {
-    SampleType sample = SampleType::kU8;
-    color::Transfer transfer;
-    color::Dither dither = color::Dither::kRandom;
-    std::shared_ptr<const DeviceTransform> device{};  // instead of `transfer`
-
-    // One row of pixels, the first of which is (x0, y) of its level.
-    void encode(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const {
-        if (device) return encode_for_device(level, rgb, x0, y, out);
-        quantise(level, rgb, x0, y, out);
-    }
-
- private:
-    void encode_for_device(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y,
-                           std::byte* out) const {
-        thread_local std::array<std::vector<float>, 3> codes;
-        for (std::size_t c = 0; c < 3; ++c) codes[c].assign(rgb[c].begin(), rgb[c].end());
-        device->apply({codes[0], codes[1], codes[2]});
-        quantise(level, {codes[0], codes[1], codes[2]}, x0, y, out);
-    }
-
-    void quantise(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const {
-        const color::Quantiser quantiser{transfer, sample == SampleType::kU8 ? dither : color::Dither::kNone,
-                                         static_cast<std::uint32_t>(level)};
-        const std::size_t samples = 3 * rgb[0].size();
-        const auto column = static_cast<std::uint32_t>(x0), row = static_cast<std::uint32_t>(y);
-        if (sample == SampleType::kU8) {
-            quantiser.to_8_bits(rgb[0], rgb[1], rgb[2], column, row, {reinterpret_cast<std::uint8_t*>(out), samples});
-        } else if (sample == SampleType::kU16) {
-            quantiser.to_16_bits(rgb[0], rgb[1], rgb[2], column, row, {reinterpret_cast<std::uint16_t*>(out), samples});
-        } else {
-            float* values = reinterpret_cast<float*>(out);
-            for (std::size_t i = 0; i < samples; ++i) {
-                const float light = rgb[i % 3][i / 3];
-                values[i] = transfer.is_linear() ? light : static_cast<float>(transfer.encode(static_cast<double>(light)));
-            }
-        }
-    }
-};
 
 // What pyramids and single images have in common. `write_rows(level, rows)` passes rows of a level to the writer.
 template <class Writer>
@@ -126,7 +84,7 @@ class WriterSink final : public Sink {
     Status publish() override { return writer_->publish(); }
 
  private:
-    std::size_t row_bytes(int width) const { return static_cast<std::size_t>(width) * 3 * image::sample_bytes(encoder_.sample); }
+    std::size_t row_bytes(int width) const { return static_cast<std::size_t>(width) * encoder_.pixel_bytes(); }
 
     std::unique_ptr<Writer> writer_;
     Rect area_;
@@ -183,10 +141,10 @@ Result<std::unique_ptr<Sink>> exr_sink(OutputFile out, const PrintedPicture& pic
 
 Result<std::unique_ptr<Sink>> tiff_sink(OutputFile out, const PrintedPicture& picture, const image::ImageTags& tags,
                                         const Encoder& encoder, const ConvertOptions& options) {
-    std::vector<PixelFormat> formats{{picture.area.width(), picture.area.height(), encoder.sample}};
+    std::vector<PixelFormat> formats{encoder.format(picture.area.width(), picture.area.height())};
     while (options.pyramid && std::max(formats.back().width, formats.back().height) > image::kTiffTile) {
         const PixelFormat& last = formats.back();
-        formats.push_back({(last.width + 1) / 2, (last.height + 1) / 2, encoder.sample});
+        formats.push_back(encoder.format((last.width + 1) / 2, (last.height + 1) / 2));
     }
     const image::TiffOptions how{options.tiles || options.pyramid, options.png_level};
     Result<std::unique_ptr<image::TiffWriter>> writer = image::TiffWriter::create(std::move(out), formats, tags, how);
@@ -235,6 +193,9 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
                     display.device};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
+    if (encoder.channels() == 4 && !tiff && !jpeg && type != ".exr")
+        return Error{ErrorCode::kUsage,
+                     fmt::format("{}: the profile is one of inks (CMYK), which only .tif and .jpg hold", path.string())};
     if (type == ".dzi") return deep_zoom_sink(path, picture, display, encoder, options);
 
     Result<OutputFile> out = OutputFile::create(path, options.replace);
@@ -242,7 +203,7 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     if (type == ".exr") return exr_sink(std::move(*out), picture, display, options);
     const image::ImageTags tags{display.icc, display.srgb, display.cicp, texts(picture, display, options), options.dpi};
     if (tiff) return tiff_sink(std::move(*out), picture, tags, encoder, options);
-    const PixelFormat format{picture.area.width(), picture.area.height(), encoder.sample};
+    const PixelFormat format = encoder.format(picture.area.width(), picture.area.height());
     if (png) return rows_sink(image::create_png(std::move(*out), format, tags, {options.png_level}), picture, encoder);
     return rows_sink(image::create_jpeg(std::move(*out), format, tags, {options.quality}), picture, encoder);
 }
