@@ -109,6 +109,55 @@ TEST_F(DeepZoomPage, ZoomingInLoadsDeeperTilesAndShowsWhatACropPrints) {
     EXPECT_EQ(more_facts["title"], "jpeg &1");
 }
 
+// Two prints on one page: left of the divider the new one, right of it the other, each as its crop prints.
+TEST_F(DeepZoomPage, ADividerShowsTwoPrintsBesideEachOther) {
+    std::filesystem::create_directory(folder_ / "older ones");
+    ConvertOptions options;
+    options.png_tiles = true;
+    ASSERT_TRUE(print("a.exr", "older ones/a.dzi", options));
+    ConvertOptions darker = options;
+    darker.stops = {-2};
+    darker.compare = folder_ / "older ones" / "a.dzi";
+    ASSERT_TRUE(print("a.exr", "darker.dzi", darker));
+    options.crop = darker.crop = kSeen;
+    darker.compare.clear();
+    ASSERT_TRUE(print("a.exr", "right.png", options));
+    ASSERT_TRUE(print("a.exr", "left.png", darker));
+    const Decoded left = image::decode_png(folder_ / "left.png"), right = image::decode_png(folder_ / "right.png");
+    const std::string view = fmt::format("{},{},1,", (kSeen.x0 + kSeen.x1) / 2, (kSeen.y0 + kSeen.y1) / 2);
+    const auto [seen, facts] = look("darker.html", {view + "0.25", view + "0", view + "1", view + "0.625"});
+    ASSERT_EQ(seen[0].pixels.size(), left.pixels.size());
+    EXPECT_NEAR(facts["split"].get<double>(), 0.75, 0.01) << facts;
+    const std::array<std::size_t, 4> columns{200, 0, 800, 500};
+    for (std::size_t i = 0; i < 4; ++i) {
+        int unlike = 0;
+        for (std::size_t y = 0; y < 600; ++y) {
+            for (std::size_t x = 0; x < 800; ++x) {
+                const Decoded& expected = x < columns[i] ? left : right;
+                const std::size_t at = 3 * (y * 800 + x);
+                unlike += std::memcmp(&seen[i].pixels[at], &expected.pixels[at], 3) != 0;
+            }
+        }
+        EXPECT_LE(unlike, 600) << i;  // a column of pixels at the divider may be a mixture
+    }
+}
+
+TEST_F(DeepZoomPage, OnlyPyramidsOfTheSameSizeAreCompared) {
+    ASSERT_TRUE(print("a.exr", "a.dzi"));
+    write_picture(folder_ / "small.exr", {40, 30});
+    const auto refused = [&](std::vector<std::string> more, const char* words, int status) {
+        more.insert(more.begin(), {at("small.exr")});
+        const testing::Outcome outcome = run_tool(more);
+        EXPECT_EQ(outcome.status, status) << outcome.err;
+        EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "b.html"));
+    };
+    refused({"-o", at("b.dzi"), "--compare", at("a.dzi")}, "has 2600 x 1900 pixels, and this print 40 x 30", 2);
+    refused({"-o", at("b.dzi"), "--compare", at("none.dzi")}, "none.dzi", 1);
+    refused({"-o", at("b.dzi"), "--compare", at("small.exr")}, "not a Deep Zoom descriptor", 1);
+    refused({"-o", at("b.png"), "--compare", at("a.dzi")}, "needs an output that ends in .dzi", 2);
+}
+
 // Of a picture of one colour every pixel that it covers has that colour: no seam between tiles, no background at the window's
 // edges.
 TEST_F(DeepZoomPage, MagnifiedItShowsNeitherSeamsNorBackground) {

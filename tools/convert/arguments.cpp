@@ -114,6 +114,9 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     app.add_flag("--png-tiles", options.png_tiles, "write Deep Zoom tiles as PNG instead of JPEG");
     cli::add_count(app, "--overlap", options.overlap,
                    "pixels that Deep Zoom tiles share with their neighbours; use 0 only for viewers other than NAME.html", 0, 1);
+    app.add_option("--compare", options.compare,
+                   "Deep Zoom print of the same size; a divider in NAME.html shows it beside the new one")
+        ->type_name("OTHER.dzi");
     app.footer(help::kConvert);
 }
 

@@ -42,13 +42,17 @@ Result<ToneChoice> tone_of(const ConvertOptions& options) {
     return ToneChoice{curve->is_film() ? color::Tone::kFilm : color::Tone::kCurve, *curve};
 }
 
-Status check_outputs(const std::vector<std::filesystem::path>& outputs) {
+Status check_outputs(const ConvertOptions& options) {
+    const std::vector<std::filesystem::path>& outputs = options.outputs;
     std::set<std::filesystem::path> places;
     for (const std::filesystem::path& path : outputs) {
         std::error_code ignored;
         if (!places.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)).second)
             return Error{ErrorCode::kUsage, fmt::format("--output {}: given twice", path.string())};
     }
+    const auto is_deep_zoom = [](const std::filesystem::path& path) { return path.extension() == ".dzi"; };
+    if (!options.compare.empty() && std::ranges::none_of(outputs, is_deep_zoom))
+        return Error{ErrorCode::kUsage, "--compare: needs an output that ends in .dzi"};
     return {};
 }
 
@@ -115,7 +119,7 @@ Result<int> dpi_of(const ConvertOptions& options, int width) {
 }
 
 Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
-    if (Status s = check_outputs(options.outputs); !s) return s.error();
+    if (Status s = check_outputs(options); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
     const Result<int> dpi = dpi_of(options, source->area.width());

@@ -51,12 +51,13 @@ struct ConvertOptions {
     int dpi = 300;                                  // pixels per inch: how large the print is on paper
     double paper_width_mm = 0;                      // instead: its width; 0: not given
 
-    int quality = 90;        // of JPEG
-    int png_level = 1;       // of zlib, in PNG and TIFF
-    bool tiles = false;      // TIFF
-    bool pyramid = false;    // TIFF
-    bool png_tiles = false;  // Deep Zoom
-    int overlap = 1;         // Deep Zoom
+    int quality = 90;               // of JPEG
+    int png_level = 1;              // of zlib, in PNG and TIFF
+    bool tiles = false;             // TIFF
+    bool pyramid = false;           // TIFF
+    bool png_tiles = false;         // Deep Zoom
+    int overlap = 1;                // Deep Zoom
+    std::filesystem::path compare;  // another print's .dzi, for the page of a Deep Zoom; "": none
 
     int threads = 0;
     std::uint64_t memory = std::uint64_t{1} << 30;

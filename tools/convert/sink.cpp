@@ -165,7 +165,13 @@ Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, 
     image::ImageTags tags;  // of each of thousands of tiles: nothing, where nothing means sRGB
     if (!display.srgb) tags.icc = display.icc;
     const int width = picture.area.width(), height = picture.area.height();
-    const std::string page = viewer_page(path.stem().string(), width, height, how);
+    std::optional<OtherPyramid> other;
+    if (!options.compare.empty()) {
+        const Result<OtherPyramid> read = read_pyramid(options.compare, path, width, height);
+        if (!read) return read.error().at("--compare");
+        other = *read;
+    }
+    const std::string page = viewer_page(path.stem().string(), width, height, how, other);
     Result<std::unique_ptr<image::DeepZoomWriter>> writer = image::DeepZoomWriter::create(path, width, height, tags, page, how);
     if (!writer) return writer.error();
     return std::make_unique<WriterSink<image::DeepZoomWriter>>(

@@ -3,7 +3,8 @@
 //   1. opens the page and waits until it shows the whole picture;
 //   2. turns the wheel over the middle to zoom in;
 //   3. goes to each #X,Y,SCALE and saves what is seen there as FOLDER/seen-0.png (800 x 600), seen-1.png, ...
-//   4. clicks into the middle of the navigator, which the views leave out.
+//   4. (a page that compares) drags the divider from the middle to three quarters of the window, before 3.;
+//   5. clicks into the middle of the navigator, which the views leave out.
 // Prints one JSON object: the deepest level asked for before and after turning the wheel, tiles asked for, the address left by the
 // wheel, the title, where the navigator is, and the pixel in the middle of the window after the click. Chromium is driven over its DevTools pipe; nothing but Node.js is needed.
 import { spawn } from "node:child_process";
@@ -49,7 +50,8 @@ async function evaluate(expression) {
 async function settled() {
   for (let still = 0; still < 3;) {
     await new Promise((later) => setTimeout(later, 100));
-    const ready = await evaluate(`typeof viewer === "object" && viewer.world.getItemCount() === 1 && viewer.world.getItemAt(0).getFullyLoaded()
+    const ready = await evaluate(`typeof viewer === "object" && viewer.world.getItemCount() === (picture.other ? 2 : 1)
+      && [...Array(viewer.world.getItemCount()).keys()].every((i) => viewer.world.getItemAt(i).getFullyLoaded() || viewer.world.getItemAt(i).getOpacity() === 0)
       && Math.abs(viewer.viewport.getZoom(true) - viewer.viewport.getZoom(false)) < 1e-9`);
     still = ready ? still + 1 : 0;
   }
@@ -74,6 +76,16 @@ try {
   const address = await evaluate("location.hash");
   await evaluate(`document.querySelector("nav").remove()`);
   const title = await evaluate("document.title");
+  let split;
+  if (await evaluate("Boolean(picture.other)")) {
+    const drag = (type, x) => send("Input.dispatchMouseEvent", { type, x, y: 200, button: "left", buttons: 1, clickCount: 1 });
+    await drag("mousePressed", 402);
+    await drag("mouseMoved", 500);
+    await drag("mouseMoved", 600);
+    await drag("mouseReleased", 600);
+    split = await evaluate("split");
+    await evaluate(`divider.style.visibility = "hidden"`);
+  }
   await evaluate(`viewer.navigator.element.style.visibility = "hidden"`);
   for (const [index, view] of views.entries()) {
     await evaluate(`location.hash = ${JSON.stringify("#" + view)}`);
@@ -89,7 +101,7 @@ try {
   await send("Input.dispatchMouseEvent", { type: "mouseReleased", ...place });
   await new Promise((later) => setTimeout(later, 2500));  // it glides there for 1.2 s
   const middle = await evaluate(`(({ x, y }) => [x * picture.width, y * picture.width])(viewer.viewport.getCenter(true))`);
-  console.log(JSON.stringify({ before, after, tiles: levels().length, address, title, map, middle }));
+  console.log(JSON.stringify({ before, after, tiles: levels().length, address, title, map, middle, split }));
   session = undefined;
   await send("Browser.close");
 } catch (error) {
