@@ -412,6 +412,7 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
     PictureLayout wide{66000, 1};
     write_picture(folder_ / "wide.exr", wide);
     std::ofstream(folder_ / "there.png") << "x";
+    std::ofstream(folder_ / "s.latent") << "samples";
     for (const char* pipe : {"pipe", "p.icc"}) ASSERT_EQ(::mkfifo(at(pipe).c_str(), 0600), 0);  // nobody writes to them
     struct Case {
         std::vector<std::string> arguments;
@@ -422,6 +423,7 @@ TEST_F(Convert, MisuseIsExplainedInOneLineAndLeavesNothing) {
     for (const Case& c : std::vector<Case>{{{at("a.exr")}, 2, "--output"},
                                            {{at("none.exr"), "-o", at("b.png")}, 1, "none.exr"},
                                            {{at("there.png"), "-o", at("b.png")}, 1, "there.png"},
+                                           {{at("s.latent"), "-o", at("b.png")}, 1, "latent-develop s.latent -o s.exr"},
                                            {{at("a.exr"), "-o", at("there.png")}, 1, "--force"},
                                            {{at("a.exr"), "-o", at("b.gif")}, 2, ".png"},
                                            {{at("a.exr"), "-o", at("b.png"), "--bits", "float"}, 2, ".tif"},

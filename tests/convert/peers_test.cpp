@@ -176,7 +176,7 @@ TEST_F(Peers, ExiftoolAndTiffinfoReadTheTags) {
     ASSERT_EQ(tags.size(), 3u);
     for (const auto& file : tags) {
         SCOPED_TRACE(file["FileName"]);
-        EXPECT_EQ(file["ProfileDescription"], "display-p3");
+        EXPECT_EQ(file["ProfileDescription"], "Display P3");
         EXPECT_EQ(file["ImageWidth"], kSide);
         EXPECT_EQ(file["ImageHeight"], kSide);
         EXPECT_FALSE(file.contains("Warning")) << file["Warning"];

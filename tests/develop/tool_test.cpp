@@ -177,6 +177,9 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
     EXPECT_EQ(develop({in, "-o", out("good.exr")}).status, 0);
     EXPECT_EQ(develop({in, "-o", out("good.exr")}).status, 1);
     EXPECT_EQ(develop({in, "-o", out("good.exr"), "--force"}).status, 0);
+    const Outcome picture = develop({out("good.exr"), "-o", out("better.exr")});
+    EXPECT_EQ(picture.status, 1);
+    EXPECT_NE(picture.err.find("printed by latent-convert"), std::string::npos) << picture.err;
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"good.exr", "in.latent"}));
 }
 

@@ -86,6 +86,22 @@ color::Matrix3 unadapted(cmsHPROFILE profile, const color::Matrix3& xyz_from_rgb
 
 }  // namespace
 
+namespace {
+
+// As other programs show it.
+std::string description_of(const color::RgbSpace& space) {
+    constexpr std::pair<const char*, const char*> kNames[] = {{"srgb", "sRGB"},
+                                                              {"display-p3", "Display P3"},
+                                                              {"rec2020", "Rec. 2020"},
+                                                              {"adobe-rgb", "Compatible with Adobe RGB (1998)"}};
+    for (const auto& [name, description] : kNames) {
+        if (space.name == name) return description;
+    }
+    return "RGB " + space.name;
+}
+
+}  // namespace
+
 Bytes icc_of(const color::RgbSpace& space) {
     const color::Primaries& p = space.primaries;
     const cmsCIExyY white{p.white.x, p.white.y, 1};
@@ -102,7 +118,8 @@ Bytes icc_of(const color::RgbSpace& space) {
         const std::unique_ptr<cmsMLU, decltype(&cmsMLUfree)> text(cmsMLUalloc(nullptr, 1), cmsMLUfree);
         return text && cmsMLUsetASCII(text.get(), "en", "US", words) && cmsWriteTag(profile.get(), tag, text.get());
     };
-    if (!write(cmsSigProfileDescriptionTag, space.name.c_str()) || !write(cmsSigCopyrightTag, "CC0")) throw std::bad_alloc();
+    if (!write(cmsSigProfileDescriptionTag, description_of(space).c_str()) || !write(cmsSigCopyrightTag, "CC0"))
+        throw std::bad_alloc();
     Bytes bytes = saved(profile.get());
     // The header's time of creation, and the hash over it: 2000-01-01 00:00:00 and none [ICC, 7.2].
     const std::uint16_t date[] = {2000, 1, 1, 0, 0, 0};

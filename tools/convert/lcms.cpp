@@ -50,6 +50,7 @@ std::string description_of(cmsHPROFILE profile) {
     std::string name = text;
     std::replace_if(
         name.begin(), name.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    name.erase(name.find_last_not_of(' ') + 1);
     return name.empty() ? "ICC profile" : name;
 }
 

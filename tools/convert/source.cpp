@@ -86,6 +86,10 @@ Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage
 
 Result<Source> open_source(const ConvertOptions& options) {
     Result<image::ExrReader> reader = image::ExrReader::open(options.input, options.level, image::ExrContent::kColourOrSpectrum);
+    if (!reader && reader.error().code == ErrorCode::kForeign && options.input.extension() == ".latent")
+        return Error{ErrorCode::kForeign,
+                     fmt::format("{}: holds samples, not pixels; develop it first: latent-develop {} -o {}", options.input.string(),
+                                 options.input.filename().string(), options.input.stem().string() + ".exr")};
     if (!reader) return reader.error();
     const image::ExrImage& image = reader->image();
     if (!options.observer.empty() && image.emitted_nm.empty())

@@ -251,12 +251,21 @@ class NoPicture final : public PictureSink {
     Status finish() override { return {}; }
 };
 
+// A developed picture among the inputs, which is what people confuse with samples.
+Error with_advice(Error error, const std::vector<std::filesystem::path>& inputs) {
+    for (const std::filesystem::path& input : inputs) {
+        if (error.code == ErrorCode::kForeign && input.extension() == ".exr" && error.message.starts_with(input.string() + ":"))
+            error.message += "; a picture is printed by latent-convert";
+    }
+    return error;
+}
+
 // `running`: since the command began.
 Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
                                    PictureSink& sink, const Progress& progress) {
     const sampledb::GatherOptions gather = gather_options(options, verify);
     const auto gathered = sampledb::Gathering::open(gather);
-    if (!gathered) return gathered.error();
+    if (!gathered) return with_advice(gathered.error(), gather.inputs);
     const sampledb::Gathering& all = **gathered;
     const std::uint64_t available = all.coverage().size();
     if (!options.is_preview()) return develop_runs(options, gather, all, {available}, sink, progress);
@@ -313,7 +322,7 @@ Result<Forecast> forecast_picture(const PictureOptions& asked) {
     if (Status s = set_simd_level(asked.simd); !s) return s.error();
     const sampledb::GatherOptions gather = gather_options(asked, sampledb::VerifyLevel::kHeaders);
     const auto gathered = sampledb::Gathering::open(gather);
-    if (!gathered) return gathered.error();
+    if (!gathered) return with_advice(gathered.error(), gather.inputs);
     const sampledb::Gathering& all = **gathered;
     if (all.coverage().empty()) return nothing_to_develop(gather);
     const std::vector<std::uint32_t> order = shuffled_runs(all);
