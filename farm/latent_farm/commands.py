@@ -30,7 +30,7 @@ def survey(args):
 
 
 def to_text(report):
-    text = (f"{report['samples']} samples in {report['tasks']} tasks of {report['task_samples']} "
+    text = (f"{report['samples']} samples in {report['tasks']} task{'' if report['tasks'] == 1 else 's'} of {report['task_samples']} "
             f"({units.format_duration(report['task_seconds'])} each), runs of {report['run_samples']}\n")
     if report["missing_samples"]:
         text += (f"{report['missing_samples']} samples are missing, tasks {report['missing_tasks']}; about "
@@ -58,6 +58,7 @@ def plan_command(args):
 
 
 def submit_command(args):
+    engines.check(args.engine)
     for folder in frames.planned(args.out):
         if waiting := slurm.in_queue(folder):
             raise Failure(f"{folder.path}: still in Slurm's queue: {', '.join(waiting[:4])}{' ...' if len(waiting) > 4 else ''}; "

@@ -1,10 +1,18 @@
 """How the steps of a plan are run: by Slurm, by GNU parallel over ssh, or by a plain shell. One command for a task serves all."""
 import shlex
+import shutil
 import subprocess
 import sys
 
 from latent_farm import ranges
 from latent_farm.errors import FAILED, Failure, STOPPED
+
+
+def check(engine):
+    """Fails unless the program that an engine needs is here."""
+    needed, name = {"slurm": ("sbatch", "Slurm"), "parallel": ("parallel", "GNU parallel")}.get(engine, (None, None))
+    if needed and shutil.which(needed) is None:
+        raise Failure(f"{needed}: not found; install {name}, or choose another --engine")
 
 
 def hosts_in(path):

@@ -63,6 +63,18 @@ class Plan:
         return round(self.samples * self.bytes_per_sample)
 
     @property
+    def render_options(self):
+        """`options`, and the length of a run, which may be one of them."""
+        words = iter(self.options)
+        others = []
+        for word in words:
+            if word == "--run-samples":
+                next(words, None)
+            elif not word.startswith("--run-samples="):
+                others.append(word)
+        return [*others, "--run-samples", str(self.run_samples)]
+
+    @property
     def strip_rows(self):
         """Rows of pixels of each strip but the last."""
         _, height = size_of(self.develop)
@@ -128,8 +140,10 @@ class Folder:
             return Plan(**data)
         except FileNotFoundError:
             raise Failure(f"{self.path}: holds no plan; make one with latent-farm plan") from None
-        except (OSError, ValueError, TypeError, AttributeError) as error:
-            raise Failure(f"{self.plan_file}: cannot be read: {error}") from None
+        except OSError as error:
+            raise Failure(f"{self.plan_file}: cannot be read: {error.strerror}") from None
+        except (ValueError, TypeError, AttributeError) as error:
+            raise Failure(f"{self.plan_file}: damaged, or not a plan of latent-farm: {error}") from None
 
     def write_plan(self, plan):
         self.write(self.plan_file, json.dumps(dataclasses.asdict(plan), indent=2) + "\n")

@@ -52,7 +52,7 @@ def extend_plan(folder, plan, args, machines):
         raise Misuse(f"--spp {args.spp:g}: the plan in {folder.path} has --spp {plan.spp:g}; to use fewer samples, "
                      "develop with --samples")
     if args.spp and args.spp > plan.spp:
-        arguments = [plan.scene, *plan.options, "--run-samples", str(plan.run_samples), "--spp", f"{args.spp:.17g}"]
+        arguments = [plan.scene, *plan.render_options, "--spp", f"{args.spp:.17g}"]
         answer, rate = trial(folder, arguments, plan.cpus)
         if answer["job"] != plan.job:
             raise Failure(f"{plan.scene}: has changed since it was planned, so it is another job; choose another --out")

@@ -112,7 +112,7 @@ def write_scripts(folder, plan, name, minutes=None):
     minutes = minutes or minutes_of(plan)
     notice = min(180, 15 * minutes)  # seconds before the limit
     path, logs = folder.path, str(folder.logs).replace("%", "%%")
-    options = shlex.join([*plan.options, "--run-samples", str(plan.run_samples)])
+    options = shlex.join(plan.render_options)
     folder.write(path / "task", TASK.format(
         length=plan.task_samples, samples=plan.samples, last=plan.tasks - 1, program=find_program("latent-render"),
         scene=shlex.quote(plan.scene), options=options, cpus=plan.cpus, checkpoint=plan.checkpoint), 0o755)

@@ -75,7 +75,7 @@ def in_queue(folder):
     except FileNotFoundError:
         return []
     except (OSError, ValueError) as error:
-        raise Failure(f"{folder.jobs}: cannot be read: {error}") from None
+        raise Failure(f"{folder.jobs}: cannot be read: {error}; if none of its jobs is queued, remove it") from None
     queue = tools.output_of(["squeue", "-h", "-o", "%F %i %T"])
     waiting = [line.split() for line in queue.splitlines()]
     return [f"{words[1]} {words[2]}" for words in waiting if words and words[0] in numbers]

@@ -43,6 +43,12 @@ std::optional<ContentRange> parse_content_range(std::string_view text) {
 
 bool is_passing(long status) { return status >= 500 || status == 408 || status == 429; }
 
+// What another attempt would not mend.
+bool is_final(CURLcode code) {
+    return code == CURLE_URL_MALFORMAT || code == CURLE_UNSUPPORTED_PROTOCOL || code == CURLE_TOO_MANY_REDIRECTS ||
+           code == CURLE_PEER_FAILED_VERIFICATION || code == CURLE_SSL_CERTPROBLEM || code == CURLE_LOGIN_DENIED;
+}
+
 void wait(double seconds, const std::atomic<bool>& stop) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (!stop && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -178,6 +184,7 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
         if (answer.status == 401 || answer.status == 403)
             return fail(ErrorCode::kIo, fmt::format("the server refuses access (status {})", answer.status));
         std::string what = handle_->message[0] != '\0' ? handle_->message : curl_easy_strerror(answer.code);
+        if (is_final(answer.code)) return fail(ErrorCode::kIo, "cannot be read: " + what);
         if (answer.code == CURLE_OK) what = fmt::format("the server answers with status {}", answer.status);
         if (answer.code == CURLE_OK && answer.status / 100 != 2 && !is_passing(answer.status)) return fail(ErrorCode::kIo, what);
         if (here > before) tries = 0, pause = patience_.first_wait;

@@ -11,6 +11,7 @@ from unittest import mock
 
 from support import FarmTest
 from latent_farm import engines, slurm
+from latent_farm.errors import Failure
 from latent_farm.plan import Folder, Stage
 
 SBATCH = """#!{python}
@@ -42,6 +43,13 @@ class Commands(FarmTest):
         calls = [json.loads(line) for line in self.calls.read_text().splitlines()]
         self.calls.unlink()
         return calls
+
+    def test_what_is_not_installed_is_named_before_anything_is_measured(self):
+        for engine, program in (("slurm", "sbatch"), ("parallel", "parallel")):
+            with mock.patch.dict(os.environ, PATH=str(self.folder)), self.assertRaisesRegex(Failure, f"^{program}: not found; install"):
+                engines.check(engine)
+        for engine in ("slurm", "shell", None):
+            engines.check(engine)
 
     def test_the_lines_that_plan_prints_are_what_submit_runs(self):
         chain = slurm.Chain(self.night, types.SimpleNamespace(), ["--comment=two words"], throttle=7)

@@ -91,6 +91,14 @@ class Plan(FarmTest):
         self.succeed("latent-farm", "resume", self.folder / "night", "--engine", "shell")
         self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
 
+    def test_runs_have_the_length_that_latent_render_is_asked_for(self):
+        for i, option in enumerate((["--run-samples", "1Ki"], ["--run-samples=1Ki"])):
+            report = self.plan("--tasks", 3, spp=3, command="submit", out=str(i), options=option)
+            self.assertEqual(report["run_samples"], 1024)
+            more = self.plan(spp=4, command="submit", out=str(i), options=option)  # which asks latent-render again
+            self.assertEqual((more["run_samples"], more["samples"]), (1024, 64 * 64 * 4))
+            self.assertEqual((self.folder / str(i) / "picture.exr").read_bytes(), self.single_process(4, 1024))
+
     def test_the_merge_names_what_is_missing_and_leaves_no_file(self):
         report = self.plan("--tasks", 4)
         for task in (0, 1, 3):
@@ -99,9 +107,30 @@ class Plan(FarmTest):
         self.assertIn(f"samples {2 * report['task_samples']}:{3 * report['task_samples']} are required", done.stderr)
         self.assertFalse((self.folder / "night/samples.latent").exists())
 
+    def test_a_part_that_is_damaged_after_it_was_finished_is_named_and_loses_only_what_is_damaged(self):
+        report = self.plan("--tasks", 4, options=["--run-samples", "1Ki"])
+        for task in range(4):
+            self.succeed(self.folder / "night/task", task)
+        part = self.folder / "night/parts/part-00002.latent"
+        data = bytearray(part.read_bytes())
+        data[len(data) // 2] ^= 1
+        part.write_bytes(data)
+        done = self.succeed("latent-farm", "resume", self.folder / "night", "--engine", "shell", status=1)
+        self.assertIn("are required, but no part holds them; left out: parts/part-00002.latent: ", done.stderr)
+        self.succeed("latent-inspect", "recover", part, "-o", self.folder / "saved.latent", status=3)
+        (self.folder / "saved.latent").rename(part)
+        done = self.succeed("latent-farm", "resume", self.folder / "night", "--engine", "shell")
+        self.assertIn(", 1024 rendered", done.stderr)
+        self.assertEqual((self.folder / "night/picture.exr").read_bytes(), self.single_process(4, report["run_samples"]))
+
     def test_what_would_spoil_a_plan_is_refused_with_one_line(self):
         self.plan(spp=4)
         night = self.folder / "night"
+        rubbish = self.folder / "rubbish"
+        shutil.copytree(night, rubbish)
+        (rubbish / "plan.json").write_text("rubbish")
+        self.fail_with("plan.json: damaged, or not a plan", "latent-farm", "status", rubbish)
+        self.fail_with("plan.json: damaged, or not a plan", "latent-farm", "resume", rubbish, "--engine", "shell")
         shutil.copy(SOURCE / "scenes/cornell.pbrt", self.folder / "other.pbrt")
         farm = ["latent-farm", "plan", "--engine", "shell", "--out", night]
         self.fail_with("holds a plan for", *farm, self.folder / "other.pbrt", "--spp", 4, status=2)

@@ -77,7 +77,7 @@ class Slurm(FarmTest):
     def check_nothing_was_rendered_twice(self):
         """Of every task, each attempt begins with at least what the one before is known to have committed, and what it renders is all
         that is committed later. Returns the number of attempts that resumed."""
-        resumed = 0
+        attempts = resumed = kept = 0
         for log in self.night.glob("logs/render-*.log"):
             before = 0
             for attempt in re.split(r"(?m)^task \d+ on .*$", log.read_text())[1:]:
@@ -87,11 +87,14 @@ class Slurm(FarmTest):
                 taken_over = TAKEN_OVER.search(attempt)
                 begun = int(taken_over[1]) if taken_over else 0
                 self.assertGreaterEqual(begun, before, log.read_text())
+                attempts += 1
                 resumed += begun > 0
+                kept += begun
                 rendered = re.search(r"samples \d+:\d+, (\d+) rendered", attempt)
                 if rendered and "another process" not in attempt:
                     self.assertEqual(int(rendered[1]), found[-1][0] - begun, log.read_text())
                 before = found[-1][0]
+        print(f"{attempts} attempts; {resumed} resumed, with {kept} samples that were committed before and not rendered again", file=sys.stderr)
         return resumed
 
     def test_a_undisturbed_it_makes_the_picture_of_one_process(self):

@@ -131,6 +131,9 @@ TEST_F(HttpTest, WhatTheServerRefusesIsAnErrorThatNamesTheUrl) {
     expect_error("broken/file", ErrorCode::kIo, "status 500 (tried 5 times)");
     server_->kill_now();
     expect_error("plain/file", ErrorCode::kIo, "tried 5 times");
+    const auto nowhere = HttpSource::open("http://", std::make_shared<BlockCache>(patience_));
+    ASSERT_FALSE(nowhere);
+    EXPECT_EQ(nowhere.error().message.find("tried"), std::string::npos) << nowhere.error().message;
 }
 
 TEST_F(HttpTest, AServerThatGoesAwayIsAnErrorOfTheRead) {

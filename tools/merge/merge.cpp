@@ -16,11 +16,15 @@ using namespace sampledb;
 
 namespace {
 
-Status check_required(const MergeOptions& options, const Coverage& coverage) {
-    if (!options.require || coverage.contains(*options.require)) return {};
+Status check_required(const MergeOptions& options, const Gathering& gathering) {
+    if (!options.require || gathering.coverage().contains(*options.require)) return {};
     Coverage missing(*options.require);
-    missing.remove(coverage);
-    return Error{ErrorCode::kMismatch, fmt::format("samples {} are required, but no part holds them", to_string(missing))};
+    missing.remove(gathering.coverage());
+    std::string text = fmt::format("samples {} are required, but no part holds them", to_string(missing));
+    const std::vector<LeftOut>& left_out = gathering.report().left_out;
+    if (!left_out.empty()) text += fmt::format("; left out: {}: {}", left_out[0].place, left_out[0].reason);
+    if (left_out.size() > 1) text += fmt::format(", and {} more", left_out.size() - 1);
+    return Error{ErrorCode::kMismatch, std::move(text)};
 }
 
 Status check_number(std::size_t runs) {
@@ -59,7 +63,7 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
         Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
         if (!opened) return opened.error();
         if (Status s = check_anything_left(**opened); !s) return s.error();
-        if (Status s = check_required(options, (*opened)->coverage()); !s) return s.error();
+        if (Status s = check_required(options, **opened); !s) return s.error();
         std::vector<Step> next =
             make_plan(**opened, options.compact, options.memory - std::min(options.memory, (*opened)->list_memory()));
         if (Status s = check_number(next.size()); !s) return s.error();
