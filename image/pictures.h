@@ -20,7 +20,8 @@ struct PictureEncoding {
 };
 
 enum class PictureWrap : std::uint8_t { kRepeat, kBlack, kClamp };
-enum class PictureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa };
+// kQuartic: rotationally symmetric in texels; between two of the smaller sizes as kTrilinear.
+enum class PictureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa, kQuartic };
 struct PictureSampling {
     PictureWrap wrap = PictureWrap::kRepeat;
     PictureFilter filter = PictureFilter::kBilinear;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/first_error.h"
 #include "image/oiio/linear_input.h"
@@ -69,7 +70,7 @@ class OiioPictures final : public Pictures {
             if (!opaque) return opaque.error();
             info->is_opaque = *opaque;
         }
-        handles_.push_back({textures_->get_texture_handle(name), path, static_cast<int>(info->channels)});
+        handles_.push_back({textures_->get_texture_handle(name), path, static_cast<int>(info->channels), sizes_of(name)});
         return info;
     }
 
@@ -79,6 +80,8 @@ class OiioPictures final : public Pictures {
         constexpr TextureOpt::MipMode kMips[] = {TextureOpt::MipModeOneLevel, TextureOpt::MipModeOneLevel,
                                                  TextureOpt::MipModeTrilinear, TextureOpt::MipModeAniso};
         const Handle& handle = handles_[index];
+        if (sampling.filter == PictureFilter::kQuartic)
+            return reconstruct(handle, kWraps[static_cast<std::size_t>(sampling.wrap)], s, t, d0, d1, out);
         TextureOpt options;
         options.swrap = options.twrap = kWraps[static_cast<std::size_t>(sampling.wrap)];
         options.mipmode = kMips[static_cast<std::size_t>(sampling.filter)];
@@ -116,7 +119,86 @@ class OiioPictures final : public Pictures {
         OIIO::TextureSystem::TextureHandle* texture;
         std::string path;
         int channels;
+        std::vector<std::array<float, 2>> sizes;  // in texels: the picture's, and its smaller ones
     };
+
+    std::vector<std::array<float, 2>> sizes_of(OIIO::ustring name) const {
+        int count = 1;
+        cache_->get_image_info(name, 0, 0, OIIO::ustring("miplevels"), OIIO::TypeInt, &count);
+        std::vector<std::array<float, 2>> sizes;
+        OIIO::ImageSpec spec;
+        for (int level = 0; level < count && cache_->get_imagespec(name, spec, 0, level); ++level)
+            sizes.push_back({static_cast<float>(spec.full_width), static_cast<float>(spec.full_height)});
+        return sizes;
+    }
+
+    // The size whose texels are as large as the footprint, or the two about it; the texels of each by the quartic.
+    void reconstruct(const Handle& handle, TextureOpt::Wrap wrap, float s, float t, const std::array<float, 2>& d0,
+                     const std::array<float, 2>& d1, std::array<float, 4>& out) const {
+        out = {};
+        const auto texels = [&](const std::array<float, 2>& d) {
+            return std::hypot(d[0] * handle.sizes[0][0], d[1] * handle.sizes[0][1]);
+        };
+        const float level = std::log2(std::max({texels(d0), texels(d1), 1.0f}));
+        const int last = static_cast<int>(handle.sizes.size()) - 1,
+                  below = std::min(static_cast<int>(std::min(level, 64.0f)), last);
+        const float above = std::min(level - static_cast<float>(below), 1.0f);
+        if (!add_level(handle, wrap, below, s, t, below == last ? 1 : 1 - above, out) ||
+            (below < last && above > 0 && !add_level(handle, wrap, below + 1, s, t, above, out))) {
+            out = {};
+            const std::string message = textures_->geterror();
+            if (!error_) error_.set(error_of(handle.path, message));
+        }
+    }
+
+    // out += weight times the picture of a level at (s, t): its texels within a radius of two, by (1 - rho)^2 (1 + 2 rho + s rho^2)
+    // of their distance, over the sum of that. It rings a little, as sharp pictures need.
+    bool add_level(const Handle& handle, TextureOpt::Wrap wrap, int level, float s, float t, float weight,
+                   std::array<float, 4>& out) const {
+        constexpr int kRadius = 2, kSide = 2 * kRadius;
+        constexpr float kS = -6;
+        const auto [width, height] = handle.sizes[static_cast<std::size_t>(level)];
+        const float x = s * width - 0.5f, y = t * height - 0.5f;
+        if (!(std::abs(x) < 1e9f && std::abs(y) < 1e9f)) return true;
+        const int x0 = static_cast<int>(std::floor(x)) - kRadius + 1, y0 = static_cast<int>(std::floor(y)) - kRadius + 1;
+        std::array<float, kSide * kSide * 4> texels{};
+        const auto channels = static_cast<std::size_t>(handle.channels);
+        if (!read_texels(handle, wrap, level, x0, y0, kSide, texels.data())) return false;
+        std::array<float, kSide * kSide> f;
+        float sum = 0;
+        for (int i = 0; i < kSide * kSide; ++i) {
+            const float dx = static_cast<float>(x0 + i % kSide) - x, dy = static_cast<float>(y0 + i / kSide) - y;
+            const float rho = std::min(std::sqrt(dx * dx + dy * dy) / kRadius, 1.0f);
+            f[static_cast<std::size_t>(i)] = (1 - rho) * (1 - rho) * (1 + rho * (2 + kS * rho));
+            sum += f[static_cast<std::size_t>(i)];
+        }
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            for (std::size_t c = 0; c < channels; ++c) out[c] += weight / sum * f[i] * texels[i * channels + c];
+        }
+        return true;
+    }
+
+    // `side` x `side` texels of a level from (x0, y0) on, row by row, continued beyond the edges of the picture.
+    bool read_texels(const Handle& handle, TextureOpt::Wrap wrap, int level, int x0, int y0, int side, float* out) const {
+        const int width = static_cast<int>(handle.sizes[static_cast<std::size_t>(level)][0]),
+                  height = static_cast<int>(handle.sizes[static_cast<std::size_t>(level)][1]);
+        TextureOpt options;
+        const auto read = [&](int x, int y, int size, float* to) {
+            return textures_->get_texels(handle.texture, textures_->get_perthread_info(), options, level, x, x + size, y, y + size,
+                                         0, 1, 0, handle.channels, OIIO::TypeDesc::FLOAT, to);
+        };
+        if (x0 >= 0 && y0 >= 0 && x0 + side <= width && y0 + side <= height) return read(x0, y0, side, out);
+        const auto wrapped = [&](int i, int n) {  // -1: black
+            if (wrap == TextureOpt::WrapClamp) return std::clamp(i, 0, n - 1);
+            if (wrap == TextureOpt::WrapPeriodic) return (i % n + n) % n;
+            return i >= 0 && i < n ? i : -1;
+        };
+        for (int i = 0; i < side * side; ++i) {
+            const int x = wrapped(x0 + i % side, width), y = wrapped(y0 + i / side, height);
+            if (x >= 0 && y >= 0 && !read(x, y, 1, out + i * handle.channels)) return false;
+        }
+        return true;
+    }
 
     // A few rows at a time.
     static Result<bool> is_opaque(const std::string& path, const PictureEncoding& encoding) {

@@ -19,4 +19,22 @@ Vec3f PhaseFunction::sample(const Vec3f& wo, float u, float v) const {
     return Frame::from_z(wo).to_world(direction_at(std::clamp(c, -1.0f, 1.0f), v));
 }
 
+float Phase::mixed_pdf(const Vec3f& wo, const Vec3f& wi) const {
+    float sum = 0;
+    for (std::uint32_t i = 0; i < mixture->count; ++i) sum += mixture->parts[i].mean * mixture->parts[i].phase(wo, wi);
+    return sum;
+}
+
+void Phase::multiply_mixed(const Vec3f& wo, const Vec3f& wi, SampledSpectrum& value) const {
+    SampledSpectrum sum(0.0f);
+    for (std::uint32_t i = 0; i < mixture->count; ++i) sum += *mixture->parts[i].share * mixture->parts[i].phase(wo, wi);
+    value *= sum;
+}
+
+const PhaseFunction& Phase::part(float u) const {
+    std::uint32_t i = 0;
+    for (; i + 1 < mixture->count && u >= mixture->parts[i].mean; ++i) u -= mixture->parts[i].mean;
+    return mixture->parts[i].phase;
+}
+
 }  // namespace latent::render

@@ -125,7 +125,7 @@ void EmbreeGeometry::find_bounds() {
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
     if (!is_traceable(ray)) return std::nullopt;
-    TraceContext context{{}, &world_};
+    TraceContext context{.embree = {}, .world = &world_};
     rtcInitIntersectContext(&context.embree);
     RTCRayHit rayhit{embree_ray(ray), {}};
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -146,11 +146,21 @@ SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { re
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {
     if (!is_traceable(ray)) return true;
-    TraceContext context{{}, &world_};
+    TraceContext context{.embree = {}, .world = &world_};
     rtcInitIntersectContext(&context.embree);
     RTCRay shadow = embree_ray(ray);
     rtcOccluded1(scene_.get(), &context.embree, &shadow);
     return shadow.tfar < 0;
+}
+
+float EmbreeGeometry::passed(const Ray& ray) const {
+    if (!is_traceable(ray)) return 0;
+    float passed = 1;
+    TraceContext context{.embree = {}, .world = &world_, .passed = &passed};
+    rtcInitIntersectContext(&context.embree);
+    RTCRay shadow = embree_ray(ray);
+    rtcOccluded1(scene_.get(), &context.embree, &shadow);
+    return shadow.tfar < 0 ? 0 : passed;
 }
 
 }  // namespace latent::render

@@ -27,6 +27,7 @@ class EmbreeGeometry final : public Geometry {
                                                          const Opacity* opacity);
     std::optional<SurfaceHit> intersect(const Ray& ray) const override;
     bool occluded(const Ray& ray) const override;
+    float passed(const Ray& ray) const override;
     SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
 
  private:

@@ -12,6 +12,7 @@ namespace latent::render {
 struct TraceContext {
     RTCIntersectContext embree;  // what Embree passes on: the first member
     const PlacedWorld* world;
+    float* passed = nullptr;  // gathers the shares that surfaces which are there in part let pass; null: a hash decides
 };
 
 // `placed` stays where it is.

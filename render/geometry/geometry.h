@@ -78,6 +78,8 @@ class Geometry {
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
+    // The share of the light that passes all surfaces: the expectation of not being occluded, over all decisions.
+    virtual float passed(const Ray& ray) const = 0;
     // At a hit that `intersect` returned.
     virtual SurfaceCoordinates coordinates(const SurfaceHit& hit) const = 0;
 

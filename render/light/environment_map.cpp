@@ -11,11 +11,11 @@ Affinef rotation(const Affined& a) { return Affinef(Affined(normalize(a.x), norm
 }  // namespace
 
 EnvironmentMap::EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light,
-                               SpectrumLibrary& library)
+                               SpectrumLibrary& library, color::RgbSpectra kind)
     : image_(std::move(image)),
       world_from_light_(rotation(world_from_light)),
       light_from_world_(*world_from_light_.inverse()),
-      colors_(library) {
+      colors_(library, kind) {
     std::vector<double> weight(std::size_t{image_->width} * image_->height);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = std::max(0.0, luminance(&image_->rgb[3 * i]));
     for (const double w : weight) mean_luminance_ += w / static_cast<double>(weight.size());

@@ -12,7 +12,8 @@ namespace latent::render {
 // Every pixel is a constant: rgb as a spectrum times the light's illuminant.
 class EnvironmentMap {
  public:
-    EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library);
+    EnvironmentMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, SpectrumLibrary& library,
+                   color::RgbSpectra kind);
 
     Vec3f sample(Uniform u, Uniform v) const;  // unit direction
     float pdf_omega(const Vec3f& w) const;

@@ -79,12 +79,13 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
             case LightKind::kGoniometric: {
                 // pbrt-v4 exchanges y and z of light space.
                 const Affined& m = d.world_from_light;
-                maps_.push_back(std::make_unique<EnvironmentMap>(d.image, Affined(m.x, m.z, m.y, m.t), library));
+                maps_.push_back(std::make_unique<EnvironmentMap>(d.image, Affined(m.x, m.z, m.y, m.t), library, scene.rgb_spectra));
                 add(s, GoniometricLight(d, *maps_.back(), s.spectrum));
                 break;
             }
             case LightKind::kProjection:
-                projections_.push_back(std::make_unique<ProjectionMap>(d.image, d.world_from_light, d.fov_degrees, library));
+                projections_.push_back(
+                    std::make_unique<ProjectionMap>(d.image, d.world_from_light, d.fov_degrees, library, scene.rgb_spectra));
                 add(s, ProjectionLight(d, *projections_.back(), s.spectrum));
                 break;
             case LightKind::kDistant:
@@ -92,7 +93,7 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
                 break;
             case LightKind::kInfinite:
                 if (d.image) {
-                    maps_.push_back(std::make_unique<EnvironmentMap>(d.image, d.world_from_light, library));
+                    maps_.push_back(std::make_unique<EnvironmentMap>(d.image, d.world_from_light, library, scene.rgb_spectra));
                     add(s, ImageInfiniteLight(d, *maps_.back(), s.spectrum, ball));
                 } else {
                     add(s, UniformInfiniteLight(d, s.spectrum, ball));

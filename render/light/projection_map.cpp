@@ -5,11 +5,11 @@
 namespace latent::render {
 
 ProjectionMap::ProjectionMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, double fov_degrees,
-                             SpectrumLibrary& library)
+                             SpectrumLibrary& library, color::RgbSpectra kind)
     : image_(std::move(image)),
       world_from_light_(Affined(normalize(world_from_light.x), normalize(world_from_light.y), normalize(world_from_light.z), {})),
       light_from_world_(*world_from_light_.inverse()),
-      colors_(library) {
+      colors_(library, kind) {
     const double width = image_->width, height = image_->height, reach = std::tan(fov_degrees * std::numbers::pi / 360);
     reach_x_ = reach * std::max(1.0, width / height);
     reach_y_ = reach * std::max(1.0, height / width);

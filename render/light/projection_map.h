@@ -15,7 +15,7 @@ namespace latent::render {
 class ProjectionMap {
  public:
     ProjectionMap(std::shared_ptr<const ImageDescription> image, const Affined& world_from_light, double fov_degrees,
-                  SpectrumLibrary& library);
+                  SpectrumLibrary& library, color::RgbSpectra kind);
 
     Vec3f sample(Uniform u, Uniform v) const;  // unit direction
     float pdf_omega(const Vec3f& w) const;     // 0 beside the picture

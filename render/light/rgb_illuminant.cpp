@@ -8,7 +8,11 @@
 
 namespace latent::render {
 
-RgbIlluminant::RgbIlluminant(SpectrumLibrary& library) {
+RgbIlluminant::RgbIlluminant(SpectrumLibrary& library, color::RgbSpectra kind) : is_basis_(kind == color::RgbSpectra::kBasis) {
+    if (is_basis_) {
+        for (std::size_t c = 0; c < 3; ++c) basis_[c] = library.add(color::rgb_basis()[c], Lookup::kLinear);
+        return;
+    }
     const color::RgbToSpectrum to_spectrum(color::RgbSpace::srgb(), color::illuminant_d65());
     const color::Rgb colours[6] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}};
     for (int c = 0; c < 6; ++c) {
@@ -19,6 +23,11 @@ RgbIlluminant::RgbIlluminant(SpectrumLibrary& library) {
 }
 
 void RgbIlluminant::multiply(const float* rgb, SampledSpectra& spectra, SampledSpectrum& value) const {
+    if (is_basis_) {
+        const SampledSpectrum &r = spectra[basis_[0]], &g = spectra[basis_[1]], &b = spectra[basis_[2]];
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) value.v[i] *= rgb[0] * r.v[i] + rgb[1] * g.v[i] + rgb[2] * b.v[i];
+        return;
+    }
     std::array<int, 3> order = {0, 1, 2};  // by falling value
     if (rgb[order[0]] < rgb[order[1]]) std::swap(order[0], order[1]);
     if (rgb[order[1]] < rgb[order[2]]) std::swap(order[1], order[2]);

@@ -19,10 +19,17 @@ constexpr std::size_t kBeginning = 65536;  // bytes that a format is recognised 
 
 std::string all_of(const std::vector<std::string>& messages) { return fmt::format("{}", fmt::join(messages, "\n")); }
 
+LoadedScene nothing_with(color::RgbSpectra rgb_spectra) {
+    LoadedScene scene;
+    scene.description.rgb_spectra = rgb_spectra;
+    return scene;
+}
+
 class PbrtLoader {
  public:
-    PbrtLoader(const std::filesystem::path& path, bool replace_integrator)
+    PbrtLoader(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra)
         : path_(path),
+          scene_(nothing_with(rgb_spectra)),
           files_(path),
           diagnostics_(scene_.description.files),
           builder_(scene_.description, files_, diagnostics_, replace_integrator) {}
@@ -94,14 +101,14 @@ class PbrtLoader {
     bool begun_ = false;  // there was a directive
 };
 
-Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format) {
+Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
-    LoadedScene scene;
+    LoadedScene scene = nothing_with(rgb_spectra);
     scene.description.files.push_back(path.string());
     Diagnostics diagnostics(scene.description.files);
     const SceneFiles files(path);
-    const ModelColors colors;
+    const ModelColors colors(rgb_spectra);
     Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, diagnostics)
                                                        : read_obj(*bytes, path.string(), files, colors, diagnostics);
     if (!model) return model.error();
@@ -110,6 +117,7 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
     scene.embedded = std::move(model->embedded);
     complete(std::move(*model), colors.emission({1, 1, 1}), scene.description);
+    scene.description.rgb_spectra = rgb_spectra;
     scene.warnings = diagnostics.warnings();
     return scene;
 }
@@ -127,12 +135,12 @@ Result<std::string> beginning_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator) {
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra) {
     const Result<std::string> beginning = beginning_of(path);
     if (!beginning) return beginning.error();
     const SceneFormat format = scene_format(path, *beginning);
-    if (format == SceneFormat::kPbrt) return PbrtLoader(path, replace_integrator).load();
-    return load_model(path, format);
+    if (format == SceneFormat::kPbrt) return PbrtLoader(path, replace_integrator, rgb_spectra).load();
+    return load_model(path, format, rgb_spectra);
 }
 
 }  // namespace latent::render

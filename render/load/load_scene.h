@@ -20,7 +20,9 @@ struct LoadedScene {
 // Errors: kNotFound, kIo; kCorrupt for a syntax error; kUnsupported if anything was found that would make the picture wrong: the
 // message then holds one line for each, all of them.
 //
-// With `replace_integrator`, that of a pbrt scene is replaced: whatever its name is, the picture is as asked.
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator = false);
+// With `replace_integrator`, that of a pbrt scene is replaced: whatever its name is, the picture is as asked. `rgb_spectra` says
+// what the colours of the scene stand for.
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator = false,
+                               color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth);
 
 }  // namespace latent::render

@@ -16,8 +16,6 @@ class CloudMedium final : public HeterogeneousMedium {
                 std::uint32_t sigma_s, const CloudVolume& volume);
 
     bool is_emissive() const override { return false; }
-
- protected:
     void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const override;
     void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const override;
     bool emission(const Vec3f&, SampleState&, SampledSpectrum&) const override { return false; }

@@ -33,8 +33,6 @@ class GridMedium final : public HeterogeneousMedium {
                std::uint32_t sigma_s, std::uint32_t emission, const GridVolume& volume);
 
     bool is_emissive() const override { return emission_ != kNone; }
-
- protected:
     void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const override;
     void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const override;
     bool emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const override;

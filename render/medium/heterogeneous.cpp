@@ -24,7 +24,7 @@ float HeterogeneousMedium::track(const UnitLine& line, float end, float u, Sampl
     const float reference = sample.spectra[reference_sigma_t_].max();
     float depth = depth_of(u);
     float column = 0;
-    majorants_.traverse(line.o, line.d, end, [&](float enter, float leave, const MajorantGrid::Cell& cell) {
+    const auto visit = [&](float enter, float leave, const MajorantGrid::Cell& cell) {
         const float mu = cell.max * reference;
         float t = enter;
         while (depth < mu * (leave - t)) {
@@ -38,7 +38,20 @@ float HeterogeneousMedium::track(const UnitLine& line, float end, float u, Sampl
         depth -= mu * (leave - t);
         column += cell.mean * (leave - enter);
         return true;
+    };
+    if (outside_.max == 0) {
+        majorants_.traverse(line.o, line.d, end, visit);
+        return column;
+    }
+    float at = 0;  // where the cube begins, and then ends
+    bool goes_on = true;
+    majorants_.traverse(line.o, line.d, end, [&](float enter, float leave, const MajorantGrid::Cell& cell) {
+        if (enter > at) goes_on = visit(at, enter, outside_);
+        at = leave;
+        goes_on = goes_on && visit(enter, leave, cell);
+        return goes_on;
     });
+    if (goes_on && at < end) visit(at, end, outside_);
     return column;
 }
 
@@ -120,7 +133,7 @@ MediumStep HeterogeneousMedium::passed(float t, float column, SampleState& sampl
 
 float HeterogeneousMedium::scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const {
     SampledSpectrum sigma_t;
-    extinction(Vec3f(unit_from_world_.point(Vec3d(p))), sample, sigma_t);
+    extinction(unit_point(p), sample, sigma_t);
     const MediumStep step = vertex(0, column, sigma_t, sample);
     return step.density / step.transmittance;
 }

@@ -16,28 +16,32 @@ namespace latent::render {
 // Transmittance is the mean of (1 - a_1) .. (1 - a_n), ratio tracking [Novak14].
 class HeterogeneousMedium : public Medium {
  public:
-    bool is_bounded() const final { return true; }
+    bool is_bounded() const override { return true; }
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
                            SampledSpectrum* emitted) const final;
     MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const final;
     MediumStep multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const final;
     float scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const final;
 
- protected:
-    // `reference_sigma_t`: a spectrum of the library; times the density of `majorants` it bounds the extinction at all wavelengths.
-    // Points of the medium's own space lie in the unit cube.
-    HeterogeneousMedium(const PhaseFunction& phase, const Affined& unit_from_world, std::uint32_t reference_sigma_t,
-                        MajorantGrid majorants)
-        : Medium(phase),
-          unit_from_world_(unit_from_world),
-          reference_sigma_t_(reference_sigma_t),
-          majorants_(std::move(majorants)) {}
-
     // At a point of the unit cube [1/m].
     virtual void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const = 0;
     virtual void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const = 0;
     // sigma_a times the emitted radiance. False: none.
     virtual bool emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const = 0;
+    const MajorantGrid& majorants() const { return majorants_; }
+
+ protected:
+    // `reference_sigma_t`: a spectrum of the library; times the density of `majorants` it bounds the extinction at all wavelengths.
+    // Points of the medium's own space lie in the unit cube; beyond it the density is that of `outside` everywhere.
+    HeterogeneousMedium(const PhaseFunction& phase, const Affined& unit_from_world, std::uint32_t reference_sigma_t,
+                        MajorantGrid majorants, MajorantGrid::Cell outside = {0, 0})
+        : Medium(phase),
+          unit_from_world_(unit_from_world),
+          reference_sigma_t_(reference_sigma_t),
+          majorants_(std::move(majorants)),
+          outside_(outside) {}
+
+    Vec3f unit_point(const Vec3f& p) const { return Vec3f(unit_from_world_.point(Vec3d(p))); }
 
  private:
     struct UnitLine {
@@ -56,6 +60,7 @@ class HeterogeneousMedium : public Medium {
     Affined unit_from_world_;
     std::uint32_t reference_sigma_t_;
     MajorantGrid majorants_;
+    MajorantGrid::Cell outside_;
 };
 
 }  // namespace latent::render

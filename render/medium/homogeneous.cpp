@@ -3,8 +3,16 @@
 #include <algorithm>
 
 #include "render/math/elementary.h"
+#include "render/medium/phase_mixer.h"
 
 namespace latent::render {
+
+Phase HomogeneousMedium::phase(const Vec3f& p, SampleState& sample) const {
+    if (parts_.empty()) return Medium::phase(p, sample);
+    PhaseMixer mixer(sample);
+    for (const Part& part : parts_) mixer.add(part.phase, sample.spectra[part.sigma_s]);
+    return mixer.phase();
+}
 
 MediumStep HomogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
                                           SampledSpectrum& value, SampledSpectrum* emitted) const {

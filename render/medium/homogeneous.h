@@ -1,6 +1,8 @@
 // render/medium/homogeneous.h: the same everywhere, so that all has a closed form. docs/rendering.md, "Media".
 #pragma once
 
+#include <vector>
+
 #include "render/medium/medium.h"
 
 namespace latent::render {
@@ -11,12 +13,23 @@ namespace latent::render {
 //   passing a length d       P(d) = 1/k sum e^(-sigma_t d)
 class HomogeneousMedium final : public Medium {
  public:
+    // A part that scatters by a phase function of its own.
+    struct Part {
+        PhaseFunction phase;
+        std::uint32_t sigma_s;
+    };
     // Spectra of the scene's library [1/m]; `emission`: sigma_a times the emitted radiance, kNone: none.
     HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, std::uint32_t emission, const PhaseFunction& phase)
         : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s), emission_(emission) {}
+    // The sum of several, of which these are the parts; at most PhaseMixture::kMost.
+    HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, std::uint32_t emission, std::vector<Part> parts)
+        : HomogeneousMedium(sigma_t, sigma_s, emission, PhaseFunction{}) {
+        parts_ = std::move(parts);
+    }
 
     bool is_bounded() const override { return false; }
     bool is_emissive() const override { return emission_ != kNone; }
+    Phase phase(const Vec3f& p, SampleState& sample) const override;
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
                            SampledSpectrum* emitted) const override;
     MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const override;
@@ -27,6 +40,7 @@ class HomogeneousMedium final : public Medium {
     void add_emission(float length, SampleState& sample, const SampledSpectrum& value, SampledSpectrum& emitted) const;
 
     std::uint32_t sigma_t_, sigma_s_, emission_;
+    std::vector<Part> parts_{};  // if there are several
 };
 
 }  // namespace latent::render

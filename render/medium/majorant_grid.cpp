@@ -32,4 +32,34 @@ MajorantGrid::MajorantGrid(const Size& size, const std::function<float(const Vec
     }
 }
 
+float MajorantGrid::max_between(const Vec3f& low, const Vec3f& high) const {
+    const float from[3] = {low.x, low.y, low.z}, to[3] = {high.x, high.y, high.z};
+    std::uint32_t first[3], last[3];
+    for (int a = 0; a < 3; ++a) {
+        if (!(from[a] <= 1 && to[a] >= 0)) return 0;
+        const float n = static_cast<float>(size_[a]);
+        first[a] = static_cast<std::uint32_t>(std::clamp(from[a] * n, 0.0f, n - 1));
+        last[a] = static_cast<std::uint32_t>(std::clamp(to[a] * n, 0.0f, n - 1));
+    }
+    float most = 0;
+    for (std::uint32_t z = first[2]; z <= last[2]; ++z) {
+        for (std::uint32_t y = first[1]; y <= last[1]; ++y) {
+            const std::size_t row = (std::size_t{z} * size_[1] + y) * size_[0];
+            for (std::uint32_t x = first[0]; x <= last[0]; ++x) most = std::max(most, cells_[row + x].max);
+        }
+    }
+    return most;
+}
+
+float MajorantGrid::mean_at(const Vec3f& p) const {
+    const float at[3] = {p.x, p.y, p.z};
+    std::size_t index = 0;
+    for (int a = 2; a >= 0; --a) {
+        if (!(at[a] >= 0 && at[a] <= 1)) return 0;
+        const float n = static_cast<float>(size_[a]);
+        index = index * size_[a] + static_cast<std::size_t>(std::min(at[a] * n, n - 1));
+    }
+    return cells_[index].mean;
+}
+
 }  // namespace latent::render

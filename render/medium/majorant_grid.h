@@ -27,6 +27,10 @@ class MajorantGrid {
     MajorantGrid(const Size& size, const std::function<float(const Vec3f&, const Vec3f&)>& max_between,
                  const std::function<float(const Vec3f&)>& at);
 
+    // Of the cells that a box meets, the greatest density; of that a point lies in, the mean. 0 outside of the cube.
+    float max_between(const Vec3f& low, const Vec3f& high) const;
+    float mean_at(const Vec3f& p) const;
+
     // Calls visit(t0, t1, cell) for the cells that the line o + t d, 0 <= t < end, passes through, in this order, as long as it
     // returns true.
     template <class Visit>

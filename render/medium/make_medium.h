@@ -8,7 +8,7 @@
 
 namespace latent::render {
 
-// Its spectra join the library.
-std::unique_ptr<const Medium> make_medium(const MediumDescription& description, SpectrumLibrary& library);
+// Medium i. Its spectra join the library.
+std::unique_ptr<const Medium> make_medium(const std::vector<MediumDescription>& media, std::uint32_t i, SpectrumLibrary& library);
 
 }  // namespace latent::render

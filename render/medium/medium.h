@@ -32,7 +32,8 @@ class Medium {
     explicit Medium(const PhaseFunction& phase) : phase_(phase) {}
     virtual ~Medium() = default;
 
-    const PhaseFunction& phase() const { return phase_; }
+    // At a point; valid as long as the sample.
+    virtual Phase phase(const Vec3f&, SampleState&) const { return phase_; }
 
     // Nothing of it is far away, so light from infinity may come through it.
     virtual bool is_bounded() const = 0;

@@ -41,6 +41,10 @@ void add_arguments(CLI::App& app, CommandLine& line) {
                                 {{"spectral", RecordKind::kSpectral}, {"xyz", RecordKind::kXyz}},
                                 "contents of a record: a value for each wavelength, or XYZ only");
     cli::add_count(app, "--wavelengths", line.settings.wavelengths, "wavelengths per sample", 4u, 32u);
+    using color::RgbSpectra;
+    cli::add_choice<RgbSpectra>(app, "--rgb-spectra", line.settings.rgb_spectra,
+                                {{"smooth", RgbSpectra::kSmooth}, {"basis", RgbSpectra::kBasis}},
+                                "spectra of the scene's RGB colours: a smooth one for each colour, or a sum of three curves");
     app.add_flag("--light-groups", line.settings.light_groups,
                  "store the light of lights with different names separately, for latent-develop --light");
     cli::add_parsed(app, "--aov", line.settings.aovs, parse_aovs,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -54,15 +55,27 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
     return out;
 }
 
-constexpr std::uint64_t kAovTag = 0x616f760000000000;  // "aov": no other field is as large
+// Of fields that few jobs have: no other field is as large.
+constexpr std::uint64_t kAovTag = 0x616f760000000000;    // "aov"
+constexpr std::uint64_t kHolesTag = 0x686f6c6573000000;  // "holes"
+
+// Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
+bool has_holes(const SceneDescription& scene) {
+    const auto is_partly_there = [](const ShapeDescription& shape) {
+        return shape.alpha.is_textured() || (shape.alpha.value > 0 && shape.alpha.value < 1);
+    };
+    return std::ranges::any_of(scene.shapes, is_partly_there) ||
+           std::ranges::any_of(scene.objects,
+                               [&](const ObjectDescription& o) { return std::ranges::any_of(o.shapes, is_partly_there); });
+}
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
-sampledb::JobId job_id(const Hash128& scene, bool has_textures, const IntegratorSettings& settings,
+sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, const IntegratorSettings& settings,
                        const sampledb::WavelengthDensity& density, const sampledb::Job& job) {
     Bytes bytes;
     ByteWriter writer(bytes);
     for (const std::uint64_t field :
-         {std::uint64_t{kRenderEpoch}, scene.low, scene.high, std::uint64_t{job.aspect_width}, std::uint64_t{job.aspect_height},
+         {std::uint64_t{kRenderEpoch}, content.low, content.high, std::uint64_t{job.aspect_width}, std::uint64_t{job.aspect_height},
           static_cast<std::uint64_t>(settings.kind),
           settings.kind == IntegratorKind::kBdpt ? static_cast<std::uint64_t>(settings.connections) : 0,
           std::uint64_t{settings.max_depth}, settings.seed, static_cast<std::uint64_t>(job.positions.sampler),
@@ -72,7 +85,8 @@ sampledb::JobId job_id(const Hash128& scene, bool has_textures, const Integrator
     }
     if (settings.light_groups.any()) writer.put(std::uint64_t{settings.light_groups.count});
     if (settings.aovs.any()) writer.put(kAovTag | settings.aovs.mask());
-    if (has_textures) {  // which are filtered by pixels
+    if (has_holes(scene)) writer.put(kHolesTag);
+    if (!scene.textures.empty()) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
         writer.put(std::uint64_t{settings.textures.height});
     }
@@ -140,7 +154,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     auto out = std::make_unique<RenderJob>();
     Result<std::string> simd = choose_simd(settings.simd);
     if (!simd) return simd.error();
-    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value());
+    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra);
     if (!scene) return scene.error();
     if (settings.strict && !scene->warnings.empty())
         return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(scene->warnings, "\n"))};
@@ -177,7 +191,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     job.positions = integrator_options.positions;
     if (settings.light_groups) job.extra = {{kLightGroupColumn, sampledb::ColumnType::kU8}};
     for (sampledb::ExtraColumnSpec& column : aov_columns(settings.aovs)) job.extra.push_back(std::move(column));
-    job.id = job_id(content, !description.textures.empty(), integrator_options, out->integrator->density(), job);
+    job.id = job_id(content, description, integrator_options, out->integrator->density(), job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 
     out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});

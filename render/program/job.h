@@ -39,9 +39,10 @@ struct RenderSettings {
     std::uint32_t precision = 9;                             // mantissa bits of stored values; docs/format.md, "Rounding", says why
     std::uint32_t run_samples = 0;                           // 0: such that a run is near 64 MiB
     std::uint64_t texture_cache = std::uint64_t{256} << 20;  // bytes of decoded pictures
-    bool light_groups = false;                               // records say whose light they are
-    AovSettings aovs{};                                      // records say what is seen
-    std::string simd = "best";                               // or a level of base/simd.h
+    color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth;  // what the colours of the scene stand for
+    bool light_groups = false;                                   // records say whose light they are
+    AovSettings aovs{};                                          // records say what is seen
+    std::string simd = "best";                                   // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
     std::optional<Resolution> resolution;

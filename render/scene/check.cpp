@@ -116,4 +116,30 @@ std::vector<std::uint32_t> mixtures_of_themselves(const std::vector<MaterialDesc
     return refused;
 }
 
+std::vector<std::uint32_t> sums_of_too_many(const std::vector<MediumDescription>& media) {
+    const auto parts_of = [&](std::uint32_t i) {
+        std::vector<std::uint32_t> parts;
+        for (const std::uint32_t m : media[i].summed) {
+            if (m != kNone) parts.push_back(m);
+        }
+        return parts;
+    };
+    const Depths depths = depths_of(media.size(), parts_of);
+    std::vector<std::uint32_t> refused;
+    for (std::uint32_t i = 0; i < media.size(); ++i) {
+        // One that is too deep has too many parts.
+        bool too_many = !depths.settled[i] || depths.depth[i] > kMostSummed;
+        std::vector<std::uint32_t> open = parts_of(i);
+        std::size_t leaves = 0;
+        while (!too_many && !open.empty()) {
+            const std::vector<std::uint32_t> parts = parts_of(open.back());
+            open.pop_back();
+            open.insert(open.end(), parts.begin(), parts.end());
+            leaves += parts.empty() ? 1 : 0;
+        }
+        if (too_many || leaves > kMostSummed) refused.push_back(i);
+    }
+    return refused;
+}
+
 }  // namespace latent::render

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "color/rgb_basis.h"
 #include "color/spectrum.h"
 #include "render/math/vec.h"
 #include "render/scene/source_location.h"
@@ -103,6 +104,7 @@ struct MediumDescription {
     color::Spectrum Le{};  // radiance that absorbing matter emits
     double Le_scale = 1;
     Volume volume{};
+    std::array<std::uint32_t, 2> summed{kNone, kNone};  // instead of all this: media that are both there
     // Not of a uniform volume: its place, and the box in its own space outside of which it is empty.
     Affined world_from_medium{};
     Vec3d low{0, 0, 0}, high{1, 1, 1};
@@ -196,7 +198,8 @@ struct SceneDescription {
     FilmDescription film;
     Vec3d origin{};  // in world space, as the file has it: near what floats are to tell apart
     CameraDescription camera;
-    std::string integrator = "volpath";  // as the scene names it
+    color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth;  // what an rgb stands for
+    std::string integrator = "volpath";                          // as the scene names it
     std::uint32_t max_depth = 5;
     std::vector<TextureDescription> textures{};
     std::vector<MaterialDescription> materials{};

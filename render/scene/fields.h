@@ -88,8 +88,9 @@ void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MediumDescription> auto& medium, Visit&& visit) {
-    auto& [name, sigma_a, sigma_s, scale, g, Le, Le_scale, volume, world_from_medium, low, high, location] = medium;
+    auto& [name, sigma_a, sigma_s, scale, g, Le, Le_scale, volume, summed, world_from_medium, low, high, location] = medium;
     visit(sigma_a, sigma_s, scale, g, Le, Le_scale, volume, world_from_medium, low, high);
+    if (medium.summed[0] != kNone) visit.template index<MediumDescription>(summed[0], summed[1]);
     visit.label(name, location);
 }
 
@@ -116,8 +117,9 @@ void each_field(Of<SpectralVolume> auto& volume, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<SpectralVoxels> auto& voxels, Visit&& visit) {
-    auto& [size, spectra] = voxels;
+    auto& [size, spectra, is_basis] = voxels;
     visit(size, spectra);
+    if (is_basis) visit(is_basis);
 }
 
 template <class Visit>
@@ -195,9 +197,10 @@ void each_field(Of<InstanceDescription> auto& instance, Visit&& visit) {
 // id as they are used, whether the scene or the command line gave them.
 template <class Visit>
 void each_field(Of<SceneDescription> auto& scene, Visit&& visit) {
-    auto& [files, film, origin, camera, integrator, max_depth, textures, materials, media, lights, area_lights, shapes, objects,
-           instances] = scene;
+    auto& [files, film, origin, camera, rgb_spectra, integrator, max_depth, textures, materials, media, lights, area_lights, shapes,
+           objects, instances] = scene;
     visit(origin, camera, lights, shapes, instances);
+    if (scene.rgb_spectra != color::RgbSpectra::kSmooth) visit(rgb_spectra);
     visit.label(files, film, integrator, max_depth);
 }
 

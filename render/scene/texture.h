@@ -45,7 +45,7 @@ struct MappingDescription {
 };
 
 enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kOctahedralSphere };
-enum class TextureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa };
+enum class TextureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa, kQuartic };
 
 // A picture, which stays in its file.
 struct PictureDescription {

@@ -32,10 +32,12 @@ struct GridVolume {
     PlacedGrid Le_scale{};  // of the emission; none: 1
 };
 
-// Spectra of voxels that share a box evenly, x first: c0 c1 c2 and scale of a color::SigmoidSpectrum each.
+// Spectra of voxels that share a box evenly, x first: c0 c1 c2 and scale of a color::SigmoidSpectrum each, or r g b and 1 of what
+// color::rgb_basis_spectrum makes of them.
 struct SpectralVoxels {
     std::array<std::uint32_t, 3> size{};
     std::vector<std::array<float, 4>> spectra{};
+    bool is_basis = false;
 };
 
 // sigma_a and sigma_s [1/m], and the spectrum that multiplies Le; null: 1 everywhere, or for Le no emission.

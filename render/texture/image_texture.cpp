@@ -41,6 +41,8 @@ image::PictureFilter filter_of(TextureFilter filter) {
             return image::PictureFilter::kBilinear;
         case TextureFilter::kTrilinear:
             return image::PictureFilter::kTrilinear;
+        case TextureFilter::kQuartic:
+            return image::PictureFilter::kQuartic;
         case TextureFilter::kEwa:
             break;
     }
@@ -81,8 +83,9 @@ float FloatImage::at(const TexturePoint& point) const {
     return info.is_opaque ? (x[0] + x[1] + x[2]) / 3 : x[3];
 }
 
-SpectrumImage::SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file)
-    : image_(image), role_(role), convert_(false), lattice_(image.info().channels == 1 ? nullptr : &color::RgbLattice::srgb()) {
+SpectrumImage::SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file,
+                             const RgbColors& colors)
+    : image_(image), role_(role), convert_(false), colors_(colors) {
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
             matrix_[i][j] = static_cast<float>(srgb_from_file.m[i][j]);
@@ -94,7 +97,7 @@ SpectrumImage::SpectrumImage(const ImageLookup& image, SpectrumRole role, const 
 const SampledSpectrum* SpectrumImage::at(const TexturePoint& point) const {
     const std::array<float, 4> x = image_.at(point);
     SampledSpectrum& out = point.spectra->allocate();
-    if (lattice_ == nullptr) {
+    if (image_.info().channels == 1) {
         out = SampledSpectrum(role_ == SpectrumRole::kReflectance ? std::min(x[0], 1.0f) : x[0]);
         return &out;
     }
@@ -103,7 +106,7 @@ const SampledSpectrum* SpectrumImage::at(const TexturePoint& point) const {
         for (std::size_t i = 0; i < 3; ++i)
             rgb[i] = std::max(0.0f, matrix_[i][0] * x[0] + matrix_[i][1] * x[1] + matrix_[i][2] * x[2]);
     }
-    spectrum_of_rgb(*lattice_, rgb, role_, point.spectra->wavelengths, out);
+    colors_.evaluate(rgb, role_, *point.spectra, out);
     return &out;
 }
 

@@ -41,7 +41,7 @@ class FloatImage final : public FloatTexture {
 // Colours are made spectral after filtering.
 class SpectrumImage final : public SpectrumTexture {
  public:
-    SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file);
+    SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file, const RgbColors& colors);
     const SampledSpectrum* at(const TexturePoint& point) const override;
 
  private:
@@ -49,7 +49,7 @@ class SpectrumImage final : public SpectrumTexture {
     SpectrumRole role_;
     bool convert_;
     float matrix_[3][3];
-    const color::RgbLattice* lattice_;
+    RgbColors colors_;
 };
 
 }  // namespace latent::render

@@ -2,7 +2,6 @@
 
 #include "render/math/elementary.h"
 #include "render/texture/noise.h"
-#include "render/texture/rgb_spectrum.h"
 
 namespace latent::render {
 
@@ -91,8 +90,7 @@ const SampledSpectrum* Marble::at(const TexturePoint& point) const {
     at = {at.p * scale_, at.dpdx * scale_, at.dpdy * scale_};
     const float phase = at.p.y + variation_ * fractal_noise(at, omega_, octaves_);
     SampledSpectrum& out = point.spectra->allocate();
-    spectrum_of_rgb(*lattice_, marble_colour(0.5f + 0.5f * std::sin(phase)).data(), SpectrumRole::kReflectance,
-                    point.spectra->wavelengths, out);
+    colors_.evaluate(marble_colour(0.5f + 0.5f * std::sin(phase)).data(), SpectrumRole::kReflectance, *point.spectra, out);
     return &out;
 }
 

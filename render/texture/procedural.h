@@ -1,10 +1,10 @@
 // render/texture/procedural.h: textures computed from a point. docs/scenes.md, "Textures".
 #pragma once
 
-#include "color/rgb_lattice.h"
 #include "render/texture/combine.h"
 #include "render/texture/mapping.h"
 #include "render/texture/noise.h"
+#include "render/texture/rgb_spectrum.h"
 
 namespace latent::render {
 
@@ -100,13 +100,8 @@ class Noise final : public FloatTexture {
 
 class Marble final : public SpectrumTexture {
  public:
-    Marble(const MappingDescription& mapping, float omega, int octaves, float scale, float variation)
-        : mapping_(mapping),
-          omega_(omega),
-          octaves_(octaves),
-          scale_(scale),
-          variation_(variation),
-          lattice_(&color::RgbLattice::srgb()) {}
+    Marble(const MappingDescription& mapping, float omega, int octaves, float scale, float variation, const RgbColors& colors)
+        : mapping_(mapping), omega_(omega), octaves_(octaves), scale_(scale), variation_(variation), colors_(colors) {}
     const SampledSpectrum* at(const TexturePoint& point) const override;
 
  private:
@@ -114,7 +109,7 @@ class Marble final : public SpectrumTexture {
     float omega_;
     int octaves_;
     float scale_, variation_;
-    const color::RgbLattice* lattice_;
+    RgbColors colors_;
 };
 
 }  // namespace latent::render

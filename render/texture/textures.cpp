@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <optional>
 
 #include "color/to_srgb.h"
 #include "render/texture/combine.h"
@@ -19,6 +20,12 @@ struct Textures::Builder {
     Textures& out;
     std::map<std::tuple<std::string, bool, double>, Result<image::PictureInfo>> opened{};  // by path and encoding
     std::vector<std::string> errors{};
+    std::optional<RgbColors> known_colors{};
+
+    const RgbColors& colors() {  // of the scene: made when first needed
+        if (!known_colors) known_colors.emplace(scene.rgb_spectra, library);
+        return *known_colors;
+    }
 
     FloatSource source(const FloatInput& input) {
         if (input.is_textured()) build(input.texture);
@@ -57,7 +64,7 @@ struct Textures::Builder {
             if (matrix) to_srgb = *matrix;
             if (!matrix) errors.push_back(fmt::format("{}: {}", d.picture.path, matrix.error().message));
         }
-        return std::make_unique<SpectrumImage>(image, d.role, to_srgb);
+        return std::make_unique<SpectrumImage>(image, d.role, to_srgb, colors());
     }
     std::unique_ptr<FloatTexture> make_noise(float, const TextureDescription& d) {
         const NoiseKind kind = d.kind == TextureKind::kFbm        ? NoiseKind::kFbm
@@ -71,7 +78,7 @@ struct Textures::Builder {
     }
     std::unique_ptr<SpectrumTexture> make_noise(const SampledSpectrum*, const TextureDescription& d) {
         return std::make_unique<Marble>(d.mapping, static_cast<float>(d.roughness), static_cast<int>(d.octaves),
-                                        static_cast<float>(d.scale), static_cast<float>(d.variation));
+                                        static_cast<float>(d.scale), static_cast<float>(d.variation), colors());
     }
 
     template <class Value>

@@ -56,7 +56,7 @@ class Path {
                 if (medium.is_emissive()) camera_.add(emitted, dispersed_, sample_.kept, sample_.k(), kNone);
                 if (step_.scattered) {
                     at_ = {segment.o + d_ * step_.t, 0, {}};
-                    scattering = medium.phase();
+                    scattering = medium.phase(at_.p, sample_);
                     return true;
                 }
                 transmittance_ *= step_.density;
@@ -108,7 +108,7 @@ class Path {
         SampledSpectrum value = beta_;
         const float walk_pdf = medium.scatter_at(segment_, t, sample_, value).density;
         LineOfSight line;
-        if (!receive(at, medium.phase(), lights_[i], point, medium_, value, line)) return;
+        if (!receive(at, medium.phase(at.p, sample_), lights_[i], point, medium_, value, line)) return;
         value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
         camera_.add(value, dispersed_, sample_.kept, sample_.k(), lights_[i].id());
     }

@@ -11,12 +11,13 @@ namespace latent::render {
 
 class Scattering {
  public:
-    Scattering() : what_(PhaseFunction{}) {}
+    Scattering() : what_(Phase{}) {}
     Scattering(const Bsdf& bsdf) : what_(bsdf) {}
-    Scattering(const PhaseFunction& phase) : what_(phase) {}
+    Scattering(const Phase& phase) : what_(phase) {}
+    Scattering(const PhaseFunction& phase) : what_(Phase(phase)) {}
 
     Scattering& operator=(const Bsdf& bsdf) { return what_.emplace<Bsdf>(bsdf), *this; }
-    Scattering& operator=(const PhaseFunction& phase) { return what_.emplace<PhaseFunction>(phase), *this; }
+    Scattering& operator=(const Phase& phase) { return what_.emplace<Phase>(phase), *this; }
 
     bool in_medium() const { return bsdf() == nullptr; }
     bool is_delta() const { return bsdf() && bsdf()->is_delta(); }
@@ -30,25 +31,32 @@ class Scattering {
         if (const Bsdf* surface = bsdf()) {
             surface->multiply_f_cos(w_camera, w_light, value);
         } else {
-            value *= phase()(w_camera, w_light);
+            phase().multiply(w_camera, w_light, value);
         }
     }
-    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const { return bsdf() ? bsdf()->pdf_omega(wo, wi) : phase()(wo, wi); }
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
+        return bsdf() ? bsdf()->pdf_omega(wo, wi) : phase().pdf_omega(wo, wi);
+    }
 
     bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const {
         if (const Bsdf* surface = bsdf()) return surface->sample(wo, from_camera, u_lobe, u, v, out, beta);
-        out.wi = phase().sample(wo, u, v);
-        out.pdf = out.pdf_reverse = phase()(wo, out.wi);
+        out.wi = phase().sample(wo, u_lobe, u, v);
+        out.pdf = out.pdf_reverse = phase().pdf_omega(wo, out.wi);
         out.delta = false;
         out.eta2 = 1;
-        return out.pdf > 0;
+        if (!(out.pdf > 0)) return false;
+        if (phase().mixture) {
+            phase().multiply(wo, out.wi, beta);
+            beta *= 1 / out.pdf;
+        }
+        return true;
     }
 
  private:
     const Bsdf* bsdf() const { return std::get_if<Bsdf>(&what_); }
-    const PhaseFunction& phase() const { return *std::get_if<PhaseFunction>(&what_); }
+    const Phase& phase() const { return *std::get_if<Phase>(&what_); }
 
-    std::variant<PhaseFunction, Bsdf> what_;
+    std::variant<Phase, Bsdf> what_;
 };
 
 }  // namespace latent::render

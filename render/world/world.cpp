@@ -26,7 +26,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         world->materials_.emplace_back(d, world->textures_, world->library_);
         world->has_dispersion_ |= d.dispersive || d.layer.dispersive;
     }
-    for (const MediumDescription& d : scene.media) world->media_.push_back(make_medium(d, world->library_));
+    for (std::uint32_t i = 0; i < scene.media.size(); ++i) world->media_.push_back(make_medium(scene.media, i, world->library_));
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
         return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
     };
@@ -85,7 +85,9 @@ bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleSt
         line.add(segment, step.transmittance, step.column);
     };
     if (!has_interfaces_) {
-        if (geometry_->occluded(ray)) return false;
+        const float passed = geometry_->passed(ray);
+        if (passed == 0) return false;
+        if (passed < 1) value *= passed;
         if (medium != kNone) pass({ray.o, ray.d, length, medium});  // else all is as it was: nothing is on the line
         return true;
     }

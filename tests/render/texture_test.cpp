@@ -316,6 +316,57 @@ TEST_F(TextureTest, AMagnifiedPictureIsNotBlurredMoreThanItsFilterSays) {
     }
 }
 
+// (1 - rho)^2 (1 + 2 rho - 6 rho^2), rho half the distance in texels.
+double quartic(double x, double y) {
+    const double rho = std::min(std::hypot(x, y) / 2, 1.0);
+    return (1 - rho) * (1 - rho) * (1 + 2 * rho - 6 * rho * rho);
+}
+
+TEST_F(TextureTest, TheQuarticReconstructsATexelWithRotationalSymmetry) {
+    std::vector<int> values(16 * 16, 100);
+    values[8 * 16 + 7] = 200;
+    write_grey("dot.pgm", 16, 16, values);
+    load_float("\"imagemap\" \"string filename\" \"dot.pgm\" \"string encoding\" \"linear\" \"string filter\" \"latent:quartic\"");
+    const auto over = [&](double x, double y) {  // texels from the middle of the bright one
+        return (static_cast<double>(at(static_cast<float>((7.5 + x) / 16), static_cast<float>(1 - (8.5 + y) / 16))) * 255 - 100) /
+               100;
+    };
+    for (int i = 0; i < 500; ++i) {
+        const double x = -2.4 + 4.8 * (i % 25) / 24, y = -2.4 + 4.8 * (i / 25) / 19;
+        double sum = 0;
+        for (int row = -5; row <= 5; ++row) {
+            for (int column = -5; column <= 5; ++column) sum += quartic(x - column, y - row);
+        }
+        EXPECT_NEAR(over(x, y), quartic(x, y) / sum, 2e-4) << x << ", " << y;
+    }
+    EXPECT_LT(over(1.5, 0), -0.02);  // it rings, as sharp filters do
+}
+
+TEST_F(TextureTest, TheQuarticKeepsConstantsAndTheMeanOfMinifiedPictures) {
+    std::vector<int> values;
+    std::mt19937 random(3);
+    double mean = 0;
+    for (int i = 0; i < 64 * 64; ++i) {
+        values.push_back(64 + static_cast<int>(random() % 128));  // far enough from 0 for the lobes
+        mean += values.back() / 255.0 / (64 * 64);
+    }
+    write_grey("noise.pgm", 64, 64, values);
+    write_grey("even.pgm", 5, 3, std::vector<int>(15, 51));
+    load_float("\"imagemap\" \"string filename\" \"even.pgm\" \"string encoding\" \"linear\" \"string filter\" \"latent:quartic\"");
+    for (const float width : {0.0f, 0.1f, 0.7f, 40.0f}) EXPECT_NEAR(at(0.63f, -1.2f, width), 0.2f, 1e-6f);
+    load_float(
+        "\"imagemap\" \"string filename\" \"noise.pgm\" \"string encoding\" \"linear\" \"string filter\" \"latent:quartic\"");
+    EXPECT_NEAR(at(0.3f, 0.4f, 1), mean, 2e-3);
+    // Texel after texel, over a whole period.
+    double sum = 0;
+    constexpr int kSteps = 256;
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+        const auto u = static_cast<float>(i % kSteps) / kSteps, v = static_cast<float>(i / kSteps) / kSteps;
+        sum += static_cast<double>(at(u, v)) / (kSteps * kSteps);
+    }
+    EXPECT_NEAR(sum, mean, 2e-3);
+}
+
 TEST_F(TextureTest, ColoursOfAPictureKeepTheirColour) {
     folder_.write("p.ppm", std::string("P6\n2 1\n255\n") + "\xff\x80\x20\x80\x80\x80");
     load_spectrum("\"imagemap\" \"string filename\" \"p.ppm\" \"string encoding\" \"linear\" \"string filter\" \"point\"");

@@ -94,6 +94,36 @@ TEST(Alpha, ARayIsBlockedIfItMeetsSomething) {
     EXPECT_LT(met, 4500);
 }
 
+// A shadow ray is not stopped at random: it gathers what each surface lets pass, which is the mean of what a hash decides.
+TEST(Alpha, AShadowRayGathersWhatPasses) {
+    const auto behind = [](const std::string& shapes) {
+        return scene_from("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n" + shapes).world();
+    };
+    const std::string quad = std::string(kQuad) + "\"float alpha\" .375\n";
+    const std::unique_ptr<World> world =
+        behind(quad + "Translate 0 0 .5\n" + quad + "Translate 0 0 1\nShape \"sphere\" \"float radius\" .25 \"float alpha\" .5\n" +
+               "ObjectBegin \"o\"\nShape \"bilinearmesh\" \"point3 P\" [-1 -1 .5  1 -1 .5  -1 1 .5  1 1 .6] \"float alpha\" "
+               ".25\nObjectEnd\n"
+               "ObjectInstance \"o\"\nTranslate 0 0 3\nShape \"disk\" \"float radius\" .5\n");
+    const Geometry& geometry = world->geometry();
+    const Vec3f origin(scene_from("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n" + quad).description.origin);
+    const Vec3f from = Vec3f{0.07f, 0.03f, -1} - origin, up{0, 0, 1};
+    EXPECT_EQ(geometry.passed({from, up, 1.2f}), 0.625f);
+    EXPECT_EQ(geometry.passed({from, up, 2}), 0.625f * 0.625f);
+    EXPECT_EQ(geometry.passed({from, up, 4.8f}), 0.625f * 0.625f * 0.25f * 0.75f);
+    EXPECT_EQ(geometry.passed({from, up, 8}), 0);  // the disk is whole
+    double gathered = 0, decided = 0;
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> even(-0.2f, 0.2f);
+    constexpr int kCount = 40'000;
+    for (int i = 0; i < kCount; ++i) {
+        const Ray ray{from + Vec3f{even(random), even(random), 0}, {even(random), even(random), 1}, 2};
+        gathered += static_cast<double>(geometry.passed(ray)) / kCount;
+        decided += (geometry.occluded(ray) ? 0.0 : 1.0) / kCount;
+    }
+    EXPECT_NEAR(decided, gathered, 4.5 * 0.5 / std::sqrt(kCount));
+}
+
 // Leaves before a lamp and the sky, with holes by a texture and by a number, in fog too.
 TEST(Alpha, PathAndBdptMakeOnePicture) {
     const std::string room =

@@ -3,6 +3,7 @@
 
 #include "color/named_spectra.h"
 #include "color/observer.h"
+#include "color/rgb_space.h"
 #include "render/texture/procedural.h"
 #include "tests/transport/lit_floor.h"
 #include "tests/transport/picture_mean.h"
@@ -149,6 +150,58 @@ TEST(Extensions, PathAndBdptMakeOnePicture) {
         SCOPED_TRACE(rest);
         expect_path_and_bdpt_agree(scene_from(room + rest), 6144, 4096);
     }
+}
+
+// With --rgb-spectra basis, an rgb is R r + G g + B b, whether a parameter, a picture or a voxel gives it.
+TEST(Extensions, ColoursBySumsOfThreeCurvesAreTheSameFromAllSources) {
+    const Folder folder;
+    std::vector<float> pixels;
+    for (int i = 0; i < 4; ++i) pixels.insert(pixels.end(), {0.8f, 0.25f, 0.125f});
+    write_exr(folder / "colour.exr", 2, 2, pixels);
+    const auto floor = [&](const std::string& material, color::RgbSpectra kind) {
+        const std::string text =
+            "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 30\nIntegrator \"path\" \"integer maxdepth\" 1\n"
+            "WorldBegin\nLightSource \"infinite\"\n" +
+            material + "Shape \"disk\" \"float radius\" 3\n";
+        return scene_of(load_scene(folder.write("floor.pbrt", text), false, kind));
+    };
+    const auto spectral = [](const Scene& scene) {
+        sampledb::Records out;
+        RadianceFaults faults;
+        const std::unique_ptr<Integrator> integrator = scene.integrator({.seed = 3});
+        for (std::uint64_t n = 0; n < 500; ++n) integrator->trace(n, out, faults);
+        return out.power;
+    };
+    using enum color::RgbSpectra;
+    const std::string parameter = "Material \"diffuse\" \"rgb reflectance\" [.8 .25 .125]\n",
+                      picture =
+                          "Texture \"c\" \"spectrum\" \"imagemap\" \"string filename\" \"colour.exr\"\n"
+                          "Material \"diffuse\" \"texture reflectance\" \"c\"\n";
+    const std::vector<float> a = spectral(floor(parameter, kBasis)), b = spectral(floor(picture, kBasis)),
+                             smooth = spectral(floor(parameter, kSmooth));
+    ASSERT_EQ(a.size(), b.size());
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        EXPECT_NEAR(a[i], b[i], 2e-6f * std::abs(a[i]) + 1e-9f);
+        different += std::abs(a[i] - smooth[i]) > 0.05f * smooth[i] ? 1 : 0;
+    }
+    EXPECT_GT(different, a.size() / 10);
+    // D65 on the floor: what is seen has the colour, to the half percent of the curves, and the noise of the wavelengths.
+    const Mean mean = mean_of_picture(floor(parameter, kBasis), {.seed = 1}, 20'000);
+    const std::array<double, 3> rgb = color::RgbSpace::srgb().rgb_from_xyz * mean.xyz;
+    EXPECT_NEAR(rgb[0], 0.8, 0.01);
+    EXPECT_NEAR(rgb[1], 0.25, 0.01);
+    EXPECT_NEAR(rgb[2], 0.125, 0.01);
+
+    const auto light_of = [&](const std::string& light) {
+        return scene_of(
+            load_scene(folder.write("sky.pbrt", "Camera \"perspective\" \"float fov\" 5\nWorldBegin\n" + light), false, kBasis));
+    };
+    // A constant light is looked up at integer nm, a picture's colours between them: the mean is the same.
+    const Mean sky = mean_of_picture(light_of("LightSource \"infinite\" \"rgb L\" [.8 .25 .125]\n"), {.seed = 1}, 2000),
+               shown =
+                   mean_of_picture(light_of("LightSource \"infinite\" \"string filename\" \"colour.exr\"\n"), {.seed = 1}, 2000);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(sky.xyz[c] / shown.xyz[c], 1, 1e-3);
 }
 
 Noise noise_of(NoiseKind kind, float scale, float variation) { return {kind, MappingDescription{}, 0.5f, 8, scale, variation}; }

@@ -403,7 +403,7 @@ class EnvironmentMapTest : public ::testing::Test {
 };
 
 TEST_F(EnvironmentMapTest, DirectionsFollowTheirDensity) {
-    const EnvironmentMap map(image_, turned_, library_);
+    const EnvironmentMap map(image_, turned_, library_, color::RgbSpectra::kSmooth);
     Numbers u(10);
     expect_directions_follow({.sample = [&](std::uint32_t) -> std::optional<Vec3f> {
                                   const Uniform x = u(), y = u();
@@ -415,7 +415,7 @@ TEST_F(EnvironmentMapTest, DirectionsFollowTheirDensity) {
 
 // The spectrum of each pixel, times the illuminant, has the pixel's linear sRGB.
 TEST_F(EnvironmentMapTest, PixelsHaveTheirColour) {
-    const EnvironmentMap map(image_, turned_, library_);
+    const EnvironmentMap map(image_, turned_, library_, color::RgbSpectra::kSmooth);
     const color::Spectrum& d65 = color::illuminant_d65();
     const std::uint32_t illuminant = library_.add(d65, Lookup::kNearestNm);
     const WavelengthSampler sampler(wavelength_density({}), 32);

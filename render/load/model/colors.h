@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "color/rgb_basis.h"
 #include "color/rgb_to_spectrum.h"
 #include "color/spectrum.h"
 
@@ -12,7 +13,7 @@ using LinearRgb = std::array<double, 3>;
 
 class ModelColors {
  public:
-    ModelColors();
+    explicit ModelColors(color::RgbSpectra kind);
 
     // Components are clamped to [0,1]; a grey is constant.
     color::Spectrum reflectance(const LinearRgb& rgb) const;
@@ -20,6 +21,7 @@ class ModelColors {
     color::Spectrum emission(const LinearRgb& rgb) const;
 
  private:
+    color::RgbSpectra kind_;
     color::RgbToSpectrum rgb_;
     color::Spectrum white_;  // D65 with Y = 1
 };

@@ -17,7 +17,7 @@ SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnosti
     : scene_(scene),
       files_(files),
       diagnostics_(diagnostics),
-      spectra_(files),
+      spectra_(files, scene.rgb_spectra),
       textures_(scene, files, spectra_, diagnostics),
       options_(scene, diagnostics, replace_integrator) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
@@ -158,12 +158,24 @@ void SceneBuilder::add_material(const Directive& d) {
     if (!has_name) state_.material = index;
 }
 
+MediumDescription SceneBuilder::read_sum(const ParameterList& list) {
+    MediumDescription sum{.location = list.directive().where};
+    const Parameter* names = list.find("latent:media", {"string"});
+    if (names == nullptr || names->strings.size() != 2 || names->strings[0].empty() || names->strings[1].empty()) {
+        list.error("latent:media: must be the names of two media");
+    } else {
+        for (std::size_t i = 0; i < 2; ++i) sum.summed[i] = medium(names->strings[i], names->where);
+    }
+    list.report_unused();
+    return sum;
+}
+
 void SceneBuilder::add_medium(const Directive& d) {
     const ParameterList parameters = list(d, "medium");
     const std::optional<std::string> type = parameters.string("type");
     if (!type) parameters.error("MakeNamedMedium: \"string type\" is missing");
     MediumDescription read;
-    if (type) read = read_medium(*type, parameters, state_.ctm, spectra_, files_);
+    if (type) read = *type == "latent:sum" ? read_sum(parameters) : read_medium(*type, parameters, state_.ctm, spectra_, files_);
     const std::uint32_t index = medium(d.strings[0], d.where);
     if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
     if (!media_.define(d.strings[0], d.name, d.where, diagnostics_)) return;
@@ -240,6 +252,9 @@ void SceneBuilder::finish(const SourceLocation& end) {
         for (const std::uint32_t i : mixtures_of_themselves(scene_.materials))
             diagnostics_.error(scene_.materials[i].location, "Material \"mix\": is made of itself, or more than 256 deep");
     }
+    for (const std::uint32_t i : sums_of_too_many(scene_.media))
+        diagnostics_.error(scene_.media[i].location,
+                           fmt::format("Medium \"latent:sum\": is made of itself, or of more than {} media", kMostSummed));
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
         const FloatInput &x = material.alpha_x, &y = material.alpha_y;

@@ -22,7 +22,8 @@ namespace latent::render {
 
 class SceneBuilder {
  public:
-    // `scene` is filled; it, `files` and `diagnostics` outlive the builder. `replace_integrator` replaces the scene's.
+    // `scene` is filled, its rgb_spectra given; it, `files` and `diagnostics` outlive the builder. `replace_integrator` replaces
+    // the scene's.
     SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator);
 
     // Any directive but Include and Import.
@@ -59,6 +60,7 @@ class SceneBuilder {
     MaterialDescription read_mixture(const ParameterList& list);
     void add_material(const Directive& d);
     void add_medium(const Directive& d);
+    MediumDescription read_sum(const ParameterList& list);
     void add_area_light(const Directive& d);
     void add_shape(const Directive& d);
     void begin_object(const Directive& d);

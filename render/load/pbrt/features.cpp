@@ -22,7 +22,7 @@ std::span<const PbrtFeature> pbrt_features() {
           "marble", "latent:marble", "latent:wood", "latent:clouds"}},
         {"LightSource", {"point", "spot", "goniometric", "projection", "distant", "infinite"}},
         {"AreaLightSource", {"diffuse"}},
-        {"Medium", {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb"}},
+        {"Medium", {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb", "latent:sum"}},
     };
     return features;
 }

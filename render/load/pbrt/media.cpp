@@ -49,10 +49,10 @@ std::shared_ptr<const VoxelGrid> read_voxels(const ParameterList& list, std::str
 
 // Spectra of voxels. Null: there is no such parameter, or an error was reported.
 std::shared_ptr<const SpectralVoxels> read_spectra(const ParameterList& list, std::string_view name, const GridSize& size,
-                                                   const color::RgbToSpectrum& rgb) {
+                                                   SceneSpectra& spectra) {
     const std::span<const double> values = list.array(name, "rgb", 3);
     if (values.empty() || !has_value_for_each_voxel(list, name, size, values.size() / 3)) return nullptr;
-    SpectralVoxels voxels{.size = size.voxels};
+    SpectralVoxels voxels{.size = size.voxels, .is_basis = spectra.is_basis()};
     std::map<std::array<double, 3>, std::array<float, 4>> known;  // each colour takes its time
     for (std::size_t n = 0; n < values.size(); n += 3) {
         const std::array<double, 3> colour = {values[n], values[n + 1], values[n + 2]};
@@ -62,10 +62,7 @@ std::shared_ptr<const SpectralVoxels> read_spectra(const ParameterList& list, st
             return nullptr;
         }
         const auto [found, is_new] = known.try_emplace(colour);
-        if (is_new) {
-            const color::SigmoidSpectrum s = rgb.unbounded({colour[0], colour[1], colour[2]});
-            found->second = {s.c0, s.c1, s.c2, s.scale};
-        }
+        if (is_new) found->second = spectra.voxel_of({colour[0], colour[1], colour[2]});
         voxels.spectra.push_back(found->second);
     }
     return std::make_shared<const SpectralVoxels>(std::move(voxels));
@@ -123,8 +120,8 @@ void read_uniform_grid(const ParameterList& list, SceneSpectra& spectra, MediumD
 void read_rgb_grid(const ParameterList& list, SceneSpectra& spectra, MediumDescription& medium) {
     read_box(list, medium);
     const GridSize size = read_grid_size(list);
-    const SpectralVolume volume{read_spectra(list, "sigma_a", size, spectra.rgb()),
-                                read_spectra(list, "sigma_s", size, spectra.rgb()), read_spectra(list, "Le", size, spectra.rgb())};
+    const SpectralVolume volume{read_spectra(list, "sigma_a", size, spectra), read_spectra(list, "sigma_s", size, spectra),
+                                read_spectra(list, "Le", size, spectra)};
     if (!volume.sigma_a && !volume.sigma_s) return list.error("sigma_a and sigma_s: one of them is required");
     if (volume.Le && !volume.sigma_a) return list.error("Le: needs sigma_a");
     // pbrt-v4 does not normalise this emission: white has the luminance of its illuminant, the integral of ybar.

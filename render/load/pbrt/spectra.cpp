@@ -40,6 +40,35 @@ const color::RgbToSpectrum& SceneSpectra::rgb() {
     return rgb_.emplace(color_space_, color::RgbToSpectrum(space, white)).first->second;
 }
 
+// Colours that sRGB does not have lose their negative components.
+color::Rgb SceneSpectra::to_srgb(const color::Rgb& rgb) const {
+    if (color_space_ == "srgb") return rgb;
+    const color::RgbSpace space = color::RgbSpace::parse(space_of(color_space_)).value();
+    const std::array<double, 3> srgb =
+        color::RgbSpace::srgb().rgb_from_xyz * (space.xyz_from_rgb * std::array<double, 3>{rgb.r, rgb.g, rgb.b});
+    return {std::max(srgb[0], 0.0), std::max(srgb[1], 0.0), std::max(srgb[2], 0.0)};
+}
+
+color::Spectrum SceneSpectra::spectrum_of(const color::Rgb& value, SpectrumRole role) {
+    const bool reflects = role == SpectrumRole::kReflectance;
+    if (is_basis()) {
+        const auto limited = [&](double x) { return reflects ? std::min(x, 1.0) : x; };
+        const color::Rgb srgb = to_srgb(value);
+        return color::rgb_basis_spectrum({limited(srgb.r), limited(srgb.g), limited(srgb.b)});
+    }
+    const color::SigmoidSpectrum s = reflects ? rgb().reflectance(value) : rgb().unbounded(value);
+    return clamped([s](double l) { return s(static_cast<float>(l)); });
+}
+
+std::array<float, 4> SceneSpectra::voxel_of(const color::Rgb& value) {
+    if (is_basis()) {
+        const color::Rgb srgb = to_srgb(value);
+        return {static_cast<float>(srgb.r), static_cast<float>(srgb.g), static_cast<float>(srgb.b), 1};
+    }
+    const color::SigmoidSpectrum s = rgb().unbounded(value);
+    return {s.c0, s.c1, s.c2, s.scale};
+}
+
 color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }
 
 std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std::string_view name, SpectrumRole role) {
@@ -91,13 +120,12 @@ std::optional<color::Spectrum> SceneSpectra::resolve(const ParameterList& list, 
             if (role == SpectrumRole::kUnbounded || p.numbers[0] <= 1) return color::Spectrum::constant(p.numbers[0]);
         }
         const color::Rgb value{p.numbers[0], p.numbers[1], p.numbers[2]};
-        if (role == SpectrumRole::kUnbounded)
-            return clamped([s = rgb().unbounded(value)](double l) { return s(static_cast<float>(l)); });
+        if (role == SpectrumRole::kUnbounded) return spectrum_of(value, role);
         if (*std::max_element(p.numbers.begin(), p.numbers.end()) > 1) {
             list.error(p, "a reflectance must not exceed 1");
             return std::nullopt;
         }
-        return clamped([s = rgb().reflectance(value)](double l) { return s(static_cast<float>(l)); });
+        return spectrum_of(value, role);
     }
     if (p.strings.empty()) return from_pairs(list, p, p.numbers);
     if (p.strings.size() > 1) {

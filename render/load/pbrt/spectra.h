@@ -1,10 +1,12 @@
 // render/load/pbrt/spectra.h: spectra as scenes write them: rgb, inline samples, names, files, black bodies.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
 
+#include "color/rgb_basis.h"
 #include "color/rgb_to_spectrum.h"
 #include "color/spectrum.h"
 #include "render/load/files/scene_files.h"
@@ -15,7 +17,7 @@ namespace latent::render {
 
 class SceneSpectra {
  public:
-    explicit SceneSpectra(SceneFiles& files) : files_(files) {}
+    SceneSpectra(SceneFiles& files, color::RgbSpectra kind) : files_(files), kind_(kind) {}
 
     // The colour space that rgb parameters are in: pbrt's "srgb", "dci-p3", "rec2020" or "aces2065-1". False if there is no such
     // space.
@@ -28,9 +30,15 @@ class SceneSpectra {
     // An emission, normalised as AreaLightDescription says; the colour space's white if the parameter is not there.
     color::Spectrum emission(const ParameterList& list, std::string_view name);
     color::Spectrum white();  // normalised illuminant of the colour space
-    const color::RgbToSpectrum& rgb();
+    // Of an rgb in the colour space.
+    color::Spectrum spectrum_of(const color::Rgb& rgb, SpectrumRole role);
+    // The same for voxels: what SpectralVoxels holds.
+    bool is_basis() const { return kind_ == color::RgbSpectra::kBasis; }
+    std::array<float, 4> voxel_of(const color::Rgb& rgb);
 
  private:
+    const color::RgbToSpectrum& rgb();
+    color::Rgb to_srgb(const color::Rgb& rgb) const;
     static const Parameter* parameter(const ParameterList& list, std::string_view name) {
         return list.find(name, {"rgb", "spectrum", "blackbody", "latent:daylight"});
     }
@@ -39,6 +47,7 @@ class SceneSpectra {
     std::optional<color::Spectrum> from_file(const ParameterList& list, const Parameter& p);
 
     SceneFiles& files_;
+    color::RgbSpectra kind_;
     std::string color_space_ = "srgb";
     std::map<std::string, color::RgbToSpectrum> rgb_;
 };

@@ -140,11 +140,9 @@ void SceneTextures::read_picture(const ParameterList& list, PictureDescription& 
                                                            {"black", TextureWrap::kBlack},
                                                            {"clamp", TextureWrap::kClamp},
                                                            {"octahedralsphere", TextureWrap::kOctahedralSphere}};
-    static const std::map<std::string, TextureFilter> kFilters{{"point", TextureFilter::kPoint},
-                                                               {"bilinear", TextureFilter::kBilinear},
-                                                               {"trilinear", TextureFilter::kTrilinear},
-                                                               {"ewa", TextureFilter::kEwa},
-                                                               {"EWA", TextureFilter::kEwa}};
+    static const std::map<std::string, TextureFilter> kFilters{
+        {"point", TextureFilter::kPoint}, {"bilinear", TextureFilter::kBilinear}, {"trilinear", TextureFilter::kTrilinear},
+        {"ewa", TextureFilter::kEwa},     {"EWA", TextureFilter::kEwa},           {"latent:quartic", TextureFilter::kQuartic}};
     picture.wrap = choice(list, "wrap", "repeat", kWraps);
     picture.filter = choice(list, "filter", "bilinear", kFilters);
     const double anisotropy = list.number("maxanisotropy", 8, 1, 1e6);

@@ -119,7 +119,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
             SubpathVertex x;
             x.at = {segment.o + segment.d * medium_step.t, 0, {}};
             x.in_medium = true;
-            x.scattering = world_.medium(step.medium).phase();
+            x.scattering = world_.medium(step.medium).phase(x.at.p, sample_);
             return append(path, from_camera, x, step, line, density);
         }
         if (!hit) {

@@ -1,0 +1,147 @@
+#include "render/medium/sum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/medium/phase_mixer.h"
+
+namespace latent::render {
+
+struct SumMedium::Box {
+    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+    explicit Box(const std::vector<Part>& parts) {
+        for (const Part& part : parts) {
+            if (!part.varied) continue;
+            const Affined world_from_unit = part.unit_from_world.inverse().value_or(Affined{});
+            for (int corner = 0; corner < 8; ++corner) {
+                const Vec3d p = world_from_unit.point(
+                    {static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1), static_cast<double>(corner >> 2)});
+                low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+                high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+            }
+        }
+    }
+    Affined world_from_unit() const {
+        const Vec3d size = high - low;
+        return {{size.x, 0, 0}, {0, size.y, 0}, {0, 0, size.z}, low};
+    }
+};
+
+namespace {
+
+// A box of the sum's unit cube in that of a part: the box about its image.
+struct Image {
+    Vec3f low, high;
+    Image(const Affined& m, const Vec3f& from, const Vec3f& to) {
+        const Vec3d middle = m.point(Vec3d(from + to) * 0.5), half = Vec3d(to - from) * 0.5;
+        const auto reach = [&](double x, double y, double z) {
+            return half.x * std::abs(x) + half.y * std::abs(y) + half.z * std::abs(z);
+        };
+        const Vec3d size{reach(m.x.x, m.y.x, m.z.x), reach(m.x.y, m.y.y, m.z.y), reach(m.x.z, m.y.z, m.z.z)};
+        low = Vec3f(middle - size), high = Vec3f(middle + size);
+    }
+};
+
+constexpr std::uint32_t kCells = 32;  // along each axis
+
+MajorantGrid majorants_of(const std::vector<SumMedium::Part>& parts, const Affined& world_from_unit, MajorantGrid::Cell outside) {
+    const auto max_between = [&](const Vec3f& low, const Vec3f& high) {
+        float most = outside.max;
+        for (const SumMedium::Part& part : parts) {
+            if (!part.varied) continue;
+            const Image image(part.unit_from_world * world_from_unit, low, high);
+            most += part.max_sigma_t * part.varied->majorants().max_between(image.low, image.high);
+        }
+        return most * (1 + 1e-5f);
+    };
+    const auto mean_at = [&](const Vec3f& p) {
+        float mean = outside.mean;
+        for (const SumMedium::Part& part : parts) {
+            if (!part.varied) continue;
+            const Vec3f in_part((part.unit_from_world * world_from_unit).point(Vec3d(p)));
+            mean += part.mean_sigma_t * part.varied->majorants().mean_at(in_part);
+        }
+        return mean;
+    };
+    return {{kCells, kCells, kCells}, max_between, mean_at};
+}
+
+MajorantGrid::Cell outside_of(const std::vector<SumMedium::Part>& parts) {
+    MajorantGrid::Cell cell{0, 0};
+    for (const SumMedium::Part& part : parts) {
+        if (part.varied) continue;
+        cell.max += part.max_sigma_t * (1 + 1e-5f);
+        cell.mean += part.mean_sigma_t;
+    }
+    return cell;
+}
+
+}  // namespace
+
+SumMedium::SumMedium(std::vector<Part> parts, std::uint32_t one) : SumMedium(std::move(parts), one, Box(parts)) {}
+
+SumMedium::SumMedium(std::vector<Part>&& parts, std::uint32_t one, const Box& box)
+    : HeterogeneousMedium(PhaseFunction{}, box.world_from_unit().inverse().value_or(Affined{}), one,
+                          majorants_of(parts, box.world_from_unit(), outside_of(parts)), outside_of(parts)) {
+    for (Part& part : parts) {
+        is_bounded_ = is_bounded_ && part.varied;
+        is_emissive_ = is_emissive_ || (part.varied ? part.varied->is_emissive() : part.emission != kNone);
+        const Affinef unit_from_sum(part.unit_from_world * box.world_from_unit());
+        parts_.push_back({std::move(part), unit_from_sum});
+    }
+}
+
+template <class Visit>
+void SumMedium::each_at(const Vec3f& p, Visit visit) const {
+    for (const Placed& placed : parts_) {
+        if (!placed.part.varied) {
+            visit(placed.part, p);
+            continue;
+        }
+        const Vec3f q = placed.unit_from_sum.point(p);
+        if (std::min({q.x, q.y, q.z}) >= 0 && std::max({q.x, q.y, q.z}) <= 1) visit(placed.part, q);
+    }
+}
+
+void SumMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
+    sigma_t = SampledSpectrum(0.0f);
+    each_at(p, [&](const Part& part, const Vec3f& q) {
+        SampledSpectrum own;
+        if (part.varied) part.varied->extinction(q, sample, own);
+        sigma_t += part.varied ? own : sample.spectra[part.sigma_t];
+    });
+}
+
+void SumMedium::scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const {
+    sigma_s = SampledSpectrum(0.0f);
+    each_at(p, [&](const Part& part, const Vec3f& q) {
+        SampledSpectrum own;
+        if (part.varied) part.varied->scattering(q, sample, own);
+        sigma_s += part.varied ? own : sample.spectra[part.sigma_s];
+    });
+}
+
+bool SumMedium::emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const {
+    out = SampledSpectrum(0.0f);
+    each_at(p, [&](const Part& part, const Vec3f& q) {
+        SampledSpectrum own;
+        if (part.varied) {
+            if (part.varied->is_emissive() && part.varied->emission(q, sample, own)) out += own;
+        } else if (part.emission != kNone) {
+            out += sample.spectra[part.emission];
+        }
+    });
+    return !out.is_black();
+}
+
+Phase SumMedium::phase(const Vec3f& p, SampleState& sample) const {
+    PhaseMixer mixer(sample);
+    each_at(unit_point(p), [&](const Part& part, const Vec3f& q) {
+        SampledSpectrum own;
+        if (part.varied) part.varied->scattering(q, sample, own);
+        mixer.add(part.phase, part.varied ? own : sample.spectra[part.sigma_s]);
+    });
+    return mixer.phase();
+}
+
+}  // namespace latent::render
