@@ -60,6 +60,7 @@ develop::PictureOptions picture_options(const std::vector<std::string>& paths, c
     options.observer.filter_factor = get<double>(given, "filter_factor");
     options.lights = get<std::vector<std::string>>(given, "lights");
     options.image = get<std::string>(given, "image");
+    options.ratio = get<bool>(given, "ratio");
     if (const auto bins = get<std::string>(given, "spectral_bins"); !bins.empty())
         options.spectral_bins = parsed(develop::parse_spectral_bins, bins);
     if (const auto layers = get<std::string>(given, "layers"); !layers.empty())

@@ -53,9 +53,10 @@ def develop(*paths: Path, **options: Any) -> np.ndarray:
     size: width, or (width, height), in pixels; default: the largest with 16 samples per pixel. crop: (x0, y0, x1, y1), pixels of the
     whole picture. filter: such as "box" or "quartic:-3,1.5", the default. observer: a name ("cie1964", "kodak_trix_400") or a CSV
     file. camera_xyz: X, Y, Z of a camera. lens_filter: such as "wratten-25". filter_factor: a factor of the exposure, or "auto".
-    lights: such as ["lamp=2.5"]. image: "camera", "light" or "both". spectral_bins: their number, or "FROM:TO:STEP" in nm. samples:
-    (first, end). job: 32 hexadecimal digits, if folders hold several. skip_duplicates: files may hold the same samples. memory:
-    bytes to work in, beside the picture's own. threads: at most; 0: all.
+    lights: such as ["lamp=2.5"]. image: "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few
+    wavelengths. spectral_bins: their number, or "FROM:TO:STEP" in nm. samples: (first, end). job: 32 hexadecimal digits, if folders
+    hold several. skip_duplicates: files may hold the same samples. memory: bytes to work in, beside the picture's own. threads: at
+    most; 0: all.
 
     >>> xyz = latent.develop("night.latent", size=512, filter="box")
     """
@@ -86,6 +87,7 @@ def _develop(
     filter_factor: Union[float, str] = 1,
     lights: Sequence[str] = (),
     image: str = "both",
+    estimator: str = "standard",
     spectral_bins: Union[int, str] = "",
     layers: Sequence[str] = (),
     halves: bool = False,
@@ -98,15 +100,19 @@ def _develop(
     """Pixels (height, width, channels), and the names of the channels."""
     if image not in ("both", "camera", "light"):
         raise ValueError("image is 'both', 'camera' or 'light'")
+    if estimator not in ("standard", "ratio"):
+        raise ValueError("estimator is 'standard' or 'ratio'")
+    if estimator == "ratio" and spectral_bins:
+        raise ValueError("the ratio estimator is of colours: it has no spectral_bins")
     factor = 0.0 if filter_factor == "auto" else float(filter_factor)
     if filter_factor != "auto" and not 0 < factor < float("inf"):
         raise ValueError("filter_factor is a number above 0, or 'auto'")
     options = {
         "size": "" if size is None else "x".join(str(side) for side in np.atleast_1d(size)),
         "crop": crop, "filter": filter, "observer": os.fspath(observer), "camera_xyz": camera_xyz, "lens_filter": lens_filter,
-        "filter_factor": factor, "lights": list(lights), "image": image, "spectral_bins": str(spectral_bins),
-        "layers": ",".join(layers), "halves": halves, "samples": samples, "job": job, "skip_duplicates": skip_duplicates,
-        "memory": memory, "threads": threads}
+        "filter_factor": factor, "lights": list(lights), "image": image, "ratio": estimator == "ratio",
+        "spectral_bins": str(spectral_bins), "layers": ",".join(layers), "halves": halves, "samples": samples, "job": job,
+        "skip_duplicates": skip_duplicates, "memory": memory, "threads": threads}
     pixels, names, left_out, advice = _latent.develop([os.fspath(path) for path in paths], options)
     for line in [*left_out, *advice]:
         warnings.warn(line, LatentWarning, stacklevel=3)

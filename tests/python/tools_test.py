@@ -56,6 +56,8 @@ class Tools(unittest.TestCase):
             self.developed(path, "--size", "50", "--observer", "kodak_trix_400", "--lens-filter", "wratten-25", "--filter-factor", "auto"))
         self.expect_equal(latent.develop(path, size=50, observer="canon_eos_5d", camera_xyz=True),
                           self.developed(path, "--size", "50", "--observer", "canon_eos_5d", "--camera-output", "xyz"))
+        self.expect_equal(latent.develop(path, size=50, estimator="ratio"), self.developed(path, "--size", "50", "--estimator", "ratio"))
+        self.assertFalse(np.array_equal(latent.develop(path, size=50, estimator="ratio"), latent.develop(path, size=50)))
         bins = latent.develop(path, size=50, spectral_bins=7)
         picture = self.developed(path, "--size", "50", "--spectral-bins", "7")
         self.assertEqual(bins.shape[2], 7)
@@ -152,6 +154,9 @@ class Tools(unittest.TestCase):
         self.assertRaises(latent.Error, latent.develop_layers, path, layers=["depth"])
         self.assertRaises(latent.Error, latent.develop, path, job="x")
         self.assertRaises(ValueError, latent.develop, path, image="none")
+        self.assertRaises(ValueError, latent.develop, path, estimator="mean")
+        self.assertRaises(ValueError, latent.develop, path, estimator="ratio", spectral_bins=7)
+        self.assertRaisesRegex(latent.Error, "spectral", latent.develop, path, estimator="ratio")
         self.assertRaises(ValueError, latent.develop, path, filter_factor=0)
         self.assertRaises(ValueError, latent.develop, path, samples=(5, 5))
         self.assertRaises(TypeError, latent.develop, path, layers=["variance"])
