@@ -1,11 +1,14 @@
 #include "image/exr_channels.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <half.h>
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <iterator>
+#include <set>
 
 #include "base/bytes.h"
 #include "image/spectral_channel.h"
@@ -29,8 +32,9 @@ Result<ExrChannel> channel_of(Entries entries, const exr_attr_chlist_entry_t& en
 }
 
 // Red, green and blue in some form, if they are there.
-Status find_colour(Entries entries, ExrChannels& found) {
-    const auto find = [&](std::string_view name) {
+Status find_colour(Entries entries, const std::string& layer, ExrChannels& found) {
+    const auto find = [&](const char* channel) {
+        const std::string name = layer.empty() ? channel : layer + "." + channel;
         const auto at = std::ranges::find_if(entries, [&](const exr_attr_chlist_entry_t& e) { return name == e.name.str; });
         return at == entries.end() ? nullptr : &*at;
     };
@@ -68,11 +72,33 @@ Status find_spectrum(Entries entries, ExrChannels& found) {
     return {};
 }
 
-Error no_picture(Entries entries) {
+// Layers with red, green and blue, or grey.
+std::set<std::string> layers_of(Entries entries) {
+    std::set<std::string> layers;
+    for (const exr_attr_chlist_entry_t& entry : entries) {
+        const std::string_view name = entry.name.str;
+        const std::size_t dot = name.rfind('.');
+        if (dot == std::string_view::npos || dot == 0) continue;
+        ExrChannels found;
+        if (find_colour(entries, std::string(name.substr(0, dot)), found) && found.has_colour)
+            layers.insert(std::string(name.substr(0, dot)));
+    }
+    return layers;
+}
+
+Error no_picture(Entries entries, const std::string& layer) {
     if (std::ranges::any_of(entries, [](const auto& entry) { return is_reflectance(entry.name.str); }))
         return Error{ErrorCode::kUnsupported,
                      "holds spectra of reflectance (channels T.<wavelength>nm), not of light; light them in a renderer first"};
     constexpr std::size_t kEnough = 12;
+    if (const std::set<std::string> layers = layers_of(entries); !layers.empty()) {
+        const std::vector<std::string> some(layers.begin(), std::next(layers.begin(), std::min(kEnough, layers.size())));
+        if (!layer.empty())
+            return Error{ErrorCode::kUsage, fmt::format("no layer {}; the file has {}", layer, fmt::join(some, ", "))};
+        return Error{ErrorCode::kUsage,
+                     fmt::format("its colours are in layers; choose one with --layer: {}", fmt::join(some, ", "))};
+    }
+    if (!layer.empty()) return Error{ErrorCode::kUsage, fmt::format("no layer {}; the file has none", layer)};
     std::string names;
     for (std::size_t i = 0; i < std::min(entries.size(), kEnough); ++i)
         names += fmt::format("{}{}", names.empty() ? "" : ", ", entries[i].name.str);
@@ -82,13 +108,13 @@ Error no_picture(Entries entries) {
 
 }  // namespace
 
-Result<ExrChannels> find_exr_channels(const std::filesystem::path& path, Entries entries, ExrContent content) {
+Result<ExrChannels> find_exr_channels(const std::filesystem::path& path, Entries entries, const ExrChoice& choice) {
     ExrChannels found;
-    if (Status s = find_colour(entries, found); !s) return s.error().at(path.string());
-    if (content == ExrContent::kColourOrSpectrum) {
+    if (Status s = find_colour(entries, choice.layer, found); !s) return s.error().at(path.string());
+    if (choice.spectrum && choice.layer.empty()) {
         if (Status s = find_spectrum(entries, found); !s) return s.error().at(path.string());
     }
-    if (!found.has_colour && found.emitted.empty()) return no_picture(entries).at(path.string());
+    if (!found.has_colour && found.emitted.empty()) return no_picture(entries, choice.layer).at(path.string());
     for (const exr_attr_chlist_entry_t& entry : entries) {
         found.pixel_bytes += bytes_of(entry);
         if (entry.x_sampling != 1 || entry.y_sampling != 1)

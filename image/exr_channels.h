@@ -28,9 +28,9 @@ struct ExrChannels {
     std::vector<double> emitted_nm{};
 };
 
-// Errors: kUnsupported if there is no picture in them.
+// Errors: kUnsupported if there is no picture in them; kUsage if there is no such layer.
 Result<ExrChannels> find_exr_channels(const std::filesystem::path& path, std::span<const exr_attr_chlist_entry_t> entries,
-                                      ExrContent content);
+                                      const ExrChoice& choice);
 
 // Pixels of a channel as floats; the file is little-endian.
 void load_channel(const std::byte* from, bool half, std::span<float> out);

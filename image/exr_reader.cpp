@@ -86,9 +86,9 @@ struct ExrReader::File {
         return Error{otherwise,
                      fmt::format("{}: {}{}", path.string(), where, fault.theirs.empty() ? "cannot be read" : fault.theirs)};
     }
-    Status read_header(int wanted_level, ExrContent content);
+    Status read_header(const ExrChoice& choice);
     Status find_blocks(int wanted_level);
-    Status find_channels(ExrContent content);
+    Status find_channels(const ExrChoice& choice);
     void read_attributes();
     void integrate_row(const std::byte* row, std::size_t width, std::size_t skipped, std::size_t count,
                        const std::array<float*, 3>& out, std::vector<float>& values) const;
@@ -118,7 +118,7 @@ void ExrReader::integrate(std::vector<std::array<float, 3>> weights) {
     file_->weights = std::move(weights);
 }
 
-Result<ExrReader> ExrReader::open(const std::filesystem::path& path, int level, ExrContent content) {
+Result<ExrReader> ExrReader::open(const std::filesystem::path& path, const ExrChoice& choice) {
     auto file = std::make_unique<File>();
     Result<latent::File> opened = latent::File::open_read(path);
     if (!opened) return opened.error();
@@ -136,11 +136,11 @@ Result<ExrReader> ExrReader::open(const std::filesystem::path& path, int level, 
             return Error{ErrorCode::kForeign, path.string() + ": not an OpenEXR file"};
         return file->error(ErrorCode::kForeign, "not a readable OpenEXR file: ");
     }
-    if (Status s = file->read_header(level, content); !s) return s.error();
+    if (Status s = file->read_header(choice); !s) return s.error();
     return ExrReader(std::move(file));
 }
 
-Status ExrReader::File::read_header(int wanted_level, ExrContent content) {
+Status ExrReader::File::read_header(const ExrChoice& choice) {
     const auto unsupported = [&](const std::string& what) { return Error{ErrorCode::kUnsupported, path.string() + ": " + what}; };
     exr_storage_t storage;
     exr_compression_t compression;
@@ -159,8 +159,8 @@ Status ExrReader::File::read_header(int wanted_level, ExrContent content) {
     tiled = storage == EXR_STORAGE_TILED;
     image.data_window = rect_of(data);
     image.display_window = rect_of(display);
-    if (Status s = find_blocks(wanted_level); !s) return s;
-    if (Status s = find_channels(content); !s) return s;
+    if (Status s = find_blocks(choice.level); !s) return s;
+    if (Status s = find_channels(choice); !s) return s;
     read_attributes();
     return {};
 }
@@ -196,10 +196,10 @@ Status ExrReader::File::find_blocks(int wanted_level) {
     return good ? Status{} : Status{error(ErrorCode::kCorrupt, "header: ")};
 }
 
-Status ExrReader::File::find_channels(ExrContent content) {
+Status ExrReader::File::find_channels(const ExrChoice& choice) {
     const exr_attr_chlist_t* list = nullptr;
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS) return error(ErrorCode::kCorrupt, "channels: ");
-    Result<ExrChannels> found = find_exr_channels(path, {list->entries, static_cast<std::size_t>(list->num_channels)}, content);
+    Result<ExrChannels> found = find_exr_channels(path, {list->entries, static_cast<std::size_t>(list->num_channels)}, choice);
     if (!found) return found.error();
     channels = *std::move(found);
     image.has_colour = channels.has_colour;

@@ -31,14 +31,18 @@ struct ExrImage {
     std::vector<double> emitted_nm{};                     // of channels of emitted light [Fichet21], increasing
 };
 
-enum class ExrContent : std::uint8_t { kColour, kColourOrSpectrum };
+// What is wanted of a file.
+struct ExrChoice {
+    int level = 0;          // level 0 is the full picture, level n has 1/2^n of its sides
+    std::string layer{};    // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer
+    bool spectrum = false;  // a spectrum will do, too
+};
 
 class ExrReader {
  public:
-    // Level 0 is the full picture, level n has 1/2^n of its sides. Channels: R, G, B; or X, Y, Z; or Y; or, if wanted, those of a
-    // spectrum; half or float. Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep, subsampled or other channels,
-    // DWA), kUsage (no such level).
-    static Result<ExrReader> open(const std::filesystem::path& path, int level = 0, ExrContent content = ExrContent::kColour);
+    // Channels: R, G, B; or X, Y, Z; or Y; half or float. Errors: kNotFound, kIo, kForeign (not an EXR), kUnsupported (deep,
+    // subsampled or other channels, DWA), kUsage (no such level or layer).
+    static Result<ExrReader> open(const std::filesystem::path& path, const ExrChoice& choice = {});
     ExrReader(ExrReader&&) noexcept;
     ~ExrReader();
 

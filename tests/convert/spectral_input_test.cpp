@@ -128,6 +128,26 @@ TEST_F(SpectralInput, OtherChannelsBesideItDoNotMatter) {
     expect_same_print("cie1931", "s.exr", 1);
 }
 
+TEST_F(SpectralInput, ALayerIsPrintedLikeAPictureOfItsOwn) {
+    const auto plane = [](const char* channel, double light) { return NamedPlane{channel, [light](int, int) { return light; }}; };
+    write_planes(folder_ / "plain.exr", {plane("R", 0.1), plane("G", 0.2), plane("B", 0.3)});
+    write_planes(folder_ / "layers.exr", {plane("view.combined.R", 0.1), plane("view.combined.G", 0.2),
+                                          plane("view.combined.B", 0.3), plane("view.combined.A", 1), plane("view.depth.Z", 7),
+                                          plane("albedo.R", 0.5), plane("albedo.G", 0.5), plane("albedo.B", 0.5)});
+    ConvertOptions options;
+    ASSERT_TRUE(print("plain.exr", "plain.png", options));
+    options.layer = "view.combined";
+    const Result<ConvertReport> printed = print("layers.exr", "layer.png", options);
+    ASSERT_TRUE(printed) << printed.error().message;
+    EXPECT_EQ(image::decode_png(folder_ / "plain.png").pixels, image::decode_png(folder_ / "layer.png").pixels);
+    const testing::Outcome none = run_tool({at("layers.exr"), "-o", at("a.png")});
+    EXPECT_EQ(none.status, 2);
+    EXPECT_NE(none.err.find("choose one with --layer: albedo, view.combined\n"), std::string::npos) << none.err;
+    const testing::Outcome wrong = run_tool({at("layers.exr"), "-o", at("a.png"), "--layer", "normal"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_NE(wrong.err.find("no layer normal; the file has albedo, view.combined\n"), std::string::npos) << wrong.err;
+}
+
 TEST_F(SpectralInput, APreviewIsPrintedUnlessAnObserverIsNamed) {
     std::vector<NamedPlane> planes = bins(with_comma);
     for (const char* channel : {"R", "G", "B"}) planes.push_back({channel, [](int, int) { return 0.25; }});

@@ -11,8 +11,9 @@ bool run_exr(ByteSpan bytes) {
     bool read = false;
     const std::filesystem::path path = as_file("a.exr", bytes);
     for (int level = 0; level < 3; ++level) {
-        const Result<image::ExrReader> reader = image::ExrReader::open(path, level);
+        Result<image::ExrReader> reader = image::ExrReader::open(path, {level, "", true});
         if (!reader) break;
+        if (!reader->image().has_colour) reader->integrate({reader->image().emitted_nm.size(), {1, 2, 3}});
         const image::Rect window = reader->image().data_window;
         require(!window.empty() && reader->image().block_width > 0 && reader->image().block_height > 0, "a picture has pixels");
         if (window.width() > 2048 || window.height() > 2048 || window.pixels() > (1 << 18)) continue;

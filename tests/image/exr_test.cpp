@@ -181,13 +181,13 @@ TEST_F(ExrTest, MipLevelsAreRead) {
     Layout layout{"mip", Imf::ZIP_COMPRESSION, 64};
     layout.levels = Imf::MIPMAP_LEVELS;
     write_exr(folder_ / "mip", layout);
-    const Result<ExrReader> reader = ExrReader::open(folder_ / "mip", 2);
+    const Result<ExrReader> reader = ExrReader::open(folder_ / "mip", {.level = 2});
     ASSERT_TRUE(reader) << reader.error().message;
     EXPECT_EQ(reader->image().levels, 9);
     EXPECT_EQ(reader->image().data_window, (Rect{5, -3, 80, 47}));
     ExrReader::Scratch scratch;
     expect_area(*reader, reader->image().data_window, scratch);
-    const Result<ExrReader> none = ExrReader::open(folder_ / "mip", 9);
+    const Result<ExrReader> none = ExrReader::open(folder_ / "mip", {.level = 9});
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, ErrorCode::kUsage);
 }

@@ -25,6 +25,7 @@ struct ConvertOptions {
     std::filesystem::path input;
     std::vector<std::filesystem::path> outputs;  // the format is the extension's
 
+    std::string layer;        // channels LAYER.R, LAYER.G, LAYER.B; "": those without a layer
     std::string observer;     // of a spectral picture: of the catalogue, or a CSV file; "": cie1931
     std::string input_space;  // of the pixels, whatever the file says: "xyz", or as of color/rgb_space.h; "": the file's
 

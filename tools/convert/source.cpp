@@ -85,7 +85,7 @@ Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage
 }  // namespace
 
 Result<Source> open_source(const ConvertOptions& options) {
-    Result<image::ExrReader> reader = image::ExrReader::open(options.input, options.level, image::ExrContent::kColourOrSpectrum);
+    Result<image::ExrReader> reader = image::ExrReader::open(options.input, {options.level, options.layer, true});
     if (!reader && reader.error().code == ErrorCode::kForeign && options.input.extension() == ".latent")
         return Error{ErrorCode::kForeign,
                      fmt::format("{}: holds samples, not pixels; develop it first: latent-develop {} -o {}", options.input.string(),
