@@ -28,11 +28,10 @@ double centre_of(std::size_t bin) {
 
 }  // namespace
 
-LuminanceHistogram::LuminanceHistogram() : recent_(kLanes * kAllBins), settled_(kAllBins) {}
-
 void LuminanceHistogram::add(std::span<const float> y) {
     if (recent_count_ + y.size() > std::numeric_limits<std::uint32_t>::max()) settle();
     recent_count_ += y.size();
+    recent_.resize(kLanes * kAllBins);
     std::uint32_t* counts = recent_.data();
     std::uint64_t zeros = 0;
     const auto add_one = [&](float value, std::size_t lane) {
@@ -49,12 +48,13 @@ void LuminanceHistogram::add(std::span<const float> y) {
 }
 
 std::uint64_t LuminanceHistogram::bin(std::size_t index) const {
-    std::uint64_t sum = settled_[index];
-    for (std::size_t lane = 0; lane < kLanes; ++lane) sum += recent_[index * kLanes + lane];
+    std::uint64_t sum = settled_.empty() ? 0 : settled_[index];
+    for (std::size_t lane = 0; lane < kLanes && recent_count_ > 0; ++lane) sum += recent_[index * kLanes + lane];
     return index == 0 ? sum - zeros_ : sum;
 }
 
 void LuminanceHistogram::settle() {
+    settled_.resize(kAllBins);
     for (std::size_t i = 0; i < kAllBins; ++i) settled_[i] = bin(i);
     settled_[0] += zeros_;  // which bin 0 leaves out
     std::ranges::fill(recent_, 0);
@@ -62,6 +62,7 @@ void LuminanceHistogram::settle() {
 }
 
 LuminanceHistogram& LuminanceHistogram::operator+=(const LuminanceHistogram& other) {
+    settled_.resize(kAllBins);
     for (std::size_t i = 0; i < kAllBins; ++i) settled_[i] += other.bin(i);
     settled_[0] += other.zeros_;
     zeros_ += other.zeros_;

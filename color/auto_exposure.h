@@ -12,7 +12,6 @@ namespace latent::color {
 // Counts of luminances in bins of 1/64 octave over all positive floats. Sums of histograms do not depend on their order.
 class LuminanceHistogram {
  public:
-    LuminanceHistogram();
     void add(std::span<const float> y);
     LuminanceHistogram& operator+=(const LuminanceHistogram& other);
 
@@ -31,9 +30,9 @@ class LuminanceHistogram {
 
     // A count in memory has to be written before it is read again, and neighbouring pixels share a bin: so each of four has counts
     // of its own, bin by bin, by sign, exponent and first 6 bits of mantissa.
-    std::vector<std::uint32_t> recent_;
+    std::vector<std::uint32_t> recent_;  // empty until something is added
     std::uint64_t recent_count_ = 0;
-    std::vector<std::uint64_t> settled_;
+    std::vector<std::uint64_t> settled_;  // empty until something is settled
     std::uint64_t zeros_ = 0;
 };
 
