@@ -8,7 +8,7 @@ namespace latent::testing {
 namespace {
 
 TEST(Tour, MakesEveryPictureOfItsPage) {
-    if (run({"/bin/sh", "-c", "command -v oiiotool"}).status != 0) GTEST_SKIP() << "oiiotool is missing: scripts/install bench";
+    if (run({"/bin/sh", "-c", "command -v oiiotool"}).status != 0) GTEST_SKIP() << "oiiotool is missing: scripts/install test";
     const std::filesystem::path source = in_tree("");
     const TemporaryFolder folder;
     const Outcome outcome =
