@@ -41,9 +41,12 @@ const std::array<Spectrum, 3>& rgb_basis() {
 }
 
 Spectrum rgb_basis_spectrum(Rgb srgb) {
-    const auto& [r, g, b] = rgb_basis();
-    return clamped(
-        [&](double nm) { return std::max(srgb.r, 0.0) * r(nm) + std::max(srgb.g, 0.0) * g(nm) + std::max(srgb.b, 0.0) * b(nm); });
+    const std::array<double, 3> weight = {std::max(srgb.r, 0.0), std::max(srgb.g, 0.0), std::max(srgb.b, 0.0)};
+    return clamped([&weight](double nm) {
+        double sum = 0;
+        for (std::size_t i = 0; i < 3; ++i) sum += weight[i] * rgb_basis()[i](nm);
+        return sum;
+    });
 }
 
 }  // namespace latent::color
