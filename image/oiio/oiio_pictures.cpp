@@ -122,7 +122,7 @@ class OiioPictures final : public Pictures {
         std::vector<std::array<float, 2>> sizes;  // in texels: the picture's, and its smaller ones
     };
 
-    std::vector<std::array<float, 2>> sizes_of(OIIO::ustring name) const {
+    std::vector<std::array<float, 2>> sizes_of(const OIIO::ustring& name) const {
         int count = 1;
         cache_->get_image_info(name, 0, 0, OIIO::ustring("miplevels"), OIIO::TypeInt, &count);
         std::vector<std::array<float, 2>> sizes;
