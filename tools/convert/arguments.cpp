@@ -47,9 +47,11 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
         "in its name")
         ->type_name("EV,...")
         ->default_str("0");
-    app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey, or at --key")
-        ->excludes(sensitivity);
-    cli::add_number(app, "--key", options.key, "grey at which --auto prints the mean", 0.001, 0.999)->needs("--auto");
+    // Options that exclude or need each other are given as such: CLI11 looks names up where no memory must be lacking.
+    auto* automatic =
+        app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey, or at --key")
+            ->excludes(sensitivity);
+    cli::add_number(app, "--key", options.key, "grey at which --auto prints the mean", 0.001, 0.999)->needs(automatic);
     app.add_option("--tone", options.tone,
                    "tone curve: film (1 - 2^(-S Y), where S is the sensitivity), another one, or none; see below")
         ->type_name("CURVE")

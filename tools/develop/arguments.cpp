@@ -50,16 +50,18 @@ Exit status: 0 done; 1 failed, no output; 2 wrong usage; 3 done, but damaged,
 foreign, missing or non-finite input was left out, or the report could not be
 written.)";
 
-void add_observer(CLI::App& app, ObserverOptions& options) {
-    app.add_option("--observer", options.name, "observer, camera or film whose response curves are applied; see below")
-        ->type_name("NAME|FILE.csv");
-    cli::add_choice<bool>(app, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
-                          "pixels of a camera: R, G, B of its sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
-    cli::add_choice<bool>(
+// Returns the options that no spectral picture has.
+std::vector<CLI::Option*> add_observer(CLI::App& app, ObserverOptions& options) {
+    auto* name = app.add_option("--observer", options.name, "observer, camera or film whose response curves are applied; see below")
+                     ->type_name("NAME|FILE.csv");
+    auto* output =
+        cli::add_choice<bool>(app, "--camera-output", options.camera_xyz, {{"raw", false}, {"xyz", true}},
+                              "pixels of a camera: R, G, B of its sensor, or XYZ by a matrix fitted to a ColorChecker under D65");
+    auto* balance = cli::add_choice<bool>(
         app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
         "white balance of a camera: daylight (D65 is (1, 1, 1)), or none (one scale for all channels, set by green)");
-    app.add_option("--lens-filter", options.lens_filter, "colour filter in front of the lens, such as wratten-25")
-        ->type_name("NAME");
+    auto* filter = app.add_option("--lens-filter", options.lens_filter, "colour filter in front of the lens, such as wratten-25")
+                       ->type_name("NAME");
     cli::add_parsed(app, "--filter-factor", options.filter_factor, parse_filter_factor,
                     "factor by which to multiply the exposure; auto makes up for the light of D65 that the filter absorbs")
         ->type_name("none|auto|X")
@@ -71,6 +73,7 @@ void add_observer(CLI::App& app, ObserverOptions& options) {
             throw CLI::Success();
         },
         "list all observers, cameras, films and filters, with the sources of their numbers");
+    return {name, output, balance, filter};
 }
 
 }  // namespace
@@ -102,7 +105,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     };
     cli::add_parsed(app, "--crop", options.crop, crop, "pixels to develop, X1 and Y1 exclusive")->type_name("X0,Y0,X1,Y1");
     app.add_option("--filter", options.filter, "pixel filter; see below")->capture_default_str()->type_name("NAME[:params]");
-    add_observer(app, options.observer);
+    const std::vector<CLI::Option*> observer = add_observer(app, options.observer);
     app.add_option("--light", options.lights,
                    "change to the lights called NAME: factors, filters or a new spectrum; may be repeated; needs files rendered "
                    "with --light-groups")
@@ -129,8 +132,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
         "estimator of the colours of the camera image: standard is unbiased; ratio has less colour noise with "
         "few samples");
     bins->excludes(ratio);
-    for (const char* observer : {"--observer", "--camera-output", "--raw-balance", "--lens-filter"})
-        bins->excludes(app.get_option(observer));
+    for (CLI::Option* option : observer) bins->excludes(option);
     const auto layers = [&options](const std::string& text) {
         Result<Layers> chosen = parse_layers(text);
         if (chosen) chosen->halves = options.layers.halves;
@@ -140,7 +142,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
         app, "--layers", options.layers, layers,
         "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); of "
         "files rendered with --aov: albedo, normal, depth, position, id")
-        ->type_name("variance,albedo,...");
+        ->type_name("NAME,...");
     app.add_flag("--halves", options.layers.halves,
                  "also store the picture of each half of the samples; their difference shows the noise");
     app.add_flag("--dim-fireflies", options.dim_fireflies,
