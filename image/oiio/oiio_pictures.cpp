@@ -139,7 +139,7 @@ class OiioPictures final : public Pictures {
         const auto texels = [&](const std::array<float, 2>& d) {
             return std::hypot(d[0] * handle.sizes[0][0], d[1] * handle.sizes[0][1]);
         };
-        const float level = std::log2(std::max({texels(d0), texels(d1), 1.0f}));
+        const float level = std::log2(std::max({1.0f, texels(d0), texels(d1)}));
         const int last = static_cast<int>(handle.sizes.size()) - 1,
                   below = std::min(static_cast<int>(std::min(level, 64.0f)), last);
         const float above = std::min(level - static_cast<float>(below), 1.0f);
