@@ -78,7 +78,7 @@ TEST(Aovs, AreThoseOfPathAndBdptAlikeAndZeroInLightRecords) {
     for (std::size_t row = 0; row < b.size(); ++row) {
         const bool is_camera = b.record_class[row] == sampledb::RecordClass::kCamera;
         for (std::size_t i = 0; i < b.extra.size(); ++i) {
-            const auto at = [row](const sampledb::ExtraColumn& column, std::size_t r) {
+            const auto at = [](const sampledb::ExtraColumn& column, std::size_t r) {
                 return load_le<std::uint32_t>(column.values.data() + 4 * r);
             };
             EXPECT_EQ(at(b.extra[i], row), is_camera ? at(a.extra[i], camera) : 0) << b.extra[i].name << row;
