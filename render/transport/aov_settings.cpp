@@ -3,34 +3,21 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <utility>
+#include "base/parse_switches.h"
 
 namespace latent::render {
 
 namespace {
 
-constexpr std::pair<std::string_view, bool AovSettings::*> kNames[] = {{"albedo", &AovSettings::albedo},
-                                                                       {"normal", &AovSettings::normal},
-                                                                       {"depth", &AovSettings::depth},
-                                                                       {"position", &AovSettings::position},
-                                                                       {"id", &AovSettings::id}};
+constexpr Switch<AovSettings> kNames[] = {{"albedo", &AovSettings::albedo},
+                                          {"normal", &AovSettings::normal},
+                                          {"depth", &AovSettings::depth},
+                                          {"position", &AovSettings::position},
+                                          {"id", &AovSettings::id}};
 
 }  // namespace
 
-Result<AovSettings> parse_aovs(std::string_view text) {
-    AovSettings aovs;
-    for (std::string_view rest = text;;) {
-        const std::size_t comma = rest.find(',');
-        const std::string_view name = rest.substr(0, comma);
-        bool found = false;
-        for (const auto& [known, member] : kNames) {
-            if (name == known) aovs.*member = found = true;
-        }
-        if (!found) return Error{ErrorCode::kUsage, fmt::format("'{}' is not an AOV (try albedo,normal,depth,position,id)", name)};
-        if (comma == std::string_view::npos) return aovs;
-        rest.remove_prefix(comma + 1);
-    }
-}
+Result<AovSettings> parse_aovs(std::string_view text) { return parse_switches(text, kNames, "an AOV"); }
 
 std::string to_text(const AovSettings& aovs) {
     std::vector<std::string_view> chosen;

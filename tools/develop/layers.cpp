@@ -1,9 +1,6 @@
 #include "tools/develop/layers.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <utility>
+#include "base/parse_switches.h"
 
 namespace latent::develop {
 
@@ -15,26 +12,13 @@ std::uint64_t mix(std::uint64_t z) {
     return z ^ (z >> 31);
 }
 
-constexpr std::pair<std::string_view, bool Layers::*> kNames[] = {
-    {"variance", &Layers::variance}, {"weight", &Layers::weight}, {"count", &Layers::count},       {"albedo", &Layers::albedo},
-    {"normal", &Layers::normal},     {"depth", &Layers::depth},   {"position", &Layers::position}, {"id", &Layers::id}};
+constexpr Switch<Layers> kNames[] = {{"variance", &Layers::variance}, {"weight", &Layers::weight}, {"count", &Layers::count},
+                                     {"albedo", &Layers::albedo},     {"normal", &Layers::normal}, {"depth", &Layers::depth},
+                                     {"position", &Layers::position}, {"id", &Layers::id}};
 
 }  // namespace
 
-Result<Layers> parse_layers(std::string_view text) {
-    Layers layers;
-    for (std::string_view rest = text;;) {
-        const std::size_t comma = rest.find(',');
-        const std::string_view name = rest.substr(0, comma);
-        const auto* const layer = std::ranges::find(kNames, name, &std::pair<std::string_view, bool Layers::*>::first);
-        if (layer == std::end(kNames))
-            return Error{ErrorCode::kUsage,
-                         fmt::format("'{}' is not a layer (try variance,weight,count,albedo,normal,depth,position,id)", name)};
-        layers.*layer->second = true;
-        if (comma == std::string_view::npos) return layers;
-        rest.remove_prefix(comma + 1);
-    }
-}
+Result<Layers> parse_layers(std::string_view text) { return parse_switches(text, kNames, "a layer"); }
 
 int half_of(std::uint64_t sample) { return static_cast<int>((mix(sample / 2) + sample) & 1); }
 
