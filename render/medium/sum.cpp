@@ -103,22 +103,22 @@ void SumMedium::each_at(const Vec3f& p, Visit visit) const {
     }
 }
 
-void SumMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
-    sigma_t = SampledSpectrum(0.0f);
+void SumMedium::add_up(const Vec3f& p, SampleState& sample, std::uint32_t Part::*constant, Coefficient varied,
+                       SampledSpectrum& sum) const {
+    sum = SampledSpectrum(0.0f);
     each_at(p, [&](const Part& part, const Vec3f& q) {
         SampledSpectrum own;
-        if (part.varied) part.varied->extinction(q, sample, own);
-        sigma_t += part.varied ? own : sample.spectra[part.sigma_t];
+        if (part.varied) ((*part.varied).*varied)(q, sample, own);
+        sum += part.varied ? own : sample.spectra[part.*constant];
     });
 }
 
+void SumMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
+    add_up(p, sample, &Part::sigma_t, &HeterogeneousMedium::extinction, sigma_t);
+}
+
 void SumMedium::scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const {
-    sigma_s = SampledSpectrum(0.0f);
-    each_at(p, [&](const Part& part, const Vec3f& q) {
-        SampledSpectrum own;
-        if (part.varied) part.varied->scattering(q, sample, own);
-        sigma_s += part.varied ? own : sample.spectra[part.sigma_s];
-    });
+    add_up(p, sample, &Part::sigma_s, &HeterogeneousMedium::scattering, sigma_s);
 }
 
 bool SumMedium::emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const {

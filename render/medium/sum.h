@@ -36,6 +36,9 @@ class SumMedium final : public HeterogeneousMedium {
     // Calls visit(part, p) with p in the unit cube of each part that is there.
     template <class Visit>
     void each_at(const Vec3f& p, Visit visit) const;
+    // Sums a coefficient over the parts: `constant` of those that are the same everywhere, `varied` of the others.
+    using Coefficient = void (HeterogeneousMedium::*)(const Vec3f&, SampleState&, SampledSpectrum&) const;
+    void add_up(const Vec3f& p, SampleState& sample, std::uint32_t Part::*constant, Coefficient varied, SampledSpectrum& sum) const;
 
     struct Placed {
         Part part;
