@@ -60,6 +60,16 @@ Developed develop_in_memory(const sampledb::Gathering& gathering, Settings setti
     return {std::move(picture), counts ? *counts : DevelopCounts{}};
 }
 
+Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers) {
+    settings.memory = std::uint64_t{1} << 30;
+    Developed whole = develop_in_memory(gathering, settings, 1, nullptr, layers);
+    settings.memory = std::uint64_t{40} << 20;
+    const Developed little = develop_in_memory(gathering, settings, 2, nullptr, layers);
+    EXPECT_GT(little.counts.regions, whole.counts.regions);
+    EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
+    return whole;
+}
+
 std::vector<ReferencePixel> reference(const sampledb::Job& job, const sampledb::Records& records, std::uint64_t samples,
                                       const Settings& settings) {
     const Filter& filter = settings.filter;

@@ -101,13 +101,8 @@ TEST(Layers, ChangeNoBitOfThePicture) {
 TEST(Layers, AreTheSameBitsHoweverTheyAreDeveloped) {
     const MemoryGathering gathering = gather(job_of(true), 24, 4096, scene_of(true));
     for (const char* filter : {"quartic", "quartic:-6,2"}) {
-        Settings settings = settings_for(330, 220, filter);
-        settings.memory = std::uint64_t{1} << 30;
-        const Developed whole = develop_in_memory(gathering, settings, 1, nullptr, kAll);
-        settings.memory = std::uint64_t{40} << 20;
-        const Developed little = develop_in_memory(gathering, settings, 2, nullptr, kAll);
-        EXPECT_GT(little.counts.regions, whole.counts.regions);
-        EXPECT_EQ(little.picture.pixels(), whole.picture.pixels()) << filter;
+        SCOPED_TRACE(filter);
+        expect_same_with_little_memory(gathering, settings_for(330, 220, filter), kAll);
     }
 }
 
