@@ -123,9 +123,20 @@ void EmbreeGeometry::find_bounds() {
     radius_ = length(high - low) * 0.5f * 1.00001f;
 }
 
-std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
+std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const { return intersect(ray, nullptr); }
+
+std::optional<SurfaceHit> EmbreeGeometry::intersect_whole(const Ray& ray, float& passed) const {
+    std::vector<PassedSurface> each;
+    const std::optional<SurfaceHit> hit = intersect(ray, &each);
+    for (const PassedSurface& surface : each) {
+        if (!hit || surface.t < hit->t) passed *= surface.share;
+    }
+    return hit;
+}
+
+std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<PassedSurface>* passed) const {
     if (!is_traceable(ray)) return std::nullopt;
-    TraceContext context{.embree = {}, .world = &world_};
+    TraceContext context{.embree = {}, .world = &world_, .passed_each = passed};
     rtcInitIntersectContext(&context.embree);
     RTCRayHit rayhit{embree_ray(ray), {}};
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;

@@ -18,6 +18,7 @@ struct DeviceRelease {
 struct SceneRelease {
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
+struct PassedSurface;
 using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
@@ -26,11 +27,13 @@ class EmbreeGeometry final : public Geometry {
     static Result<std::unique_ptr<EmbreeGeometry>> build(const SceneDescription& scene, const std::string& simd,
                                                          const Opacity* opacity);
     std::optional<SurfaceHit> intersect(const Ray& ray) const override;
+    std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const override;
     bool occluded(const Ray& ray) const override;
     float passed(const Ray& ray) const override;
     SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
 
  private:
+    std::optional<SurfaceHit> intersect(const Ray& ray, std::vector<PassedSurface>* passed) const;
     static void keep_fault(void* self, RTCError code, const char* message);
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
     void find_bounds();

@@ -15,12 +15,12 @@ const TraceContext& trace_context(const RTCIntersectContext* context) { return *
 Vec3f direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
 Vec3d point_on(const RTCRay& ray, double t) { return Vec3d(ray.org_x, ray.org_y, ray.org_z) + Vec3d(direction_of(ray)) * t; }
 
-// Whether a ray in direction d passes the surface at a point (`local`: in the space of its object) through a hole.
-bool is_hole(const TraceContext& context, const PrimitivePoint& on, const Vec3d& local, const Vec3f& d) {
+// Whether the ray passes the surface at t (`ray`: in the space of its object) through a hole.
+bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay& ray, double t) {
     const PlacedWorld& world = *context.world;
     const FloatInput& alpha = world.shape(on).shape.alpha;
     if (alpha.is_textured() && world.opacity == nullptr) return false;
-    const SurfaceHit hit = surface_at(world, on, local);
+    const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
     const float share = alpha.is_textured() ? world.opacity->at(alpha, hit, coordinates_at(world, hit)) : alpha.value;
     if (share >= 1) return false;
     if (!(share > 0)) return true;
@@ -28,7 +28,11 @@ bool is_hole(const TraceContext& context, const PrimitivePoint& on, const Vec3d&
         *context.passed *= 1 - share;
         return true;
     }
-    return static_cast<float>(mix(mix(0, hit.p), d) >> 40) * 0x1p-24f >= share;
+    if (context.passed_each != nullptr && hit.material != kNone) {
+        context.passed_each->push_back({static_cast<float>(t), 1 - share});
+        return true;
+    }
+    return static_cast<float>(mix(mix(0, hit.p), direction_of(ray)) >> 40) * 0x1p-24f >= share;
 }
 
 // The box of a primitive of user geometry, in floats that contain it.
@@ -65,7 +69,7 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersec
         const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
         if (!hit) return hit;
         const PrimitivePoint on{context->instID[0], shape, primitive, {static_cast<float>(hit->u), static_cast<float>(hit->v)}};
-        if (!is_hole(trace_context(context), on, point_on(ray, hit->t), direction_of(ray))) return hit;
+        if (!is_hole(trace_context(context), on, ray, hit->t)) return hit;
         ray.tnear = next_up(static_cast<float>(hit->t));
     }
 }
@@ -103,7 +107,7 @@ void filter(const RTCFilterFunctionNArguments* args) {
     const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}};
-    if (is_hole(trace_context(args->context), on, point_on(ray, ray.tfar), direction_of(ray))) args->valid[0] = 0;
+    if (is_hole(trace_context(args->context), on, ray, ray.tfar)) args->valid[0] = 0;
 }
 
 RTCGeometry new_mesh(RTCDevice device, PlacedShape& placed) {

@@ -8,11 +8,19 @@
 
 namespace latent::render {
 
+// A surface that is there in part, and the share of the light that passes it.
+struct PassedSurface {
+    float t, share;
+};
+
 // Of every ray.
 struct TraceContext {
     RTCIntersectContext embree;  // what Embree passes on: the first member
     const PlacedWorld* world;
-    float* passed = nullptr;  // gathers the shares that surfaces which are there in part let pass; null: a hash decides
+    // Surfaces that are there in part let every ray pass, and this gathers what they let pass: the product, or each by itself,
+    // in any order. Neither: a hash decides, as it does for interfaces, behind which there is one medium or the other.
+    float* passed = nullptr;
+    std::vector<PassedSurface>* passed_each = nullptr;
 };
 
 // `placed` stays where it is.

@@ -77,6 +77,9 @@ class Geometry {
 
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
+    // The first surface that is whole, or an interface that is met; `passed` is multiplied by the share of the light that passes
+    // those before it, as in `passed` below.
+    virtual std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const = 0;
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
     // The share of the light that passes all surfaces: the expectation of not being occluded, over all decisions.
     virtual float passed(const Ray& ray) const = 0;

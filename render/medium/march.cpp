@@ -20,7 +20,7 @@ void March::cross() {
             metres_per_t_ = length(to_end);
         }
     }
-    hit_ = goes_on ? geometry_.intersect(ray_) : std::nullopt;
+    hit_ = goes_on ? next_hit() : std::nullopt;
     segment_.length = hit_ ? hit_->t * metres_per_t_ : left_;
 }
 

@@ -38,10 +38,10 @@ struct Segment {
 class March {
  public:
     // Along unit ray.d, without end.
-    March(const Geometry& geometry, const Ray& ray, std::uint32_t medium) : March(geometry, ray, kFar, 1, medium) {}
-    // `length` metres, which is as far as the ray goes.
-    March(const Geometry& geometry, const Ray& ray, float length, std::uint32_t medium)
-        : March(geometry, ray, length, render::length(ray.d), medium) {}
+    March(const Geometry& geometry, const Ray& ray, std::uint32_t medium) : March(geometry, ray, kFar, 1, medium, nullptr) {}
+    // `length` metres, which is as far as the ray goes. Passes surfaces that are there in part.
+    March(const Geometry& geometry, const Ray& ray, float length, std::uint32_t medium, float& passed)
+        : March(geometry, ray, length, render::length(ray.d), medium, &passed) {}
 
     const Segment& segment() const { return segment_; }
     // The surface that the segment ends on; none: the line ends.
@@ -51,19 +51,25 @@ class March {
     void cross();
 
  private:
-    March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium)
+    March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed)
         : geometry_(geometry),
           ray_(ray),
           left_(length),
           metres_per_t_(metres_per_t),
-          hit_(geometry.intersect(ray)),
+          passed_(passed),
+          hit_(next_hit()),
           segment_{ray.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
+
+    std::optional<SurfaceHit> next_hit() const {
+        return passed_ == nullptr ? geometry_.intersect(ray_) : geometry_.intersect_whole(ray_, *passed_);
+    }
 
     const Geometry& geometry_;
     Ray ray_;
     Vec3f end_;   // of a ray that ends, once it has crossed a surface
     float left_;  // [m] of the line, from the start of the segment on
     float metres_per_t_;
+    float* passed_;  // multiplied by the shares that surfaces let pass; null: a hash decides which of them are met
     std::optional<SurfaceHit> hit_;
     Segment segment_;
 };

@@ -57,7 +57,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 
 // Of fields that few jobs have: no other field is as large.
 constexpr std::uint64_t kAovTag = 0x616f760000000000;    // "aov"
-constexpr std::uint64_t kHolesTag = 0x686f6c6573000000;  // "holes"
+constexpr std::uint64_t kHolesTag = 0x686f6c6573320000;  // "holes2"
 
 // Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
 bool has_holes(const SceneDescription& scene) {

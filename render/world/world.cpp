@@ -91,11 +91,14 @@ bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleSt
         if (medium != kNone) pass({ray.o, ray.d, length, medium});  // else all is as it was: nothing is on the line
         return true;
     }
-    for (March march(*geometry_, ray, length, medium);; march.cross()) {
+    float passed = 1;
+    for (March march(*geometry_, ray, length, medium, passed);; march.cross()) {
         if (march.hit() && !march.meets_interface()) return false;
         pass(march.segment());
-        if (!march.hit()) return true;
+        if (!march.hit()) break;
     }
+    if (passed < 1) value *= passed;
+    return true;
 }
 
 }  // namespace latent::render

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "render/medium/march.h"
 #include "tests/transport/lit_floor.h"
 #include "tests/transport/picture_mean.h"
 #include "tests/transport/pictures.h"
@@ -122,6 +123,58 @@ TEST(Alpha, AShadowRayGathersWhatPasses) {
         decided += (geometry.occluded(ray) ? 0.0 : 1.0) / kCount;
     }
     EXPECT_NEAR(decided, gathered, 4.5 * 0.5 / std::sqrt(kCount));
+}
+
+// Sheets before, within and behind a ball of fog, whose surface is an interface; and one that the line does not reach.
+TEST(Alpha, AShadowRayGathersThroughInterfacesToo) {
+    const auto sheet = [](int z, const std::string& alpha) {
+        return fmt::format("AttributeBegin\nTranslate 0 0 {}\n{}\"float alpha\" {}\nAttributeEnd\n", z, kQuad, alpha);
+    };
+    const Scene scene = scene_from(
+        "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n"
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]\n" +
+        sheet(-3, ".25") + sheet(0, ".5") + sheet(1, ".75") + sheet(4, ".375") + sheet(6, ".5") +
+        "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"fog\" \"\"\nShape \"sphere\" \"float radius\" 2\nAttributeEnd\n"
+        "Translate 0 0 9\nShape \"disk\" \"float radius\" 1\n");
+    const std::unique_ptr<World> world = scene.world();
+    const Vec3f from = Vec3f{0.07f, 0.03f, -5} - Vec3f(scene.description.origin);
+    float passed = 1, total = 0;
+    std::vector<std::uint32_t> media;
+    for (March march(world->geometry(), {from, {0, 0, 10}, 1}, 10, kNone, passed);; march.cross()) {
+        total += march.segment().length;
+        media.push_back(march.segment().medium);
+        if (!march.hit()) break;
+        ASSERT_TRUE(march.meets_interface());
+    }
+    EXPECT_EQ(passed, 0.75f * 0.5f * 0.25f * 0.625f);
+    EXPECT_NEAR(total, 10, 1e-5);
+    EXPECT_EQ(media, (std::vector<std::uint32_t>{kNone, 0, kNone}));
+    passed = 1;
+    March blocked(world->geometry(), {from, {0, 0, 20}, 1}, 20, kNone, passed);
+    while (blocked.meets_interface()) blocked.cross();
+    ASSERT_TRUE(blocked.hit());  // the disk is whole
+    EXPECT_NEAR(blocked.segment().o.z + blocked.segment().length, from.z + 14, 1e-4);
+}
+
+// Half of an interface: behind each of its points, there is fog or there is none.
+TEST(Alpha, AnInterfaceIsThereOrNot) {
+    const Scene scene = scene_from(
+        "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\nMaterial \"interface\"\n"
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]\n"
+        "MediumInterface \"fog\" \"\"\n" +
+        std::string(kQuad) + "\"float alpha\" .5\n");
+    const std::unique_ptr<World> world = scene.world();
+    const Vec3f from = Vec3f{0, 0, 1} - Vec3f(scene.description.origin);
+    constexpr int kCount = 4096;
+    int met = 0;
+    for (int i = 0; i < kCount; ++i) {
+        float passed = 1;
+        const Vec3f o = from + Vec3f{static_cast<float>(i % 64 - 32) / 40, static_cast<float>(i / 64 - 32) / 40, 0};
+        const March march(world->geometry(), {o, {0, 0, -1}, 2}, 2, kNone, passed);
+        EXPECT_EQ(passed, 1);
+        met += march.meets_interface();
+    }
+    EXPECT_NEAR(met, kCount / 2.0, 4.5 * std::sqrt(kCount) / 2);
 }
 
 // Leaves before a lamp and the sky, with holes by a texture and by a number, in fog too.

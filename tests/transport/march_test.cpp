@@ -49,14 +49,15 @@ TEST_F(Nested, ALineToAPointIsAsLongAsThePointIsFar) {
         SCOPED_TRACE(end);
         const Vec3f from{0.1f, 0.2f, -5}, to{-0.1f, 0.1f, -5 + end};
         const Ray ray = spawn_ray(Interaction{from, 0, {}}, Interaction{to, 0, {}});
-        float total = 0;
-        for (March march(world_->geometry(), ray, length(to - from), kNone);; march.cross()) {
+        float total = 0, passed = 1;
+        for (March march(world_->geometry(), ray, length(to - from), kNone, passed);; march.cross()) {
             EXPECT_EQ(march.segment().medium, media_[march.segment().index]);
             total += march.segment().length;
             if (!march.hit()) break;
             ASSERT_TRUE(march.meets_interface());
         }
         EXPECT_NEAR(total, length(to - from), 1e-5);
+        EXPECT_EQ(passed, 1);
     }
 }
 
