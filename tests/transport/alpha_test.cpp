@@ -177,7 +177,7 @@ TEST(Alpha, AnInterfaceIsThereOrNot) {
     EXPECT_NEAR(met, kCount / 2.0, 4.5 * std::sqrt(kCount) / 2);
 }
 
-// Leaves before a lamp and the sky, with holes by a texture and by a number, in fog too.
+// Leaves before a lamp and the sky, with holes by a texture and by a number; a ball of fog about some of them.
 TEST(Alpha, PathAndBdptMakeOnePicture) {
     const std::string room =
         floor_under_sky(4, ".2 .3 .6") +
@@ -189,8 +189,12 @@ TEST(Alpha, PathAndBdptMakeOnePicture) {
         kQuad +
         "\"texture alpha\" \"holes\"\nAttributeEnd\nMaterial \"conductor\" \"float roughness\" .1\n"
         "Shape \"sphere\" \"float radius\" .6 \"float alpha\" .5\n";
-    const Scene scene = scene_from(room);
-    expect_path_and_bdpt_agree(scene, 4096, 2048);
+    expect_path_and_bdpt_agree(scene_from(room), 4096, 2048);
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [.2 .2 .2]\n"
+        "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"fog\" \"\"\nTranslate -.3 0 1.2\n"
+        "Shape \"sphere\" \"float radius\" .7\nAttributeEnd\n";
+    expect_path_and_bdpt_agree(scene_from(room + fog), 4096, 2048);
 }
 
 }  // namespace
