@@ -6,15 +6,22 @@
 
 namespace latent::render {
 
+namespace {
+
+Affinef unit(const Affined& m) {
+    const double scale = length(m.x);
+    return Affinef(Affined(m.x / scale, m.y / scale, m.z / scale, m.t));
+}
+
+}  // namespace
+
 Result<Camera> Camera::make(const CameraDescription& d) {
     if (const Refusals r = check_camera(d); !r.empty()) return Error{ErrorCode::kUnsupported, r.front()};
     const double scale = length(d.world_from_camera.x);
-    const Affined unit(d.world_from_camera.x / scale, d.world_from_camera.y / scale, d.world_from_camera.z / scale,
-                       d.world_from_camera.t);
     Camera c;
     c.kind_ = d.kind;
     c.mapping_ = d.mapping;
-    c.world_ = Affinef(unit);
+    c.world_ = unit(d.world_from_camera);
     const double window = d.kind == CameraKind::kOrthographic ? scale : 1;
     c.x0_ = static_cast<float>(d.x0 * window);
     c.x1_ = static_cast<float>(d.x1 * window);
@@ -29,6 +36,12 @@ Result<Camera> Camera::make(const CameraDescription& d) {
         c.margin_ = {c.lens_radius_ / (c.x1_ - c.x0_) * most, c.lens_radius_ / (c.y1_ - c.y0_) * most};
     }
     c.medium_ = d.medium;
+    return c;
+}
+
+Camera Camera::moved_to(const Affined& world_from_camera) const {
+    Camera c = *this;
+    c.world_ = unit(world_from_camera);
     return c;
 }
 

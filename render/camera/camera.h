@@ -26,6 +26,9 @@ class Camera {
     // Errors: kUnsupported: the transformation skews or stretches; a lens on an orthographic camera.
     static Result<Camera> make(const CameraDescription& description);
 
+    // The same elsewhere: of the kind and scale that `make` took.
+    Camera moved_to(const Affined& world_from_camera) const;
+
     // The ray of film point (u, v) through the lens point drawn with (s, t).
     void ray(double u, double v, float s, float t, Vec3f& origin, Vec3f& direction) const;
     // |d(u,v) / d omega| for rays along unit d: their density [1/sr] as u, v are uniform. Orthographic: per area square to d.

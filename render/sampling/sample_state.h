@@ -10,13 +10,17 @@
 
 namespace latent::render {
 
-// Its numbers, its wavelengths, and the one it keeps where it is dispersed. Used by one thread, which draws from `random` in the
-// same order each time.
+class Camera;
+
+// Its numbers, its wavelengths and the one it keeps where it is dispersed, its time and the camera as that is then. Used by one
+// thread, which draws from `random` in the same order each time.
 struct SampleState {
     SampleNumbers numbers;
     SampledSpectra& spectra;
     std::uint32_t kept;
     std::optional<Random> randoms{};  // begun when first asked: most samples need none
+    float time = 0;                   // of all motions: from 0, their start, to 1
+    const Camera* camera = nullptr;
 
     Uniform random() {
         if (!randoms) randoms.emplace(numbers(Dimension::kRandom).bits);

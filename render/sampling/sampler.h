@@ -25,6 +25,8 @@ struct Dimension {
         kStartDirectionV,
         // The seed of Random.
         kRandom,
+        // Within the shutter's, if anything moves.
+        kTime,
         kCameraVertices = 16,
         kLightVertices = 1u << 20
     };

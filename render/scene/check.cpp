@@ -66,6 +66,13 @@ Refusals check_camera(const CameraDescription& d) {
     if (!is_even(d.world_from_camera, 1e-4))
         refusals.push_back(
             "Camera: its transformation skews or stretches; use only rotations, translations, mirrors and uniform scales");
+    if (d.end && refusals.empty() && !is_even(*d.end, 1e-4)) {
+        refusals.push_back("Camera: its transformation at EndTime skews or stretches");
+    } else if (d.end && refusals.empty()) {
+        const double scale = length(d.end->x) / length(d.world_from_camera.x);
+        if (!(std::abs(scale - 1) < 1e-4) || d.end->swaps_handedness() != d.world_from_camera.swaps_handedness())
+            refusals.push_back("Camera: the scale of its transformation must be the same at StartTime and EndTime");
+    }
     if (d.kind != CameraKind::kPerspective && d.lens_radius > 0)
         refusals.push_back("Camera: \"lensradius\" is supported with perspective cameras only");
     return refusals;

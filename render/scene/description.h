@@ -34,6 +34,7 @@ enum class SphericalMapping : std::uint8_t { kEqualArea, kEquirectangular };
 struct CameraDescription {
     CameraKind kind = CameraKind::kPerspective;
     Affined world_from_camera{};
+    std::optional<Affined> end{};             // that world_from_camera becomes at the end of the motion; nothing: it stays
     double x0 = -1, x1 = 1, y0 = -1, y1 = 1;  // the visible window; fov and screenwindow are resolved into it
     double lens_radius = 0, focal_distance = 1e6;
     double focal_slope = 0;  // [per nm] focal_distance is that of 595 nm; where a lens tells wavelengths apart, others differ
@@ -193,11 +194,18 @@ struct InstanceDescription {
     SourceLocation location{};
 };
 
+// Where all motions stand when the shutter opens and when it closes: 0 at their start, 1 at their end. Before and after nothing
+// moves.
+struct ShutterDescription {
+    double open = 0, close = 1;
+};
+
 struct SceneDescription {
     std::vector<std::string> files{};  // that directives were read from; locations refer to them
     FilmDescription film;
     Vec3d origin{};  // in world space, as the file has it: near what floats are to tell apart
     CameraDescription camera;
+    ShutterDescription shutter{};
     color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth;  // what an rgb stands for
     std::string integrator = "volpath";                          // as the scene names it
     std::uint32_t max_depth = 5;
@@ -210,5 +218,7 @@ struct SceneDescription {
     std::vector<ObjectDescription> objects{};
     std::vector<InstanceDescription> instances{};
 };
+
+inline bool has_motion(const SceneDescription& scene) { return scene.camera.end.has_value(); }
 
 }  // namespace latent::render

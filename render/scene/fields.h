@@ -23,9 +23,11 @@ concept Of = std::same_as<std::remove_const_t<T>, U>;
 
 template <class Visit>
 void each_field(Of<CameraDescription> auto& camera, Visit&& visit) {
-    auto& [kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, focal_slope, mapping, medium, location] = camera;
+    auto& [kind, world_from_camera, end, x0, x1, y0, y1, lens_radius, focal_distance, focal_slope, mapping, medium, location] =
+        camera;
     visit(kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, mapping);
     if (camera.focal_slope != 0) visit(focal_slope);
+    if (camera.end) visit(end);
     visit.template index<MediumDescription>(medium);
     visit.label(location);
 }
@@ -193,14 +195,21 @@ void each_field(Of<InstanceDescription> auto& instance, Visit&& visit) {
     visit.label(location);
 }
 
+template <class Visit>
+void each_field(Of<ShutterDescription> auto& shutter, Visit&& visit) {
+    auto& [open, close] = shutter;
+    visit(open, close);
+}
+
 // The tables are reached through the indices that refer to them. The film's aspect, the integrator and its depth count in the job
 // id as they are used, whether the scene or the command line gave them.
 template <class Visit>
 void each_field(Of<SceneDescription> auto& scene, Visit&& visit) {
-    auto& [files, film, origin, camera, rgb_spectra, integrator, max_depth, textures, materials, media, lights, area_lights, shapes,
-           objects, instances] = scene;
+    auto& [files, film, origin, camera, shutter, rgb_spectra, integrator, max_depth, textures, materials, media, lights,
+           area_lights, shapes, objects, instances] = scene;
     visit(origin, camera, lights, shapes, instances);
     if (scene.rgb_spectra != color::RgbSpectra::kSmooth) visit(rgb_spectra);
+    if (has_motion(scene)) visit(shutter);
     visit.label(files, film, integrator, max_depth);
 }
 

@@ -29,13 +29,18 @@ Footprint::Footprint(const CameraDescription& camera, std::uint32_t width, std::
             break;
     }
     size_ = static_cast<float>(kShare * size);
+    if (!camera.end) return;
+    way_ = Vec3f(camera.end->t - camera.world_from_camera.t);
+    turns_ = camera.end->x != camera.world_from_camera.x || camera.end->y != camera.world_from_camera.y ||
+             camera.end->z != camera.world_from_camera.z;
 }
 
 void Footprint::at(const Vec3f& p, const Vec3f& n, Vec3f& dpdx, Vec3f& dpdy) const {
     Vec3f w = axis_;
     float size = size_;
     if (!parallel_) {
-        const Vec3f to = p - center_;
+        Vec3f to = p - center_;
+        if (way_ != Vec3f{}) to += -(way_ * std::clamp(dot(to, way_) / length_squared(way_), 0.0f, 1.0f));
         const float distance = length(to);
         if (!(distance > 0)) {
             dpdx = dpdy = {};
@@ -43,7 +48,7 @@ void Footprint::at(const Vec3f& p, const Vec3f& n, Vec3f& dpdx, Vec3f& dpdy) con
         }
         w = to / distance;
         // A pixel of a plane film is seen under a smaller angle away from its centre.
-        const float c = std::clamp(dot(w, axis_), least_cosine_, 1.0f);
+        const float c = turns_ ? least_cosine_ : std::clamp(dot(w, axis_), least_cosine_, 1.0f);
         size *= distance * c * c;
     }
     const float cosine = std::max(abs_dot(w, n), kGrazing);

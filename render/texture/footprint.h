@@ -9,7 +9,7 @@
 namespace latent::render {
 
 // A share of what one pixel of the camera sees, were the point seen directly: of the same size whichever path has come there, and
-// never larger than what a camera ray stands for.
+// never larger than what a camera ray stands for. Of a camera that moves: from its nearest place.
 class Footprint {
  public:
     // A film of `width` x `height` pixels.
@@ -20,7 +20,8 @@ class Footprint {
 
  private:
     Vec3f center_, axis_;
-    bool parallel_;
+    Vec3f way_{};  // that the centre moves along
+    bool parallel_, turns_ = false;
     float size_;          // of a pixel on the axis: an angle, or for parallel rays a length
     float least_cosine_;  // to the axis, of what the film shows; 1: pixels are as large everywhere
 };

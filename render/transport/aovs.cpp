@@ -70,10 +70,10 @@ std::array<float, 3> Aovs::xyz_of(const SampledSpectrum& albedo, const Wavelengt
 Seen Aovs::look(SampleState& sample, double u, double v) const {
     Seen seen;
     seen.depth = kInfinity;
-    const bool lens = world_.camera().has_lens();
+    const bool lens = sample.camera->has_lens();
     Vec3f origin, d;
-    world_.camera().ray(u, v, lens ? sample.numbers(Dimension::kLensU) : Uniform{},
-                        lens ? sample.numbers(Dimension::kLensV) : Uniform{}, origin, d);
+    sample.camera->ray(u, v, lens ? sample.numbers(Dimension::kLensU) : Uniform{},
+                       lens ? sample.numbers(Dimension::kLensV) : Uniform{}, origin, d);
     Interaction at{origin, 0, {}};
     SampledSpectrum passed(1.0f);  // of the light that comes by mirrors and glass
     bool dispersed = false;

@@ -21,12 +21,12 @@ class Path {
         : world_(world), lights_(world.lights()), sample_(sample), max_depth_(max_depth), camera_(camera) {}
 
     void trace(double u, double v) {
-        const bool lens = world_.camera().has_lens();
+        const bool lens = sample_.camera->has_lens();
         Vec3f origin;
-        world_.camera().ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{},
+        sample_.camera->ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{},
                             lens ? sample_.numbers(Dimension::kLensV) : Uniform{}, origin, d_);
         at_ = {origin, 0, {}};
-        medium_ = world_.camera().medium();
+        medium_ = sample_.camera->medium();
         Scattering scattering;
         for (; find_vertex(scattering) && depth_ < max_depth_; ++depth_) {
             if (!scattering.is_delta()) sample_light(scattering);

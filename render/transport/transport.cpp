@@ -23,6 +23,9 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     spectra.start_sample();
     const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
     SampleState sample{numbers, spectra, kept};
+    sample.time = world_->time(world_->moves() ? numbers(Dimension::kTime) : Uniform{});
+    const std::optional<Camera> moved = world_->camera_at(sample.time);
+    sample.camera = moved ? &*moved : &world_->camera();
 
     const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
     if (world_->camera().splits_wavelengths()) return trace_split(sample, film.u * 0x1p-32, film.v * 0x1p-32, out, faults);
@@ -35,7 +38,7 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
 // The film points of all wavelengths are spread evenly over the film: one that lies beyond an edge comes back over the opposite
 // edge. A ray belongs to those that go round equally often, so a sample near an edge has several.
 void Transport::trace_split(SampleState& sample, double u, double v, sampledb::Records& out, RadianceFaults& faults) const {
-    const Camera& camera = world_->camera();
+    const Camera& camera = *sample.camera;
     const Wavelengths& w = sample.spectra.wavelengths;
     const Vec2f spread = camera.spread(sample.numbers(Dimension::kLensU), sample.numbers(Dimension::kLensV));
     struct Place {
@@ -83,6 +86,7 @@ std::vector<std::uint32_t> important_dimensions(const World& world) {
     const auto vertex = [&](std::uint32_t v, std::initializer_list<std::uint32_t> what) {
         for (const std::uint32_t w : what) list.push_back(D::of_camera_vertex(v, w));
     };
+    if (world.moves()) list.push_back(D::kTime);
     if (world.camera().has_lens()) {
         list.push_back(D::kLensU);
         list.push_back(D::kLensV);

@@ -14,6 +14,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     std::unique_ptr<World> world(new World(*camera, Footprint(scene.camera, settings.width > 0 ? settings.width : scene.film.width,
                                                               settings.height > 0 ? settings.height : scene.film.height)));
 
+    if (scene.camera.end) world->camera_motion_.emplace(scene.camera.world_from_camera, *scene.camera.end);
+    if (has_motion(scene)) {
+        world->shutter_open_ = static_cast<float>(scene.shutter.open);
+        world->shutter_close_ = static_cast<float>(scene.shutter.close);
+    }
     world->origin_ = scene.origin;
     Result<Textures> textures = Textures::build(scene, settings.cache_bytes, world->library_);
     if (!textures) return textures.error();
@@ -37,8 +42,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     if (world->has_media()) world->medium_at_infinity_ = world->find_medium_at_infinity();
 
     // The disks of infinite lights cover the camera too, so that their light can fall on a lens.
-    const float radius =
-        std::max(geometry.radius(), length(world->camera_.center() - geometry.center()) + 1e-3f * geometry.radius());
+    float radius = geometry.radius();
+    for (const float time : {0.0f, 1.0f}) {
+        const Camera camera_then = world->camera_at(time).value_or(world->camera_);
+        radius = std::max(radius, length(camera_then.center() - geometry.center()) + 1e-3f * geometry.radius());
+    }
     const SceneBall ball{geometry.center(), std::max(radius, 1e-6f)};
     world->lights_ = std::make_unique<LightSet>(scene, geometry, world->textures_, ball, world->library_);
     const bool glows =
@@ -46,6 +54,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     if (world->lights_->size() == 0 && !glows)
         return Error{ErrorCode::kOutOfRange, "the scene has no light, so every picture would be black"};
     return world;
+}
+
+std::optional<Camera> World::camera_at(float time) const {
+    if (!camera_motion_) return std::nullopt;
+    return camera_.moved_to(camera_motion_->at(static_cast<double>(time)));
 }
 
 Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kept) const {

@@ -1,8 +1,10 @@
 // render/world/world.h: a scene as transport sees it: what is where, and what it does to light at the wavelengths of a sample.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "render/geometry/geometry.h"
 #include "render/light/light_set.h"
 #include "render/material/material.h"
+#include "render/math/motion.h"
 #include "render/medium/medium.h"
 #include "render/sampling/sample_state.h"
 #include "render/scene/description.h"
@@ -29,7 +32,13 @@ class World {
     const Textures& textures() const { return textures_; }
 
     const Geometry& geometry() const { return *geometry_; }
+    // At the start of its motion. What it is, it is at all times: only its place and its axes change.
     const Camera& camera() const { return camera_; }
+    // The camera as it is at `time`, if it moves.
+    std::optional<Camera> camera_at(float time) const;
+    // Whether what is seen depends on the time within the shutter's; if so, that of a sample.
+    bool moves() const { return shutter_open_ != shutter_close_; }
+    float time(Uniform u) const { return std::clamp(shutter_open_ + u * (shutter_close_ - shutter_open_), 0.0f, 1.0f); }
     // A point as the scene's files have it.
     Vec3d in_file(const Vec3f& p) const { return Vec3d(p) + origin_; }
     const LightSet& lights() const { return *lights_; }
@@ -64,6 +73,8 @@ class World {
                  LineOfSight& line) const;
 
     Camera camera_;
+    std::optional<Motion> camera_motion_;
+    float shutter_open_ = 0, shutter_close_ = 0;  // equal: nothing moves meanwhile
     Vec3d origin_;
     Footprint footprint_;
     SpectrumLibrary library_;

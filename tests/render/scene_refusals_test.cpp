@@ -77,7 +77,14 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Rotate 3 0 0 0", "the axis is 0"},
              Case{"LookAt 0 0 0  0 1 0  0 1 0", "parallel to up"},
              Case{"CoordSysTransform \"x\"", "is not defined"},
-             Case{"ActiveTransform StartTime", "motion"},
+             Case{"ActiveTransform Now", "Now is neither StartTime, EndTime nor All"},
+             Case{"TransformTimes 0 1", "must come before WorldBegin"},
+             Case{"ActiveTransform EndTime\nTranslate 1 0 0\nLightSource \"point\"", "lights cannot move"},
+             Case{"ActiveTransform EndTime\nTranslate 1 0 0\nMakeNamedMedium \"m\" \"string type\" \"cloud\"",
+                  "a medium of type \"cloud\" cannot move"},
+             Case{"ActiveTransform EndTime\nTranslate 1 0 0\nTexture \"t\" \"float\" \"fbm\"\nAttributeBegin\nIdentity\n"
+                  "ActiveTransform All\nIdentity\nMaterial \"diffuse\" \"texture displacement\" \"t\"\nAttributeEnd",
+                  "textures of space cannot move"},
              Case{"ColorSpace \"acescg\"", "ColorSpace"},
              Case{"ObjectBegin \"o\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\nObjectEnd", "lights inside ObjectBegin"},
          }) {
@@ -85,6 +92,12 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
         EXPECT_THAT(message, HasSubstr(c.message)) << c.text;
         EXPECT_THAT(message, ::testing::ContainsRegex("room.pbrt:[0-9]+:[0-9]+: ")) << c.text;
     }
+    EXPECT_THAT(refusal("TransformTimes 1 1\nWorldBegin"), HasSubstr("TransformTimes: the end must come after the start"));
+    EXPECT_THAT(refusal("Camera \"perspective\" \"float shutteropen\" 2\nWorldBegin"), HasSubstr("\"shutterclose\" comes before"));
+    EXPECT_THAT(refusal("ActiveTransform EndTime\nScale 2 2 2\nCamera \"perspective\"\nWorldBegin"),
+                HasSubstr("must be the same at StartTime and EndTime"));
+    EXPECT_THAT(refusal("ActiveTransform EndTime\nScale 2 1 1\nCamera \"perspective\"\nWorldBegin"),
+                HasSubstr("at EndTime skews or stretches"));
     EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("Camera \"realistic\" is not supported"));
     EXPECT_THAT(refusal("Film \"rgb\""), HasSubstr("ends before WorldBegin"));
     EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("must come after WorldBegin"));
@@ -193,7 +206,6 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"PixelFilter \"gaussian\"", "", "1:1: PixelFilter"},
              Case{"Accelerator \"bvh\"", "", "1:1: Accelerator"},
              Case{"Option \"seed\" 3", "", "1:1: Option \"seed\" is ignored"},
-             Case{"TransformTimes 0 1", "", "1:1: TransformTimes"},
              Case{"Film \"spectral\"", "", "1:1: Film \"spectral\" is ignored"},
              Case{"Film \"gbuffer\"", "", "1:1: Film \"gbuffer\" is ignored"},
              Case{"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "", "1:1: Film: sensor \"canon_eos_5d\" is ignored"},
@@ -203,7 +215,7 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Film \"rgb\"\n \"float cropwindow\" [ 0 .5 0 1 ]", "", "2:2: Film: ignored: \"cropwindow\""},
              Case{"Film \"rgb\" \"float maxcomponentvalue\" 9", "", "1:12: Film: ignored: \"maxcomponentvalue\""},
              Case{"Film \"rgb\" \"float diagonal\" 24", "", "1:12: Film: ignored: \"diagonal\""},
-             Case{"Camera \"perspective\" \"float shutterclose\" .5", "", "1:1: Camera: \"shutteropen\", \"shutterclose\" are"},
+             Case{"Camera \"perspective\" \"float shutterclose\" .5", "", "1:1: Camera: the time that the shutter is open"},
              Case{"Camera \"spherical\" \"float lensradius\" .5", "", "1:20: Camera: ignored: \"lensradius\""},
              Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is replaced by \"path\""},
              Case{"Integrator \"mlt\"", "", "1:1: Integrator \"mlt\""},
@@ -263,7 +275,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     parameters("Attribute \"shape\"", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Attribute \"light\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
     parameters("Option", {"\"forcediffuse\" true", "\"disablepixeljitter\" true", "\"disablewavelengthjitter\" true", "\"new\" 1"});
-    lines.push_back("ActiveTransform EndTime");
+    lines.push_back("ActiveTransform Now");
 
     std::string text = "WorldBegin";
     for (const std::string& line : lines) text += "\n" + line;

@@ -44,6 +44,7 @@ inline SceneDescription in_world(SceneDescription scene) {
     };
     put_back(scene.shapes, scene.origin);
     scene.camera.world_from_camera.t += scene.origin;
+    if (scene.camera.end) scene.camera.end->t += scene.origin;
     for (LightDescription& light : scene.lights) light.world_from_light.t += scene.origin;
     for (InstanceDescription& instance : scene.instances) {
         Affined& map = instance.world_from_object;

@@ -48,9 +48,14 @@ std::uint32_t SceneBuilder::medium(const std::string& text, const SourceLocation
     return index;
 }
 
+void SceneBuilder::refuse_motion(const SourceLocation& where, const std::string& what) {
+    if (state_.ctm.moves()) diagnostics_.error(where, what + ", but its transformation differs between StartTime and EndTime");
+}
+
 void SceneBuilder::apply(const Directive& d) {
     if (d.name == "Camera" && !in_world_) {
-        if (const std::optional<Affined> inverse = state_.ctm.inverse()) transforms_.name("camera", *inverse);
+        const std::optional<Affined> start = state_.ctm.start.inverse(), end = state_.ctm.end.inverse();
+        if (start && end) transforms_.name("camera", *start, *end);
     }
     if (transforms_.apply(d, state_.ctm, diagnostics_) || options_.apply(d, in_world_, state_.ctm, state_.outside_medium) ||
         apply_state(d))
@@ -63,9 +68,10 @@ void SceneBuilder::apply(const Directive& d) {
     if (d.name == "ObjectBegin") return begin_object(d);
     if (d.name == "ObjectInstance") return add_instance(d);
     if (d.name == "LightSource") {
-        if (!state_.ctm.inverse()) diagnostics_.error(d.where, "LightSource: the transformation is singular");
+        refuse_motion(d.where, "LightSource: lights cannot move");
+        if (!state_.ctm.start.inverse()) diagnostics_.error(d.where, "LightSource: the transformation is singular");
         LightDescription light = read_light(d.strings[0], list(d, "light"), spectra_, files_);
-        light.world_from_light = state_.ctm;
+        light.world_from_light = state_.ctm.start;
         light.medium = state_.outside_medium;
         scene_.lights.push_back(std::move(light));
         return;
@@ -87,7 +93,7 @@ bool SceneBuilder::apply_state(const Directive& d) {
         options_.place_camera(state_.ctm, state_.outside_medium);
         in_world_ = true;
         state_.ctm = {};
-        transforms_.name("world", {});
+        transforms_.name("world", {}, {});
     } else if (d.name == "ReverseOrientation") {
         state_.reverse_orientation = !state_.reverse_orientation;
     } else if (d.name == "NamedMaterial") {
@@ -175,7 +181,10 @@ void SceneBuilder::add_medium(const Directive& d) {
     const std::optional<std::string> type = parameters.string("type");
     if (!type) parameters.error("MakeNamedMedium: \"string type\" is missing");
     MediumDescription read;
-    if (type) read = *type == "latent:sum" ? read_sum(parameters) : read_medium(*type, parameters, state_.ctm, spectra_, files_);
+    if (type)
+        read = *type == "latent:sum" ? read_sum(parameters) : read_medium(*type, parameters, state_.ctm.start, spectra_, files_);
+    if (!std::holds_alternative<UniformVolume>(read.volume))
+        refuse_motion(d.where, fmt::format("MakeNamedMedium: a medium of type \"{}\" cannot move", type.value_or("")));
     const std::uint32_t index = medium(d.strings[0], d.where);
     if (index == kNone) return parameters.error("MakeNamedMedium: the name is empty");
     if (!media_.define(d.strings[0], d.name, d.where, diagnostics_)) return;
@@ -191,11 +200,13 @@ void SceneBuilder::add_area_light(const Directive& d) {
 void SceneBuilder::add_shape(const Directive& d) {
     const ParameterList parameters = list(d, "shape");
     const bool is_mesh = d.strings[0] != "sphere" && d.strings[0] != "disk" && d.strings[0] != "cylinder";
-    if (!state_.ctm.inverse() && !is_mesh) {
+    refuse_motion(d.where, "Shape: shapes cannot move");
+    if (!state_.ctm.start.inverse() && !is_mesh) {
         return parameters.warn(fmt::format("Shape: the {} is left out, since its transformation is singular", d.strings[0]));
     }
     if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
-    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, state_.ctm, state_.reverse_orientation, textures_, files_)) {
+    for (LoadedShape& loaded :
+         read_shape(d.strings[0], parameters, state_.ctm.start, state_.reverse_orientation, textures_, files_)) {
         ShapeDescription& shape = loaded.shape;
         shape.material = state_.material;
         shape.area_light = state_.area_light;
@@ -224,14 +235,15 @@ void SceneBuilder::begin_object(const Directive& d) {
 
 void SceneBuilder::add_instance(const Directive& d) {
     if (object_ != kNone) diagnostics_.error(d.where, "ObjectInstance: must not be inside ObjectBegin");
-    const std::optional<Affined> inverse = state_.ctm.inverse();
+    refuse_motion(d.where, "ObjectInstance: objects cannot move");
+    const std::optional<Affined> inverse = state_.ctm.start.inverse();
     if (!inverse) {
         object(d.strings[0], d.where);
         return diagnostics_.warn(d.where, "ObjectInstance: left out, since its transformation is singular");
     } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
         diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
     }
-    scene_.instances.push_back({object(d.strings[0], d.where), state_.ctm, d.where});
+    scene_.instances.push_back({object(d.strings[0], d.where), state_.ctm.start, d.where});
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {

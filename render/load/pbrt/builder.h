@@ -40,7 +40,7 @@ class SceneBuilder {
 
  private:
     struct State {
-        Affined ctm;
+        CurrentTransform ctm;
         bool reverse_orientation = false;
         std::uint32_t material = 0;
         std::uint32_t area_light = kNone;
@@ -68,6 +68,8 @@ class SceneBuilder {
     std::uint32_t object(const std::string& text, const SourceLocation& where);
     ParameterList list(const Directive& d, std::string_view target);
     std::uint32_t medium(const std::string& text, const SourceLocation& where);
+    // An error, if the current transformation moves.
+    void refuse_motion(const SourceLocation& where, const std::string& what);
 
     SceneDescription& scene_;
     SceneFiles& files_;

@@ -45,11 +45,17 @@ void read_chromatic_aberration(const ParameterList& list, CameraDescription& cam
 
 }  // namespace
 
+ShutterDescription read_shutter(const ParameterList& list) {
+    ShutterDescription shutter{list.number("shutteropen", 0), list.number("shutterclose", 1)};
+    if (shutter.close < shutter.open) list.error("Camera: \"shutterclose\" comes before \"shutteropen\"");
+    if (shutter.close - shutter.open != 1)
+        list.warn(
+            "Camera: the time that the shutter is open does not change the exposure; set that with latent-convert --sensitivity");
+    return shutter;
+}
+
 CameraDescription read_camera(const std::string& type, const ParameterList& list, const FilmDescription& film) {
     CameraDescription camera{.location = list.directive().where};
-    // Nothing moves; what is left of the shutter is the exposure.
-    if (list.number("shutterclose", 1) - list.number("shutteropen", 0) != 1)
-        list.warn("Camera: \"shutteropen\", \"shutterclose\" are ignored; set the exposure with latent-convert --sensitivity");
     const double aspect = list.number("frameaspectratio", static_cast<double>(film.width) / film.height, 1e-6, 1e6);
     camera.x1 = std::max(aspect, 1.0);
     camera.y1 = std::max(1 / aspect, 1.0);

@@ -23,14 +23,18 @@ constexpr std::string_view kHarmlessOptions[] = {"disabletexturefiltering",
 
 }  // namespace
 
-bool SceneOptions::apply(const Directive& d, bool in_world, const Affined& ctm, std::uint32_t outside_medium) {
+bool SceneOptions::apply(const Directive& d, bool in_world, const CurrentTransform& ctm, std::uint32_t outside_medium) {
     const bool known = d.name == "Camera" || d.name == "Film" || d.name == "Integrator" || d.name == "Sampler" ||
-                       d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option";
+                       d.name == "PixelFilter" || d.name == "Accelerator" || d.name == "Option" || d.name == "TransformTimes";
     if (!known) return false;
     if (in_world && d.name != "Option") {
         diagnostics_.error(d.where, d.name + ": must come before WorldBegin");
     } else if (d.name == "Camera") {
         camera_ = {d, ctm, outside_medium};
+    } else if (d.name == "TransformTimes") {
+        start_time_ = d.numbers[0];
+        end_time_ = d.numbers[1];
+        if (!(start_time_ < end_time_)) diagnostics_.error(d.where, "TransformTimes: the end must come after the start");
     } else if (d.name == "Film") {
         scene_.film = read_film(d.strings[0], ParameterList(d, {}, diagnostics_));
     } else if (d.name == "Integrator") {
@@ -49,12 +53,17 @@ bool SceneOptions::apply(const Directive& d, bool in_world, const Affined& ctm, 
     return true;
 }
 
-void SceneOptions::place_camera(const Affined& ctm, std::uint32_t outside_medium) {
+void SceneOptions::place_camera(const CurrentTransform& ctm, std::uint32_t outside_medium) {
     const CameraDirective standard{{.name = "Camera", .strings = {"perspective"}}, ctm, outside_medium};
     const auto& [d, camera_from_world, medium] = camera_ ? *camera_ : standard;
-    const std::optional<Affined> inverse = camera_from_world.inverse();
-    if (!inverse) diagnostics_.error(d.where, "Camera: the transformation is singular");
-    scene_.camera = read_camera(d.strings[0], ParameterList(d, {}, diagnostics_), scene_.film);
+    const std::optional<Affined> inverse = camera_from_world.start.inverse(), inverse_at_end = camera_from_world.end.inverse();
+    if (!inverse || !inverse_at_end) diagnostics_.error(d.where, "Camera: the transformation is singular");
+    const ParameterList list(d, {}, diagnostics_);
+    const ShutterDescription times = read_shutter(list);
+    const double length = end_time_ - start_time_;
+    scene_.shutter = {(times.open - start_time_) / length, (times.close - start_time_) / length};
+    scene_.camera = read_camera(d.strings[0], list, scene_.film);
+    if (camera_from_world.moves()) scene_.camera.end = inverse_at_end.value_or(Affined{}) * scene_.camera.world_from_camera;
     scene_.camera.world_from_camera = inverse.value_or(Affined{}) * scene_.camera.world_from_camera;
     scene_.camera.medium = medium;
     for (const std::string& refusal : check_camera(scene_.camera)) diagnostics_.error(d.where, refusal);

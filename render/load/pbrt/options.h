@@ -6,6 +6,7 @@
 
 #include "render/load/files/diagnostics.h"
 #include "render/load/pbrt/directive.h"
+#include "render/load/pbrt/transforms.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -17,14 +18,14 @@ class SceneOptions {
         : scene_(scene), diagnostics_(diagnostics), replace_integrator_(replace_integrator) {}
 
     // False, and nothing is done, unless `d` is such a directive. `ctm`: the current transformation.
-    bool apply(const Directive& d, bool in_world, const Affined& ctm, std::uint32_t outside_medium);
-    // At WorldBegin: the camera, which needs the film's aspect.
-    void place_camera(const Affined& ctm, std::uint32_t outside_medium);
+    bool apply(const Directive& d, bool in_world, const CurrentTransform& ctm, std::uint32_t outside_medium);
+    // At WorldBegin: the camera, which needs the film's aspect, and its shutter, which needs the times of motions.
+    void place_camera(const CurrentTransform& ctm, std::uint32_t outside_medium);
 
  private:
     struct CameraDirective {
         Directive directive;
-        Affined ctm;
+        CurrentTransform ctm;
         std::uint32_t outside_medium;
     };
 
@@ -32,6 +33,7 @@ class SceneOptions {
     Diagnostics& diagnostics_;
     const bool replace_integrator_;
     std::optional<CameraDirective> camera_;
+    double start_time_ = 0, end_time_ = 1;  // of motions
 };
 
 }  // namespace latent::render

@@ -31,9 +31,14 @@ Vec3d vector(const ParameterList& list, std::string_view name, const Vec3d& othe
     return {values[0], values[1], values[2]};
 }
 
+void refuse_motion(const ParameterList& list, const CurrentTransform& ctm) {
+    if (ctm.moves())
+        list.error("Texture: textures of space cannot move, but the transformation differs between StartTime and EndTime");
+}
+
 }  // namespace
 
-void SceneTextures::define(const Directive& directive, const std::vector<Parameter>& inherited, const Affined& ctm,
+void SceneTextures::define(const Directive& directive, const std::vector<Parameter>& inherited, const CurrentTransform& ctm,
                            const std::string& color_space) {
     const std::string &name = directive.strings[0], &type = directive.strings[1];
     if (type != "float" && type != "spectrum")
@@ -109,7 +114,8 @@ SpectrumInput SceneTextures::spectrum(const ParameterList& list, std::string_vie
 }
 
 // The place of a texture is that of its directive; `is_solid`: a point of space, with nothing more to say about it.
-void SceneTextures::read_mapping(const ParameterList& list, const Affined& ctm, bool is_solid, MappingDescription& mapping) {
+void SceneTextures::read_mapping(const ParameterList& list, const CurrentTransform& ctm, bool is_solid,
+                                 MappingDescription& mapping) {
     static const std::map<std::string, MappingKind> kKinds{{"uv", MappingKind::kUv},
                                                            {"spherical", MappingKind::kSpherical},
                                                            {"cylindrical", MappingKind::kCylindrical},
@@ -130,7 +136,8 @@ void SceneTextures::read_mapping(const ParameterList& list, const Affined& ctm, 
             mapping.v2 = vector(list, "v2", mapping.v2);
         }
     }
-    const std::optional<Affined> inverse = ctm.inverse();
+    refuse_motion(list, ctm);
+    const std::optional<Affined> inverse = ctm.start.inverse();
     if (!inverse) return list.error("Texture: the transformation is singular");
     mapping.texture_from_world = *inverse;
 }
@@ -214,7 +221,8 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
     } else if (is("directionmix", TextureKind::kDirectionMix)) {
         input(0, "tex1", 0);
         input(1, "tex2", 1);
-        const Vec3d direction = definition.ctm.vector(vector(list, "dir", {0, 1, 0}));
+        refuse_motion(list, definition.ctm);
+        const Vec3d direction = definition.ctm.start.vector(vector(list, "dir", {0, 1, 0}));
         if (!(length(direction) > 0)) list.error("dir: must not be 0");
         texture.direction = normalize(direction);
     } else if ((!use.is_spectrum && (is("fbm", TextureKind::kFbm) || is("wrinkled", TextureKind::kWrinkled))) ||

@@ -11,6 +11,7 @@
 #include "render/load/files/scene_files.h"
 #include "render/load/pbrt/parameters.h"
 #include "render/load/pbrt/spectra.h"
+#include "render/load/pbrt/transforms.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -23,7 +24,7 @@ class SceneTextures {
         : scene_(scene), files_(files), spectra_(spectra), diagnostics_(diagnostics) {}
 
     // A Texture directive with what the graphics state adds to it. Only textures that something uses come into the scene.
-    void define(const Directive& directive, const std::vector<Parameter>& inherited, const Affined& ctm,
+    void define(const Directive& directive, const std::vector<Parameter>& inherited, const CurrentTransform& ctm,
                 const std::string& color_space);
 
     // The parameter `name`, a value or a texture; the default, if it is not there. Values are checked against low..high.
@@ -46,7 +47,7 @@ class SceneTextures {
     struct Definition {
         Directive directive;
         std::vector<Parameter> inherited;
-        Affined ctm;
+        CurrentTransform ctm;
         std::string color_space;
     };
     struct Use {
@@ -59,7 +60,7 @@ class SceneTextures {
     std::uint32_t use_picture(const ParameterList& list, const std::string& file, TextureDescription texture);
     std::uint32_t use(const ParameterList& list, const Parameter& p, bool is_spectrum, SpectrumRole role);
     TextureDescription read(const Definition& definition, const Use& use);
-    void read_mapping(const ParameterList& list, const Affined& ctm, bool is_solid, MappingDescription& mapping);
+    void read_mapping(const ParameterList& list, const CurrentTransform& ctm, bool is_solid, MappingDescription& mapping);
     void read_picture(const ParameterList& list, PictureDescription& picture);
 
     SceneDescription& scene_;

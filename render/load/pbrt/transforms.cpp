@@ -27,9 +27,8 @@ std::optional<Affined> look_at(const Vec3d& from, const Vec3d& at, const Vec3d& 
 
 Vec3d vec(std::span<const double> v) { return {v[0], v[1], v[2]}; }
 
-}  // namespace
-
-bool Transforms::apply(const Directive& d, Affined& ctm, Diagnostics& diagnostics) {
+// Multiplies by the directive. False: not a directive that does.
+bool multiply(const Directive& d, Affined& ctm, Diagnostics& diagnostics) {
     const std::vector<double>& n = d.numbers;
     if (d.name == "Identity") {
         ctm = {};
@@ -57,19 +56,43 @@ bool Transforms::apply(const Directive& d, Affined& ctm, Diagnostics& diagnostic
         if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] != 1)
             diagnostics.error(d.where, d.name + ": projective transformations are not supported");
         ctm = d.name == "Transform" ? map : ctm * map;
-    } else if (d.name == "CoordinateSystem") {
+    } else {
+        return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+bool Transforms::apply(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics) {
+    if (apply_to_both(d, ctm, diagnostics)) return true;
+    const bool as_one = ctm.start_active && ctm.end_active && !ctm.moves();
+    if (as_one) {  // so that one message is given, not two
+        if (!multiply(d, ctm.start, diagnostics)) return false;
+        ctm.end = ctm.start;
+        return true;
+    }
+    const bool at_start = ctm.start_active && multiply(d, ctm.start, diagnostics);
+    return (ctm.end_active && multiply(d, ctm.end, diagnostics)) || at_start;
+}
+
+bool Transforms::apply_to_both(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics) {
+    if (d.name == "CoordinateSystem") {
         named_[d.strings[0]] = ctm;
     } else if (d.name == "CoordSysTransform") {
         const auto found = named_.find(d.strings[0]);
         if (found == named_.end()) {
             diagnostics.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
         } else {
-            ctm = found->second;
+            ctm.start = found->second.start;
+            ctm.end = found->second.end;
         }
     } else if (d.name == "ActiveTransform") {
-        if (d.strings[0] != "All") diagnostics.error(d.where, "ActiveTransform: motion is not supported");
-    } else if (d.name == "TransformTimes") {
-        diagnostics.warn(d.where, "TransformTimes is ignored: motion is not supported");
+        const std::string& which = d.strings[0];
+        if (which != "StartTime" && which != "EndTime" && which != "All")
+            diagnostics.error(d.where, fmt::format("ActiveTransform: {} is neither StartTime, EndTime nor All", which));
+        ctm.start_active = which != "EndTime";
+        ctm.end_active = which != "StartTime";
     } else {
         return false;
     }

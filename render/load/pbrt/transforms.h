@@ -1,4 +1,4 @@
-// render/load/pbrt/transforms.h: the directives that change the current transformation.
+// render/load/pbrt/transforms.h: the current transformation, and the directives that change it.
 #pragma once
 
 #include <map>
@@ -10,15 +10,26 @@
 
 namespace latent::render {
 
+// At the start and at the end of the motion; directives change those that are active.
+struct CurrentTransform {
+    Affined start{}, end{};
+    bool start_active = true, end_active = true;
+
+    bool moves() const { return start != end; }
+};
+
 class Transforms {
  public:
     // False, and nothing is done, unless `d` is such a directive.
-    bool apply(const Directive& d, Affined& ctm, Diagnostics& diagnostics);
+    bool apply(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics);
     // A coordinate system that has a name without a directive: "camera", "world".
-    void name(const std::string& text, const Affined& map) { named_[text] = map; }
+    void name(const std::string& text, const Affined& start, const Affined& end) { named_[text] = {start, end}; }
 
  private:
-    std::map<std::string, Affined> named_;
+    // Both at once. False: not a directive of that kind.
+    bool apply_to_both(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics);
+
+    std::map<std::string, CurrentTransform> named_;
 };
 
 }  // namespace latent::render

@@ -62,7 +62,7 @@ void SubpathJoin::join_lens(std::size_t i) {
     const SubpathVertex& y = light_subpath_[i];
     if (!y.connectible()) return;
     CameraPoint point;
-    if (!world_.camera().connect(y.at.p, light_number(i, Dimension::kLightU), light_number(i, Dimension::kLightV), point)) return;
+    if (!camera().connect(y.at.p, light_number(i, Dimension::kLightU), light_number(i, Dimension::kLightV), point)) return;
     const Vec3f to_camera = -point.w;
     SampledSpectrum value = y.beta;
     multiply_light_side(y, to_camera, value);
@@ -75,10 +75,9 @@ void SubpathJoin::join_lens(std::size_t i) {
 
     const float pdf = y.scattering.pdf_omega(y.wo, to_camera),
                 previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo) * y.to_previous_area;
-    const bool lens = world_.camera().has_lens();
-    const float hit = lens ? mis_term(pdf * abs_dot(world_.camera().axis(), point.w) / d2 * line.transmittance,
-                                      1 / world_.camera().lens_area(), 1)
-                           : 0;
+    const bool lens = camera().has_lens();
+    const float hit =
+        lens ? mis_term(pdf * abs_dot(camera().axis(), point.w) / d2 * line.transmittance, 1 / camera().lens_area(), 1) : 0;
     value *=
         mis_weight(hit + mis_sum(light_subpath_, i, density * y.cosine(to_camera) * distance_pdf(y, line), previous_pdf_reverse));
     splat(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));

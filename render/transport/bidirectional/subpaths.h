@@ -64,6 +64,7 @@ class SubpathSample {
           faults_(faults) {}
 
  protected:
+    const Camera& camera() const { return *sample_.camera; }
     Uniform camera_number(std::size_t vertex, std::uint32_t what) const {
         return sample_.numbers(Dimension::of_camera_vertex(static_cast<std::uint32_t>(vertex), what));
     }
@@ -93,9 +94,9 @@ class SubpathSample {
         const auto put = [&](float u, float v, std::uint32_t only) {
             records_.light(sample_.numbers.sample(), u, v, radiance, w, sample_.kept, out_, faults_, only);
         };
-        if (!world_.camera().splits_wavelengths()) return put(point.u, point.v, kAllWavelengths);
+        if (!camera().splits_wavelengths()) return put(point.u, point.v, kAllWavelengths);
         for (std::uint32_t i = 0; i < w.k; ++i) {
-            const auto defocus = static_cast<float>(world_.camera().defocus(static_cast<double>(w.lambda_nm[i])));
+            const auto defocus = static_cast<float>(camera().defocus(static_cast<double>(w.lambda_nm[i])));
             const float u = point.u + point.spread.x * defocus, v = point.v + point.spread.y * defocus;
             if (u >= 0 && u < 1 && v >= 0 && v < 1) put(u, v, i);
         }

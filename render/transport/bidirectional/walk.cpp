@@ -5,7 +5,7 @@
 namespace latent::render {
 
 void SubpathWalk::trace_camera(double u, double v) {
-    const Camera& camera = world_.camera();
+    const Camera& camera = *sample_.camera;
     const bool lens = camera.has_lens();
     camera_subpath_.resize(1);
     SubpathVertex& x = camera_subpath_[0];
@@ -100,7 +100,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
         step.medium = segment.medium;
         MediumStep medium_step{false, segment.length, 1, 1, segment.length};
         SampledSpectrum weight(1.0f);
-        if (!from_camera && world_.camera().has_lens()) reach_lens(step, line, segment);
+        if (!from_camera && camera().has_lens()) reach_lens(step, line, segment);
         if (step.medium != kNone) {
             const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
             const Medium& medium = world_.medium(step.medium);
@@ -205,7 +205,7 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
 
 void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment) {
     CameraPoint point;
-    if (!world_.camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
+    if (!camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
     if (!lights_[start_light_].can_be_met() && !step.scattered) return;
     SampledSpectrum value = step.beta;
     segment.length = point.distance;
@@ -216,8 +216,8 @@ void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment
         line.add(segment, to_lens.transmittance, to_lens.column);
     }
     const SubpathVertex& last = light_subpath_.back();
-    const float d2 = length_squared(point.p - last.at.p), area = world_.camera().lens_area();
-    const float cosine = abs_dot(point.w, world_.camera().axis());
+    const float d2 = length_squared(point.p - last.at.p), area = camera().lens_area();
+    const float cosine = abs_dot(point.w, camera().axis());
     const float pdf_forward = step.pdf * line.transmittance * cosine / (step.parallel ? 1 : d2);
     const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
     const float end = light_subpath_.size() >= 2 && !step.delta ? 1 : 0;

@@ -1,0 +1,275 @@
+// What moves while the shutter is open: how maps vary with time, and what that does to pictures. docs/scenes.md, "Motion".
+#include "render/math/motion.h"
+
+#include "tests/transport/blocks.h"
+#include "tests/transport/numbers.h"
+#include "tests/transport/world_builder.h"
+
+namespace latent::render::testing {
+namespace {
+
+Affined times(const Affined& a, double s) { return {a.x * s, a.y * s, a.z * s, a.t}; }
+
+Affined rotation(double degrees, const Vec3d& axis) {
+    const double s = std::sin(degrees * std::numbers::pi / 180), c = std::cos(degrees * std::numbers::pi / 180);
+    const auto image = [&](const Vec3d& v) { return axis * dot(axis, v) * (1 - c) + v * c + cross(axis, v) * s; };
+    return {image({1, 0, 0}), image({0, 1, 0}), image({0, 0, 1}), {}};
+}
+
+double distance(const Affined& a, const Affined& b) {
+    return std::max({max_abs(a.x - b.x), max_abs(a.y - b.y), max_abs(a.z - b.z), max_abs(a.t - b.t)});
+}
+
+TEST(Motion, ATurnIsEvenAndStaysRigid) {
+    const Vec3d axis = normalize(Vec3d{1, -2, 0.5});
+    for (const double degrees : {0.0, 1e-7, 3.0, 90.0, 179.0}) {
+        const Affined start = rotation(25, {0, 0, 1});
+        const Motion motion(start, rotation(degrees, axis) * start);
+        for (double s = 0; s <= 1; s += 0.125) {
+            EXPECT_LT(distance(motion.at(s), rotation(s * degrees, axis) * start), 1e-12) << degrees << " " << s;
+        }
+    }
+}
+
+TEST(Motion, TheShorterWayRoundIsTaken) {
+    const Motion motion({}, rotation(270, {0, 1, 0}));
+    EXPECT_LT(distance(motion.at(0.5), rotation(-45, {0, 1, 0})), 1e-12);
+}
+
+TEST(Motion, BothEndsAreExactAndNothingMovesBeyond) {
+    const Affined start({1, 2, 0.5}, {-0.3, 1.5, 2}, {2, 0.1, -1}, {4, 5, 6}), end = rotation(80, {1, 0, 0}) * start;
+    const Motion motion(start, end, {7, 8, 9});
+    EXPECT_EQ(motion.at(0), start);
+    EXPECT_EQ(motion.at(-3), start);
+    EXPECT_EQ(motion.at(1), end);
+    EXPECT_EQ(motion.at(2), end);
+    EXPECT_LT(distance(motion.at(1e-9), start), 1e-7);
+    EXPECT_LT(distance(motion.at(1 - 1e-9), end), 1e-7);
+}
+
+// Whatever it is made of: sheared, stretched, mirrored.
+TEST(Motion, AMapThatDoesNotChangeStays) {
+    const Affined map({1, 2, 0.5}, {-0.3, 1.5, 2}, {2, 0.1, -1}, {4, 5, 6});
+    for (const Affined& m : {map, times(map, -1), times(map, 1e-6), times(map, 1e6)}) {
+        const Motion motion(m, m);
+        EXPECT_LT(distance(motion.at(0.3), m), 1e-13 * length(m.x) + 1e-14);
+        EXPECT_FALSE(motion.turns());
+    }
+}
+
+TEST(Motion, AMirroredMapTurnsLikeItsLikeness) {
+    const Affined mirror({-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}), turn = rotation(60, {0, 0, 1});
+    EXPECT_LT(distance(Motion(mirror, turn * mirror).at(0.5), rotation(30, {0, 0, 1}) * mirror), 1e-12);
+}
+
+TEST(Motion, TheCentreMovesAlongAStraightLine) {
+    const Vec3d center{3, -1, 2};
+    const Affined start = rotation(10, {1, 0, 0});
+    Affined end = rotation(100, {0, 0, 1});
+    end.t = {1, 1, 1};
+    const Motion motion(start, end, center);
+    for (double s = 0; s <= 1; s += 0.25) {
+        const Vec3d line = start.point(center) * (1 - s) + end.point(center) * s;
+        EXPECT_LT(max_abs(motion.at(s).point(center) - line), 1e-12);
+    }
+}
+
+// |p'' | by differences, which err by the fourth derivative.
+TEST(Motion, NoPointStraysFurtherThanItsBend) {
+    Numbers number(5);
+    const auto vector = [&] { return Vec3d(number() - 0.5f, number() - 0.5f, number() - 0.5f) * 4; };
+    for (int i = 0; i < 200; ++i) {
+        Affined start(vector(), vector(), vector(), vector());
+        Affined end = rotation(170 * static_cast<double>(number()), normalize(vector())) * start;
+        end.x = end.x * 1.7;
+        const Motion motion(start, end, vector());
+        const Vec3d p = vector();
+        constexpr double kStep = 1e-3;
+        for (double s = 0.05; s < 1; s += 0.1) {
+            const Vec3d second =
+                (motion.at(s - kStep).point(p) + motion.at(s + kStep).point(p) - motion.at(s).point(p) * 2) * (1 / (kStep * kStep));
+            EXPECT_LE(length(second), motion.bend(p) * 1.001 + 1e-5);
+        }
+    }
+}
+
+// A square of side 0.5 that shines, seen by parallel rays on a film from -1 to 1.
+struct SquareScene {
+    std::string options{}, camera{}, square{};  // directives before the film's, for the camera and for the square
+    std::string text() const {
+        return options + "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n" + camera +
+               "\nWorldBegin\nAttributeBegin\n" + square +
+               "\nReverseOrientation\nAreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [-.25 -.25 0  .25 -.25 0  "
+               ".25 "
+               ".25 0  -.25 .25 0] \"integer indices\" [0 1 2 0 2 3]\nAttributeEnd\n";
+    }
+};
+const std::string kLook = "LookAt 0 0 -2  0 0 0  0 1 0\n", kCamera = "Camera \"orthographic\" ";
+
+// The luminance of the picture in every sample.
+std::vector<double> samples_of(const Scene& scene, const IntegratorSettings& settings, std::uint64_t count,
+                               std::vector<Vec2f>* film = nullptr) {
+    const std::unique_ptr<Integrator> integrator = scene.integrator(settings);
+    std::vector<double> out;
+    sampledb::Records r;
+    RadianceFaults faults;
+    for (std::uint64_t n = 0; n < count; ++n) {
+        r.clear();
+        integrator->trace(n, r, faults);
+        out.push_back(0);
+        for (const float y : r.y) out.back() += static_cast<double>(y);
+        if (film != nullptr) film->push_back({static_cast<float>(r.u[0]) * 0x1p-32f, static_cast<float>(r.v[0]) * 0x1p-32f});
+    }
+    EXPECT_EQ(faults.total(), 0u);
+    return out;
+}
+const IntegratorSettings kPathSettings{.max_depth = 1, .record = sampledb::RecordKind::kXyz, .seed = 3};
+
+// Share of the time in which |x - c(t)| < 0.25 as the centre c goes from `from` to `to`.
+double covered(double x, double from, double to) {
+    const double low = std::min(from, to), high = std::max(from, to);
+    return std::max(0.0, std::min(high, x + 0.25) - std::max(low, x - 0.25)) / (high - low);
+}
+
+struct Way {
+    const char *name, *options, *camera;  // camera: parameters
+    double from, to;                      // of the square's centre in the picture
+};
+const Way kWays[] = {{"all of it", "", "", -0.5, 0.5},
+                     {"a quarter", "", "\"float shutteropen\" .25 \"float shutterclose\" .5", -0.25, 0},
+                     {"other times", "TransformTimes 1 5\n", "\"float shutteropen\" 2 \"float shutterclose\" 3", -0.25, 0},
+                     {"before and after", "TransformTimes 0 1\n", "\"float shutteropen\" -1 \"float shutterclose\" 1", -0.5, 0.5}};
+
+// Counts in 32 columns of the film, beside the binomial distribution's expectations: chi-square of 32 degrees of freedom is above
+// 66 once in 2000 times, and well spread samples stay below.
+void expect_coverage(const Way& way, const Scene& scene) {
+    constexpr int kColumns = 32;
+    std::vector<Vec2f> film;
+    const std::vector<double> y = samples_of(scene, kPathSettings, 100'000, &film);
+    double chi_square = 0;
+    for (int column = 0; column < kColumns; ++column) {
+        int in_rows = 0, seen = 0;
+        for (std::size_t n = 0; n < y.size(); ++n) {
+            if (static_cast<int>(film[n].x * kColumns) != column || std::abs(film[n].y - 0.5f) >= 0.12f) continue;
+            ++in_rows;
+            seen += y[n] > 0 ? 1 : 0;
+        }
+        double p = 0;
+        for (int i = 0; i < 200; ++i) {
+            const double x = -1 + 2 * (column + (i + 0.5) / 200) / kColumns;
+            const bool resting = way.name == kWays[3].name;  // half of the time
+            p += (resting ? 0.5 * (std::abs(x - way.from) < 0.25) + 0.5 * covered(x, way.from, way.to)
+                          : covered(x, way.from, way.to)) /
+                 200;
+        }
+        if (p == 0 || p == 1) {
+            EXPECT_EQ(seen, p == 0 ? 0 : in_rows) << column;
+        } else {
+            chi_square += (seen - in_rows * p) * (seen - in_rows * p) / (in_rows * p * (1 - p));
+        }
+    }
+    EXPECT_LT(chi_square, 66);
+}
+
+TEST(CameraMotion, ASquareIsSeenForTheShareOfTimeInWhichItIsThere) {
+    for (const Way& way : kWays) {
+        SCOPED_TRACE(way.name);
+        // The camera goes from 0.5 to -0.5.
+        const std::string move = "ActiveTransform StartTime\nTranslate -.5 0 0\nActiveTransform EndTime\nTranslate .5 0 0\n";
+        expect_coverage(way, scene_from(SquareScene{way.options, kLook + move + kCamera + way.camera}.text()));
+    }
+}
+
+TEST(CameraMotion, NoMotionIsTheStaticSceneToTheBit) {
+    const std::string room =
+        "WorldBegin\nLightSource \"infinite\" \"rgb L\" [.3 .4 .5]\nMaterial \"diffuse\"\nShape \"sphere\" \"float radius\" 1\n";
+    const std::string lens = "Camera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float focaldistance\" 3";
+    const Scene still = scene_from("LookAt 0 0 -4  0 0 0  0 1 0\n" + lens + "\n" + room);
+    const Scene moved = scene_from(
+        "TransformTimes 0.5 0.75\nActiveTransform StartTime\nLookAt 0 0 -4  0 0 0  0 1 0\nActiveTransform EndTime\nLookAt 0 0 -4  "
+        "0 0 "
+        "0  0 1 0\n" +
+        lens + " \"float shutteropen\" 0.2 \"float shutterclose\" .9\n" + room);
+    EXPECT_FALSE(moved.description.camera.end);
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        const IntegratorSettings settings{.kind = kind, .record = sampledb::RecordKind::kXyz, .seed = 1};
+        EXPECT_EQ(samples_of(still, settings, 2000), samples_of(moved, settings, 2000));
+    }
+}
+
+// A scene with a lens, so that light subpaths splat and meet the lens; what is far from the start of the camera is nearer the end.
+std::string room_seen_by(const std::string& camera) {
+    return "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\nIntegrator \"bdpt\" \"integer maxdepth\" 3\n" +
+           camera +
+           "WorldBegin\nAttributeBegin\nTranslate 0 2 0\nRotate 90 1 0 0\nAreaLightSource \"diffuse\" \"float scale\" 5\nShape "
+           "\"trianglemesh\" \"point3 P\" [-.6 -.6 0  .6 -.6 0  .6 .6 0  -.6 .6 0] \"integer indices\" [0 1 2 0 2 "
+           "3]\nAttributeEnd\n"
+           "Material \"diffuse\" \"rgb reflectance\" [.7 .5 .3]\nShape \"trianglemesh\" \"point3 P\" [-2 0 -2  2 0 -2  2 0 2  -2 0 "
+           "2] "
+           "\"integer indices\" [0 1 2 0 2 3]\nShape \"trianglemesh\" \"point3 P\" [-2 0 2  2 0 2  2 2.5 2  -2 2.5 2] \"integer "
+           "indices\" [0 1 2 0 2 3]\nMaterial \"conductor\" \"float roughness\" .2\nAttributeBegin\nTranslate .3 .5 0\nShape "
+           "\"sphere\" "
+           "\"float radius\" .5\nAttributeEnd\n";
+}
+const std::string kDolly =
+    "ActiveTransform StartTime\nLookAt -1 1 -3  0 .6 0  0 1 0\nActiveTransform EndTime\nLookAt 1.2 1.4 -2  .2 .5 0  .3 1 0\n"
+    "ActiveTransform All\nCamera \"perspective\" \"float fov\" 45 \"float lensradius\" 0.2 \"float focaldistance\" 3\n";
+
+// 8 x 8 blocks of 8 pictures of independent seeds each. Over 192 comparisons with errors of 14 degrees of freedom, |t| > 6 has a
+// probability of 0.6 %, and a picture as a whole of |t| > 4 one of 0.4 %.
+void expect_agreement(const Scene& scene, std::uint64_t samples) {
+    const auto picture = [&](IntegratorKind kind, Connections connections, std::uint64_t first_seed) {
+        std::vector<Blocks> pictures;
+        for (std::uint64_t seed = 0; seed < 8; ++seed) {
+            const std::unique_ptr<Integrator> integrator = scene.integrator({.kind = kind,
+                                                                             .connections = connections,
+                                                                             .max_depth = 0,
+                                                                             .record = sampledb::RecordKind::kXyz,
+                                                                             .seed = first_seed + seed});
+            BlockSums sums(8);
+            sampledb::Records r;
+            RadianceFaults faults;
+            for (std::uint64_t n = 0; n < samples; ++n) {
+                r.clear();
+                integrator->trace(n, r, faults);
+                sums.add(r);
+            }
+            EXPECT_EQ(faults.total(), 0u);
+            pictures.push_back(sums.picture(samples));
+        }
+        return mean_of(pictures);
+    };
+    const Estimate path = picture(IntegratorKind::kPath, Connections::kOne, 1);
+    for (const Connections connections : {Connections::kOne, Connections::kAll}) {
+        const Estimate bdpt = picture(IntegratorKind::kBdpt, connections, 100);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Verdict v = compare(bdpt, path, c);
+            EXPECT_LT(v.worst_z, 6) << "XYZ"[c];
+            EXPECT_LT(std::abs(v.whole_z), 4) << "XYZ"[c];
+            EXPECT_LT(v.whole_error, 0.01);
+        }
+    }
+}
+
+TEST(CameraMotion, PathAndBdptMakeOnePicture) { expect_agreement(scene_from(room_seen_by(kDolly)), 8192); }
+
+// A shutter that is open for no time at all sees the camera where it then is.
+TEST(CameraMotion, AMomentIsAPictureFromThere) {
+    const std::string at = " \"float shutteropen\" .5 \"float shutterclose\" .5\n",
+                      lens = "Camera \"perspective\" \"float fov\" 40";
+    const Scene moment =
+        scene_from(room_seen_by("ActiveTransform StartTime\nLookAt -1 1 -3  -1 1 0  0 1 0\nActiveTransform "
+                                "EndTime\nRotate 40 0 0 1\nLookAt 1 1 -3  1 1 0  0 1 0\n" +
+                                lens + at));
+    const Scene still = scene_from(room_seen_by("Rotate 20 0 0 1\nLookAt 0 1 -3  0 1 0  0 1 0\n" + lens + "\n"));
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        const IntegratorSettings settings{.kind = kind, .max_depth = 0, .record = sampledb::RecordKind::kXyz, .seed = 1};
+        const std::vector<double> a = samples_of(moment, settings, 5000), b = samples_of(still, settings, 5000);
+        int others = 0;  // another way at an edge
+        for (std::size_t n = 0; n < a.size(); ++n) others += std::abs(a[n] - b[n]) > 1e-3 * b[n] ? 1 : 0;
+        EXPECT_LE(others, 10);
+    }
+}
+
+}  // namespace
+}  // namespace latent::render::testing
