@@ -13,6 +13,9 @@ namespace latent::python {
 
 using Range = std::pair<std::uint64_t, std::uint64_t>;  // first, end
 
+// NumPy's names of LATENT_U8 .. LATENT_F64.
+inline constexpr const char* kTypes[] = {"", "u1", "u2", "u4", "u8", "f4", "f8"};
+
 // A new array of `shape`, filled by a copy.
 template <class T>
 pybind11::array copied(const T* from, std::vector<pybind11::ssize_t> shape) {

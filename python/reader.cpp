@@ -13,8 +13,6 @@ namespace latent::python {
 
 namespace {
 
-const char* const kTypes[] = {"", "u1", "u2", "u4", "u8", "f4", "f8"};
-
 // Names in files need not be UTF-8.
 std::string text(const char* name) {
     const auto decoded = PyUnicode_DecodeUTF8(name, static_cast<py::ssize_t>(std::strlen(name)), "backslashreplace");

@@ -56,10 +56,12 @@ develop::PictureOptions picture_options(const std::vector<std::string>& paths, c
     if (const auto filter = get<std::string>(given, "filter"); !filter.empty()) options.filter = filter;
     options.observer.name = get<std::string>(given, "observer");
     options.observer.camera_xyz = get<bool>(given, "camera_xyz");
+    options.observer.balanced = get<bool>(given, "raw_balance");
     options.observer.lens_filter = get<std::string>(given, "lens_filter");
     options.observer.filter_factor = get<double>(given, "filter_factor");
     options.lights = get<std::vector<std::string>>(given, "lights");
     options.image = get<std::string>(given, "image");
+    options.dim_fireflies = get<bool>(given, "dim_fireflies");
     options.ratio = get<bool>(given, "ratio");
     if (const auto bins = get<std::string>(given, "spectral_bins"); !bins.empty())
         options.spectral_bins = parsed(develop::parse_spectral_bins, bins);

@@ -1,5 +1,8 @@
 #include "python/writer.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "python/failure.h"
 
 namespace py = pybind11;
@@ -18,6 +21,14 @@ Writer::Writer(const std::string& path, const py::dict& given, Range samples, do
     job_.light_paths_per_sample = given["light_paths_per_sample"].cast<std::uint32_t>();
     job_.precision = given["precision"].cast<std::uint32_t>();
     job_.run_samples = given["run_samples"].cast<std::uint32_t>();
+    for (const auto& [name, type] : given["extra"].cast<py::dict>()) {
+        const auto known = std::find(std::next(std::begin(kTypes)), std::end(kTypes), type.cast<std::string>());
+        if (known == std::end(kTypes)) throw py::value_error("the type of an extra column is u1, u2, u4, u8, f4 or f8");
+        extra_names_.push_back(name.cast<std::string>());
+        extra_.push_back({nullptr, static_cast<std::uint32_t>(known - std::begin(kTypes)), 0});
+    }
+    for (std::size_t i = 0; i < extra_.size(); ++i) extra_[i].name = extra_names_[i].c_str();
+    job_.extra = extra_.data(), job_.extra_count = extra_.size();
     latent_write_options options{};
     options.size = sizeof options;
     options.samples = {samples.first, samples.second};
@@ -47,7 +58,8 @@ std::optional<Range> Writer::next() {
 
 void Writer::submit(Range grain, const Column<std::uint64_t>& sample, const Column<std::uint32_t>& u,
                     const Column<std::uint32_t>& v, const std::vector<Column<float>>& values,
-                    const std::optional<Column<float>>& share, const std::optional<Column<std::uint8_t>>& record_class) {
+                    const std::optional<Column<float>>& share, const std::optional<Column<std::uint8_t>>& record_class,
+                    const std::vector<py::array>& extra) {
     latent_records r{};
     r.size = sizeof r;
     r.count = static_cast<std::size_t>(sample.size());
@@ -68,6 +80,15 @@ void Writer::submit(Range grain, const Column<std::uint64_t>& sample, const Colu
         pairs.assign(r.count, static_cast<std::uint16_t>(job_.batch));
         r.pairs = pairs.data(), r.power = values[0].data(), r.lambda_nm = values[1].data(), r.pair_count = r.count * job_.batch;
     }
+    if (extra.size() != extra_.size()) throw py::value_error("extra: the columns of the job are needed");
+    std::vector<const void*> extra_data;
+    for (std::size_t i = 0; i < extra.size(); ++i) {
+        fits(extra[i], 1);
+        if (!extra[i].dtype().equal(py::dtype(kTypes[extra_[i].type])))
+            throw py::value_error("extra: not of the type of the column");
+        extra_data.push_back(extra[i].data());
+    }
+    r.extra = extra_data.data();
     latent_error error;
     latent_status status;
     {

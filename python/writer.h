@@ -25,7 +25,7 @@ class Writer {
     std::optional<Range> next();
     void submit(Range grain, const Column<std::uint64_t>& sample, const Column<std::uint32_t>& u, const Column<std::uint32_t>& v,
                 const std::vector<Column<float>>& values, const std::optional<Column<float>>& share,
-                const std::optional<Column<std::uint8_t>>& record_class);
+                const std::optional<Column<std::uint8_t>>& record_class, const std::vector<pybind11::array>& extra);
     void checkpoint() { call(latent_writer_checkpoint); }
     void finish() { call(latent_writer_finish); }
     void close() { writer_.reset(); }
@@ -38,6 +38,8 @@ class Writer {
         void operator()(latent_writer* writer) const { latent_writer_close(writer); }
     };
     latent_job job_{};
+    std::vector<std::string> extra_names_;
+    std::vector<latent_column> extra_;
     std::unique_ptr<latent_writer, Closer> writer_;
 };
 

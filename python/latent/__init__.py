@@ -131,6 +131,7 @@ class Writer:
     ...         part.submit((first, end), sample=n, u=u, v=v, x=x, y=y, z=z)
 
     job_id: 32 hexadecimal digits that identify everything that shapes a record. wavelengths: k of a spectral job, 0 in XYZ jobs.
+    extra: further columns and their types, such as {"depth": "f4"}, for layers of `develop_layers`; names are in docs/format.md.
     samples: (first, end); first is preferably a multiple of run_samples. Leaving the `with` block finishes the file, unless by an exception.
     """
 
@@ -146,16 +147,19 @@ class Writer:
         light_paths_per_sample: int = 0,
         precision: int = 23,
         run_samples: int = 0,
+        extra: Mapping[str, str] = {},
         checkpoint_seconds: float = 60.0,
         provenance: str = "",
         replace: bool = False,
     ):
         if len(job_id) != 32:
             raise ValueError("job_id is not 32 hexadecimal digits")
+        self._extra = dict(extra)
         job = {
             "id_high": int(job_id[:16], 16), "id_low": int(job_id[16:], 16), "aspect_width": aspect[0], "aspect_height": aspect[1],
             "spectral": wavelengths > 0, "wavelengths": wavelengths, "light_unit": light_unit,
-            "light_paths_per_sample": light_paths_per_sample, "precision": precision, "run_samples": run_samples}
+            "light_paths_per_sample": light_paths_per_sample, "precision": precision, "run_samples": run_samples,
+            "extra": self._extra}
         self._spectral = wavelengths > 0
         self._writer = _latent.Writer(os.fspath(path), job, samples, checkpoint_seconds, provenance, replace)
 
@@ -170,23 +174,39 @@ class Writer:
             yield grain
 
     def submit(self, grain: tuple[int, int], *, sample: Any, u: Any, v: Any, x: Any = None, y: Any = None, z: Any = None,
-               power: Any = None, wavelengths: Any = None, share: Any = None, record_class: Any = None) -> None:
+               power: Any = None, wavelengths: Any = None, share: Any = None, record_class: Any = None,
+               extra: Mapping[str, Any] = {}) -> None:
         """All records of the samples of a grain, in any order. u, v: floats 0 <= x < 1, or uint32 in units of 2^-32. XYZ jobs: x, y,
         z (n,). Spectral jobs: power, wavelengths (n, k). share: default 1 in camera and 0 in light records. record_class: default 0,
-        camera."""
+        camera. extra: every extra column of the job."""
         values = [power, wavelengths] if self._spectral else [x, y, z]
         if any(value is None for value in values):
             raise ValueError("power and wavelengths are needed" if self._spectral else "x, y and z are needed")
-        self._writer.submit(tuple(grain), sample, _fixed(u), _fixed(v), values, share, record_class)
+        self._writer.submit(tuple(grain), sample, _fixed(u), _fixed(v), values, share, record_class,
+                            self._extra_columns(extra))
 
-    def write(self, *, sample: Any, **columns: Any) -> None:
+    def _extra_columns(self, given: Mapping[str, Any]) -> list[np.ndarray]:
+        """Contiguous, in the order and of the types of the job; no whole number changes."""
+        if set(given) != set(self._extra):
+            raise ValueError(f"extra columns of the job: {', '.join(self._extra) or 'none'}")
+        columns = []
+        for name, kind in self._extra.items():
+            column = np.asarray(given[name])
+            columns.append(np.ascontiguousarray(column, np.dtype(kind)))
+            if columns[-1].dtype.kind == "u" and not np.array_equal(columns[-1], column):
+                raise ValueError(f"extra: {name} holds values that are no {columns[-1].dtype}")
+        return columns
+
+    def write(self, *, sample: Any, extra: Mapping[str, Any] = {}, **columns: Any) -> None:
         """Submits whole arrays, grain by grain. All missing samples count as rendered, whether they have records or not."""
         order = np.argsort(sample, kind="stable")
         sample = np.asarray(sample, np.uint64)[order]
         columns = {name: np.asarray(column)[order] for name, column in columns.items() if column is not None}
+        extra = {name: np.asarray(column)[order] for name, column in extra.items()}
         for grain in self.grains():
             rows = slice(*np.searchsorted(sample, np.asarray(grain, np.uint64)))
-            self.submit(grain, sample=sample[rows], **{name: column[rows] for name, column in columns.items()})
+            self.submit(grain, sample=sample[rows], extra={name: column[rows] for name, column in extra.items()},
+                        **{name: column[rows] for name, column in columns.items()})
 
     def checkpoint(self) -> None:
         """Commits everything up to the first missing grain, and returns when it is on disk."""

@@ -52,8 +52,8 @@ def develop(*paths: Path, **options: Any) -> np.ndarray:
 
     size: width, or (width, height), in pixels; default: the largest with 16 samples per pixel. crop: (x0, y0, x1, y1), pixels of the
     whole picture. filter: such as "box" or "quartic:-3,1.5", the default. observer: a name ("cie1964", "kodak_trix_400") or a CSV
-    file. camera_xyz: X, Y, Z of a camera. lens_filter: such as "wratten-25". filter_factor: a factor of the exposure, or "auto".
-    lights: such as ["lamp=2.5"]. image: "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few
+    file. camera_xyz: X, Y, Z of a camera. raw_balance: False for channels of a camera with one scale. lens_filter: such as "wratten-25". filter_factor: a factor of the exposure, or "auto".
+    lights: such as ["lamp=2.5"]. dim_fireflies: dims specks of light. image: "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few
     wavelengths. spectral_bins: their number, or "FROM:TO:STEP" in nm. samples: (first, end). job: 32 hexadecimal digits, if folders
     hold several. skip_duplicates: files may hold the same samples. memory: bytes to work in, beside the picture's own. threads: at
     most; 0: all.
@@ -69,7 +69,8 @@ def develop_layers(*paths: Path, **options: Any) -> dict[str, np.ndarray]:
     """The channels of a picture by their names in latent-develop's EXR, float32 (height, width) each: "R", "G", "B" (which hold X, Y,
     Z) or spectral bins, and those of two more options:
 
-    layers: of "variance", "weight" and "count". halves: the picture of each half of the samples, too. Other options: see `develop`.
+    layers: of "variance", "weight" and "count"; and of "albedo", "normal", "depth", "position" and "id", if the scene was rendered with
+    --aov. halves: the picture of each half of the samples, too. Other options: see `develop`.
     """
     pixels, names = _develop(paths, **options)
     return {name: pixels[:, :, i] for i, name in enumerate(names)}
@@ -83,9 +84,11 @@ def _develop(
     filter: str = "",
     observer: Path = "",
     camera_xyz: bool = False,
+    raw_balance: bool = True,
     lens_filter: str = "",
     filter_factor: Union[float, str] = 1,
     lights: Sequence[str] = (),
+    dim_fireflies: bool = False,
     image: str = "both",
     estimator: str = "standard",
     spectral_bins: Union[int, str] = "",
@@ -109,8 +112,9 @@ def _develop(
         raise ValueError("filter_factor is a number above 0, or 'auto'")
     options = {
         "size": "" if size is None else "x".join(str(side) for side in np.atleast_1d(size)),
-        "crop": crop, "filter": filter, "observer": os.fspath(observer), "camera_xyz": camera_xyz, "lens_filter": lens_filter,
-        "filter_factor": factor, "lights": list(lights), "image": image, "ratio": estimator == "ratio",
+        "crop": crop, "filter": filter, "observer": os.fspath(observer), "camera_xyz": camera_xyz,
+        "raw_balance": raw_balance, "lens_filter": lens_filter,
+        "filter_factor": factor, "lights": list(lights), "dim_fireflies": dim_fireflies, "image": image, "ratio": estimator == "ratio",
         "spectral_bins": str(spectral_bins), "layers": ",".join(layers), "halves": halves, "samples": samples, "job": job,
         "skip_duplicates": skip_duplicates, "memory": memory, "threads": threads}
     pixels, names, left_out, advice = _latent.develop([os.fspath(path) for path in paths], options)

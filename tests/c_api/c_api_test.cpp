@@ -191,7 +191,8 @@ std::vector<Job> jobs_of_every_kind() {
         explicit_wavelengths = spectral, extra = xyz;
     explicit_wavelengths.density = {};
     extra.positions = {};
-    extra.extra = {{"light_group", ColumnType::kU8}, {"time", ColumnType::kF64}};
+    extra.extra = {{"light_group", ColumnType::kU8}, {"time", ColumnType::kF64},   {"depth", ColumnType::kF32},
+                   {"normal.x", ColumnType::kF32},   {"object", ColumnType::kU64}, {"material", ColumnType::kU16}};
     return {xyz, spectral, explicit_wavelengths, extra};
 }
 

@@ -132,6 +132,13 @@ class Module(unittest.TestCase):
         self.assertRaises(latent.Error, part.submit, (0, 1024), sample=[5000], u=one, v=one, x=one, y=one, z=one)
         self.assertRaises(latent.Error, part.finish)
         part.close()
+        self.assertRaises(ValueError, latent.Writer, self.path("e.latent"), job_id="1" * 32, samples=(0, 1024), extra={"depth": "f2"})
+        seen = latent.Writer(self.path("e.latent"), job_id="1" * 32, samples=(0, 1024), extra={"object": "u2"})
+        for extra in ({}, {"depth": [1]}, {"object": [1, 2]}, {"object": [70000]}, {"object": [0.5]}, {"object": [1], "depth": [1]}):
+            self.assertRaises(ValueError, seen.submit, (0, 1024), sample=[0], u=one, v=one, x=one, y=one, z=one, extra=extra)
+        seen.submit((0, 1024), sample=[0], u=one, v=one, x=one, y=one, z=one, extra={"object": [65535]})
+        seen.finish()
+        self.assertEqual(latent.open(self.path("e.latent")).read()["object"].tolist(), [65535])
         self.assertRaises(ValueError, part.finish)
 
     def test_the_example_shows_an_error_that_falls_as_one_over_the_root_of_n(self):

@@ -12,6 +12,7 @@ import exr
 import latent
 
 TOOLS, EXAMPLES = map(pathlib.Path, sys.argv[1:3])
+AOVS = ["albedo", "normal", "depth", "position", "id"]
 
 
 def tool(name, *arguments):
@@ -73,6 +74,55 @@ class Tools(unittest.TestCase):
         self.assertIn("variance.G", layers)
         for name, layer in layers.items():
             np.testing.assert_array_equal(layer, picture[name], name)
+
+    def test_what_samples_see_is_that_of_the_tool_to_the_bit(self):
+        path = self.folder / "cornell.latent"
+        tool("latent-render", EXAMPLES.parent / "scenes" / "cornell.pbrt", "-o", path, "--quiet", "--samples", "0:4096", "--aov", ",".join(AOVS))
+        layers = latent.develop_layers(path, size=32, layers=AOVS)
+        picture = self.developed(path, "--size", "32", "--layers", ",".join(AOVS))
+        self.assertEqual(set(layers), set(picture))
+        self.assertLessEqual({"albedo.R", "N.X", "Z", "P.X", "id.object", "id.material"}, set(layers))
+        for name, layer in layers.items():
+            np.testing.assert_array_equal(layer, picture[name], name)
+        # Means of the records' own columns.
+        records = latent.open(path).read()
+        boxed = latent.develop_layers(path, size=32, filter="box", layers=["depth", "normal"])
+        pixel = (records["u"] * 32).astype(int) + (records["v"] * 32).astype(int) * 32
+        for layer, column in {"Z": "depth", "N.Y": "normal.y"}.items():
+            hits = np.isfinite(records[column])
+            count, total = (np.bincount(pixel[hits], weights, 1024) for weights in (None, records[column][hits]))
+            np.testing.assert_allclose(boxed[layer].ravel()[count > 0], total[count > 0] / count[count > 0], rtol=1e-5, atol=1e-6)
+
+    def test_what_the_writer_was_given_beside_light_is_developed(self):
+        random = np.random.default_rng(4)
+        n, path = 20000, self.folder / "w.latent"
+        u, v = random.random(n), random.random(n)
+        extra = {"depth": 1 + u, "object": (v > 0.5) + 7, "material": np.full(n, 3), "normal.x": u, "normal.y": v, "normal.z": u * v}
+        types = {"depth": "f4", "object": "u8", "material": "u2", "normal.x": "f4", "normal.y": "f4", "normal.z": "f4"}
+        with latent.Writer(path, job_id="2" * 32, samples=(0, n), extra=types) as part:
+            part.write(sample=np.arange(n), u=u, v=v, x=u, y=u, z=u, extra=extra)
+        tool("latent-inspect", "verify", "--deep", "--strict", path)
+        self.assertEqual(latent.open(path).job["extra"], types)
+        layers = latent.develop_layers(path, size=16, filter="box", layers=["depth", "normal", "id"])
+        np.testing.assert_allclose(layers["Z"], 1 + layers["G"], rtol=1e-6)
+        np.testing.assert_array_equal(layers["id.object"], np.repeat([[7], [8]], 8, 0) * np.ones((1, 16)))
+        np.testing.assert_array_equal(layers["id.material"], 3)
+        with self.assertRaisesRegex(latent.Error, "--layers albedo: the files have no column albedo.x"):
+            latent.develop_layers(path, size=16, layers=["albedo"])
+
+    def test_fireflies_and_raw_channels_are_those_of_the_tool(self):
+        random = np.random.default_rng(5)
+        n, path = 20000, self.folder / "f.latent"
+        value = np.where(np.arange(n) % 5000 == 0, 1000, 1)
+        with latent.Writer(path, job_id="3" * 32, samples=(0, n)) as part:
+            part.write(sample=np.arange(n), u=random.random(n), v=random.random(n), x=value, y=value, z=value)
+        dimmed = latent.develop(path, size=10, dim_fireflies=True)
+        self.expect_equal(dimmed, self.developed(path, "--size", "10", "--dim-fireflies"))
+        self.assertLess(dimmed.max(), 1.1)
+        self.assertGreater(latent.develop(path, size=10).max(), 3)
+        path = self.generated("s.latent", "--kind", "spectral", "--wavelengths", "8")
+        self.expect_equal(latent.develop(path, size=10, observer="canon_eos_5d", raw_balance=False),
+                          self.developed(path, "--size", "10", "--observer", "canon_eos_5d", "--raw-balance", "none"))
 
     def test_pixels_outlive_everything_else(self):
         pixels = latent.develop(self.generated(), size=64)[:, :, 1]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <random>
 #include <thread>
 
@@ -107,6 +108,48 @@ TEST_F(Resume, KilledAtAnyMomentItEndsAsIfItNeverWas) {
         EXPECT_EQ(runs_of({part}), whole_);
         EXPECT_EQ(latent::testing::run({tool("latent-inspect"), "verify", part.string()}).status, 0);
     }
+}
+
+// What samples see is committed with them: by a lens that splits wavelengths, too, whose samples have many records.
+TEST_F(Resume, KilledWithExtraColumnsItEndsAsIfItNeverWas) {
+    const std::string scene = (folder_ / "lens.pbrt").string();
+    std::ofstream(scene) << R"(LookAt 0 -3 1.2  0 0 .3  0 0 1
+Camera "perspective" "float lensradius" .15 "float latent:focaldistances" [ 2 4 ]
+WorldBegin
+LightSource "infinite" "string name" "sky"
+Shape "bilinearmesh" "point3 P" [ -9 -9 0  9 -9 0  -9 9 0  9 9 0 ]
+Shape "sphere" "float radius" .4
+)";
+    const auto lens = [&](const std::string& output) -> Command {
+        return {tool("latent-render"),
+                scene,
+                "-o",
+                output,
+                "--samples",
+                "0:20000",
+                "--run-samples",
+                "8192",
+                "--aov",
+                "depth,normal,id",
+                "--light-groups",
+                "--checkpoint",
+                "0.05"};
+    };
+    const std::string whole = (folder_ / "whole.latent").string(), part = (folder_ / "part.latent").string();
+    const Outcome outcome = latent::testing::run(lens(whole));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    int kills = 0;
+    for (int attempt = 0;; ++attempt) {
+        ASSERT_LT(attempt, 200) << "it does not get on";
+        Child child(lens(part));
+        std::this_thread::sleep_for(std::chrono::duration<double>(outcome.seconds * (0.3 + 0.1 * attempt)));
+        child.kill_now();
+        if (child.wait() == 0) break;
+        ++kills;
+    }
+    EXPECT_GT(kills, 0);
+    EXPECT_EQ(runs_of({part}), runs_of({whole}));
+    EXPECT_EQ(latent::testing::run({tool("latent-inspect"), "verify", "--deep", part}).status, 0);
 }
 
 TEST_F(Resume, TwoAtOnceOnOneNameDoNotDisturbEachOther) {

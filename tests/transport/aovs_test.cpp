@@ -109,6 +109,35 @@ TEST(Aovs, StandBesideLightGroupsInEachRecord) {
     }
 }
 
+// Each wavelength of a sample is at a film point of its own, and says what the sample's ray sees: if the focal distances differ by
+// almost nothing, what a lens with one of them sees.
+TEST(Aovs, OfALensThatSplitsWavelengthsAreInEachRecordThatOfItsRay) {
+    const auto text = [](const std::string& focal) {
+        return "LookAt 0 -3 3  0 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 40 \"float lensradius\" .2 " + focal +
+               "\nWorldBegin\nLightSource \"infinite\"\n" + kGreyFloor + "Shape \"sphere\" \"float radius\" .5\n";
+    };
+    const sampledb::Records one = seen_in(text("\"float focaldistance\" 3")),
+                            split = seen_in(text("\"float latent:focaldistances\" [ 2.9999 3.0001 ]"));
+    ASSERT_EQ(one.size(), 500u);
+    EXPECT_EQ(split.size(), 28 * one.size());
+    std::vector<float> shares(one.size()), depths(one.size());
+    int same = 0;
+    for (std::size_t row = 0; row < split.size(); ++row) {
+        const std::size_t n = split.sample[row];
+        shares[n] += split.share[row];
+        depths[n] += split.share[row] * value(split, "depth", row);
+        same += value(split, "object", row) == value(one, "object", n) &&
+                value(split, "material", row) == value(one, "material", n) &&
+                length(vector(split, "position", row) - vector(one, "position", n)) < 1e-3f &&
+                length(vector(split, "normal", row) - vector(one, "normal", n)) < 4e-3f;
+    }
+    for (std::size_t n = 0; n < one.size(); ++n) {
+        EXPECT_NEAR(shares[n], 1, 1e-5);
+        EXPECT_NEAR(depths[n], value(one, "depth", n), 2e-2);
+    }
+    EXPECT_GT(same, 0.99 * static_cast<double>(split.size()));  // but on edges
+}
+
 TEST(Aovs, ADepthLeadsFromTheLensToThePositionOnTheFirstSurface) {
     const std::string text = std::string(kView) + kGreyFloor + "Material \"dielectric\"\nShape \"sphere\" \"float radius\" .5\n";
     for (const double distance : {0.0, 1024.0}) {
