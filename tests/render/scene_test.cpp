@@ -1,6 +1,7 @@
 // What directives mean: every one of the subset.
 #include <gmock/gmock.h>
 
+#include "base/small_file.h"
 #include "color/named_spectra.h"
 #include "color/observer.h"
 #include "color/rgb_space.h"
@@ -29,10 +30,27 @@ SceneDescription world(const std::string& text) {
 double luminance(const color::Spectrum& s) { return color::photometric_sum(s); }
 
 TEST(Scene, ProjectScenesLoad) {
-    for (const char* name : {"cornell", "sodium", "conductors", "fog"}) {
-        const Result<LoadedScene> scene = load_scene(latent::testing::in_tree("scenes/" + std::string(name) + ".pbrt"));
+    int loaded = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(latent::testing::in_tree("scenes"))) {
+        const std::filesystem::path& path = entry.path();
+        if (path.extension() != ".pbrt" || path.stem().string().starts_with("forest")) continue;  // which is below
+        const Result<LoadedScene> scene = load_scene(path);
         ASSERT_TRUE(scene) << scene.error().message;
-        EXPECT_TRUE(scene->warnings.empty()) << name << ": " << scene->warnings[0];
+        EXPECT_TRUE(scene->warnings.empty()) << path << ": " << scene->warnings[0];
+        ++loaded;
+    }
+    EXPECT_GT(loaded, 8);
+}
+
+TEST(Scene, JewelsAreWhatTheirScriptWrites) {
+    const Folder folder;
+    ASSERT_EQ(latent::testing::run({latent::testing::in_tree("scenes/make_jewels"), folder.path().string()}).status, 0);
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        const std::string name = entry.path().filename();
+        const auto text = [](const std::filesystem::path& path) {
+            return read_small_file(path, 1 << 20, "a part of a scene").value();
+        };
+        EXPECT_TRUE(text(entry.path()) == text(latent::testing::in_tree("scenes/jewels/" + name))) << name;
     }
 }
 
