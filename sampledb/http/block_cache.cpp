@@ -22,7 +22,8 @@ Result<RemoteFile> BlockCache::open(const std::string& url) {
     const std::lock_guard lock(mutex_);
     RemoteFile file{++files_, url, fetched->file_size};
     Blocks blocks;
-    for (std::uint64_t at = 0; at < fetched->bytes.size(); at += kBlock) blocks.push_back(make_block(file, at / kBlock));
+    const std::uint64_t end = fetched->bytes.size();
+    for (std::uint64_t at = 0; at < end; at += kBlock) blocks.push_back(make_block(file, at, std::min(at + kBlock, end)));
     finish(blocks, fetched);
     return file;
 }
@@ -32,8 +33,8 @@ Status BlockCache::read(const RemoteFile& file, std::uint64_t offset, std::span<
         return Error{ErrorCode::kTruncated, fmt::format("{}: ends at byte {}", shown_name(file.url), file.size)};
     while (!into.empty()) {
         const std::span<std::byte> stretch = into.first(std::min<std::size_t>(into.size(), kStretch));
-        const Blocks blocks = blocks_of(file, offset / kBlock, (offset + stretch.size() - 1) / kBlock, true);
-        if (Status s = wait_and_copy(blocks, offset % kBlock, stretch); !s) return s;
+        const Blocks blocks = blocks_of(file, offset, offset + stretch.size(), true);
+        if (Status s = wait_and_copy(blocks, offset, stretch); !s) return s;
         offset += stretch.size();
         into = into.subspan(stretch.size());
     }
@@ -42,48 +43,64 @@ Status BlockCache::read(const RemoteFile& file, std::uint64_t offset, std::span<
 
 void BlockCache::announce(const RemoteFile& file, std::uint64_t offset, std::uint64_t length) {
     const std::uint64_t end = offset < file.size ? offset + std::min(length, file.size - offset) : 0;
-    if (offset < end) blocks_of(file, offset / kBlock, (end - 1) / kBlock, false);
+    if (offset < end) blocks_of(file, offset, end, false);
 }
 
-// Blocks first .. last, which are asked for if they are not there; of what is only announced, as many as there is room for.
-BlockCache::Blocks BlockCache::blocks_of(const RemoteFile& file, std::uint64_t first, std::uint64_t last, bool urgent) {
+// The blocks of bytes begin .. end-1, which are asked for if they are not there; of what is only announced, as many as there is
+// room for.
+BlockCache::Blocks BlockCache::blocks_of(const RemoteFile& file, std::uint64_t begin, std::uint64_t end, bool urgent) {
     const std::lock_guard lock(mutex_);
     Blocks found, asked;
-    std::uint64_t asked_first = first;
     const auto request_asked = [&] {
-        if (!asked.empty()) request(file, asked_first, asked, urgent);
+        if (!asked.empty()) request(file, asked, urgent);
         asked.clear();
     };
-    for (std::uint64_t number = first; number <= last && (urgent || on_their_way_ < kMostAhead); ++number) {
-        const auto known = blocks_.find({file.number, number});
-        if (known != blocks_.end()) {
-            found.push_back(known->second);
-            if (found.back()->done) recent_.splice(recent_.begin(), recent_, found.back()->place);
-            request_asked();
-            continue;
-        }
-        if (asked.empty()) asked_first = number;
-        asked.push_back(make_block(file, number));
-        found.push_back(asked.back());
-        if (asked.size() * kBlock == kTransfer) request_asked();
+    for (std::uint64_t at = begin; at < end && (urgent || on_their_way_ < kMostAhead); at = found.back()->end()) {
+        bool is_new = false;
+        found.push_back(block_at(file, at, end, urgent, is_new));
+        if (is_new) asked.push_back(found.back());
+        if (!is_new || asked.size() == kTransfer / kBlock) request_asked();
     }
     request_asked();
     return found;
 }
 
+// The block that holds byte `at`. One that is new ends at `end` if it is only announced: the server is asked for no byte that
+// nobody may want. But who reads without having announced it may well go on nearby, and gets all that is missing around.
+std::shared_ptr<BlockCache::Block> BlockCache::block_at(const RemoteFile& file, std::uint64_t at, std::uint64_t end, bool urgent,
+                                                        bool& is_new) {
+    const std::uint64_t first = at / kBlock * kBlock;
+    std::uint64_t from = urgent ? first : at, to = std::min(file.size, first + kBlock);
+    if (!urgent) to = std::min(to, end);
+    const auto next = blocks_.upper_bound({file.number, at});
+    if (next != blocks_.end() && next->first.first == file.number) to = std::min(to, next->second->begin);
+    if (next != blocks_.begin() && std::prev(next)->first.first == file.number) {
+        const std::shared_ptr<Block>& before = std::prev(next)->second;
+        if (before->end() > at) {
+            if (before->done) recent_.splice(recent_.begin(), recent_, before->place);
+            return before;
+        }
+        from = std::max(from, before->end());
+    }
+    is_new = true;
+    return make_block(file, from, to);
+}
+
 // One that is on its way, with all the memory that its arrival will take.
-std::shared_ptr<BlockCache::Block> BlockCache::make_block(const RemoteFile& file, std::uint64_t number) {
-    const Key key{file.number, number};
+std::shared_ptr<BlockCache::Block> BlockCache::make_block(const RemoteFile& file, std::uint64_t begin, std::uint64_t end) {
+    const Key key{file.number, begin};
     auto block = std::make_shared<Block>();
-    block->bytes.resize(std::min(kBlock, file.size - number * kBlock));
+    block->begin = begin;
+    block->bytes.resize(end - begin);
     block->place = waiting_.insert(waiting_.end(), key);
     blocks_[key] = block;
     on_their_way_ += kBlock;
     return block;
 }
 
-void BlockCache::request(const RemoteFile& file, std::uint64_t first, const Blocks& blocks, bool urgent) {
-    const std::uint64_t offset = first * kBlock, size = std::min(blocks.size() * kBlock, file.size - offset);
+// `blocks`: neighbours.
+void BlockCache::request(const RemoteFile& file, const Blocks& blocks, bool urgent) {
+    const std::uint64_t offset = blocks.front()->begin, size = blocks.back()->end() - offset;
     const Status added = caught([&]() -> Status {
         const auto done = [this, blocks](const Result<Fetched>& fetched) {
             const std::lock_guard lock(mutex_);
@@ -118,18 +135,17 @@ void BlockCache::finish(const Blocks& blocks, const Result<Fetched>& fetched) {
     arrived_.notify_all();
 }
 
-// `at`: in the first of the blocks.
-Status BlockCache::wait_and_copy(const Blocks& blocks, std::uint64_t at, std::span<std::byte> into) {
+Status BlockCache::wait_and_copy(const Blocks& blocks, std::uint64_t offset, std::span<std::byte> into) {
     for (const std::shared_ptr<Block>& block : blocks) {
         {
             std::unique_lock lock(mutex_);
             arrived_.wait(lock, [&] { return block->done; });
         }
         if (!block->status) return block->status;
-        const std::size_t count = std::min<std::size_t>(block->bytes.size() - at, into.size());
-        std::copy_n(block->bytes.begin() + static_cast<std::ptrdiff_t>(at), count, into.begin());
+        const std::size_t skip = offset - block->begin, count = std::min(block->bytes.size() - skip, into.size());
+        std::copy_n(block->bytes.begin() + static_cast<std::ptrdiff_t>(skip), count, into.begin());
         into = into.subspan(count);
-        at = 0;
+        offset += count;
     }
     return {};
 }

@@ -1,4 +1,4 @@
-// sampledb/http/block_cache.h: blocks of remote files, those that were used last and those on their way, in bounded memory.
+// sampledb/http/block_cache.h: pieces of remote files, those that were used last and those on their way, in bounded memory.
 #pragma once
 
 #include <condition_variable>
@@ -25,7 +25,7 @@ struct RemoteFile {
 // Thread-safe.
 class BlockCache {
  public:
-    static constexpr std::uint64_t kBlock = 1 << 10;       // bytes
+    static constexpr std::uint64_t kBlock = 1 << 10;       // bytes at most; no block crosses a multiple of it
     static constexpr std::uint64_t kOpening = 16 << 10;    // bytes that a file is opened with: the header, most often
     static constexpr std::uint64_t kTransfer = 128 << 10;  // bytes of neighbours that are asked for at once
     static constexpr std::uint64_t kCapacity = 32 << 20;   // bytes, with what it takes to keep them
@@ -38,24 +38,27 @@ class BlockCache {
     Result<RemoteFile> open(const std::string& url);
     // Errors: kTruncated (the file ends before), those of HttpConnection.
     Status read(const RemoteFile& file, std::uint64_t offset, std::span<std::byte> into);
-    // These bytes are asked for now, unless much is on its way already.
+    // These bytes, and no others, are asked for now, unless much is on its way already.
     void announce(const RemoteFile& file, std::uint64_t offset, std::uint64_t length);
 
  private:
-    using Key = std::pair<std::uint64_t, std::uint64_t>;  // file, block
+    using Key = std::pair<std::uint64_t, std::uint64_t>;  // file, first byte
     struct Block {
+        std::uint64_t begin = 0;
         bool done = false;
         Status status;
         Bytes bytes;
         std::list<Key>::iterator place;  // in recent_, or in waiting_ until it is done
+        std::uint64_t end() const { return begin + bytes.size(); }
     };
     using Blocks = std::vector<std::shared_ptr<Block>>;
 
-    Blocks blocks_of(const RemoteFile& file, std::uint64_t first, std::uint64_t last, bool urgent);
-    std::shared_ptr<Block> make_block(const RemoteFile& file, std::uint64_t number);
-    void request(const RemoteFile& file, std::uint64_t first, const Blocks& blocks, bool urgent);
+    Blocks blocks_of(const RemoteFile& file, std::uint64_t begin, std::uint64_t end, bool urgent);
+    std::shared_ptr<Block> block_at(const RemoteFile& file, std::uint64_t at, std::uint64_t end, bool urgent, bool& is_new);
+    std::shared_ptr<Block> make_block(const RemoteFile& file, std::uint64_t begin, std::uint64_t end);
+    void request(const RemoteFile& file, const Blocks& blocks, bool urgent);
     void finish(const Blocks& blocks, const Result<Fetched>& fetched);
-    Status wait_and_copy(const Blocks& blocks, std::uint64_t at, std::span<std::byte> into);
+    Status wait_and_copy(const Blocks& blocks, std::uint64_t offset, std::span<std::byte> into);
 
     std::mutex mutex_;
     std::condition_variable arrived_;

@@ -32,21 +32,25 @@ class Remote(FarmTest):
         self.succeed("latent-inspect", "gen", "-o", self.folder / name, *(() if "--precision" in options else ("--precision", 9)), *options)
 
     def same_from_afar(self, verb, file, *options, way="plain", suffix=".exr"):
-        """Both files that a tool makes: of a file on disk, and of the same on the server."""
+        """Both files that a tool makes: of a file on disk, and of the same on the server. What it printed of the latter."""
         made = []
         for place in (self.folder / file, self.server.url(file, way)):
             made.append(self.folder / f"made-{len(made)}{suffix}")
-            self.succeed(verb, place, "-o", made[-1], "--force", "--quiet", *options)
+            done = self.succeed(verb, place, "-o", made[-1], "--force", "--quiet", *options)
         self.assertEqual(made[0].read_bytes(), made[1].read_bytes())
+        return done.stdout
 
     def test_a_crop_transfers_little_more_than_its_share_over_many_connections(self):
         self.generate("parts.latent", "--records", "16Mi", "--aspect", "3:2")
+        self.generate("long.latent", "--records", "16Mi", "--aspect", "3:2", "--run-samples", "4Mi")
         self.succeed("latent-merge", self.folder / "parts.latent", "-o", self.folder / "all.latent", "--compact")
         self.server.delay = 0.3  # long beside what a busy machine takes to ask
-        for name, most in (("parts.latent", 1 / 30), ("all.latent", 1 / 40)):
+        for name, runs, most in (("parts.latent", 8, 1 / 31), ("long.latent", 4, 1 / 36), ("all.latent", 1, 1 / 45)):
             self.server.reset()
-            self.same_from_afar("latent-develop", name, "--size", "3000x2000", "--crop", "1301,1111,1676,1361")  # 1/64
+            done = self.same_from_afar("latent-develop", name, "--size", "3000x2000", "--crop", "1301,1111,1676,1361", "--json")  # 1/64
             self.assertLess(self.server.sent, (self.folder / name).stat().st_size * most)
+            # The first bytes of the file, its end, and the zeros behind each index: no byte beside those of pages and indexes.
+            self.assertLess(self.server.sent - json.loads(done)["bytes_read"], (16 << 10) + 4096 * (runs + 1))
             self.assertGreaterEqual(self.server.most_at_once, 16)
 
     def test_a_preview_transfers_the_runs_that_it_is_made_of(self):
