@@ -4,7 +4,6 @@
 // `pixel`), CPU time.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/simd_dispatch.h"
 #include "color/print.h"
 #include "color/quantise.h"
 
@@ -59,11 +59,6 @@ void count_pixels(benchmark::State& state) {
                                                  benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-void use_target(std::int64_t target) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
 void reference(benchmark::State& state, Gamut gamut) {
     const Print print = make_print(gamut);
     PrintReport report;
@@ -81,7 +76,7 @@ void reference(benchmark::State& state, Gamut gamut) {
 }
 
 void rows(benchmark::State& state, Gamut gamut, std::int64_t target) {
-    use_target(target);
+    use_simd_targets(target);
     const Print print = make_print(gamut);
     PrintReport report;
     Planes out;
@@ -94,7 +89,7 @@ void rows(benchmark::State& state, Gamut gamut, std::int64_t target) {
 }
 
 void codes(benchmark::State& state, bool dither, std::int64_t target) {
-    use_target(target);
+    use_simd_targets(target);
     Planes linear;
     PrintReport report;
     make_print(Gamut::kLuminance).row(picture().a, picture().b, picture().c, linear.a, linear.b, linear.c, report);
@@ -122,7 +117,7 @@ int main(int argc, char** argv) {
     using namespace latent::color;
     add("reference/luminance", [](benchmark::State& state) { reference(state, Gamut::kLuminance); });
     add("reference/grey", [](benchmark::State& state) { reference(state, Gamut::kGrey); });
-    for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1) {
+    for (std::int64_t rest = latent::simd_targets() & HWY_TARGETS; rest != 0; rest &= rest - 1) {
         const std::int64_t target = rest & -rest;
         const std::string name = hwy::TargetName(target);
         add("luminance/" + name, [target](benchmark::State& state) { rows(state, Gamut::kLuminance, target); });

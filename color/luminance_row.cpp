@@ -32,13 +32,15 @@ void luminance_row_of_target(const std::array<double, 3>& y_row, std::span<const
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "base/simd_dispatch.h"
+
 namespace latent::color {
 
-HWY_EXPORT(luminance_row_of_target);
+LATENT_SIMD_EXPORT(luminance_row_of_target);
 
 void luminance_row(const std::array<double, 3>& y_row, std::span<const float> x, std::span<const float> y, std::span<const float> z,
                    std::span<float> out) {
-    HWY_DYNAMIC_DISPATCH(luminance_row_of_target)(y_row, x, y, z, out);
+    LATENT_SIMD_CALL(luminance_row_of_target)(y_row, x, y, z, out);
 }
 
 }  // namespace latent::color

@@ -226,13 +226,15 @@ void print_row_of_target(const PrintRowConstants& c, const float* x, const float
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "base/simd_dispatch.h"
+
 namespace latent::color {
 
-HWY_EXPORT(print_row_of_target);
+LATENT_SIMD_EXPORT(print_row_of_target);
 
 void print_row(const PrintRowConstants& constants, const float* x, const float* y, const float* z, float* r, float* g, float* b,
                std::size_t count, PrintReport& report) {
-    HWY_DYNAMIC_DISPATCH(print_row_of_target)(constants, x, y, z, r, g, b, count, report);
+    LATENT_SIMD_CALL(print_row_of_target)(constants, x, y, z, r, g, b, count, report);
 }
 
 }  // namespace latent::color

@@ -160,18 +160,20 @@ void quantise_row_16_of_target(const QuantiseRowConstants& c, const float* r, co
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "base/simd_dispatch.h"
+
 namespace latent::color {
 
-HWY_EXPORT(quantise_row_8_of_target);
-HWY_EXPORT(quantise_row_16_of_target);
+LATENT_SIMD_EXPORT(quantise_row_8_of_target);
+LATENT_SIMD_EXPORT(quantise_row_16_of_target);
 
 void quantise_row_8(const QuantiseRowConstants& constants, const float* r, const float* g, const float* b, std::uint32_t x0,
                     std::size_t count, std::uint8_t* out) {
-    HWY_DYNAMIC_DISPATCH(quantise_row_8_of_target)(constants, r, g, b, x0, count, out);
+    LATENT_SIMD_CALL(quantise_row_8_of_target)(constants, r, g, b, x0, count, out);
 }
 void quantise_row_16(const QuantiseRowConstants& constants, const float* r, const float* g, const float* b, std::uint32_t x0,
                      std::size_t count, std::uint16_t* out) {
-    HWY_DYNAMIC_DISPATCH(quantise_row_16_of_target)(constants, r, g, b, x0, count, out);
+    LATENT_SIMD_CALL(quantise_row_16_of_target)(constants, r, g, b, x0, count, out);
 }
 
 }  // namespace latent::color

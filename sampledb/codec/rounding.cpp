@@ -127,10 +127,12 @@ void round_page(std::uint64_t key, RecordKind kind, unsigned dropped, Page& page
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "base/simd_dispatch.h"
+
 namespace latent::sampledb {
 
 namespace {
-HWY_EXPORT(round_page);
+LATENT_SIMD_EXPORT(round_page);
 }
 
 std::uint64_t rounding_key(const JobId& job) {
@@ -148,7 +150,7 @@ std::uint32_t rounding_random(std::uint64_t seed, std::uint32_t index) { return 
 
 void round_values(const Job& job, Page& page) {
     if (job.precision >= kFullPrecision) return;
-    HWY_DYNAMIC_DISPATCH(round_page)(rounding_key(job.id), job.kind, kFullPrecision - job.precision, page);
+    LATENT_SIMD_CALL(round_page)(rounding_key(job.id), job.kind, kFullPrecision - job.precision, page);
 }
 
 }  // namespace latent::sampledb

@@ -2,23 +2,22 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
+
+#include "base/simd_dispatch.h"
 
 namespace latent::color {
 
 template <class Function>
 void with_every_simd_target(const Function& function) {
     int tried = 0;
-    for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1) {
+    for (std::int64_t rest = simd_targets() & HWY_TARGETS; rest != 0; rest &= rest - 1) {
         const std::int64_t target = rest & -rest;
         SCOPED_TRACE(hwy::TargetName(target));
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        use_simd_targets(target);
         function();
-        hwy::SetSupportedTargetsForTest(0);
         ++tried;
     }
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    use_simd_targets(simd_targets());
     EXPECT_GE(tried, 1);
 }
 

@@ -47,17 +47,19 @@ bool InterleaveRows(std::span<const float> x, const float* y, const float* z, fl
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include "base/simd_dispatch.h"
+
 namespace latent::develop {
 
-HWY_EXPORT(PlaceRows);
-HWY_EXPORT(InterleaveRows);
+LATENT_SIMD_EXPORT(PlaceRows);
+LATENT_SIMD_EXPORT(InterleaveRows);
 
 void place_rows(const FilmGrid::Place& place, std::span<const std::uint32_t> positions, std::uint32_t* places) {
-    HWY_DYNAMIC_DISPATCH(PlaceRows)(place, positions, places);
+    LATENT_SIMD_CALL(PlaceRows)(place, positions, places);
 }
 
 bool interleave_rows(std::span<const float> x, const float* y, const float* z, float share, float* rows) {
-    return HWY_DYNAMIC_DISPATCH(InterleaveRows)(x, y, z, share, rows);
+    return LATENT_SIMD_CALL(InterleaveRows)(x, y, z, share, rows);
 }
 
 }  // namespace latent::develop

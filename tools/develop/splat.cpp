@@ -281,15 +281,16 @@ HWY_AFTER_NAMESPACE();
 #include <utility>
 
 #include "base/simd.h"
+#include "base/simd_dispatch.h"
 
 namespace latent::develop {
 
-HWY_EXPORT(Splat);
-HWY_EXPORT(Choose);
+LATENT_SIMD_EXPORT(Splat);
+LATENT_SIMD_EXPORT(Choose);
 
 void splat(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
            std::span<const Segment> segments, double* window, std::size_t row_pixels) {
-    HWY_DYNAMIC_DISPATCH(Splat)(filter, entries, weights, records, segments, window, row_pixels);
+    LATENT_SIMD_CALL(Splat)(filter, entries, weights, records, segments, window, row_pixels);
 }
 
 void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights weights, const RecordColumns& records,
@@ -317,7 +318,7 @@ void splat_patch(const FilterKernel& filter, const EntryCounts& entries, Weights
     chosen.clear();
     for (const Segment& segment : segments) {
         for (std::uint32_t row = segment.first; row < segment.first + segment.count;) {
-            row = HWY_DYNAMIC_DISPATCH(Choose)(records, row, segment.first + segment.count, places, chosen, kAtOnce);
+            row = LATENT_SIMD_CALL(Choose)(records, row, segment.first + segment.count, places, chosen, kAtOnce);
             if (chosen.size() >= kAtOnce) flush();
         }
     }
@@ -330,10 +331,9 @@ constexpr std::pair<std::string_view, std::int64_t> kLevels[] = {
 }  // namespace
 
 std::vector<std::string_view> simd_levels() {
-    hwy::SetSupportedTargetsForTest(0);
     std::vector<std::string_view> levels;
     for (const auto& [name, target] : kLevels) {
-        if (hwy::SupportedTargets() & HWY_TARGETS & target) levels.push_back(name);
+        if (simd_targets() & HWY_TARGETS & target) levels.push_back(name);
     }
     return levels;
 }
@@ -342,8 +342,7 @@ Status set_simd_level(std::string_view level) {
     const Result<std::string_view> chosen = choose_simd(level, simd_levels(), "best");
     if (!chosen) return chosen.error();
     const auto* found = std::ranges::find(kLevels, *chosen, &std::pair<std::string_view, std::int64_t>::first);
-    if (found != std::end(kLevels)) hwy::SetSupportedTargetsForTest(found->second);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    use_simd_targets(found != std::end(kLevels) ? found->second : simd_targets());
     return {};
 }
 
