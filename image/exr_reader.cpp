@@ -5,10 +5,12 @@
 #include <openexr.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <span>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/file.h"
 #include "image/exr_channels.h"
 
@@ -132,8 +134,13 @@ Result<ExrReader> ExrReader::open(const std::filesystem::path& path, const ExrCh
     setup.error_handler_fn = keep_message;
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     if (const exr_result_t result = exr_start_read(&file->context, path.c_str(), &setup); result != EXR_ERR_SUCCESS) {
-        if (result == EXR_ERR_FILE_BAD_HEADER && !fault.ours)
-            return Error{ErrorCode::kForeign, path.string() + ": not an OpenEXR file"};
+        if (result == EXR_ERR_FILE_BAD_HEADER && !fault.ours) {
+            std::array<std::byte, 4> magic{};
+            const Result<std::size_t> got = file->file.read_some(0, magic);
+            if (!got || *got < magic.size() || load_le<std::uint32_t>(magic.data()) != 0x01312f76)
+                return Error{ErrorCode::kForeign, path.string() + ": not an OpenEXR file"};
+            return Error{ErrorCode::kTruncated, path.string() + ": its header is damaged or cut off; make the picture again"};
+        }
         return file->error(ErrorCode::kForeign, "not a readable OpenEXR file: ");
     }
     if (Status s = file->read_header(choice); !s) return s.error();

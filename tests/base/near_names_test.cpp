@@ -10,7 +10,9 @@ namespace {
 const std::vector<std::string> kNames = {"lamp", "sky", "sun", "street lamp", "canon_eos_5d", "canon_eos_5ds"};
 
 TEST(NearNames, AreFewLettersAwayNearestFirst) {
-    EXPECT_EQ(near_names("lmap", kNames), "");  // two of four letters
+    EXPECT_EQ(near_names("lmap", kNames), "lamp");
+    EXPECT_EQ(near_names("maps", kNames), "");  // two of four letters
+    EXPECT_EQ(near_names("canon_5d", kNames), "canon_eos_5d, canon_eos_5ds");
     EXPECT_EQ(near_names("lamps", kNames), "lamp");
     EXPECT_EQ(near_names("skyy", kNames), "sky");
     EXPECT_EQ(near_names("Canon EOS 5D", kNames), "canon_eos_5d, canon_eos_5ds");

@@ -181,6 +181,10 @@ TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {
     EXPECT_EQ(picture.status, 1);
     EXPECT_NE(picture.err.find("printed by latent-convert"), std::string::npos) << picture.err;
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"good.exr", "in.latent"}));
+    std::ofstream(out("scene.pbrt")) << "WorldBegin\n";
+    const Outcome scene = develop({out("scene.pbrt"), "-o", out("better.exr")});
+    EXPECT_EQ(scene.status, 1);
+    EXPECT_NE(scene.err.find("latent-render scene.pbrt -o scene.latent"), std::string::npos) << scene.err;
 }
 
 TEST_F(Tool, ObserversAreListedWithTheirSources) {

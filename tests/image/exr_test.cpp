@@ -256,6 +256,10 @@ TEST_F(ExrTest, WhatIsNotAnExrOrEndsEarlyIsNamed) {
             reader->read(kWindow, {plane.data(), plane.data(), plane.data()}, static_cast<std::size_t>(kWindow.width()), scratch);
         ASSERT_FALSE(status);
         EXPECT_NE(status.error().message.find(layout.name), std::string::npos) << status.error().message;
+        std::filesystem::resize_file(folder_ / layout.name, 20);
+        const Result<ExrReader> cut = ExrReader::open(folder_ / layout.name);
+        ASSERT_FALSE(cut);
+        EXPECT_EQ(cut.error().code, ErrorCode::kTruncated) << cut.error().message;
     }
 }
 

@@ -29,11 +29,14 @@ Result<Profile> open_profile(const std::string& path, Bytes* bytes) {
         std::uint32_t size = 0;
         for (std::size_t i = 0; i < 4; ++i) size = size << 8 | static_cast<unsigned char>((*text)[i]);
         if (text->size() > 128 && text->substr(36, 4) == "acsp" && size > text->size())
-            return Error{ErrorCode::kTruncated, fmt::format("{}: is cut off after {} of {} bytes", path, text->size(), size)};
+            return Error{ErrorCode::kTruncated,
+                         fmt::format("{}: is cut off after {} of {} bytes; copy it again", path, text->size(), size)};
     }
     cmsSetLogErrorHandler(nullptr);
     Profile profile(cmsOpenProfileFromMem(text->data(), static_cast<cmsUInt32Number>(text->size())));
-    if (!profile) return Error{ErrorCode::kForeign, path + ": is not an ICC profile"};
+    if (!profile)
+        return Error{ErrorCode::kForeign,
+                     path + ": is not an ICC profile; name an .icc or .icm file, or srgb, display-p3, rec2020 or adobe-rgb"};
     const cmsColorSpaceSignature space = cmsGetColorSpace(profile.get());
     if (space != cmsSigRgbData && space != cmsSigCmykData)
         return Error{ErrorCode::kUnsupported, path + ": is neither an RGB nor a CMYK profile; others are not supported"};

@@ -90,6 +90,9 @@ Result<Source> open_source(const ConvertOptions& options) {
         return Error{ErrorCode::kForeign,
                      fmt::format("{}: holds samples, not pixels; develop it first: latent-develop {} -o {}", options.input.string(),
                                  options.input.filename().string(), options.input.stem().string() + ".exr")};
+    if (!reader && reader.error().code == ErrorCode::kForeign && reader.error().message.ends_with("not an OpenEXR file"))
+        return Error{ErrorCode::kForeign,
+                     reader.error().message + "; latent-convert prints EXR pictures, such as latent-develop writes"};
     if (!reader) return reader.error();
     const image::ExrImage& image = reader->image();
     if (!options.observer.empty() && image.emitted_nm.empty())

@@ -251,11 +251,16 @@ class NoPicture final : public PictureSink {
     Status finish() override { return {}; }
 };
 
-// A developed picture among the inputs, which is what people confuse with samples.
+// A developed picture or a scene among the inputs, which is what people confuse with samples.
 Error with_advice(Error error, const std::vector<std::filesystem::path>& inputs) {
     for (const std::filesystem::path& input : inputs) {
-        if (error.code == ErrorCode::kForeign && input.extension() == ".exr" && error.message.starts_with(input.string() + ":"))
+        if (error.code != ErrorCode::kForeign || !error.message.starts_with(input.string() + ":")) continue;
+        const std::string extension = input.extension().string(), name = input.filename().string();
+        if (extension == ".exr") {
             error.message += "; a picture is printed by latent-convert";
+        } else if (extension == ".pbrt" || extension == ".gltf" || extension == ".glb" || extension == ".obj") {
+            error.message += fmt::format("; render the scene first: latent-render {} -o {}.latent", name, input.stem().string());
+        }
     }
     return error;
 }
