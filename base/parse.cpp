@@ -68,7 +68,7 @@ std::optional<std::uint64_t> parse_whole(std::string_view text, std::uint64_t ki
 
 Result<std::uint64_t> parse_count(std::string_view text) {
     if (const auto value = parse_whole(text, 1000)) return *value;
-    return wrong(text, "a whole number (try 1000000, 1.5M or 64Ki)");
+    return wrong(text, "a count (try 1000000, 1.5M or 64Ki)");
 }
 
 Result<std::uint64_t> parse_size(std::string_view text) {

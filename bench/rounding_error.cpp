@@ -33,6 +33,7 @@ int give_up(const std::string& why) {
 
 // Y of every camera record, as made and as rounded.
 struct Samples {
+    JobId job;
     std::vector<std::uint32_t> u, v;
     std::vector<float> share;
     std::vector<double> y;
@@ -61,7 +62,10 @@ Result<Samples> read(const char* name) {
     if (!opened) return opened.error();
     const Gathering& gathering = **opened;
     Job job = gathering.job();
+    if (job.precision != kFullPrecision)
+        return Error{ErrorCode::kUsage, fmt::format("{}: values of {} bits; render with --precision 23", name, job.precision)};
     Samples samples;
+    samples.job = job.id;
     PageDecoder decoder;
     Page page;
     for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
@@ -116,6 +120,7 @@ Picture develop(const Samples& samples, std::size_t side) {
 int compare_with_noise(const char* a_name, const char* b_name) {
     const Result<Samples> a = read(a_name), b = read(b_name);
     if (!a || !b) return give_up((a ? b : a).error().message);
+    if (a->job == b->job) return give_up("both files are of one job; render the other with another --seed");
     fmt::print("{}, {}: {} and {} records\n", a_name, b_name, a->y.size(), b->y.size());
     fmt::print("error of Y over mean Y, root mean square over the film, and rounding / noise in parts of it with noise of 0.9 %\n");
     fmt::print("{:>7} {:>4} {:>10} {:>10} {:>8} {:>8}\n", "samples", "bits", "noise", "rounding", "median", "largest");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string>
 
 #include "python/failure.h"
 
@@ -9,18 +10,31 @@ namespace py = pybind11;
 
 namespace latent::python {
 
+namespace {
+
+template <class T>
+T field(const py::dict& given, const char* name) {
+    try {
+        return given[name].cast<T>();
+    } catch (const py::cast_error&) {
+        throw py::value_error(std::string(name) + ": not a number of its range");
+    }
+}
+
+}  // namespace
+
 Writer::Writer(const std::string& path, const py::dict& given, Range samples, double checkpoint_seconds,
                const std::string& provenance, bool replace) {
     job_.size = sizeof job_;
-    job_.id_low = given["id_low"].cast<std::uint64_t>(), job_.id_high = given["id_high"].cast<std::uint64_t>();
-    job_.aspect_width = given["aspect_width"].cast<std::uint32_t>(),
-    job_.aspect_height = given["aspect_height"].cast<std::uint32_t>();
-    job_.kind = given["spectral"].cast<bool>() ? LATENT_SPECTRAL : LATENT_XYZ;
-    job_.batch = given["wavelengths"].cast<std::uint32_t>();
-    job_.light_unit = given["light_unit"].cast<double>();
-    job_.light_paths_per_sample = given["light_paths_per_sample"].cast<std::uint32_t>();
-    job_.precision = given["precision"].cast<std::uint32_t>();
-    job_.run_samples = given["run_samples"].cast<std::uint32_t>();
+    job_.id_low = field<std::uint64_t>(given, "id_low"), job_.id_high = field<std::uint64_t>(given, "id_high");
+    job_.aspect_width = field<std::uint32_t>(given, "aspect_width"),
+    job_.aspect_height = field<std::uint32_t>(given, "aspect_height");
+    job_.kind = field<bool>(given, "spectral") ? LATENT_SPECTRAL : LATENT_XYZ;
+    job_.batch = field<std::uint32_t>(given, "wavelengths");
+    job_.light_unit = field<double>(given, "light_unit");
+    job_.light_paths_per_sample = field<std::uint32_t>(given, "light_paths_per_sample");
+    job_.precision = field<std::uint32_t>(given, "precision");
+    job_.run_samples = field<std::uint32_t>(given, "run_samples");
     for (const auto& [name, type] : given["extra"].cast<py::dict>()) {
         const auto known = std::find(std::next(std::begin(kTypes)), std::end(kTypes), type.cast<std::string>());
         if (known == std::end(kTypes)) throw py::value_error("the type of an extra column is u1, u2, u4, u8, f4 or f8");

@@ -18,8 +18,6 @@ constexpr std::uint64_t kRunTargetBytes = std::uint64_t{64} << 20;
 
 Error refuse(std::string what) { return {ErrorCode::kOutOfRange, "job: " + std::move(what)}; }
 
-Error differs(std::string_view field) { return {ErrorCode::kMismatch, fmt::format("another job: {} differs", field)}; }
-
 }  // namespace
 
 Status Job::validate() const {
@@ -58,22 +56,29 @@ Status Job::validate() const {
     return {};
 }
 
-Status same_job(const Job& a, const Job& b) {
-    if (a.id != b.id)
-        return Error{ErrorCode::kMismatch, fmt::format("another job: its id is {}, not {}", to_hex(a.id), to_hex(b.id))};
-    if (a.aspect_width != b.aspect_width || a.aspect_height != b.aspect_height) return differs("the film aspect");
-    if (a.kind != b.kind) return differs("the record kind");
-    if (a.batch != b.batch) return differs("the number of wavelengths");
-    if (!(a.density == b.density)) return differs("the wavelength density");
+std::string_view differing_field(const Job& a, const Job& b) {
+    if (a.aspect_width != b.aspect_width || a.aspect_height != b.aspect_height) return "the film aspect";
+    if (a.kind != b.kind) return "the record kind";
+    if (a.batch != b.batch) return "the number of wavelengths";
+    if (!(a.density == b.density)) return "the wavelength density";
     if (std::bit_cast<std::uint64_t>(a.light_unit_cd_m2) != std::bit_cast<std::uint64_t>(b.light_unit_cd_m2))
-        return differs("the light unit");
-    if (a.light_paths_per_sample != b.light_paths_per_sample) return differs("the number of light paths per sample");
-    if (a.run_samples != b.run_samples) return differs("the number of samples per run");
-    if (a.run_bytes != b.run_bytes) return differs("the cap of a run's bytes");
-    if (a.precision != b.precision) return differs("the precision of values");
-    if (!(a.positions == b.positions)) return differs("the position sampler");
-    if (a.extra != b.extra) return differs("the list of extra columns");
-    return {};
+        return "the light unit";
+    if (a.light_paths_per_sample != b.light_paths_per_sample) return "the number of light paths per sample";
+    if (a.run_samples != b.run_samples) return "the number of samples per run";
+    if (a.run_bytes != b.run_bytes) return "the cap of a run's bytes";
+    if (a.precision != b.precision) return "the precision of values";
+    if (!(a.positions == b.positions)) return "the position sampler";
+    if (a.extra != b.extra) return "the list of extra columns";
+    return "";
+}
+
+Status same_job(const Job& a, const Job& b) {
+    const std::string_view field = differing_field(a, b);
+    if (a.id == b.id && field.empty()) return {};
+    std::string what = "another job: ";
+    if (a.id != b.id) what += fmt::format("its id is {}, not {}{}", to_hex(a.id), to_hex(b.id), field.empty() ? "" : ", and ");
+    if (!field.empty()) what += fmt::format("{} differs", field);
+    return Error{ErrorCode::kMismatch, std::move(what)};
 }
 
 std::uint32_t default_run_samples(std::uint64_t bytes_per_sample) {

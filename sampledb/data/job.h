@@ -43,6 +43,9 @@ struct Job {
     Status validate() const;
 };
 
+// The first field, other than the id, that differs, in words; empty: none.
+std::string_view differing_field(const Job& a, const Job& b);
+
 // Two headers describe the same job: equal in every field. Errors: kMismatch, naming the first field that differs.
 Status same_job(const Job& a, const Job& b);
 

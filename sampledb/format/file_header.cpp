@@ -87,10 +87,10 @@ Result<FileHeader> decode_job(ByteSpan body, std::uint16_t minor, std::uint64_t 
         if (!density) return corrupt(density.error().message);
         job.density = std::move(*density);
     }
-    if ((features | kFooterFeature) != features_of(job)) return corrupt("a header whose features contradict its fields");
     if (Status s = job.validate(); !s) {
         return Error{s.error().code == ErrorCode::kUnsupported ? ErrorCode::kUnsupported : ErrorCode::kCorrupt, s.error().message};
     }
+    if ((features | kFooterFeature) != features_of(job)) return corrupt("a header whose features contradict its fields");
     return header;
 }
 

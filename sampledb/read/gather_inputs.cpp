@@ -67,7 +67,7 @@ class InputReader {
     const GatherOptions& options_;
     RecentCache<ByteSource>& sources_;
     GatheredInputs found_;
-    std::map<JobId, std::string> jobs_;  // job -> a file of it
+    std::map<JobId, std::pair<std::string, Job>> jobs_;  // a file of each
     std::map<JobId, std::string> jobs_not_taken_;
     std::map<std::pair<std::string, std::uint64_t>, std::string> damaged_;  // file, offset -> why
     std::vector<bool> must_not_repeat_;                                     // which of the files
@@ -131,7 +131,7 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
         found_.report.notes.push_back(fmt::format("{}: belongs to job {}, skipped", name, to_hex(id)));
         return {};
     }
-    jobs_.emplace(id, name);
+    jobs_.try_emplace(id, name, file.header.job);
     if (jobs_.size() > 1) return {};  // refused once all jobs are known
     if (found_.files.empty()) {
         found_.job = std::move(file.header.job);
@@ -203,10 +203,12 @@ void InputReader::report_state(const InputFile& input, const FileContents& file)
 
 Status InputReader::check_jobs() const {
     if (jobs_.size() < 2) return {};
-    const auto [a, a_file] = *jobs_.begin();
-    const auto [b, b_file] = *std::next(jobs_.begin());
-    return Error{ErrorCode::kMismatch, fmt::format("{} and {} belong to different jobs ({} and {}); choose one with --job", a_file,
-                                                   b_file, to_hex(a), to_hex(b))};
+    const auto& [a_file, a] = jobs_.begin()->second;
+    const auto& [b_file, b] = std::next(jobs_.begin())->second;
+    const std::string_view field = differing_field(a, b);
+    return Error{ErrorCode::kMismatch,
+                 fmt::format("{} and {} belong to different jobs ({} and {}{}); choose one with --job", a_file, b_file,
+                             to_hex(a.id), to_hex(b.id), field.empty() ? "" : fmt::format("; {} differs", field))};
 }
 
 // Finished files that the user named must not hold a sample twice.

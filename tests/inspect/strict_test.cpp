@@ -328,6 +328,25 @@ TEST_F(Strict, FieldsWithoutMeaningAreZero) {
         "column share: base is 0x13f800000", "zero above its 4 low bytes");
 }
 
+// Those transforms shift values by the bits that the precision leaves out.
+TEST_F(Strict, BitsOfATransformAreThoseOfThePrecision) {
+    const auto stepped = [](std::uint8_t bits) {
+        return [bits](Columns& c) { c[4].transform = Transform::kSteppedCross, c[4].bits = bits; };
+    };
+    std::vector<Row> rows = diagonal(10);
+    for (Row& row : rows) row.y = 0;
+    for (const auto& [precision, bits, mistakes] : {std::tuple{9, 14, 0u}, {9, 13, 1u}, {23, 5, 1u}}) {
+        SCOPED_TRACE(precision);
+        job_.precision = static_cast<std::uint8_t>(precision);
+        TestPage page{.rows = rows};
+        page.spoil = stepped(static_cast<std::uint8_t>(bits));
+        const Violations found = violations_of(write_pages({page}));
+        ASSERT_EQ(found.count(), mistakes);
+        if (mistakes == 0) continue;
+        EXPECT_NE(found.listed().front().what.find("column x: transform 8 with"), std::string::npos) << found.listed().front().what;
+    }
+}
+
 TEST_F(Strict, PaddingIsZero) {
     const auto packed = [](std::byte last) {
         return [last](Columns& c) {

@@ -56,6 +56,10 @@ class PageCheck {
         const bool stepped = entry.transform >= Transform::kSteppedCross && entry.transform <= Transform::kPackedDelta2;
         if (!packed && !stepped && entry.bits != 0)
             wrong(entry, "", fmt::format("bits is {}", entry.bits), "0, unless the transform is 1, 2 or 8 to 11");
+        if (stepped && (job_.precision == kFullPrecision || entry.bits != kFullPrecision - job_.precision))
+            wrong(entry, "", fmt::format("transform {} with {} bits", static_cast<int>(entry.transform), entry.bits),
+                  fmt::format("none of transforms 8 to 11 with a precision of 23 bits, else 23 less the precision, which is {}",
+                              job_.precision));
         if (!packed && entry.base != 0)
             wrong(entry, "", fmt::format("base is {:#x}", entry.base), "0, unless the transform is 1 or 2");
         if (entry.transform != Transform::kLattice && entry.lattice_bits != 0)
