@@ -19,7 +19,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     auto* samples = cli::add_parsed(app, "--samples", line.settings.samples, parse_samples, "samples A to B-1, instead of --spp")
                         ->excludes(spp)
                         ->type_name("A:B");
-    app.add_option("--more-than", line.settings.more_than, "files to continue: only the samples of --spp after theirs are rendered")
+    app.add_option("--more-than", line.settings.more_than,
+                   "files or folders to continue: only the samples of --spp after theirs are rendered")
         ->excludes(samples)
         ->type_name("FILE...");
     cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");

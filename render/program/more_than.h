@@ -10,9 +10,10 @@
 
 namespace latent::render {
 
-// The number after the last sample of `files`. The output itself may be among them, and does not count: a command that is run again
-// begins where it began. Errors: kMismatch (another job), kUsage (a folder), and those of reading a file.
-Result<std::uint64_t> end_of_samples(const std::vector<std::filesystem::path>& files, const std::filesystem::path& output,
+// The number after the last sample of `inputs`: files, folders and patterns; in the latter two, what is not of the job is skipped.
+// The output itself and its attempts may be among them, and do not count: a command that is run again begins where it began.
+// Errors: kMismatch (another job), and those of finding and reading a file.
+Result<std::uint64_t> end_of_samples(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                                      const sampledb::Job& job);
 
 }  // namespace latent::render

@@ -317,6 +317,17 @@ TEST_F(Resume, MoreThanBeginsWhereOtherFilesEnd) {
     EXPECT_EQ(with(whole, {"--spp", "5", "--more-than", (folder_ / "none.latent").string()}).status, 1);
     EXPECT_EQ(with(whole, {"--samples", "0:4096", "--more-than", first.string()}).status, 2);
     EXPECT_FALSE(std::filesystem::exists(whole));
+    // A folder and a pattern, with other things among the files, and an attempt at the output that ends after all of them.
+    std::ofstream(folder_ / "log") << "text";
+    ASSERT_EQ(with(folder_ / "other.latent", {"--spp", "9", "--seed", "3"}).status, 0);
+    ASSERT_EQ(with(whole, {"--samples", "30000:40000"}).status, 0);
+    std::filesystem::rename(whole, folder_ / "w.latent.part.0123456789abcdef");
+    for (const std::filesystem::path& input : {folder_.path(), folder_ / "*"}) {
+        const Outcome more = with(whole, {"--spp", "4", "--more-than", input.string()});
+        ASSERT_EQ(more.status, 0) << more.err;
+        EXPECT_THAT(more.out, HasSubstr("samples 30000:40000, nothing left to render"));
+        std::filesystem::rename(whole, folder_ / "w.latent.part.0123456789abcdef");
+    }
 }
 
 TEST_F(Resume, AnotherJobOrRangeUnderTheNameIsRefused) {
