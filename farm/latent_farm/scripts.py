@@ -13,11 +13,12 @@ case $k in '' | *[!0-9]*) echo "usage: $0 K    (K: 0 to {last})" >&2; exit 2 ;; 
 first=$((k * {length})) end=$(((k + 1) * {length}))
 [ "$first" -lt {samples} ] || {{ echo "$0: task $k: the last one is {last}" >&2; exit 2; }}
 [ "$end" -le {samples} ] || end={samples}
+case $0 in */*) folder=${{0%/*}} ;; *) folder=. ;; esac
 scene={scene}  # LATENT_SCENE names it where it has another path
 {program}
 exec "$program" "${{LATENT_SCENE:-$scene}}" {options} \\
     --samples "$first:$end" --threads "${{SLURM_CPUS_PER_TASK:-{cpus}}}" --checkpoint {checkpoint:g} \\
-    -o "$(dirname "$0")/parts/$(printf 'part-%05d' "$k").latent"
+    -o "$folder/parts/$(printf 'part-%05d' "$k").latent"
 """
 
 MERGE = """#!/bin/sh
