@@ -163,7 +163,8 @@ SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primi
 SurfaceCoordinates coordinates_at(const PlacedWorld& world, const SurfaceHit& hit) {
     const PlacedShape& placed = world.shape(hit.on);
     if (hit.on.instance == kNone) return coordinates_at(placed, hit.on.primitive, hit.on.uv, Vec3d(hit.p), hit.ns);
-    const PlacedInstance& instance = world.instance(hit.on);
+    std::optional<PlacedInstance> room;
+    const PlacedInstance& instance = world.instance(hit.on, room);
     const Affined& map = instance.world_from_object;
     const Vec3f ns(instance.object_from_world.normal(Vec3d(hit.ns)));
     SurfaceCoordinates c = coordinates_at(placed, hit.on.primitive, hit.on.uv, instance.object_from_world.point(Vec3d(hit.p)), ns);

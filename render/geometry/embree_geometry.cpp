@@ -21,20 +21,8 @@ PlacedShape place(const ShapeDescription& shape) {
     return placed;
 }
 
-// Embree takes the ray into the object with a float matrix: 8 half ulps of what is added up there, seen from the world.
-float instance_error_factor(const Affined& m) {
-    const auto norm = [](const Affined& a) { return max_abs(a.x) + max_abs(a.y) + max_abs(a.z); };
-    return static_cast<float>(0x1p-21 * norm(m) * norm(m.inverse().value()));
-}
-
-// Embree's own bound, 1.844e18, beyond which Debian's ends the program, as it does for what is not a number.
-bool is_traceable(const Ray& ray) {
-    const auto size = [](const Vec3f& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-    return size(ray.o) + size(ray.d) < 1.8e18f;
-}
-
 RTCRay embree_ray(const Ray& ray) {
-    return {ray.o.x, ray.o.y, ray.o.z, 0, ray.d.x, ray.d.y, ray.d.z, 0, ray.t_max, 0xFFFFFFFFu, 0, 0};
+    return {ray.o.x, ray.o.y, ray.o.z, 0, ray.d.x, ray.d.y, ray.d.z, ray.time, ray.t_max, 0xFFFFFFFFu, 0, 0};
 }
 
 }  // namespace
@@ -90,20 +78,7 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
         rtcCommitScene(self->object_scenes_.back().get());
     }
     self->scene_ = self->new_scene(self->world_.shapes);
-    for (const InstanceDescription& instance : description.instances) {
-        const Affined& m = instance.world_from_object;
-        const auto id = static_cast<unsigned>(self->world_.shapes.size() + self->world_.instances.size());
-        self->world_.instances.push_back(
-            {&self->world_.objects[instance.object], m, m.inverse().value(), instance_error_factor(m)});
-        RTCGeometry geometry = rtcNewGeometry(self->device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, self->object_scenes_[instance.object].get());
-        const Affinef f(m);
-        const float columns[12] = {f.x.x, f.x.y, f.x.z, f.y.x, f.y.y, f.y.z, f.z.x, f.z.y, f.z.z, f.t.x, f.t.y, f.t.z};
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(self->scene_.get(), geometry, id);
-        rtcReleaseGeometry(geometry);
-    }
+    self->add_instances(description);
     rtcCommitScene(self->scene_.get());
     if (self->fault_) {
         // Of a scene that it could not build, for want of threads say, Embree may still have tasks at work, and ends the program
@@ -112,6 +87,36 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
     }
     self->find_bounds();
     return self;
+}
+
+void EmbreeGeometry::add_instances(const SceneDescription& description) {
+    const auto attach = [&](RTCGeometry geometry, std::size_t number) {
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene_.get(), geometry, static_cast<unsigned>(world_.shapes.size() + number));
+        rtcReleaseGeometry(geometry);
+    };
+    for (const InstanceDescription& instance : description.instances) {
+        const std::vector<PlacedShape>& shapes = world_.objects[instance.object];
+        const Affined& m = instance.world_from_object;
+        if (instance.end) {
+            // Of its own place in the file, which the object's shapes are no longer counted from.
+            const Vec3d center = -description.objects[instance.object].origin;
+            world_.moving.push_back({&shapes, Motion(m, *instance.end, center)});
+            moving_.push_back({object_scenes_[instance.object].get()});
+            continue;
+        }
+        world_.instances.emplace_back(shapes, m);
+        RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, object_scenes_[instance.object].get());
+        const Affinef f(m);
+        const float columns[12] = {f.x.x, f.x.y, f.x.z, f.y.x, f.y.y, f.y.z, f.z.x, f.z.y, f.z.z, f.t.x, f.t.y, f.t.z};
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+        attach(geometry, world_.instances.size() - 1);
+    }
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+        moving_[i].instance = &world_.moving[i];
+        attach(new_geometry(device_.get(), moving_[i]), world_.instances.size() + i);
+    }
 }
 
 void EmbreeGeometry::find_bounds() {
@@ -135,7 +140,7 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect_whole(const Ray& ray, float&
 }
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<PassedSurface>* passed) const {
-    if (!is_traceable(ray)) return std::nullopt;
+    if (!is_traceable(ray.o, ray.d)) return std::nullopt;
     TraceContext context{.embree = {}, .world = &world_, .passed_each = passed};
     rtcInitIntersectContext(&context.embree);
     RTCRayHit rayhit{embree_ray(ray), {}};
@@ -146,9 +151,10 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<
     if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
     const Vec3d p = Vec3d(ray.o) + Vec3d(ray.d) * rayhit.ray.tfar;
-    const PrimitivePoint on{found.instID[0], found.geomID, found.primID, {found.u, found.v}};
+    const PrimitivePoint on{found.instID[0], found.geomID, found.primID, {found.u, found.v}, ray.time};
+    std::optional<PlacedInstance> room;
     std::optional<SurfaceHit> hit =
-        surface_at(world_, on, on.instance == kNone ? p : world_.instance(on).object_from_world.point(p));
+        surface_at(world_, on, on.instance == kNone ? p : world_.instance(on, room).object_from_world.point(p));
     hit->t = rayhit.ray.tfar;
     return hit;
 }
@@ -156,7 +162,7 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<
 SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { return coordinates_at(world_, hit); }
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {
-    if (!is_traceable(ray)) return true;
+    if (!is_traceable(ray.o, ray.d)) return true;
     TraceContext context{.embree = {}, .world = &world_};
     rtcInitIntersectContext(&context.embree);
     RTCRay shadow = embree_ray(ray);
@@ -165,7 +171,7 @@ bool EmbreeGeometry::occluded(const Ray& ray) const {
 }
 
 float EmbreeGeometry::passed(const Ray& ray) const {
-    if (!is_traceable(ray)) return 0;
+    if (!is_traceable(ray.o, ray.d)) return 0;
     float passed = 1;
     TraceContext context{.embree = {}, .world = &world_, .passed = &passed};
     rtcInitIntersectContext(&context.embree);

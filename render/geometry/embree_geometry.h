@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/first_error.h"
+#include "render/geometry/embree_motion.h"
 #include "render/geometry/geometry.h"
 #include "render/geometry/placed_shape.h"
 
@@ -36,12 +37,15 @@ class EmbreeGeometry final : public Geometry {
     std::optional<SurfaceHit> intersect(const Ray& ray, std::vector<PassedSurface>* passed) const;
     static void keep_fault(void* self, RTCError code, const char* message);
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
+    // All of them; those that move come last.
+    void add_instances(const SceneDescription& scene);
     void find_bounds();
 
     FirstError fault_;  // of Embree, while building
     DeviceHandle device_;
     PlacedWorld world_;  // Embree's geomIDs are the indices of shapes in it
     std::vector<SceneHandle> object_scenes_;
+    std::vector<MovingGeometry> moving_;  // Embree points to them
     SceneHandle scene_;
 };
 

@@ -68,7 +68,8 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersec
     while (true) {
         const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
         if (!hit) return hit;
-        const PrimitivePoint on{context->instID[0], shape, primitive, {static_cast<float>(hit->u), static_cast<float>(hit->v)}};
+        const Vec2f uv{static_cast<float>(hit->u), static_cast<float>(hit->v)};
+        const PrimitivePoint on{context->instID[0], shape, primitive, uv, ray.time};
         if (!is_hole(trace_context(context), on, ray, hit->t)) return hit;
         ray.tnear = next_up(static_cast<float>(hit->t));
     }
@@ -106,7 +107,7 @@ void filter(const RTCFilterFunctionNArguments* args) {
     if (args->N != 1 || args->valid[0] == 0) return;
     const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
-    const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}};
+    const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}, ray.time};
     if (is_hole(trace_context(args->context), on, ray, ray.tfar)) args->valid[0] = 0;
 }
 

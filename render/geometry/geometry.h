@@ -18,7 +18,8 @@ namespace latent::render {
 // Which primitive a ray hit, and where: numbers of Geometry's own.
 struct PrimitivePoint {
     std::uint32_t instance, shape, primitive;
-    Vec2f uv;  // of the primitive
+    Vec2f uv;        // of the primitive
+    float time = 0;  // Ray's
 };
 
 // Everything about the surface at a hit; nothing depends on the side that the ray came from.

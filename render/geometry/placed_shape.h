@@ -1,10 +1,12 @@
 // render/geometry/placed_shape.h: the shapes and instances of a scene as rays meet them.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "render/geometry/exact_shapes.h"
 #include "render/geometry/geometry.h"
+#include "render/math/motion.h"
 
 namespace latent::render {
 
@@ -20,21 +22,36 @@ struct PlacedShape {
 };
 
 struct PlacedInstance {
+    PlacedInstance(const std::vector<PlacedShape>& shapes, const Affined& world_from_object);
+
     const std::vector<PlacedShape>* shapes;
     Affined world_from_object, object_from_world;
-    float error_factor;  // error of a point per its size, from Embree's float transformation of the ray
+    float error_factor;  // error of a point per its size, from the ray in the object's space, which is of floats
+};
+struct MovingInstance {
+    const std::vector<PlacedShape>* shapes;
+    Motion motion;  // of world_from_object
+
+    PlacedInstance at(float time) const { return {*shapes, motion.at(static_cast<double>(time))}; }
 };
 
 struct PlacedWorld {
     std::vector<PlacedShape> shapes{};                // of the world
     std::vector<std::vector<PlacedShape>> objects{};  // of each
     std::vector<PlacedInstance> instances{};          // their numbers follow those of the world's shapes
+    std::vector<MovingInstance> moving{};             // and then these
     const Opacity* opacity = nullptr;
 
     const PlacedShape& shape(const PrimitivePoint& on) const {
-        return on.instance == kNone ? shapes[on.shape] : (*instance(on).shapes)[on.shape];
+        if (on.instance == kNone) return shapes[on.shape];
+        const std::size_t i = on.instance - shapes.size();
+        return (*(i < instances.size() ? instances[i].shapes : moving[i - instances.size()].shapes))[on.shape];
     }
-    const PlacedInstance& instance(const PrimitivePoint& on) const { return instances[on.instance - shapes.size()]; }
+    // At the time of the point; made in `room` if it moves.
+    const PlacedInstance& instance(const PrimitivePoint& on, std::optional<PlacedInstance>& room) const {
+        const std::size_t i = on.instance - shapes.size();
+        return i < instances.size() ? instances[i] : room.emplace(moving[i - instances.size()].at(on.time));
+    }
 };
 
 inline PatchCorners patch_corners(const MeshDescription& mesh, std::uint32_t primitive) {

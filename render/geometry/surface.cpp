@@ -97,6 +97,13 @@ SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
 
 }  // namespace
 
+// 8 half ulps of what is added up in the object's space, seen from the world.
+PlacedInstance::PlacedInstance(const std::vector<PlacedShape>& of, const Affined& map)
+    : shapes(&of), world_from_object(map), object_from_world(map.inverse().value()) {
+    const auto norm = [](const Affined& a) { return max_abs(a.x) + max_abs(a.y) + max_abs(a.z); };
+    error_factor = static_cast<float>(0x1p-21 * norm(map) * norm(object_from_world));
+}
+
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p) {
     SurfaceHit hit = placed.shape.kind == ShapeKind::kTriangles  ? triangle(placed, primitive, uv)
                      : placed.shape.kind == ShapeKind::kBilinear ? patch(placed, primitive, uv)
@@ -122,7 +129,8 @@ SurfaceHit to_world(const SurfaceHit& hit, const PlacedInstance& instance) {
 
 SurfaceHit surface_at(const PlacedWorld& world, const PrimitivePoint& on, const Vec3d& local) {
     SurfaceHit hit = surface_at(world.shape(on), on.primitive, on.uv, local);
-    if (on.instance != kNone) hit = to_world(hit, world.instance(on));
+    std::optional<PlacedInstance> room;
+    if (on.instance != kNone) hit = to_world(hit, world.instance(on, room));
     hit.on = on;
     return hit;
 }

@@ -3,6 +3,7 @@
 // unless said otherwise.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -190,7 +191,8 @@ struct ObjectDescription {
 };
 struct InstanceDescription {
     std::uint32_t object = 0;
-    Affined world_from_object{};  // between the two origins
+    Affined world_from_object{};   // between the two origins
+    std::optional<Affined> end{};  // that it becomes at the end of its motion, about the point that was the object's origin
     SourceLocation location{};
 };
 
@@ -219,6 +221,9 @@ struct SceneDescription {
     std::vector<InstanceDescription> instances{};
 };
 
-inline bool has_motion(const SceneDescription& scene) { return scene.camera.end.has_value(); }
+inline bool has_motion(const SceneDescription& scene) {
+    const auto moves = [](const InstanceDescription& instance) { return instance.end.has_value(); };
+    return scene.camera.end.has_value() || std::any_of(scene.instances.begin(), scene.instances.end(), moves);
+}
 
 }  // namespace latent::render

@@ -189,9 +189,10 @@ void each_field(Of<ObjectDescription> auto& object, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<InstanceDescription> auto& instance, Visit&& visit) {
-    auto& [object, world_from_object, location] = instance;
+    auto& [object, world_from_object, end, location] = instance;
     visit.template index<ObjectDescription>(object);
     visit(world_from_object);
+    if (instance.end) visit(end);
     visit.label(location);
 }
 

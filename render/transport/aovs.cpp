@@ -78,7 +78,7 @@ Seen Aovs::look(SampleState& sample, double u, double v) const {
     SampledSpectrum passed(1.0f);  // of the light that comes by mirrors and glass
     bool dispersed = false;
     for (std::uint32_t i = 0;; ++i) {
-        March march(world_.geometry(), spawn_ray(at, d), kNone);
+        March march(world_.geometry(), spawn_ray(at, d).at_time(sample.time), kNone);
         while (march.meets_interface()) march.cross();
         if (!march.hit()) return seen;
         const SurfaceHit& hit = *march.hit();

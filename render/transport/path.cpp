@@ -40,7 +40,7 @@ class Path {
     // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
     bool find_vertex(Scattering& scattering) {
         transmittance_ = 1;
-        for (March march(world_.geometry(), spawn_ray(at_, d_), medium_);; march.cross()) {
+        for (March march(world_.geometry(), spawn_ray(at_, d_).at_time(sample_.time), medium_);; march.cross()) {
             const Segment& segment = march.segment();
             const std::optional<SurfaceHit>& hit = march.hit();
             medium_ = segment.medium;

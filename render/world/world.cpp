@@ -82,12 +82,12 @@ std::uint32_t World::find_medium_at_infinity() const {
 
 bool World::connect(const Interaction& from, const Interaction& to, std::uint32_t medium, SampleState& sample,
                     SampledSpectrum& value, LineOfSight& line) const {
-    return connect(spawn_ray(from, to), length(to.p - from.p), medium, sample, value, line);
+    return connect(spawn_ray(from, to).at_time(sample.time), length(to.p - from.p), medium, sample, value, line);
 }
 
 bool World::connect_infinite(const Interaction& from, const Vec3f& w, std::uint32_t medium, SampleState& sample,
                              SampledSpectrum& value, LineOfSight& line) const {
-    return connect(spawn_ray(from, w), kFar, medium, sample, value, line);
+    return connect(spawn_ray(from, w).at_time(sample.time), kFar, medium, sample, value, line);
 }
 
 bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,

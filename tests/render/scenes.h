@@ -47,8 +47,9 @@ inline SceneDescription in_world(SceneDescription scene) {
     if (scene.camera.end) scene.camera.end->t += scene.origin;
     for (LightDescription& light : scene.lights) light.world_from_light.t += scene.origin;
     for (InstanceDescription& instance : scene.instances) {
-        Affined& map = instance.world_from_object;
-        map.t = map.point(-scene.objects[instance.object].origin) + scene.origin;
+        const auto move = [&](Affined& map) { map.t = map.point(-scene.objects[instance.object].origin) + scene.origin; };
+        move(instance.world_from_object);
+        if (instance.end) move(*instance.end);
     }
     for (ObjectDescription& object : scene.objects) {
         put_back(object.shapes, object.origin);

@@ -142,7 +142,7 @@ const Way kWays[] = {{"all of it", "", "", -0.5, 0.5},
 
 // Counts in 32 columns of the film, beside the binomial distribution's expectations: chi-square of 32 degrees of freedom is above
 // 66 once in 2000 times, and well spread samples stay below.
-void expect_coverage(const Way& way, const Scene& scene) {
+void expect_coverage(const Way& way, const Scene& scene, bool shines = true) {
     constexpr int kColumns = 32;
     std::vector<Vec2f> film;
     const std::vector<double> y = samples_of(scene, kPathSettings, 100'000, &film);
@@ -152,7 +152,7 @@ void expect_coverage(const Way& way, const Scene& scene) {
         for (std::size_t n = 0; n < y.size(); ++n) {
             if (static_cast<int>(film[n].x * kColumns) != column || std::abs(film[n].y - 0.5f) >= 0.12f) continue;
             ++in_rows;
-            seen += y[n] > 0 ? 1 : 0;
+            seen += (y[n] > 0) == shines ? 1 : 0;
         }
         double p = 0;
         for (int i = 0; i < 200; ++i) {
@@ -269,6 +269,191 @@ TEST(CameraMotion, AMomentIsAPictureFromThere) {
         for (std::size_t n = 0; n < a.size(); ++n) others += std::abs(a[n] - b[n]) > 1e-3 * b[n] ? 1 : 0;
         EXPECT_LE(others, 10);
     }
+}
+
+// A black square before a white sky: as the shape itself, in two other kinds, and as an object that was modelled elsewhere.
+const std::string kSquare =
+    "Shape \"trianglemesh\" \"point3 P\" [-.25 -.25 0  .25 -.25 0  .25 .25 0  -.25 .25 0] \"integer indices\" [0 1 2 "
+    "0 2 3]\n";
+struct Shown {
+    const char* name;
+    std::string before, after;  // the directives that move it
+};
+const Shown kShown[] = {
+    {"mesh", "", kSquare},
+    {"patch", "", "Shape \"bilinearmesh\" \"point3 P\" [-.25 -.25 0  .25 -.25 .01  -.25 .25 0  .25 .25 0]\n"},
+    {"object", "ObjectBegin \"o\"\nTranslate 100 0 0\n" + kSquare + "ObjectEnd\n", "Translate -100 0 0\nObjectInstance \"o\"\n"},
+};
+std::string black_square(const Shown& shown, const Way& way, const std::string& move) {
+    return std::string(way.options) + "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\n" + kLook + kCamera +
+           way.camera + "\nWorldBegin\nLightSource \"infinite\"\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n" +
+           shown.before + move + shown.after;
+}
+const std::string kMove =
+    "ActiveTransform StartTime\nTranslate -.5 0 0\nActiveTransform EndTime\nTranslate .5 0 0\nActiveTransform All\n";
+
+TEST(ObjectMotion, ASquareCoversForTheShareOfTimeInWhichItIsThere) {
+    for (const Shown& shown : kShown) {
+        for (const Way& way : kWays) {
+            SCOPED_TRACE(std::string(shown.name) + ", " + way.name);
+            expect_coverage(way, scene_from(black_square(shown, way, kMove)), false);
+        }
+    }
+}
+
+TEST(ObjectMotion, ACameraThatPassesAnObjectSeesItPassTheOtherWay) {
+    const std::string sky = "LightSource \"infinite\"\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n";
+    const std::string lens = "Camera \"perspective\" \"float fov\" 50 \"float lensradius\" 0.05 \"float focaldistance\" 2\n";
+    const std::string to =
+        "ActiveTransform StartTime\nTranslate -.5 0 0\nActiveTransform EndTime\nTranslate .4 .2 .3\nActiveTransform All\n";
+    for (const Shown& shown : kShown) {
+        SCOPED_TRACE(shown.name);
+        const Scene object = scene_from(kLook + lens + "WorldBegin\n" + sky + shown.before + to + shown.after);
+        const Scene camera = scene_from(kLook + to + lens + "WorldBegin\n" + sky + shown.before + shown.after);
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            const IntegratorSettings settings{.kind = kind, .record = sampledb::RecordKind::kXyz, .seed = 3};
+            const std::vector<double> a = samples_of(object, settings, 20'000), b = samples_of(camera, settings, 20'000);
+            int unequal = 0, black = 0;
+            for (std::size_t n = 0; n < a.size(); ++n) {
+                unequal += (a[n] > 0) != (b[n] > 0) ? 1 : 0;
+                black += a[n] == 0 ? 1 : 0;
+            }
+            EXPECT_LE(unequal, 4);  // at an edge
+            EXPECT_GT(black, 500);
+        }
+    }
+}
+
+// Things of every kind; `map` puts each where it is. Maps are interpolated about the origin that a thing was modelled about, which
+// is outside of some.
+std::string things(const std::string& map, const std::string& ball, const std::string& alpha) {
+    return "Texture \"c\" \"spectrum\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4 \"rgb tex1\" [.2 .6 .3] \"rgb tex2\" "
+           "[.7 .1 "
+           ".1]\nTexture \"t\" \"float\" \"checkerboard\" \"float uscale\" 8 \"float vscale\" 8 \"float tex1\" 1 \"float tex2\" 0\n"
+           "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.2 .3 .4] \"rgb sigma_s\" [3 2 1]\n"
+           "ObjectBegin \"o\"\nMaterial \"diffuse\" \"texture reflectance\" \"c\"\nTranslate 0 .5 0\nShape \"cylinder\" \"float "
+           "radius\" .3 \"float zmin\" -.4 \"float zmax\" .4" +
+           alpha + "\nMaterial " + ball +
+           "\nTranslate 1 .2 -.2\nShape \"sphere\" \"float radius\" .4\nObjectEnd\nAttributeBegin\n" + map +
+           "ObjectInstance \"o\"\nMaterial \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [-.6 .1 .2  .6 .1 .1  0 1 .3] \"normal "
+           "N\" [0 "
+           ".3 -1 .3 0 -1 0 0 -1]\nMaterial \"conductor\" \"float roughness\" .3\nShape \"disk\" \"float radius\" .3 \"float "
+           "height\" "
+           "-.6\nMaterial \"interface\"\nMediumInterface \"fog\" \"\"\nShape \"sphere\" \"float radius\" .5\nAttributeEnd\n";
+}
+// Holes are not here: a hash of a place decides about them, so they would be others.
+std::string solid_things(const std::string& map) { return things(map, "\"dielectric\"", ""); }
+std::string holed_things(const std::string& map) {
+    return things(map, "\"conductor\" \"float roughness\" .4", " \"texture alpha\" \"t\"");
+}
+std::string room_before(const std::string& camera) {
+    return room_seen_by(
+        "LookAt 0 1.2 -3  0 .6 0  0 1 0\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" 0.1 \"float "
+        "focaldistance\" 3" +
+        camera + "\n");
+}
+const std::string kTumble =
+    "ActiveTransform StartTime\nTranslate -.2 .2 0\nActiveTransform EndTime\nTranslate .3 .5 -.2\nRotate 60 1 2 1\nScale 1.3 1.3 "
+    "1.3\nActiveTransform All\n";
+
+TEST(ObjectMotion, PathAndBdptMakeOnePicture) { expect_agreement(scene_from(room_before("") + holed_things(kTumble)), 16384); }
+
+TEST(ObjectMotion, CameraAndObjectsMayBothMove) {
+    expect_agreement(scene_from(room_seen_by(kDolly) + holed_things(kTumble)), 16384);
+}
+
+// What a tumble is at share s.
+std::string tumbled(double s) {
+    return fmt::format("Translate {0} {1} {2}\nRotate {3} 1 2 1\nScale {4} {4} {4}\n", -0.2 + 0.5 * s, 0.2 + 0.3 * s, -0.2 * s,
+                       60 * s, 1 + 0.3 * s);
+}
+
+TEST(ObjectMotion, AMomentIsTheSceneAsItThenIs) {
+    for (const double s : {0.25, 0.5, 0.9}) {
+        SCOPED_TRACE(s);
+        const Scene moment = scene_from(room_before(fmt::format(" \"float shutteropen\" {0} \"float shutterclose\" {0}", s)) +
+                                        solid_things(kTumble));
+        const Scene still = scene_from(room_before("") + solid_things(tumbled(s)));
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            const IntegratorSettings settings{.kind = kind, .max_depth = 0, .record = sampledb::RecordKind::kXyz, .seed = 1};
+            const std::vector<double> a = samples_of(moment, settings, 10'000), b = samples_of(still, settings, 10'000);
+            int others = 0;  // another way at an edge, or by a choice
+            for (std::size_t n = 0; n < a.size(); ++n) others += std::abs(a[n] - b[n]) > 1e-3 * b[n] ? 1 : 0;
+            EXPECT_LE(others, 30);
+        }
+    }
+}
+
+TEST(ObjectMotion, NoMotionIsTheStaticSceneToTheBit) {
+    const std::string same = "TransformBegin\n" + tumbled(0.3) +
+                             "CoordinateSystem \"there\"\nTransformEnd\nActiveTransform StartTime\n" + tumbled(0.3) +
+                             "ActiveTransform EndTime\n" + tumbled(0.3) + "ActiveTransform All\n";
+    const Scene still = scene_from(room_before("") + holed_things(tumbled(0.3))),
+                moved = scene_from(room_before(" \"float shutteropen\" 0.2 \"float shutterclose\" 1.2") + holed_things(same));
+    EXPECT_FALSE(has_motion(moved.description));
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        const IntegratorSettings settings{.kind = kind, .max_depth = 0, .record = sampledb::RecordKind::kXyz, .seed = 1};
+        EXPECT_EQ(samples_of(still, settings, 2000), samples_of(moved, settings, 2000));
+    }
+}
+
+// Long things that turn fast about a point far away are met at every time where they then are, and left without meeting them again.
+TEST(ObjectMotion, RaysMeetWhatTurnsWhereItThenIs) {
+    const auto stick = [](const std::string& map) {
+        return "WorldBegin\nLightSource \"infinite\"\nObjectBegin \"o\"\nTranslate 4 0 0\nShape \"bilinearmesh\" \"point3 P\" [1 "
+               "-.1 -1  3 "
+               "-.1 -1  1 .1 1  3 .3 1]\nObjectEnd\nObjectBegin \"b\"\nTranslate 4 0 0\nScale 3 .1 .2\nShape "
+               "\"sphere\"\nObjectEnd\n" +
+               map + "ObjectInstance \"o\"\nObjectInstance \"b\"\n";
+    };
+    const Scene moving =
+        scene_from(stick("ActiveTransform StartTime\nTranslate 3 0 0\nActiveTransform EndTime\nTranslate 3 1 0\nRotate "
+                         "170 1 0 2\nActiveTransform All\n"));
+    const auto turning = Geometry::build(moving.description, "sse4.2");
+    ASSERT_TRUE(turning);
+    Numbers number(11);
+    const auto vector = [&](float size) { return Vec3f(number() - 0.5f, number() - 0.5f, number() - 0.5f) * (2 * size); };
+    int hits = 0, unequal = 0, wrong_side = 0;
+    for (int i = 0; i < 40; ++i) {
+        const float time = number();
+        const double s = static_cast<double>(time);
+        const Scene there = scene_from(stick(fmt::format("Translate 3 {} 0\nRotate {} 1 0 2\n", s, 170 * s)));
+        const auto still = Geometry::build(there.description, "sse4.2");
+        ASSERT_TRUE(still);
+        const Vec3f shift(there.description.origin - moving.description.origin);
+        for (int j = 0; j < 500; ++j) {
+            // Towards a place near what has been turned.
+            const Vec3d place = there.description.instances[static_cast<std::size_t>(j % 2)].world_from_object.t;
+            const Vec3f o = Vec3f(place) + vector(12);
+            const Ray ray{o, normalize(Vec3f(place) + vector(1) - o), kInfinity, time};
+            const auto a = (*turning)->intersect({ray.o + shift, ray.d, kInfinity, time}), b = (*still)->intersect(ray);
+            if (a.has_value() != b.has_value() || (a && std::abs(a->t - b->t) > 1e-3f)) ++unequal;
+            if (!a) continue;
+            ++hits;
+            EXPECT_EQ((*turning)->occluded({ray.o + shift, ray.d, a->t * 1.001f, time}), true);
+            EXPECT_EQ((*turning)->passed({ray.o + shift, ray.d, a->t * 1.001f, time}), 0);
+            // Of the ellipsoid, whose outside is empty and whose inside has no way out.
+            if (moving.description.objects[moving.description.instances[a->on.instance].object].shapes[0].kind !=
+                ShapeKind::kSphere)
+                continue;
+            const auto out = (*turning)->intersect(spawn_ray(a->interaction(), a->ng).at_time(time));
+            const auto in = (*turning)->intersect(spawn_ray(a->interaction(), -a->ng).at_time(time));
+            wrong_side += (out && out->on.instance == a->on.instance) || !in ? 1 : 0;
+        }
+    }
+    EXPECT_GT(hits, 500);
+    EXPECT_LE(unequal, 3);  // at an edge
+    EXPECT_EQ(wrong_side, 0);
+}
+
+TEST(ObjectMotion, WhatCannotMoveIsRefused) {
+    const std::string move = "WorldBegin\nActiveTransform EndTime\nTranslate 1 0 0\nActiveTransform All\n";
+    EXPECT_NE(refusal(move + "AreaLightSource \"diffuse\"\nShape \"sphere\"").find("an area light cannot move"), std::string::npos);
+    EXPECT_NE(refusal(move + "ObjectBegin \"o\"\nShape \"sphere\"\nObjectEnd").find("inside ObjectBegin cannot move"),
+              std::string::npos);
+    EXPECT_NE(refusal(move + "Scale 0 1 1\nShape \"sphere\"").find("is singular"), std::string::npos);
+    EXPECT_NE(refusal("WorldBegin\nActiveTransform EndTime\nScale -1 1 1\nShape \"sphere\"").find("mirrored at only one"),
+              std::string::npos);
 }
 
 }  // namespace

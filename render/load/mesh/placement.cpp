@@ -1,5 +1,7 @@
 #include "render/load/mesh/placement.h"
 
+#include "render/math/motion.h"
+
 namespace latent::render {
 namespace {
 
@@ -49,7 +51,12 @@ Box box_about(const std::vector<LoadedShape>& shapes, const std::vector<Box>& of
               const std::vector<InstanceDescription>& instances) {
     Box world;
     for (const LoadedShape& shape : shapes) add(shape, world);
-    for (const InstanceDescription& instance : instances) add(instance.world_from_object, of_object[instance.object], world);
+    for (const InstanceDescription& instance : instances) {
+        add(instance.world_from_object, of_object[instance.object], world);
+        if (!instance.end) continue;
+        const Motion motion(instance.world_from_object, *instance.end);
+        for (int i = 1; i <= 16; ++i) add(motion.at(i / 16.0), of_object[instance.object], world);
+    }
     return world;
 }
 
@@ -83,8 +90,9 @@ void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>
         for (LoadedShape& shape : objects[i]) object.shapes.push_back(placed(std::move(shape), object.origin));
     }
     for (InstanceDescription& instance : scene.instances) {
-        Affined& map = instance.world_from_object;
-        map.t = map.point(scene.objects[instance.object].origin) - scene.origin;
+        const auto move = [&](Affined& map) { map.t = map.point(scene.objects[instance.object].origin) - scene.origin; };
+        move(instance.world_from_object);
+        if (instance.end) move(*instance.end);
     }
 }
 

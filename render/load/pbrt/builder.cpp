@@ -13,6 +13,15 @@
 
 namespace latent::render {
 
+namespace {
+
+// Of what is placed by the inverse of this.
+bool is_tiny(const Affined& object_from_world) {
+    return std::max({max_abs(object_from_world.x), max_abs(object_from_world.y), max_abs(object_from_world.z)}) > 1e15;
+}
+
+}  // namespace
+
 SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator)
     : scene_(scene),
       files_(files),
@@ -200,21 +209,52 @@ void SceneBuilder::add_area_light(const Directive& d) {
 void SceneBuilder::add_shape(const Directive& d) {
     const ParameterList parameters = list(d, "shape");
     const bool is_mesh = d.strings[0] != "sphere" && d.strings[0] != "disk" && d.strings[0] != "cylinder";
-    refuse_motion(d.where, "Shape: shapes cannot move");
-    if (!state_.ctm.start.inverse() && !is_mesh) {
+    const CurrentTransform& ctm = state_.ctm;
+    if (!ctm.moves() && !ctm.start.inverse() && !is_mesh) {
         return parameters.warn(fmt::format("Shape: the {} is left out, since its transformation is singular", d.strings[0]));
     }
     if (const Parameter* s = parameters.find("S", {"vector3"})) with_tangents_.emplace_back(state_.material, s->where);
-    for (LoadedShape& loaded :
-         read_shape(d.strings[0], parameters, state_.ctm.start, state_.reverse_orientation, textures_, files_)) {
+    // What moves is an object of its own.
+    std::vector<LoadedShape>& shapes = ctm.moves() ? moving_shapes(d.where) : object_ == kNone ? shapes_ : object_shapes_[object_];
+    const Affined map = ctm.moves() ? Affined{} : ctm.start;
+    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, map, state_.reverse_orientation, textures_, files_)) {
         ShapeDescription& shape = loaded.shape;
         shape.material = state_.material;
         shape.area_light = state_.area_light;
         shape.inside_medium = state_.inside_medium;
         shape.outside_medium = state_.outside_medium;
         if (object_ != kNone && shape.area_light != kNone) parameters.error("Shape: lights inside ObjectBegin are not supported");
-        (object_ == kNone ? shapes_ : object_shapes_[object_]).push_back(std::move(loaded));
+        if (shape.area_light != kNone) refuse_motion(d.where, "Shape: an area light cannot move");
+        shapes.push_back(std::move(loaded));
     }
+}
+
+std::vector<LoadedShape>& SceneBuilder::moving_shapes(const SourceLocation& where) {
+    if (object_ != kNone) {
+        refuse_motion(where, "Shape: a shape inside ObjectBegin cannot move (its ObjectInstance can)");
+        return object_shapes_[object_];
+    }
+    if (check_moving_instance(where)) {
+        const auto index = static_cast<std::uint32_t>(scene_.objects.size());
+        scene_.instances.push_back({index, state_.ctm.start, state_.ctm.end, where});
+    }
+    scene_.objects.emplace_back();
+    return object_shapes_.emplace_back();
+}
+
+bool SceneBuilder::check_moving_instance(const SourceLocation& where) {
+    const CurrentTransform& ctm = state_.ctm;
+    const std::optional<Affined> start = ctm.start.inverse(), end = ctm.end.inverse();
+    if (!start || !end) {
+        diagnostics_.error(where, "the transformation of what moves is singular");
+    } else if (ctm.start.swaps_handedness() != ctm.end.swaps_handedness()) {
+        diagnostics_.error(where, "what moves is mirrored at only one of StartTime and EndTime");
+    } else if (is_tiny(*start) || is_tiny(*end)) {
+        diagnostics_.error(where, "too small to be traced in single precision");
+    } else {
+        return true;
+    }
+    return false;
 }
 
 std::uint32_t SceneBuilder::object(const std::string& text, const SourceLocation& where) {
@@ -235,15 +275,16 @@ void SceneBuilder::begin_object(const Directive& d) {
 
 void SceneBuilder::add_instance(const Directive& d) {
     if (object_ != kNone) diagnostics_.error(d.where, "ObjectInstance: must not be inside ObjectBegin");
-    refuse_motion(d.where, "ObjectInstance: objects cannot move");
-    const std::optional<Affined> inverse = state_.ctm.start.inverse();
-    if (!inverse) {
-        object(d.strings[0], d.where);
-        return diagnostics_.warn(d.where, "ObjectInstance: left out, since its transformation is singular");
-    } else if (std::max({max_abs(inverse->x), max_abs(inverse->y), max_abs(inverse->z)}) > 1e15) {
-        diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
+    const std::uint32_t index = object(d.strings[0], d.where);
+    const CurrentTransform& ctm = state_.ctm;
+    if (ctm.moves()) {
+        if (check_moving_instance(d.where)) scene_.instances.push_back({index, ctm.start, ctm.end, d.where});
+        return;
     }
-    scene_.instances.push_back({object(d.strings[0], d.where), state_.ctm.start, d.where});
+    const std::optional<Affined> inverse = ctm.start.inverse();
+    if (!inverse) return diagnostics_.warn(d.where, "ObjectInstance: left out, since its transformation is singular");
+    if (is_tiny(*inverse)) diagnostics_.error(d.where, "ObjectInstance: too small to be traced in single precision");
+    scene_.instances.push_back({index, ctm.start, std::nullopt, d.where});
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {

@@ -63,6 +63,8 @@ class SceneBuilder {
     MediumDescription read_sum(const ParameterList& list);
     void add_area_light(const Directive& d);
     void add_shape(const Directive& d);
+    std::vector<LoadedShape>& moving_shapes(const SourceLocation& where);
+    bool check_moving_instance(const SourceLocation& where);  // false: refused
     void begin_object(const Directive& d);
     void add_instance(const Directive& d);
     std::uint32_t object(const std::string& text, const SourceLocation& where);

@@ -92,7 +92,7 @@ void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
 bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
     const bool from_infinity = !from_camera && i == 1 && step.parallel;
-    const Ray ray = from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d);
+    const Ray ray = (from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d)).at_time(sample_.time);
     LineOfSight line;
     for (March march(world_.geometry(), ray, step.medium);; march.cross()) {
         const Segment& segment = march.segment();
