@@ -42,6 +42,15 @@ TEST(Forecast, WhatDoesNotFitOnTheDiskIsNotBegun) {
     EXPECT_NE(s.error().message.find("--ignore-space"), std::string::npos) << s.error().message;
 }
 
+// A picture takes as long as its file to reach the disk, too.
+TEST(Forecast, OfWritingTakesTimeAndLeavesNothing) {
+    const testing::TemporaryFolder folder;
+    EXPECT_GT(seconds_to_write(1 << 20, folder.path()), 0);
+    EXPECT_EQ(seconds_to_write(0, folder.path()), 0);
+    EXPECT_EQ(seconds_to_write(1 << 20, folder / "missing"), 0);
+    EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
     const testing::TemporaryFolder folder;
     const auto at = [&](const char* name) { return (folder / name).string(); };
@@ -76,6 +85,15 @@ TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
     const testing::Outcome huge = run({"--size", "4M"});
     EXPECT_EQ(huge.status, 1);
     EXPECT_NE(huge.err.find("are free in"), std::string::npos) << huge.err;
+    // Nobody waits for what will not be begun.
+    const testing::Outcome never = run({"--size", "4M", "--dry-run"}), json = run({"--size", "4M", "--dry-run", "--json"});
+    EXPECT_EQ(never.status, 0) << never.err;
+    EXPECT_NE(never.out.find(": not enough"), std::string::npos) << never.out;
+    EXPECT_EQ(never.out.find("about"), std::string::npos) << never.out;
+    const auto forecast = nlohmann::json::parse(json.out);
+    EXPECT_FALSE(forecast["fits"]);
+    EXPECT_FALSE(forecast.contains("expected_seconds"));
+    EXPECT_GT(forecast["expected_bytes"], forecast["free_bytes"]);
 }
 
 }  // namespace

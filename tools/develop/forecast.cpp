@@ -3,16 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <random>
+#include <span>
+#include <vector>
 
 #include "base/file.h"
 #include "base/json.h"
 #include "base/size.h"
+#include "base/stopwatch.h"
 
 namespace latent::develop {
 
 std::string to_text(const Forecast& f) {
-    std::string text = fmt::format("{}: {} x {} pixels, about {}; {} of memory", f.output, f.width, f.height,
-                                   format_duration(f.seconds), format_size(std::min(f.memory, f.memory_for_all)));
+    std::string text = fmt::format("{}: {} x {} pixels", f.output, f.width, f.height);
+    if (f.seconds) text += fmt::format(", about {}", format_duration(*f.seconds));
+    text += fmt::format("; {} of memory", format_size(std::min(f.memory, f.memory_for_all)));
     if (f.memory < f.memory_for_all)
         text += fmt::format(" (--memory; with {}, all records would fit)", format_size(f.memory_for_all));
     text += fmt::format("; {} on disk", format_size(f.file_bytes));
@@ -25,12 +30,12 @@ std::string to_json(const Forecast& f) {
     nlohmann::json json = {{"output", f.output},
                            {"width", f.width},
                            {"height", f.height},
-                           {"expected_seconds", f.seconds},
                            {"expected_bytes", f.file_bytes},
                            {"expected_temporary_bytes", f.temporary_bytes},
                            {"memory", f.memory},
                            {"memory_for_all_records", f.memory_for_all},
                            {"fits", f.fits()}};
+    if (f.seconds) json["expected_seconds"] = *f.seconds;
     if (f.free_bytes) json["free_bytes"] = *f.free_bytes;
     return json_text(json) + "\n";
 }
@@ -50,6 +55,24 @@ Status check_space(const std::filesystem::path& output, bool replace, std::uint6
                  fmt::format("{}: needs about {}, but only {} are free in {}; free some space, or choose a smaller "
                              "--size or --crop; to start anyway, use --ignore-space",
                              output.string(), format_size(bytes), format_size(*free), folder_of(output).string())};
+}
+
+double seconds_to_write(std::uint64_t bytes, const std::filesystem::path& folder) {
+    constexpr double kSeconds = 1;
+    constexpr std::uint64_t kAtOnce = 8 << 20;
+    Result<File> file = File::create_unnamed(folder);
+    if (!file) return 0;
+    std::vector<std::byte> noise(std::min(bytes, kAtOnce));  // that no file system compresses
+    std::mt19937 random;
+    for (std::byte& byte : noise) byte = static_cast<std::byte>(random());
+    const Stopwatch stopwatch;
+    std::uint64_t written = 0;
+    while (written < bytes && stopwatch.seconds() < kSeconds) {
+        const std::uint64_t size = std::min(kAtOnce, bytes - written);
+        if (!file->write_all(written, std::span(noise).first(size)) || !file->sync_data()) return 0;
+        written += size;
+    }
+    return written == 0 ? 0 : stopwatch.seconds() * static_cast<double>(bytes) / static_cast<double>(written);
 }
 
 Result<double> seconds_for(std::size_t runs, double seconds, const Trial& trial) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "base/file.h"
@@ -120,8 +121,9 @@ std::uint64_t memory_for_all(const sampledb::Gathering& gathering, const Channel
 
 // What is asked for of some of the runs, or all.
 struct Share {
-    std::uint64_t available = 0;  // samples of all runs
-    bool publish = true;          // false: to see how long it takes
+    std::uint64_t available = 0;                              // samples of all runs
+    bool publish = true;                                      // false: to see how long it takes
+    std::function<Status(const PictureReport&)> before = {};  // asked before the work, if any
 };
 
 Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb::GatherOptions& gather,
@@ -210,6 +212,9 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     report.memory_for_all = memory_for_all(gathering, *channels);
     if (share.publish && !options.ignore_space && !options.output.empty()) {
         if (Status s = check_space(options.output, options.replace, report.file_bytes); !s) return s.error();
+    }
+    if (share.before) {
+        if (Status s = share.before(report); !s) return s.error();
     }
     if (Status s = sink.begin(exr_spec(options, report, job, *chosen, channels->layout()), waiting_for_mipmap); !s)
         return s.error();
@@ -340,23 +345,27 @@ Result<Forecast> forecast_picture(const PictureOptions& asked) {
     }
     NoPicture sink;
     Forecast forecast;
-    const Trial trial = [&](std::size_t count) -> Result<double> {
-        const Stopwatch stopwatch;
-        const Result<PictureReport> tried =
-            develop_runs(options, gather, first_of(all, order, count), {all.coverage().size(), false}, sink, {});
-        if (!tried) return tried.error();
-        forecast.width = tried->width, forecast.height = tried->height;
-        forecast.file_bytes = tried->file_bytes;
-        forecast.temporary_bytes = tried->counts.temporary_bytes;
-        forecast.memory_for_all = tried->memory_for_all * runs / count;
-        return stopwatch.seconds();
-    };
-    const Result<double> seconds = seconds_for(runs, kTrialSeconds, trial);
-    if (!seconds) return seconds.error();
-    forecast.seconds = *seconds;
     forecast.output = options.output.string();
     forecast.memory = options.memory;
     forecast.free_bytes = free_space(options.output, options.replace);
+    const auto before = [&](const PictureReport& expected) -> Status {
+        forecast.width = expected.width, forecast.height = expected.height;
+        forecast.file_bytes = expected.file_bytes;
+        forecast.memory_for_all = expected.memory_for_all * runs / expected.runs;
+        if (!forecast.fits() && !options.ignore_space) return Error{ErrorCode::kNoSpace, "does not fit"};
+        return {};
+    };
+    const Trial trial = [&](std::size_t count) -> Result<double> {
+        const Stopwatch stopwatch;
+        const Result<PictureReport> tried =
+            develop_runs(options, gather, first_of(all, order, count), {all.coverage().size(), false, before}, sink, {});
+        if (!tried) return tried.error();
+        forecast.temporary_bytes = tried->counts.temporary_bytes;
+        return stopwatch.seconds();
+    };
+    const Result<double> seconds = seconds_for(runs, kTrialSeconds, trial);
+    if (!seconds && !(seconds.error().code == ErrorCode::kNoSpace && !forecast.fits())) return seconds.error();
+    if (seconds) forecast.seconds = *seconds + seconds_to_write(forecast.file_bytes, folder_of(options.output));
     return forecast;
 }
 
