@@ -3,6 +3,7 @@
 namespace latent::render {
 
 bool Bsdf::connects(const Vec3f& world_a, const Vec3f& world_b, const Vec3f& a, const Vec3f& b) const {
+    if (fibre_) return true;
     const bool reflects = a.z * b.z > 0;
     return (reflects || transmits_) && reflects == (dot(world_a, ng_) * dot(world_b, ng_) > 0);
 }
@@ -14,7 +15,7 @@ SampledSpectrum Bsdf::albedo() const {
 
 void Bsdf::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     const Vec3f camera = frame_.to_local(w_camera), light = frame_.to_local(w_light);
-    if (delta_ || !connects(w_camera, w_light, camera, light)) {
+    if (delta_ || !connects(w_camera, w_light, camera, light) || !is_met_from(w_camera)) {
         value = SampledSpectrum(0.0f);
         return;
     }
@@ -23,7 +24,7 @@ void Bsdf::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSp
 }
 
 float Bsdf::pdf_omega(const Vec3f& world_wo, const Vec3f& world_wi) const {
-    if (delta_) return 0;
+    if (delta_ || !is_met_from(world_wo)) return 0;
     const Vec3f wo = frame_.to_local(world_wo), wi = frame_.to_local(world_wi);
     if (!connects(world_wo, world_wi, wo, wi)) return 0;
     return std::visit([&](const auto& closure) { return closure.pdf_omega(wo, wi); }, closure_);
@@ -32,7 +33,7 @@ float Bsdf::pdf_omega(const Vec3f& world_wo, const Vec3f& world_wi) const {
 bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out,
                   SampledSpectrum& beta) const {
     const Vec3f wo = frame_.to_local(world_wo);
-    if (wo.z == 0) return false;
+    if (wo.z == 0 && !fibre_) return false;
     if (weight_ != nullptr) beta *= *weight_;
     return std::visit(
         [&](const auto& closure) {
@@ -58,7 +59,9 @@ bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u
             if (!connects(world_wo, out.wi, wo, wi)) return false;
             out.pdf = closure.pdf_omega(wo, wi);
             if (!(out.pdf > 0)) return false;
-            out.pdf_reverse = closure.pdf_omega(wi, wo);
+            const bool comes_back = is_met_from(out.wi);
+            if (!from_camera && !comes_back) return false;  // seen from there, it is another point of the fibre that shines
+            out.pdf_reverse = comes_back ? closure.pdf_omega(wi, wo) : 0;
             closure.multiply_f_cos(from_camera ? wo : wi, from_camera ? wi : wo, beta);
             beta *= (from_camera ? 1 : abs_dot(out.wi, ng_) / abs_dot(world_wo, ng_)) / out.pdf;
             return true;

@@ -24,16 +24,21 @@ struct BsdfSample {
 // contributes f |w_light.ns| / |w_light.ng| between two geometry terms in ng [Veach97 5.3]. `multiply_f_cos` multiplies by
 // f |w_light.ns|: along a camera subpath that is all; along a light subpath the caller divides by |w_light.ng| and multiplies by
 // |w_camera.ng|. A surface reflects only on one side of ng and transmits only to the other: no light leaks through bumps [R06 9.8].
+// A fibre has no sides; it is seen where w_camera comes from outside.
 class Bsdf {
  public:
     // frame.z is the shading normal. Valid as long as the values that the closure points to.
     template <Closure C>
     Bsdf(const Frame& frame, const Vec3f& ng, const C& closure)
-        : frame_(frame), ng_(ng), delta_(closure.is_delta()), transmits_(C::kTransmits), closure_(closure) {}
+        : frame_(frame), ng_(ng), delta_(closure.is_delta()), transmits_(C::kTransmits), closure_(closure) {
+        if constexpr (std::is_same_v<C, Hair>) fibre_ = true, round_ = closure.is_round();
+    }
 
     // Multiplies f by `weight`, which must live as long. Directions are drawn as before.
     void weigh(const SampledSpectrum& weight) { weight_ = &weight; }
 
+    // Whether rays from w meet it at all: a round fibre is met from outside alone.
+    bool is_met_from(const Vec3f& w) const { return !round_ || dot(w, ng_) > 0; }
     // Directions come from a delta function: nothing can be connected to this vertex.
     bool is_delta() const { return delta_; }
     // The shading normal.
@@ -62,6 +67,7 @@ class Bsdf {
     Frame frame_;
     Vec3f ng_;
     bool delta_, transmits_;
+    bool fibre_ = false, round_ = false;
     const SampledSpectrum* weight_ = nullptr;
     AnyClosure closure_;
 };

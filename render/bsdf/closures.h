@@ -9,6 +9,7 @@
 #include "render/bsdf/dielectric.h"
 #include "render/bsdf/diffuse.h"
 #include "render/bsdf/diffuse_transmission.h"
+#include "render/bsdf/hair.h"
 #include "render/bsdf/metallic_roughness.h"
 #include "render/bsdf/phong.h"
 #include "render/bsdf/thin_dielectric.h"
@@ -18,15 +19,24 @@ namespace latent::render {
 template <Closure... C>
 using ClosureList = std::variant<C...>;
 
-using AnyClosure = ClosureList<  //
-    Diffuse,                     //
-    Phong,                       //
-    Conductor,                   //
-    Dielectric,                  //
-    ThinDielectric,              //
-    MetallicRoughness,           //
-    DiffuseTransmission,         //
-    CoatedDiffuse,               //
+// Of surfaces, which light meets and leaves on sides.
+using SurfaceClosure = ClosureList<  //
+    Diffuse,                         //
+    Phong,                           //
+    Conductor,                       //
+    Dielectric,                      //
+    ThinDielectric,                  //
+    MetallicRoughness,               //
+    DiffuseTransmission,             //
+    CoatedDiffuse,                   //
     CoatedConductor>;
+
+template <class List, class... More>
+struct Longer;
+template <class... C, class... More>
+struct Longer<ClosureList<C...>, More...> {
+    using List = ClosureList<C..., More...>;
+};
+using AnyClosure = Longer<SurfaceClosure, Hair>::List;
 
 }  // namespace latent::render

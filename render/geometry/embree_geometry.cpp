@@ -6,14 +6,16 @@
 #include "render/geometry/embree_shapes.h"
 #include "render/geometry/emitters.h"
 #include "render/geometry/surface.h"
+#include "render/scene/hair.h"
 #include "render/scene/quadric.h"
 
 namespace latent::render {
 
 namespace {
 
-PlacedShape place(const ShapeDescription& shape) {
+PlacedShape place(const ShapeDescription& shape, const std::vector<MaterialDescription>& materials) {
     PlacedShape placed{.shape = shape, .from_world = shape.to_world.inverse().value()};
+    placed.hollow = !shape.ribbon && is_hair(materials, shape.material);
     placed.part.phi_max = phi_max(shape);
     const bool ball = shape.kind == ShapeKind::kSphere, tube = shape.kind == ShapeKind::kCylinder;
     if (tube || (ball && shape.z_min > -shape.radius)) placed.part.z_min = shape.z_min;
@@ -64,14 +66,14 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
         return Error{ErrorCode::kNoMemory, "out of memory"};
     if (!self->device_) return Error{ErrorCode::kUnsupported, fmt::format("Embree does not run with isa={}", simd)};
     rtcSetDeviceErrorFunction(self->device_.get(), keep_fault, self.get());
-    for (const ShapeDescription& shape : description.shapes) self->world_.shapes.push_back(place(shape));
+    for (const ShapeDescription& shape : description.shapes) self->world_.shapes.push_back(place(shape, description.materials));
     Result<std::vector<Emitter>> emitters = find_emitters(self->world_.shapes);
     if (!emitters) return emitters.error();
     self->emitters_ = std::move(*emitters);
 
     for (const ObjectDescription& object : description.objects) {
         std::vector<PlacedShape>& shapes = self->world_.objects.emplace_back();
-        for (const ShapeDescription& shape : object.shapes) shapes.push_back(place(shape));
+        for (const ShapeDescription& shape : object.shapes) shapes.push_back(place(shape, description.materials));
     }
     for (std::vector<PlacedShape>& shapes : self->world_.objects) {
         self->object_scenes_.push_back(self->new_scene(shapes));

@@ -18,7 +18,10 @@ Vec3d point_on(const RTCRay& ray, double t) { return Vec3d(ray.org_x, ray.org_y,
 // Whether the ray passes the surface at t (`ray`: in the space of its object) through a hole.
 bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay& ray, double t) {
     const PlacedWorld& world = *context.world;
-    const FloatInput& alpha = world.shape(on).shape.alpha;
+    const PlacedShape& placed = world.shape(on);
+    if (placed.hollow && dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0) return true;
+    const FloatInput& alpha = placed.shape.alpha;
+    if (!alpha.is_textured() && alpha.value >= 1) return false;
     if (alpha.is_textured() && world.opacity == nullptr) return false;
     const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
     const float share = alpha.is_textured() ? world.opacity->at(alpha, hit, coordinates_at(world, hit)) : alpha.value;

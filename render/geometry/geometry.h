@@ -34,6 +34,8 @@ struct SurfaceHit {
     std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
     std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
+    bool ribbon;                                  // ShapeDescription::ribbon
+    float across;                                 // of it, if it was asked for: -1 to 1 along ns x dpdu
     PrimitivePoint on;
 
     Interaction interaction() const { return {p, error, ng, error_per_length}; }

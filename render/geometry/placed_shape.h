@@ -17,7 +17,9 @@ struct PlacedShape {
     QuadricPart part{};                   // of them
     std::uint32_t first_emitter = kNone;  // of its primitives
 
-    bool is_whole() const { return !shape.alpha.is_textured() && shape.alpha.value >= 1; }
+    bool hollow = false;  // rays pass it from inside
+
+    bool is_whole() const { return !shape.alpha.is_textured() && shape.alpha.value >= 1 && !hollow; }
     bool is_invisible() const { return is_nowhere(shape.alpha); }
 };
 

@@ -10,6 +10,7 @@ constexpr float kPlaneError = 0x1p-21f;  // of Embree's distance to a triangle's
 SurfaceHit common_hit(const ShapeDescription& shape) {
     SurfaceHit hit{};
     hit.material = shape.material;
+    hit.ribbon = shape.ribbon;
     hit.emitter = kNone;
     hit.error_per_length = kRayError;
     hit.inside_medium = shape.inside_medium;

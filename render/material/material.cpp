@@ -54,12 +54,13 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
       f0_(d.f0),
       f90_(d.f90),
       layer_(d.layer, textures, library),
+      hair_(d.hair, textures, library),
       amount_(source(d.amount, textures)),
       mixed_(d.mixed),
       retro_(d.retro),
       relief_(d, textures) {
     if (d.selector) selector_ = source(*d.selector, textures, library);
-    is_textured_ |= layer_.is_textured() || is_mixture() || !relief_.is_flat();
+    is_textured_ |= layer_.is_textured() || d.kind == MaterialKind::kHair || is_mixture() || !relief_.is_flat();
 }
 
 std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*& weight) const {
@@ -137,6 +138,9 @@ Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint3
             const Alpha a = facets();
             return coated(a.x == a.y, Conductor(layer_.below(m.eta, *point.spectra), layer_.below(m.k, *point.spectra), a.x, a.y));
         }
+        case MaterialKind::kHair:
+            return bsdf_of(false,
+                           Hair(point.spectra->store<Hair::State>({hair_.at(point), hit.ribbon, hit.ribbon ? hit.across : 0})));
         case MaterialKind::kMix:
             break;
     }

@@ -6,6 +6,7 @@
 
 #include "render/bsdf/bsdf.h"
 #include "render/geometry/geometry.h"
+#include "render/material/fibre.h"
 #include "render/material/layers.h"
 #include "render/material/relief.h"
 #include "render/scene/description.h"
@@ -47,6 +48,7 @@ class Material {
     FloatSource roughness_, metallic_, coat_, coat_roughness_;
     float f0_, f90_;
     LayerSource layer_;
+    HairSource hair_;
     FloatSource amount_;
     std::array<std::uint32_t, 2> mixed_;
     std::optional<SpectrumSource> selector_;

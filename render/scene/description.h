@@ -54,7 +54,8 @@ enum class MaterialKind : std::uint8_t {
     kDiffuseTransmission,
     kCoatedDiffuse,
     kCoatedConductor,
-    kMix
+    kMix,
+    kHair
 };
 
 // What lies on the base of a coateddiffuse or coatedconductor.
@@ -68,6 +69,15 @@ struct LayerDescription {
     FloatInput g{};
     std::uint32_t max_depth = 10;  // scatterings and reflections within
     std::uint32_t walks = 1;       // random walks that an evaluation is the mean of
+};
+
+struct HairDescription {
+    SpectrumInput sigma_a{};  // in radii of the fibre, unless `color` gives it
+    bool has_color = false;
+    SpectrumInput color{};  // of much hair together
+    FloatInput eta = 1.55f;
+    FloatInput beta_m = 0.3f, beta_n = 0.3f;
+    FloatInput alpha_degrees = 2;
 };
 
 struct MaterialDescription {
@@ -86,9 +96,10 @@ struct MaterialDescription {
     bool remap_roughness = false;     // where a texture gives alpha, it gives alpha squared
     // Metallic-roughness, isotropic: alpha is the square of roughness.
     FloatInput roughness = 1, metallic = 0;
-    float f0 = 0.04f, f90 = 1;                         // reflectance of the dielectric at straight and at grazing incidence
-    FloatInput coat = 0, coat_roughness = 0;           // share of the surface under a clear coat
-    LayerDescription layer{};                          // coateddiffuse, coatedconductor
+    float f0 = 0.04f, f90 = 1;                // reflectance of the dielectric at straight and at grazing incidence
+    FloatInput coat = 0, coat_roughness = 0;  // share of the surface under a clear coat
+    LayerDescription layer{};                 // coateddiffuse, coatedconductor
+    HairDescription hair{};
     FloatInput displacement{};                         // along the normal, by a texture alone
     std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
     std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials
@@ -173,6 +184,7 @@ struct ShapeDescription {
     double z_min = -1, z_max = 1;    // of a sphere and a cylinder: the part between these, not beyond the sphere
     double phi_max_degrees = 360;    // the part up to this angle from x about z
     bool flip_normal = false;        // triangles: ng = -(p1 - p0) x (p2 - p0); quadrics: ng points inwards, down
+    bool ribbon = false;             // of hair: v runs across a fibre from 0 to 1
     bool pairs = false;              // triangles 2 i and 2 i + 1 are the halves of a flat patch
     FloatInput alpha = 1;            // share of the surface that is there; the rest are holes, too fine to see
     std::uint32_t material = kNone;  // kNone: "interface", which scatters nothing

@@ -75,14 +75,21 @@ void each_field(Of<LayerDescription> auto& layer, Visit&& visit) {
 }
 
 template <class Visit>
+void each_field(Of<HairDescription> auto& fibre, Visit&& visit) {
+    auto& [sigma_a, has_color, color, eta, beta_m, beta_n, alpha_degrees] = fibre;
+    visit(sigma_a, has_color, color, eta, beta_m, beta_n, alpha_degrees);
+}
+
+template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
     auto& [kind, name, reflectance, specular, scale, exponent, retro, eta, k, dispersive, alpha_x, alpha_y, remap_roughness,
-           roughness, metallic, f0, f90, coat, coat_roughness, layer, displacement, normal_map, mixed, amount, selector, location] =
-        material;
+           roughness, metallic, f0, f90, coat, coat_roughness, layer, hair, displacement, normal_map, mixed, amount, selector,
+           location] = material;
     visit(kind, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
           f0, f90, coat, coat_roughness, layer, displacement, amount);
     if (material.retro) visit(retro);
     if (material.selector) visit(selector);
+    if (material.kind == MaterialKind::kHair) visit(hair);
     visit.template index<TextureDescription>(normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);
@@ -171,9 +178,10 @@ void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<ShapeDescription> auto& shape, Visit&& visit) {
-    auto& [kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, pairs, alpha, material,
-           area_light, inside_medium, outside_medium, location] = shape;
+    auto& [kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, ribbon, pairs, alpha,
+           material, area_light, inside_medium, outside_medium, location] = shape;
     visit(kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, pairs, alpha);
+    if (shape.ribbon) visit(ribbon);
     visit.template index<MaterialDescription>(material);
     visit.template index<AreaLightDescription>(area_light);
     visit.template index<MediumDescription>(inside_medium, outside_medium);

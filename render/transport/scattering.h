@@ -21,6 +21,7 @@ class Scattering {
 
     bool in_medium() const { return bsdf() == nullptr; }
     bool is_delta() const { return bsdf() && bsdf()->is_delta(); }
+    bool is_met_from(const Vec3f& w) const { return !bsdf() || bsdf()->is_met_from(w); }
     LightSampleContext light_sample_context(const Vec3f& wo) const {
         return bsdf() ? bsdf()->light_sample_context(wo) : LightSampleContext{};
     }

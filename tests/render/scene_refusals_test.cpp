@@ -123,7 +123,7 @@ TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
 }
 
 TEST(SceneRefusals, AllErrorsAreToldAtOnce) {
-    const std::string message = refused_world("Material \"hair\"\nShape \"curve\"\nLightSource \"projection\"\n");
+    const std::string message = refused_world("Material \"measured\"\nShape \"curve\"\nLightSource \"projection\"\n");
     for (const char* place : {":2:1: ", ":3:1: ", ":4:1: "}) EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + place));
 }
 
@@ -257,7 +257,7 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
         for (const char* type : types) lines.push_back(kind + " \"" + type + "\"");
     };
     directives("Shape", {"curve", "nurbs"});  // a curve without points
-    directives("Material", {"hair", "measured", "subsurface"});
+    directives("Material", {"measured", "subsurface"});
     directives("LightSource", {"goniometric", "projection"});  // without pictures
     directives("AreaLightSource", {"area"});
     lines.push_back("MakeNamedMedium \"m\" \"string type\" \"marsh\"");

@@ -58,11 +58,11 @@ struct ClosureLaws : ::testing::Test {
         return list;
     }
 };
-TYPED_TEST_SUITE(ClosureLaws, TypesOf<AnyClosure>::WithPhase, NameOf);
+TYPED_TEST_SUITE(ClosureLaws, TypesOf<SurfaceClosure>::WithPhase, NameOf);
 
 template <class T>
 struct SurfaceLaws : ::testing::Test {};
-TYPED_TEST_SUITE(SurfaceLaws, TypesOf<AnyClosure>::Closures, NameOf);
+TYPED_TEST_SUITE(SurfaceLaws, TypesOf<SurfaceClosure>::Closures, NameOf);
 
 // From before the surface, and from behind: beyond total reflection of glass and short of it.
 const std::vector<Vec3f> kDirections = {normalize(Vec3f{0.1f, 0.2f, 0.9f}), normalize(Vec3f{-0.7f, 0.3f, 0.4f}),

@@ -10,6 +10,7 @@
 #include "render/load/pbrt/media.h"
 #include "render/load/pbrt/shapes.h"
 #include "render/scene/check.h"
+#include "render/scene/hair.h"
 
 namespace latent::render {
 
@@ -318,6 +319,7 @@ void SceneBuilder::finish(const SourceLocation& end) {
         }
     }
     const auto resolve = [&](ShapeDescription& shape) {
+        shape.ribbon = shape.ribbon && is_hair(scene_.materials, shape.material);  // nothing else has a use for it
         if (interface_[shape.material]) {
             shape.material = kNone;
             if (shape.area_light != kNone)

@@ -119,6 +119,32 @@ void read_phong(const ParameterList& list, SceneTextures& textures, MaterialDesc
     if (makes_light(material.reflectance, material.specular, 1)) list.warn("Kd + Ks: exceeds 1, so the surface creates energy");
 }
 
+// Absorption by "sigma_a", by the colour of much hair, or by what colours hair: two kinds of melanin.
+void read_hair(const ParameterList& list, SceneTextures& textures, HairDescription& hair) {
+    hair.eta = textures.number(list, "eta", 1.55, 1.0001, 10);
+    hair.beta_m = textures.number(list, "beta_m", 0.3, 0, 1);
+    hair.beta_n = textures.number(list, "beta_n", 0.3, 0, 1);
+    hair.alpha_degrees = textures.number(list, "alpha", 2, -45, 45);
+    const auto sigma_a = textures.find_spectrum(list, "sigma_a", SpectrumRole::kUnbounded);
+    const auto color = textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
+    const bool has_melanin = list.find("eumelanin", {"float"}) != nullptr || list.find("pheomelanin", {"float"}) != nullptr;
+    const double eumelanin = list.number("eumelanin", has_melanin ? 0 : 1.3, 0, 1e6),
+                 pheomelanin = list.number("pheomelanin", 0, 0, 1e6);
+    if (textures.find_texture(list, "eumelanin") || textures.find_texture(list, "pheomelanin"))
+        list.error("eumelanin, pheomelanin: textures are not supported; give sigma_a or reflectance as a texture");
+    if ((sigma_a ? 1 : 0) + (color ? 1 : 0) + (has_melanin ? 1 : 0) > 1)
+        list.warn("sigma_a, reflectance, melanin: only the first of these that is given counts");
+    if (sigma_a) {
+        hair.sigma_a = *sigma_a;
+    } else if (color) {
+        hair.has_color = true;
+        hair.color = *color;
+    } else {
+        hair.sigma_a = textures.unbounded({0.419 * eumelanin + 0.187 * pheomelanin, 0.697 * eumelanin + 0.4 * pheomelanin,
+                                           1.37 * eumelanin + 1.05 * pheomelanin});
+    }
+}
+
 }  // namespace
 
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures) {
@@ -161,6 +187,9 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         read_conductor_index(list, "conductor.", textures, material);
         read_roughness(list, "conductor.", textures, material);
         read_layer(list, "interface.", textures, material.layer);
+    } else if (type == "hair") {
+        material.kind = MaterialKind::kHair;
+        read_hair(list, textures, material.hair);
     } else {
         list.error(unsupported("Material", type));
         return std::nullopt;

@@ -137,7 +137,11 @@ void read_curve(const ParameterList& list, const Affined& ctm, bool reverse_orie
         return list.error(fmt::format("N: must have {} normals, at the ends of the segments", segments.size() + 1));
     LoadedMesh mesh = is_ribbon ? ribbon_along(segments, width, normals) : tube_about(segments, width);
     transform(mesh, ctm, reverse_orientation);
-    if (is_ribbon) return add_patches(mesh, common, shapes);
+    if (is_ribbon) {
+        add_patches(mesh, common, shapes);
+        for (LoadedShape& part : shapes) part.shape.ribbon = true;
+        return;
+    }
     shapes.push_back({common, std::move(mesh)});
 }
 

@@ -69,6 +69,14 @@ std::array<float, 4> SceneSpectra::voxel_of(const color::Rgb& value) {
     return {s.c0, s.c1, s.c2, s.scale};
 }
 
+color::Spectrum SceneSpectra::unbounded(const std::array<double, 3>& value) {
+    if (is_grey(value)) return color::Spectrum::constant(value[0]);
+    const color::Rgb rgb{value[0], value[1], value[2]};
+    if (is_basis()) return color::rgb_basis_spectrum(rgb);
+    static const color::RgbToSpectrum srgb(color::RgbSpace::srgb(), color::illuminant_d65());
+    return clamped([s = srgb.unbounded(rgb)](double l) { return s(static_cast<float>(l)); });
+}
+
 color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }
 
 std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std::string_view name, SpectrumRole role) {

@@ -35,6 +35,8 @@ class SceneSpectra {
     // The same for voxels: what SpectralVoxels holds.
     bool is_basis() const { return kind_ == color::RgbSpectra::kBasis; }
     std::array<float, 4> voxel_of(const color::Rgb& rgb);
+    // Of linear sRGB of any magnitude.
+    color::Spectrum unbounded(const std::array<double, 3>& rgb);
 
  private:
     const color::RgbToSpectrum& rgb();

@@ -35,6 +35,8 @@ class SceneTextures {
     std::optional<color::Spectrum> find_value(const ParameterList& list, std::string_view name, SpectrumRole role) {
         return spectra_.find(list, name, role);  // where pbrt takes no texture
     }
+    // Of linear rgb of any magnitude, in sRGB.
+    color::Spectrum unbounded(const std::array<double, 3>& rgb) { return spectra_.unbounded(rgb); }
     std::uint32_t normal_map(const ParameterList& list);  // of "normalmap"; kNone if it is not there
     // A picture over the uv of a shape, of any magnitude.
     std::uint32_t emission(const ParameterList& list, const std::string& file);

@@ -40,7 +40,7 @@ void SubpathJoin::join_light(std::size_t i) {
     value *= point.falloff / sampled;
 
     // Its light could have started a ray to z, with a density of its point that need not be the one drawn from here.
-    const float cosine = z.cosine(point.wi);
+    const float cosine = z.cosine_from(point.wi);
     float pdf_reverse = distance_pdf(z, line);
     if (light.is_infinite()) {
         pdf_reverse *= light.pdf_position() * cosine;
@@ -100,7 +100,7 @@ void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
     LineOfSight line;  // from z to y
     if (!world_.connect(z.at, y.at, z.medium_towards(w), sample_, value, line)) return;
     value *= factor / d2;
-    const float pdf_reverse_z = pdf_y * z.cosine(w) / d2 * distance_pdf(z, line);
+    const float pdf_reverse_z = pdf_y * z.cosine_from(w) / d2 * distance_pdf(z, line);
     const float pdf_reverse_y = pdf_z * y.cosine(w) / d2 * distance_pdf(y, line.last_medium, line.last_column, line.transmittance);
     const float shorter_camera = mis_sum(camera_subpath_, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous_area);
     const float shorter_light = mis_sum(light_subpath_, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);

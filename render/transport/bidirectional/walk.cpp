@@ -151,7 +151,7 @@ bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, cons
     x.dispersed = step.dispersed;
     x.mis.shorter = step.mis_shorter;
     x.pdf_forward = density * step.pdf * x.cosine(step.d) / (step.parallel ? 1 : d2);
-    x.to_previous_area = distance_pdf(previous, line) * (step.parallel ? 1 : previous.cosine(step.d) / d2);
+    x.to_previous_area = distance_pdf(previous, line) * (step.parallel ? 1 : previous.cosine_from(step.d) / d2);
     x.mis.end = !step.delta && x.connectible() ? 1 : 0;
     if (!from_camera && i == 1) x.mis.end *= light_point_ratio2(x, previous, step.d, d2);
     path.push_back(x);
@@ -186,7 +186,7 @@ void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineO
                 probability = lights_.probability(hit.emitter);
     add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance,
                  probability * light.pdf_omega(last.at.p, {}, at) * to_area, probability * light.pdf_position(),
-                 light.pdf_direction(hit.ng, -step.d) * last.cosine(step.d) / d2 * distance_pdf(last, line), light.id());
+                 light.pdf_direction(hit.ng, -step.d) * last.cosine_from(step.d) / d2 * distance_pdf(last, line), light.id());
 }
 
 void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line) {
@@ -199,7 +199,7 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
                     pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.light_sample_context(last.wo), {step.d});
         const float pdf_ray = probability * light.pdf_direction({}, -step.d);
         add_emission(value, step, step.pdf * line.transmittance, pdf_point, pdf_ray,
-                     light.pdf_position() * last.cosine(step.d) * distance_pdf(last, line), light.id());
+                     light.pdf_position() * last.cosine_from(step.d) * distance_pdf(last, line), light.id());
     }
 }
 
@@ -219,7 +219,7 @@ void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment
     const float d2 = length_squared(point.p - last.at.p), area = camera().lens_area();
     const float cosine = abs_dot(point.w, camera().axis());
     const float pdf_forward = step.pdf * line.transmittance * cosine / (step.parallel ? 1 : d2);
-    const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine(step.d) / d2);
+    const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine_from(step.d) / d2);
     const float end = light_subpath_.size() >= 2 && !step.delta ? 1 : 0;
     value *= point.jacobian / (area * cosine) *
              mis_weight(mis_term(1 / area, pdf_forward, end + mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter)));

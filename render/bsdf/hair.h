@@ -1,0 +1,56 @@
+// render/bsdf/hair.h: light scattered by a hair, a fibre of clear or coloured matter with tilted scales. docs/rendering.md, "Hair".
+#pragma once
+
+#include <array>
+
+#include "render/bsdf/closure.h"
+
+namespace latent::render {
+
+struct Fibre {
+    const SampledSpectrum* sigma_a;  // in its radii
+    float eta = 1.55f;
+    float beta_m = 0.3f, beta_n = 0.3f;  // roughness along it and around it, 0 to 1
+    float tilt_turns = 2.0f / 360;       // of its scales
+};
+
+// Local x runs along the fibre. With h the place across the fibre, -1 to 1, that is seen from w_camera, S in 1/sr
+//   f |w_light.z| = S(w_camera, w_light, h) = sum over p of M_p(theta) A_p(theta_camera, h) N_p(phi, h)
+// [dEon11], [Chiang16]: p = 0 is reflected, 1 passes through, 2 is reflected once inside, the
+// last term is all the rest. S has no cosine and no sides: whatever leaves the fibre counts where it is seen. Not reciprocal: h is
+// always that of w_camera, for both kinds of subpath.
+class Hair {
+ public:
+    static constexpr bool kTransmits = true;
+    static constexpr int kTerms = 4;
+
+    struct State {
+        // `across`: of a ribbon, the place along local y, -1 to 1. Else the fibre is round, and the normal says where it is seen.
+        State(const Fibre& fibre, bool is_ribbon, float across);
+
+        Fibre fibre;
+        bool is_ribbon;
+        float across;
+        std::array<float, kTerms> variance;       // v_p, of M_p
+        float scale;                              // of the logistic distribution in N_p, in turns
+        float all;                                // its part within half a turn to both sides
+        std::array<float, 3> sin_tilt, cos_tilt;  // of 2^k times the tilt
+    };
+    explicit Hair(const State& state) : state_(&state) {}
+
+    // Rays meet it from outside alone: what lies behind is the same fibre again.
+    bool is_round() const { return !state_->is_ribbon; }
+    bool is_delta() const { return false; }
+    SampledSpectrum albedo() const;
+    bool disperses(const Vec3f&, const Vec3f&) const { return false; }
+    void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
+    // As if wo led to the camera.
+    float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
+    bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
+
+ private:
+    struct View;  // a direction, and what follows from it
+    const State* state_;
+};
+
+}  // namespace latent::render
