@@ -1,5 +1,7 @@
 """One scene, or the frames of an animation: which folders a command is about."""
 import argparse
+import glob
+import os
 import pathlib
 
 from latent_farm.errors import Failure, Misuse
@@ -21,13 +23,23 @@ def existing(out):
     return folders
 
 
+def scenes_of(names):
+    """Scene files; a pattern that the shell has left alone stands for those that match it."""
+    return [scene for name in names for scene in (not os.path.exists(name) and sorted(glob.glob(name)) or [name])]
+
+
+def name_of(scene):
+    """frame.0001 for frame.0001.pbrt and frame.0001.pbrt.gz."""
+    return pathlib.Path(pathlib.Path(scene).name.removesuffix(".gz")).stem
+
+
 def frames_of(args):
     """[(folder, arguments)]: one for each scene, with a folder of its own in --out if there are several; without scenes, what is
     planned already."""
     def frame(folder, scene):
         return folder, argparse.Namespace(**{**vars(args), "scene": scene})
 
-    scenes = args.scene or []
+    scenes = scenes_of(args.scene or [])
     folders = planned(args.out)
     if not scenes:
         if not folders:
@@ -39,7 +51,7 @@ def frames_of(args):
         return [frame(Folder(args.out), scenes[0])]
     if Folder(args.out).has_plan():
         raise Misuse(f"{args.out}: holds the plan of a single scene; choose another --out")
-    names = [pathlib.Path(scene).name.split(".")[0] for scene in scenes]
+    names = [name_of(scene) for scene in scenes]
     for name in names:
         if names.count(name) > 1:
             raise Misuse(f"{name}: several scenes have this name, and their frames would have the same folder")

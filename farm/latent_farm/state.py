@@ -9,7 +9,7 @@ import time
 from latent_farm import ranges, tools
 from latent_farm.plan import Stage, part_name, strip_name
 
-BATCH = 500  # files of one call of latent-inspect
+BATCH = 100  # files of one call of latent-inspect
 NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?")
 
 

@@ -44,13 +44,17 @@ class Work:
 
 def prepare(folder, args, like, share):
     nodes = slurm.nodes() if args.engine == "slurm" else []
+
+    def shared(machines):
+        return max(1, round(machines * share))
+
     if folder.has_plan():
         folder.make()
-        plan = planning.extend_plan(folder, folder.read_plan(), args, args.machines)
+        plan = planning.extend_plan(folder, folder.read_plan(), args, args.machines and shared(args.machines))
     elif args.scene and args.spp:
         if not args.cpus and nodes:
             args.cpus = min(cpus for _, cpus in nodes)
-        machines = max(1, round((args.machines or count_machines(args, nodes)) * share))
+        machines = shared(args.machines or count_machines(args, nodes))
         with folder.made():
             plan = planning.make_plan(folder, args, machines, like)
     else:
