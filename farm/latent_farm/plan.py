@@ -40,6 +40,7 @@ class Plan:
     develop: list  # options of latent-develop
     develop_since: float = 0  # when these were chosen; an older picture is another
     strips: int = 1  # of the picture, one for each job of latent-develop, as far as it has rows of tiles
+    compact: bool = False  # the merged file has few large runs
     until: str = "develop"  # the last step: render, merge or develop
     checkpoint: float = 60  # seconds
     version: int = VERSION

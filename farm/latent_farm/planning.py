@@ -35,7 +35,7 @@ def make_plan(folder, args, machines, like=None):
     return Plan(scene=scene, spp=args.spp, options=args.options, samples=answer["samples"], task_samples=task_samples,
                 run_samples=run_samples, job=answer["job"], rate=rate, bytes_per_sample=answer["bytes"] / answer["samples"],
                 memory=args.memory or max(1 << 30, peak * 3 // 2), machines=machines, cpus=args.cpus, develop=args.develop,
-                strips=args.strips or 1,
+                strips=args.strips or 1, compact=args.compact,
                 until=args.until or "develop", checkpoint=args.checkpoint or 60)
 
 
@@ -63,6 +63,7 @@ def extend_plan(folder, plan, args, machines):
     chosen = args.develop or plan.develop, args.strips or plan.strips
     if chosen != (plan.develop, plan.strips):
         (plan.develop, plan.strips), plan.develop_since = chosen, time.time()
+    plan.compact = args.compact or plan.compact
     plan.until = args.until or plan.until
     plan.checkpoint = args.checkpoint or plan.checkpoint
     plan.machines = machines or plan.machines

@@ -28,7 +28,7 @@ set --
 [ -z "$(ls parts)" ] || set -- parts
 [ ! -e samples.latent ] || set -- "$@" samples.latent
 {program}
-"$program" "$@" --job {job} --require 0:{samples} --skip-duplicates --force -o samples.latent
+"$program" "$@" --job {job} --require 0:{samples} --skip-duplicates{compact} --force -o samples.latent
 status=$?
 [ $status -ne 3 ] || status=0  # what was left out is listed above; nothing that was asked for is missing
 exit $status
@@ -117,7 +117,8 @@ def write_scripts(folder, plan, name, minutes=None):
     folder.write(path / "task", TASK.format(
         length=plan.task_samples, samples=plan.samples, last=plan.tasks - 1, program=find_program("latent-render"),
         scene=shlex.quote(plan.scene), options=options, cpus=plan.cpus, checkpoint=plan.checkpoint), 0o755)
-    folder.write(path / "merge", MERGE.format(samples=plan.samples, job=plan.job, program=find_program("latent-merge")), 0o755)
+    folder.write(path / "merge", MERGE.format(samples=plan.samples, job=plan.job, compact=" --compact" if plan.compact else "",
+                                               program=find_program("latent-merge")), 0o755)
     develop = {"samples": plan.samples, "program": find_program("latent-develop"), "options": shlex.join(plan.develop)}
     steps = {"merge": "", "develop": ""}  # and their arguments
     if plan.strips == 1:

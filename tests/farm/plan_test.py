@@ -174,6 +174,13 @@ class Plan(FarmTest):
         self.addCleanup(strip.file.close)
         return [strip.tile(index) for index in range(len(strip.offsets))]
 
+    def test_with_compact_the_merged_file_has_one_run_however_often_it_is_extended(self):
+        for spp in (4, 6):
+            report = self.plan("--tasks", 3, "--compact", spp=spp)
+            self.succeed("/bin/sh", "-c", report["commands"][0])
+            merged = json.loads(self.succeed("latent-inspect", "info", "--json", self.folder / "night/samples.latent").stdout)
+            self.assertEqual((merged["runs"], merged["samples"]), (1, [[0, report["samples"]]]))
+
     def test_only_strips_that_are_missing_are_developed_again(self):
         self.plan("--tasks", 1, "--strips", 3, "--develop=--size 700x700", "--until", "merge", command="submit")
         report = self.plan("--until", "develop")
