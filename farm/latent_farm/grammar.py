@@ -44,7 +44,7 @@ def add_steps(command):
     command.option("--machines", "N", "expected number of concurrent tasks, for their size and the prediction (default: from Slurm or --hosts, else 1)",
                    type=number(1))
     command.option("--cpus", "N", "processors per task (default: all that a machine has)", type=number(1), default=0)
-    command.option("--memory", "SIZE", "memory per task, for Slurm (default: 1.5 times what was measured)",
+    command.option("--memory", "SIZE", "memory per task, for Slurm (default: 1.5 times the measured memory)",
                    type=units.parse_size)
     command.option("--time", "TIME", "time limit of a task, for Slurm; a task that reaches it is requeued and resumes "
                    "(default: about twice the expected time)", type=units.parse_duration)
@@ -117,8 +117,8 @@ Examples:
     resume = Command("latent-farm resume", "Run the missing tasks of a plan.", "latent-farm resume DIR [OPTIONS]", f"""
 {FORMATS}
 
-Use it when tasks have failed or were cancelled. It lists the missing tasks, and
-runs only these, then merge and develop. Repeat --engine, --hosts, --sbatch,
+Use resume when tasks have failed or were cancelled. It lists the missing tasks
+and runs only these, then merge and develop. Repeat --engine, --hosts, --sbatch,
 --throttle and --time if you used them: they are not part of the plan.
 
 Examples:
@@ -146,9 +146,9 @@ Examples:
                   shown_default="5m")
     status.option("--json", None, "print the report as JSON on standard output")
     join = Command("latent-farm join", "Join the strips of a picture.", "latent-farm join STRIP... -o FILE.exr [OPTIONS]", f"""
-Submit runs this for --strips. STRIP is a picture that latent-develop made with
---crop: all columns, from a row that is a multiple of 256 up to the next strip.
-Tiles are copied as they are.
+latent-farm submit --strips runs this command. Each STRIP is a picture made by
+latent-develop --crop: all columns, from a row that is a multiple of 256 up to
+the next strip. Tiles are copied as they are.
 
 Examples:
   latent-farm join strips/*.exr -o picture.exr

@@ -20,13 +20,12 @@ void add_arguments(CLI::App& app, CommandLine& line) {
                         ->excludes(spp)
                         ->type_name("A:B");
     app.add_option("--more-than", line.settings.more_than,
-                   "files or folders to continue: only the samples of --spp after theirs are rendered")
+                   "files or folders to continue: render only the samples of --spp that follow theirs")
         ->excludes(samples)
         ->type_name("FILE...");
     cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
-    cli::add_parsed(
-        app, "--resolution", line.settings.resolution, parse_resolution,
-        "image size for which --spp counts samples and textures are filtered (default: the scene's); samples have no pixels")
+    cli::add_parsed(app, "--resolution", line.settings.resolution, parse_resolution,
+                    "image size to which --spp and the filtering of textures refer (default: the scene's); samples have no pixels")
         ->type_name("WxH");
     cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", line.settings.integrator,
                                                    {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},
@@ -49,7 +48,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     app.add_flag("--light-groups", line.settings.light_groups,
                  "store the light of lights with different names separately, for latent-develop --light");
     cli::add_parsed(app, "--aov", line.settings.aovs, parse_aovs,
-                    "also store what each sample sees, for latent-develop --layers: a list of albedo, normal, depth, position, id")
+                    "also store features of the surface that each sample sees, for latent-develop --layers: a list of albedo, "
+                    "normal, depth, position, id")
         ->type_name("albedo,normal,...");
     cli::add_count(app, "--precision", line.settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);

@@ -27,7 +27,7 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
         ->type_name("FILE");
     app.add_option("--layer", options.layer, "layer of the picture to print: its channels NAME.R, NAME.G, NAME.B")
         ->type_name("NAME");
-    app.add_option("--observer", options.observer, "observer, camera or film that sees a spectral picture (default: cie1931)")
+    app.add_option("--observer", options.observer, "observer, camera or film for a spectral picture (default: cie1931)")
         ->type_name("NAME|FILE.csv");
     app.add_flag_callback(
         "--list-observers",
