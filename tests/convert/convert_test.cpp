@@ -325,7 +325,7 @@ TEST_F(Convert, APngCarriesTheCodePointsOfItsProfileBesideItWhereThereAreAny) {
         std::string profile;
         std::optional<Codes> codes;
     } cases[] = {
-        {"rec2020", Codes{9, 14, 0, 1}},
+        {"rec2020", std::nullopt},  // programs disagree on the curve of its code point
         {"display-p3", Codes{12, 13, 0, 1}},
         {"0.68,0.32,0.265,0.69,0.15,0.06,0.3127,0.329", Codes{12, 13, 0, 1}},
         {"0.708,0.292,0.17,0.797,0.131,0.046,0.3127,0.329", Codes{9, 13, 0, 1}},

@@ -45,13 +45,13 @@ bool near(const color::Primaries& a, const color::Primaries& b) {
     return same(a.red, b.red) && same(a.green, b.green) && same(a.blue, b.blue) && same(a.white, b.white);
 }
 
-// Of a space: primaries, transfer, no matrix (RGB), full range. None if H.273 has no such primaries or no such transfer.
+// Of a space: primaries, transfer, no matrix (RGB), full range. None if H.273 has no such primaries, or if the transfer is not that
+// of sRGB: Rec.2020's code point names the curve of its cameras, and Chromium takes it for a display with gamma 2.4, which
+// contradicts the profile.
 std::optional<std::array<std::uint8_t, 4>> code_points_of(const color::RgbSpace& space) {
-    const bool srgb = space.transfer == color::Transfer::srgb();
-    if (!srgb && space.transfer != color::Transfer::rec2020()) return std::nullopt;
+    if (space.transfer != color::Transfer::srgb()) return std::nullopt;
     for (const KnownPrimaries& known : kKnownPrimaries) {
-        if (near(space.primaries, known.primaries))
-            return std::array<std::uint8_t, 4>{known.code, static_cast<std::uint8_t>(srgb ? 13 : 14), 0, 1};
+        if (near(space.primaries, known.primaries)) return std::array<std::uint8_t, 4>{known.code, 13, 0, 1};
     }
     return std::nullopt;
 }
