@@ -53,7 +53,7 @@ def add_steps(command):
     command.option("--develop", "OPTIONS", "options for latent-develop, such as --develop=\"--size 4096\"", type=words, default=[])
     command.option("--strips", "N", "develop the picture in N strips at the same time; needs --develop=\"--size WxH\"", type=number(1),
                    default=0, shown_default="1")
-    command.option("--compact", None, "merge many small runs into a few large ones, of which crops and strips read less; does not change a finished merge")
+    command.option("--compact", None, "merge many small runs into a few large ones, so that crops and strips read less; does not change a finished merge")
     command.option("--checkpoint", "TIME", "interval at which finished work is committed to disk",
                    type=units.parse_duration, shown_default="60s")
     command.option("--until", "render|merge|develop", "last step to run", choices=["render", "merge", "develop"], shown_default="develop")
