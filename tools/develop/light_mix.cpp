@@ -37,7 +37,7 @@ Result<Spectrum> curve_of(const std::string& name) {
     if (name.ends_with(".csv") || std::filesystem::exists(name, ignored)) return curve_of_file(name);
     Result<Spectrum> filter = color::lens_filter(name);
     if (!filter)
-        return usage(fmt::format("'{}' is no factor, no spectrum (6500K, D65, A, E, F1 to F12) and no curve (FILE.csv): {}", name,
+        return usage(fmt::format("'{}' is not a factor, a spectrum (6500K, D65, A, E, F1 to F12) or a curve (FILE.csv): {}", name,
                                  filter.error().message));
     return filter;
 }

@@ -105,7 +105,7 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
             continue;
         }
         if (mode == kTriangles && order.size() % 3 != 0) {
-            primitive.error(fmt::format("has {} indices, which is no multiple of 3", order.size()));
+            primitive.error(fmt::format("has {} indices, which is not a multiple of 3", order.size()));
             continue;
         }
         read.mesh.indices = triangles_of(std::move(order), mode);
