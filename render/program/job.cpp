@@ -58,6 +58,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 // Of fields that few jobs have: no other field is as large.
 constexpr std::uint64_t kAovTag = 0x616f760000000000;    // "aov"
 constexpr std::uint64_t kHolesTag = 0x686f6c6573320000;  // "holes2"
+constexpr std::uint64_t kMediaTag = 0x6d656469610000;    // "media"
 
 // Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
 bool has_holes(const SceneDescription& scene) {
@@ -68,6 +69,9 @@ bool has_holes(const SceneDescription& scene) {
            std::ranges::any_of(scene.objects,
                                [&](const ObjectDescription& o) { return std::ranges::any_of(o.shapes, is_partly_there); });
 }
+
+// So do they where paths scatter in media from the 64th vertex on.
+bool has_long_walks(const SceneDescription& scene, std::uint32_t max_depth) { return !scene.media.empty() && max_depth >= 64; }
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
 sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, const IntegratorSettings& settings,
@@ -86,6 +90,7 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
     if (settings.light_groups.any()) writer.put(std::uint64_t{settings.light_groups.count});
     if (settings.aovs.any()) writer.put(kAovTag | settings.aovs.mask());
     if (has_holes(scene)) writer.put(kHolesTag);
+    if (has_long_walks(scene, settings.max_depth)) writer.put(kMediaTag);
     if (!scene.textures.empty()) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
         writer.put(std::uint64_t{settings.textures.height});

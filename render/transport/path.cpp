@@ -163,7 +163,7 @@ class Path {
         d_ = next.wi;
         if (!scattering.in_medium()) medium_ = interface_.towards(d_, at_.ng, medium_);
 
-        const float survival = survival_probability(beta_, eta2_, dispersed_, sample_.kept, depth_ + 1);
+        const float survival = survival_probability(beta_, eta2_, dispersed_, sample_.kept, scattering.in_medium(), depth_ + 1);
         if (survival <= 0) return false;
         if (depth_ >= 1 && survival < 1) {
             if (number(Dimension::kSurvival) >= survival) return false;

@@ -17,11 +17,13 @@ namespace latent::render {
 
 // Probability that a path goes on, from its throughput since it left the camera or the light. The eta^2 of radiance in denser media
 // is no loss. A dispersed path is judged by the wavelength that it keeps. From the 64th scattering on it is at most 0.95: light
-// that nothing absorbs and nothing lets out, reflected totally in a block of glass, must end too.
-inline float survival_probability(const SampledSpectrum& beta, float eta2, bool dispersed, std::uint32_t kept,
+// that nothing absorbs and nothing lets out, reflected totally in a block of glass, must end too. In a medium it is at most 0.999,
+// as light takes many steps there to find its way out.
+inline float survival_probability(const SampledSpectrum& beta, float eta2, bool dispersed, std::uint32_t kept, bool in_medium,
                                   std::size_t scatterings) {
     const float probability = (dispersed ? beta[kept] : beta.max()) * eta2;
-    return scatterings < 64 || probability < 0.95f ? probability : 0.95f;
+    const float most = in_medium ? 0.999f : 0.95f;
+    return scatterings < 64 || probability < most ? probability : most;
 }
 
 class Transport : public Integrator {

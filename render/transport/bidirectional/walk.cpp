@@ -71,7 +71,8 @@ void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
         step.beta *= weight;
         step.dispersed = x.dispersed || x.scattering.disperses(x.wo, next.wi);
         if (from_camera) eta2 *= next.eta2;
-        const float survival = survival_probability(step.throughput, eta2, step.dispersed, sample_.kept, i);
+        const float survival =
+            survival_probability(step.throughput, eta2, step.dispersed, sample_.kept, x.scattering.in_medium(), i);
         if (survival <= 0) return;
         if (i >= 2 && survival < 1) {
             if (number(from_camera, i, Dimension::kSurvival) >= survival) return;
