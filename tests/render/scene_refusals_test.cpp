@@ -257,7 +257,8 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
         for (const char* type : types) lines.push_back(kind + " \"" + type + "\"");
     };
     directives("Shape", {"curve", "nurbs"});  // a curve without points
-    directives("Material", {"measured", "subsurface"});
+    directives("Material", {"measured"});
+    lines.push_back("Material \"subsurface\" \"string name\" \"jelly\"");
     directives("LightSource", {"goniometric", "projection"});  // without pictures
     directives("AreaLightSource", {"area"});
     lines.push_back("MakeNamedMedium \"m\" \"string type\" \"marsh\"");

@@ -9,6 +9,7 @@
 #include "render/load/pbrt/materials.h"
 #include "render/load/pbrt/media.h"
 #include "render/load/pbrt/shapes.h"
+#include "render/load/pbrt/subsurface.h"
 #include "render/scene/check.h"
 #include "render/scene/hair.h"
 
@@ -31,7 +32,7 @@ SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnosti
       textures_(scene, files, spectra_, diagnostics),
       options_(scene, diagnostics, replace_integrator) {
     scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
-    interface_.push_back(false);
+    uses_.emplace_back();
 }
 
 ParameterList SceneBuilder::list(const Directive& d, std::string_view target) {
@@ -129,7 +130,7 @@ std::uint32_t SceneBuilder::material(const std::string& text, const SourceLocati
     const std::uint32_t index = materials_.mention(text, where, scene_.materials.size());
     if (index == scene_.materials.size()) {
         scene_.materials.push_back({.name = text, .location = where});
-        interface_.push_back(false);
+        uses_.emplace_back();
     }
     return index;
 }
@@ -158,6 +159,11 @@ void SceneBuilder::add_material(const Directive& d) {
     const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
     if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
     std::optional<MaterialDescription> material;
+    MaterialUse use{.is_interface = type == "interface"};
+    if (type == "subsurface") {  // before the surface, which reports what nobody reads
+        use.inside = static_cast<std::uint32_t>(scene_.media.size());
+        scene_.media.push_back(read_subsurface(parameters, textures_));
+    }
     if (type) material = *type == "mix" ? read_mixture(parameters) : read_material(*type, parameters, textures_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
@@ -166,9 +172,9 @@ void SceneBuilder::add_material(const Directive& d) {
     }
     if (index == scene_.materials.size()) {
         scene_.materials.emplace_back();
-        interface_.push_back(false);
+        uses_.emplace_back();
     }
-    interface_[index] = type == "interface";
+    uses_[index] = use;
     scene_.materials[index] = std::move(material).value_or(MaterialDescription{.location = d.where});
     scene_.materials[index].name = has_name ? d.strings[0] : "";
     if (!has_name) state_.material = index;
@@ -299,7 +305,8 @@ void SceneBuilder::finish(const SourceLocation& end) {
     }
     for (const auto& [where, mixed] : mixtures_) {
         for (const std::uint32_t i : mixed) {
-            if (interface_[i]) diagnostics_.error(where, "materials: \"interface\" cannot be mixed");
+            if (uses_[i].is_interface || uses_[i].inside != kNone)
+                diagnostics_.error(where, "materials: \"interface\" and \"subsurface\" cannot be mixed");
         }
     }
     if (diagnostics_.errors().empty()) {
@@ -318,9 +325,12 @@ void SceneBuilder::finish(const SourceLocation& end) {
             diagnostics_.warn(where, "S: tangents are ignored: the material is isotropic");
         }
     }
+    bool is_translucent = false;
     const auto resolve = [&](ShapeDescription& shape) {
+        const MaterialUse& use = uses_[shape.material];
+        if (use.inside != kNone) shape.inside_medium = use.inside, is_translucent = true;
         shape.ribbon = shape.ribbon && is_hair(scene_.materials, shape.material);  // nothing else has a use for it
-        if (interface_[shape.material]) {
+        if (use.is_interface) {
             shape.material = kNone;
             if (shape.area_light != kNone)
                 diagnostics_.warn(shape.location, "Shape: the area light is ignored, since \"interface\" does not emit");
@@ -332,6 +342,12 @@ void SceneBuilder::finish(const SourceLocation& end) {
     for (LoadedShape& loaded : shapes_) resolve(loaded.shape);
     for (std::vector<LoadedShape>& shapes : object_shapes_) {
         for (LoadedShape& loaded : shapes) resolve(loaded.shape);
+    }
+    if (is_translucent && scene_.max_depth != kUnlimited) {
+        diagnostics_.warn(end, fmt::format("Integrator: maxdepth {} is ignored, since light scatters very often in \"subsurface\" "
+                                           "materials; --max-depth limits it",
+                                           scene_.max_depth));
+        scene_.max_depth = kUnlimited;
     }
     if (diagnostics_.errors().empty()) place(std::move(shapes_), std::move(object_shapes_), scene_);
 }

@@ -16,7 +16,7 @@ std::span<const PbrtFeature> pbrt_features() {
         {"Shape", {"trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve", "sphere", "disk", "cylinder"}},
         {"Material",
          {"diffuse", "phong", "conductor", "dielectric", "thindielectric", "diffusetransmission", "coateddiffuse",
-          "coatedconductor", "hair", "mix", "interface"}},
+          "coatedconductor", "hair", "subsurface", "mix", "interface"}},
         {"Texture",
          {"constant", "scale", "mix", "imagemap", "checkerboard", "dots", "bilerp", "directionmix", "fbm", "wrinkled", "windy",
           "marble", "latent:marble", "latent:wood", "latent:clouds"}},

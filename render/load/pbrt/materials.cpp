@@ -167,6 +167,10 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         material.kind = MaterialKind::kDielectric;
         material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
         read_roughness(list, "", textures, material);
+    } else if (type == "subsurface") {  // what is below: read_subsurface
+        material.kind = MaterialKind::kDielectric;
+        material.eta = color::Spectrum::constant(list.number("eta", 1.33, 1e-3, 1e3));
+        read_roughness(list, "", textures, material);
     } else if (type == "thindielectric") {
         material.kind = MaterialKind::kThinDielectric;
         material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
