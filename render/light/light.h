@@ -7,6 +7,7 @@
 #include "render/light/image_infinite_light.h"
 #include "render/light/mapped_point_light.h"
 #include "render/light/point_light.h"
+#include "render/light/portal_light.h"
 #include "render/light/quadric_light.h"
 #include "render/light/sphere_light.h"
 #include "render/light/spot_light.h"
@@ -28,7 +29,8 @@ using AnyLight = LightList<  //
     ProjectionLight,         //
     DistantLight,            //
     UniformInfiniteLight,    //
-    ImageInfiniteLight>;
+    ImageInfiniteLight,      //
+    PortalLight>;
 
 class Light {
     template <class F>
@@ -56,6 +58,17 @@ class Light {
                 return &light.source();
             } else {
                 return nullptr;
+            }
+        });
+    }
+
+    // Whether light comes to p from unit w, where nothing is in the way: not to the back of a portal.
+    bool reaches(const Vec3f& p, const Vec3f& w) const {
+        return visit([&](const auto& light) {
+            if constexpr (requires { light.reaches(p, w); }) {
+                return light.reaches(p, w);
+            } else {
+                return true;
             }
         });
     }

@@ -92,8 +92,13 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
                 add(s, DistantLight(d, s.spectrum, ball));
                 break;
             case LightKind::kInfinite:
-                if (d.image) {
+                if (d.image)
                     maps_.push_back(std::make_unique<EnvironmentMap>(d.image, d.world_from_light, library, scene.rgb_spectra));
+                if (d.portal) {
+                    portals_.push_back(std::make_unique<Portal>(*d.portal));
+                    const EnvironmentMap* map = d.image ? maps_.back().get() : nullptr;
+                    add(s, PortalLight(d, *portals_.back(), map, s.spectrum, ball));
+                } else if (d.image) {
                     add(s, ImageInfiniteLight(d, *maps_.back(), s.spectrum, ball));
                 } else {
                     add(s, UniformInfiniteLight(d, s.spectrum, ball));

@@ -38,6 +38,7 @@ class LightSet {
     // That lights point to.
     std::vector<std::unique_ptr<const EnvironmentMap>> maps_;
     std::vector<std::unique_ptr<const ProjectionMap>> projections_;
+    std::vector<std::unique_ptr<const Portal>> portals_;
     std::vector<std::unique_ptr<const ShapeDescription>> quadrics_;
     std::vector<std::unique_ptr<const EmissionPattern>> patterns_;
     AliasTable table_;

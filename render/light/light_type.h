@@ -24,7 +24,7 @@ struct EmissionPoint {
 // Where a line of sight ends on a light.
 struct LightHit {
     Vec3f wi;         // unit, towards the light
-    Vec3f p{}, ng{};  // EmissionPoint's
+    Vec3f p{}, ng{};  // EmissionPoint's; at infinity: p is where it is seen from
     Vec2f uv{};
 
     EmissionPoint point() const { return {p, ng, uv, true}; }

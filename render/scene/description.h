@@ -158,9 +158,11 @@ struct LightDescription {
     double cone_degrees = 30, cone_delta_degrees = 5;
     double fov_degrees = 90;                          // projection: of the shorter side
     std::shared_ptr<const ImageDescription> image{};  // goniometric, projection; infinite: or null, constant
-    std::uint32_t medium = kNone;                     // that a point or spot light lies in
-    std::string name{};                               // "": none
-    std::uint32_t group = 0;                          // as an area light's
+    // Infinite: corners, in turn, of a rectangle in the world (not in light space), through which alone it shines.
+    std::optional<std::array<Vec3d, 4>> portal{};
+    std::uint32_t medium = kNone;  // that a point or spot light lies in
+    std::string name{};            // "": none
+    std::uint32_t group = 0;       // as an area light's
     SourceLocation location{};
 };
 

@@ -162,9 +162,10 @@ void each_field(Of<ImageDescription> auto& image, Visit&& visit) {
 template <class Visit>
 void each_field(Of<LightDescription> auto& light, Visit&& visit) {
     auto& [kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
-           image, medium, name, group, location] = light;
+           image, portal, medium, name, group, location] = light;
     visit(kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
           image);
+    if (light.portal) visit(portal);
     visit.template index<MediumDescription>(medium);
     if (light.group != 0) visit(group);
     visit.label(name, location);

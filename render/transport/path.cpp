@@ -62,7 +62,7 @@ class Path {
                 transmittance_ *= step_.density;
             }
             if (!hit) {
-                for (const std::uint32_t i : lights_.infinite()) see_light(i, {d_});
+                for (const std::uint32_t i : lights_.infinite()) see_light(i, {d_, at_.p});
                 return false;
             }
             if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng, hit->on.uv});

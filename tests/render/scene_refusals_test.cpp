@@ -99,6 +99,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     EXPECT_THAT(refusal("ActiveTransform EndTime\nScale 2 1 1\nCamera \"perspective\"\nWorldBegin"),
                 HasSubstr("at EndTime skews or stretches"));
     EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("Camera \"realistic\" is not supported"));
+    EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("; use \"perspective\" with \"lensradius\""));
     EXPECT_THAT(refusal("Film \"rgb\""), HasSubstr("ends before WorldBegin"));
     EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("must come after WorldBegin"));
 }
@@ -269,7 +270,8 @@ TEST(SceneRefusals, EveryUnsupportedWordIsNamedWhereItStands) {
     parameters("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0  1 1 0 ]", {"\"string emissionfilename\" \"x.exr\""});
     parameters("Material \"diffuse\"", {"\"float sigma\" 20"});
     parameters("Material \"dielectric\"", {"\"texture eta\" \"t\"", "\"rgb reflectance\" [ 1 1 1 ]"});
-    parameters("LightSource \"infinite\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]"});
+    parameters("LightSource \"infinite\"", {"\"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 1 ]",
+                                            "\"point3 portal\" [ 0 0 0 1 0 0 0 1 0 1 1 0 ]", "\"point3 portal\" [ 0 0 0 ]"});
     parameters("LightSource \"spot\"", {"\"string filename\" \"x.exr\""});
     parameters("MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]",
                {"\"string preset\" \"Nothing\"", "\"float density\" 2"});

@@ -45,7 +45,11 @@ inline SceneDescription in_world(SceneDescription scene) {
     put_back(scene.shapes, scene.origin);
     scene.camera.world_from_camera.t += scene.origin;
     if (scene.camera.end) scene.camera.end->t += scene.origin;
-    for (LightDescription& light : scene.lights) light.world_from_light.t += scene.origin;
+    for (LightDescription& light : scene.lights) {
+        light.world_from_light.t += scene.origin;
+        if (!light.portal) continue;
+        for (Vec3d& corner : *light.portal) corner += scene.origin;
+    }
     for (InstanceDescription& instance : scene.instances) {
         const auto move = [&](Affined& map) { map.t = map.point(-scene.objects[instance.object].origin) + scene.origin; };
         move(instance.world_from_object);

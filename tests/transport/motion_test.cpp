@@ -1,8 +1,8 @@
 // What moves while the shutter is open: how maps vary with time, and what that does to pictures. docs/scenes.md, "Motion".
 #include "render/math/motion.h"
 
-#include "tests/transport/blocks.h"
 #include "tests/transport/numbers.h"
+#include "tests/transport/one_picture.h"
 #include "tests/transport/world_builder.h"
 
 namespace latent::render::testing {
@@ -214,42 +214,6 @@ std::string room_seen_by(const std::string& camera) {
 const std::string kDolly =
     "ActiveTransform StartTime\nLookAt -1 1 -3  0 .6 0  0 1 0\nActiveTransform EndTime\nLookAt 1.2 1.4 -2  .2 .5 0  .3 1 0\n"
     "ActiveTransform All\nCamera \"perspective\" \"float fov\" 45 \"float lensradius\" 0.2 \"float focaldistance\" 3\n";
-
-// 8 x 8 blocks of 8 pictures of independent seeds each. Over 192 comparisons with errors of 14 degrees of freedom, |t| > 6 has a
-// probability of 0.6 %, and a picture as a whole of |t| > 4 one of 0.4 %.
-void expect_agreement(const Scene& scene, std::uint64_t samples) {
-    const auto picture = [&](IntegratorKind kind, Connections connections, std::uint64_t first_seed) {
-        std::vector<Blocks> pictures;
-        for (std::uint64_t seed = 0; seed < 8; ++seed) {
-            const std::unique_ptr<Integrator> integrator = scene.integrator({.kind = kind,
-                                                                             .connections = connections,
-                                                                             .max_depth = 0,
-                                                                             .record = sampledb::RecordKind::kXyz,
-                                                                             .seed = first_seed + seed});
-            BlockSums sums(8);
-            sampledb::Records r;
-            RadianceFaults faults;
-            for (std::uint64_t n = 0; n < samples; ++n) {
-                r.clear();
-                integrator->trace(n, r, faults);
-                sums.add(r);
-            }
-            EXPECT_EQ(faults.total(), 0u);
-            pictures.push_back(sums.picture(samples));
-        }
-        return mean_of(pictures);
-    };
-    const Estimate path = picture(IntegratorKind::kPath, Connections::kOne, 1);
-    for (const Connections connections : {Connections::kOne, Connections::kAll}) {
-        const Estimate bdpt = picture(IntegratorKind::kBdpt, connections, 100);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const Verdict v = compare(bdpt, path, c);
-            EXPECT_LT(v.worst_z, 6) << "XYZ"[c];
-            EXPECT_LT(std::abs(v.whole_z), 4) << "XYZ"[c];
-            EXPECT_LT(v.whole_error, 0.01);
-        }
-    }
-}
 
 TEST(CameraMotion, PathAndBdptMakeOnePicture) { expect_agreement(scene_from(room_seen_by(kDolly)), 8192); }
 

@@ -75,7 +75,11 @@ void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>
     scene.origin = world.is_empty() ? camera : world.nearest(camera);
     scene.camera.world_from_camera.t += -scene.origin;
     if (scene.camera.end) scene.camera.end->t += -scene.origin;
-    for (LightDescription& light : scene.lights) light.world_from_light.t += -scene.origin;
+    for (LightDescription& light : scene.lights) {
+        light.world_from_light.t += -scene.origin;
+        if (!light.portal) continue;
+        for (Vec3d& corner : *light.portal) corner += -scene.origin;
+    }
     for (TextureDescription& texture : scene.textures) {
         Affined& map = texture.mapping.texture_from_world;
         map.t = map.point(scene.origin);

@@ -91,7 +91,9 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
     } else if (type == "orthographic") {
         camera.kind = CameraKind::kOrthographic;
     } else {
-        list.error(unsupported("Camera", type));
+        const bool is_realistic = type == "realistic";
+        list.error(unsupported("Camera", type) +
+                   (is_realistic ? "; use \"perspective\" with \"lensradius\" and \"focaldistance\"" : ""));
         return camera;
     }
     list.report_unused();

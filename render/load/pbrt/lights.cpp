@@ -37,6 +37,25 @@ std::shared_ptr<const ImageDescription> read_intensities(const ParameterList& li
     return grey;
 }
 
+// Corners of a rectangle, in the world.
+std::optional<std::array<Vec3d, 4>> read_portal(const ParameterList& list) {
+    const std::span<const double> p = list.array("portal", "point3", 3);
+    if (p.empty()) return std::nullopt;
+    std::array<Vec3d, 4> corners;
+    if (p.size() != 12) {
+        list.error("portal: must be the four corners of a rectangle");
+        return std::nullopt;
+    }
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = {p[3 * i], p[3 * i + 1], p[3 * i + 2]};
+    const Vec3d a = corners[1] - corners[0], b = corners[3] - corners[0];
+    const double size = std::max(length(a), length(b)), skew = max_abs(corners[2] - corners[1] - b);
+    if (!(length(a) > 0 && length(b) > 0 && skew <= 1e-3 * size && std::abs(dot(a, b)) <= 1e-3 * length(a) * length(b))) {
+        list.error("portal: the four points are not the corners, in turn, of a rectangle");
+        return std::nullopt;
+    }
+    return corners;
+}
+
 }  // namespace
 
 AreaLightDescription read_area_light(const std::string& type, const ParameterList& list, SceneSpectra& spectra,
@@ -109,6 +128,7 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
         } else {
             light.spectrum = spectra.emission(list, "L");
         }
+        light.portal = read_portal(list);
     } else {
         list.error(unsupported("LightSource", type));
         return light;

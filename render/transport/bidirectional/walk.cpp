@@ -145,6 +145,7 @@ bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, cons
     const std::size_t i = path.size();
     if (i + 2 > max_vertices_) return false;
     const SubpathVertex& previous = path[i - 1];
+    if (!from_camera && i == 1 && !lights_[start_light_].reaches(x.at.p, -step.d)) return false;
     const float d2 = length_squared(x.at.p - previous.at.p);
     x.wo = -step.d;
     x.beta = step.beta;
@@ -195,7 +196,7 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
     for (const std::uint32_t i : lights_.infinite()) {
         const Light& light = lights_[i];
         SampledSpectrum value = step.beta;
-        if (!light.multiply_emission({}, -step.d, sample_.spectra, value)) continue;
+        if (!light.multiply_emission(LightHit{step.d, last.at.p}.point(), -step.d, sample_.spectra, value)) continue;
         const float probability = lights_.probability(i),
                     pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.light_sample_context(last.wo), {step.d});
         const float pdf_ray = probability * light.pdf_direction({}, -step.d);
@@ -208,6 +209,7 @@ void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment
     CameraPoint point;
     if (!camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
     if (!lights_[start_light_].can_be_met() && !step.scattered) return;
+    if (light_subpath_.size() == 1 && !lights_[start_light_].reaches(point.p, point.w)) return;
     SampledSpectrum value = step.beta;
     segment.length = point.distance;
     if (step.medium == kNone) {
