@@ -52,7 +52,8 @@ TEST(Hair, DirectionsFollowTheirDensity) {
                      return s.wi;
                  },
                  .pdf_omega = [&](const Vec3f& wi) { return static_cast<double>(bsdf.pdf_omega(kViews[d], wi)); },
-                 .count = 60'000});
+                 .count = 60'000,
+                 .fine = 24});
         }
     }
 }
