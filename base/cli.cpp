@@ -23,6 +23,7 @@
 #include "base/parse.h"
 #include "base/printable.h"
 #include "base/temporary_path.h"
+#include "base/url.h"
 
 namespace latent::cli {
 
@@ -187,8 +188,9 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 
 CLI::Validator ends_in(const std::string& extension) {
     const auto check = [extension](const std::string& name) {
-        return std::filesystem::path(name).extension() == extension ? std::string()
-                                                                    : fmt::format("{}: the name must end in {}", name, extension);
+        return std::filesystem::path(name).extension() == extension
+                   ? std::string()
+                   : fmt::format("{}: the name must end in {}", shown_name(name), extension);
     };
     return CLI::Validator(check, "NAME" + extension);
 }

@@ -67,7 +67,7 @@ Result<std::vector<InputFile>> list_input_files(const std::vector<fs::path>& inp
         } else {
             std::vector<fs::path> found = attempts_of(input);
             if (found.empty()) found = files_matching(input);
-            if (found.empty()) return Error{ErrorCode::kNotFound, input.string() + ": no such file"};
+            if (found.empty()) return Error{ErrorCode::kNotFound, shown_name(input) + ": no such file"};
             add_found(found);
         }
     }

@@ -11,6 +11,8 @@ TEST(ShownName, OfAUrlLeavesOutWhatMayBeSecret) {
     EXPECT_EQ(shown_name("https://host/c.latent#secret?"), "https://host/c.latent");
     EXPECT_EQ(shown_name("https://host/a@b.latent"), "https://host/a@b.latent");
     EXPECT_EQ(shown_name("http://host"), "http://host");
+    EXPECT_EQ(shown_name("HTTPS://me:word@host/a?secret"), "HTTPS://host/a?...");
+    EXPECT_EQ(shown_name("http:/me:word@host/a?secret"), "http:/host/a?...");  // a slip of the pen
 }
 
 TEST(ShownName, OfAFileIsItsPath) {

@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "base/url.h"
 #include "image/deep_zoom_writer.h"
 #include "image/exr_writer.h"
 #include "image/jpeg_writer.h"
@@ -188,7 +189,7 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const bool png = type == ".png", tiff = type == ".tif" || type == ".tiff", jpeg = type == ".jpg" || type == ".jpeg";
     if (!png && !tiff && !jpeg && type != ".exr" && type != ".dzi") {
-        return Error{ErrorCode::kUsage, fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", path.string())};
+        return Error{ErrorCode::kUsage, fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", shown_name(path))};
     }
     const auto wrong_bits = [&](const char* why) { return Error{ErrorCode::kUsage, fmt::format("{}: {}", path.string(), why)}; };
     if (png && options.depth == Depth::kFloat) return wrong_bits("PNG has 8 or 16 bits; use .tif or .exr for floats");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/url.h"
 #include "color/camera.h"
 #include "color/observer_file.h"
 #include "color/rgb_space.h"
@@ -85,6 +86,8 @@ Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage
 }  // namespace
 
 Result<Source> open_source(const ConvertOptions& options) {
+    if (is_url(options.input))
+        return Error{ErrorCode::kUsage, shown_name(options.input) + ": a URL, but pictures are read from files; download it first"};
     Result<image::ExrReader> reader = image::ExrReader::open(options.input, {options.level, options.layer, true});
     if (!reader && reader.error().code == ErrorCode::kForeign && options.input.extension() == ".latent")
         return Error{ErrorCode::kForeign,
