@@ -5,6 +5,7 @@
 
 #include "color/observer.h"
 #include "render/spectral/wavelength_density.h"
+#include "render/transport/bidirectional/weights.h"
 #include "render/transport/records.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/world_builder.h"
@@ -219,6 +220,14 @@ TEST(Records, FaultsAreCountedAndKeptOut) {
         EXPECT_TRUE(r.power.empty());
         EXPECT_TRUE(std::all_of(r.y.begin(), r.y.end(), [](float y) { return y == 0; }));
     }
+}
+
+// A vertex that is far likelier from the other side, before one that is far less likely.
+TEST(BidirectionalWeights, AreNumbersHoweverFarDensitiesAreApart) {
+    const float huge = mis_term(1e25f, 1, 1);
+    EXPECT_TRUE(std::isinf(huge));
+    EXPECT_EQ(mis_weight(huge), 0);
+    EXPECT_EQ(mis_term(1e-25f, 1, 1 + huge), 0);
 }
 
 }  // namespace

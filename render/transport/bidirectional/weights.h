@@ -21,11 +21,11 @@ struct MisPartial {
     float shorter = 0;  // e_(i-1) + S_(i-2)
 };
 
-// r^2 sum
+// r^2 sum; 0 if r^2 is too small for a float, however large the sum has become.
 inline float mis_term(float pdf_reverse, float pdf_forward, float sum) {
     if (!(sum > 0) || !(pdf_reverse > 0)) return 0;
     const float r = pdf_reverse / pdf_forward;
-    return r * r * sum;
+    return r * r > 0 ? r * r * sum : 0;
 }
 
 // `others`: the sum of (p_j / p)^2 over the other strategies.
