@@ -3,7 +3,7 @@ import argparse
 import sys
 
 from latent_farm.commands import RUN
-from latent_farm.errors import DONE, Failure, Misuse, STOPPED
+from latent_farm.errors import DONE, Failure, Misuse, STOPPED, without_secrets
 from latent_farm.grammar import make_commands
 
 
@@ -27,7 +27,7 @@ def main(arguments, version):
     try:
         return run(arguments, version)
     except (Failure, argparse.ArgumentError) as error:
-        print(f"latent-farm: {error}", file=sys.stderr)
+        print(f"latent-farm: {without_secrets(str(error))}", file=sys.stderr)
         return getattr(error, "status", Misuse.status)
     except KeyboardInterrupt:
         print("latent-farm: interrupted; run the same command again to resume", file=sys.stderr)

@@ -1,5 +1,7 @@
 """What ends latent-farm: one line, and an exit status of README.md's table."""
 
+import re
+
 DONE, FAILED, USAGE, STOPPED = 0, 1, 2, 75
 
 
@@ -13,3 +15,16 @@ class Misuse(Failure):
     """Wrong arguments."""
 
     status = USAGE
+
+
+URL = re.compile(r"(?i)(https?:/+)(?:[^\s/?#]*@)?([^\s?#]*)([?#]\S*)?")  # one slash, where it was taken for a path
+
+
+def without_secrets(text):
+    """URLs without user and password, and with ?... for their query, which may be a key."""
+    return URL.sub(lambda url: url[1] + url[2] + ("?..." if url[3] else ""), text)
+
+
+def check_is_no_url(name, what):
+    if URL.match(name):
+        raise Misuse(f"{what}, not a URL: {name}")

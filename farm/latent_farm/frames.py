@@ -4,12 +4,13 @@ import glob
 import os
 import pathlib
 
-from latent_farm.errors import Failure, Misuse
+from latent_farm.errors import check_is_no_url, Failure, Misuse
 from latent_farm.plan import Folder
 
 
 def planned(out):
     """The folder itself, if it holds a plan, or those of the frames in it."""
+    check_is_no_url(out, "a plan is a folder")
     if Folder(out).has_plan():
         return [Folder(out)]
     return [Folder(path.parent) for path in sorted(pathlib.Path(out).glob("*/plan.json"))]
@@ -25,6 +26,8 @@ def existing(out):
 
 def scenes_of(names):
     """Scene files; a pattern that the shell has left alone stands for those that match it."""
+    for name in names:
+        check_is_no_url(name, "a scene is a file")
     return [scene for name in names for scene in (not os.path.exists(name) and sorted(glob.glob(name)) or [name])]
 
 

@@ -11,6 +11,7 @@ import typing
 from latent_farm.errors import Failure, Misuse
 
 VERSION = 1
+MOST_RUNS = 1 << 20  # of a file
 TILE = 256  # pixels: the sides of a picture's tiles; strips are whole rows of tiles
 
 
@@ -94,6 +95,17 @@ def size_of(develop):
     """Width and height that --size WxH of latent-develop asks for; none if it asks for less."""
     found = re.search(r"--size[ =](\d+)x(\d+)(?: |$)", " ".join(develop))
     return (int(found[1]), int(found[2])) if found else None
+
+
+def check_runs(plan):
+    """That each part fits into a file, and the merged file too."""
+    most = MOST_RUNS * plan.run_samples
+    if plan.task_samples > most:
+        raise Misuse(f"{plan.tasks} task{'' if plan.tasks == 1 else 's'} of {plan.task_samples} samples: a file holds at most 2^20 runs, "
+                     f"here of {plan.run_samples} samples; use --tasks {math.ceil(plan.samples / most)} or more")
+    if plan.samples > most and plan.until != "render" and not plan.compact:
+        raise Misuse(f"{plan.samples} samples in runs of {plan.run_samples} do not fit into one merged file, which holds at most 2^20 runs; "
+                     "use --until render, and develop the parts")
 
 
 def check_strips(plan):

@@ -1,39 +1,58 @@
 """From a scene to a plan: a short trial, a size for the tasks, and a prediction."""
+import math
 import os
 import resource
 import sys
 import time
+import typing
 
 from latent_farm import sizing, tools
 from latent_farm.errors import Failure, Misuse
-from latent_farm.plan import Plan, part_name
+from latent_farm.plan import Plan
 
 
-def trial(folder, arguments, cpus):
-    """latent-render's forecast, and samples per second of a task that has `cpus` processors."""
+TRIAL_SPP = 16  # at most; more takes longer than a trial, and the whole job may be more than one part can hold
+BRIEF = ["--max-time", "0.1"]
+
+
+class Trial(typing.NamedTuple):
+    """What latent-render makes of a scene and its options."""
+
+    samples: int  # of the whole job
+    job: str
+    run_samples: int
+    rate: float  # samples per second of a task
+    bytes_per_sample: float
+
+
+def trial(folder, arguments, spp, cpus):
+    """Renders the first samples of a job of `spp` on as many as possible of the `cpus` processors of a task."""
     here = len(os.sched_getaffinity(0))
     threads = min(cpus or here, here)
-    answer = tools.forecast([*arguments, "--threads", str(threads)], folder.parts / part_name(99999))
+    answer = tools.forecast([*arguments, "--spp", f"{min(spp, TRIAL_SPP):.17g}", "--threads", str(threads)], folder.parts / "trial.latent")
     if not answer["seconds"] > 0:
         raise Failure("the trial measured nothing; is the scene empty?")
-    return answer, answer["samples"] / answer["seconds"] * (cpus or here) / threads
+    samples = answer["samples"] if spp <= TRIAL_SPP else math.ceil(spp * (answer["samples"] // TRIAL_SPP))
+    if samples >= 1 << 62:
+        raise Misuse(f"--spp {spp:g}: too large; a job has fewer than 2^62 samples")
+    return Trial(samples, answer["job"], answer["run_samples"], answer["samples"] / answer["seconds"] * (cpus or here) / threads,
+                 answer["bytes"] / answer["samples"])
 
 
 def make_plan(folder, args, machines, like=None):
     """Measures and cuts. `folder` has its parts folder. `like`: a plan of a similar scene, which was measured for longer."""
     scene = os.path.abspath(args.scene)
-    arguments = [scene, *args.options, "--spp", f"{args.spp:.17g}"]
-    brief = ["--max-time", "0.1"]
-    answer, rate = trial(folder, [*arguments, *(brief if like else [])], args.cpus)
-    tasks = args.tasks or sizing.count_tasks(answer["samples"] / rate, machines)
+    arguments = [scene, *args.options]
+    found = trial(folder, [*arguments, *(BRIEF if like else [])], args.spp, args.cpus)
+    rate = like.rate if like else found.rate
+    tasks = args.tasks or sizing.count_tasks(found.samples / rate, machines)
     fixed = any(option.split("=")[0] == "--run-samples" for option in args.options)
-    task_samples, run_samples = sizing.cut(answer["samples"], tasks, answer["run_samples"], may_shorten=not fixed)
-    if run_samples != answer["run_samples"]:  # which makes another job
-        answer, _ = trial(folder, [*arguments, "--run-samples", str(run_samples), *brief], args.cpus)
-    rate = like.rate if like else rate
+    task_samples, run_samples = sizing.cut(found.samples, tasks, found.run_samples, may_shorten=not fixed)
+    if run_samples != found.run_samples:  # which makes another job
+        found = trial(folder, [*arguments, "--run-samples", str(run_samples), *BRIEF], args.spp, args.cpus)
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
-    return Plan(scene=scene, spp=args.spp, options=args.options, samples=answer["samples"], task_samples=task_samples,
-                run_samples=run_samples, job=answer["job"], rate=rate, bytes_per_sample=answer["bytes"] / answer["samples"],
+    return Plan(scene=scene, spp=args.spp, options=args.options, samples=found.samples, task_samples=task_samples,
+                run_samples=run_samples, job=found.job, rate=rate, bytes_per_sample=found.bytes_per_sample,
                 memory=args.memory or max(1 << 30, peak * 3 // 2), machines=machines, cpus=args.cpus, develop=args.develop,
                 strips=args.strips or 1, compact=args.compact,
                 until=args.until or "develop", checkpoint=args.checkpoint or 60)
@@ -52,11 +71,9 @@ def extend_plan(folder, plan, args, machines):
         raise Misuse(f"--spp {args.spp:g}: the plan in {folder.path} has --spp {plan.spp:g}; to use fewer samples, "
                      "develop with --samples")
     if args.spp and args.spp > plan.spp:
-        arguments = [plan.scene, *plan.render_options, "--spp", f"{args.spp:.17g}"]
-        answer, rate = trial(folder, arguments, plan.cpus)
-        if answer["job"] != plan.job:
-            raise Failure(f"{plan.scene}: has changed since it was planned, so it is another job; choose another --out")
-        plan.spp, plan.samples, plan.rate = args.spp, answer["samples"], rate
+        found = trial(folder, [plan.scene, *plan.render_options], args.spp, plan.cpus)
+        check_job(plan, found.job)
+        plan.spp, plan.samples, plan.rate = args.spp, found.samples, found.rate
     if args.cpus:
         plan.cpus = args.cpus
     plan.memory = args.memory or plan.memory
@@ -68,6 +85,18 @@ def extend_plan(folder, plan, args, machines):
     plan.checkpoint = args.checkpoint or plan.checkpoint
     plan.machines = machines or plan.machines
     return plan
+
+
+def check_scene(folder, plan):
+    """That the scene, where tasks of this machine find it, is still the one that was planned."""
+    scene = os.environ.get("LATENT_SCENE", plan.scene)
+    arguments = [scene, *plan.render_options, "--samples", "0:1", *BRIEF]
+    check_job(plan, tools.forecast(arguments, folder.parts / "trial.latent")["job"])
+
+
+def check_job(plan, job):
+    if job != plan.job:
+        raise Failure(f"{plan.scene}: has changed since it was planned, so it is another job; choose another --out")
 
 
 def note(text):

@@ -106,11 +106,12 @@ def unfinished(plan, state):
             ranges.missing(plan.range_of(task), ranges.union(published.get(task, [])))]
 
 
-def steps_left(folder, plan, state, tasks):
-    """The stages after rendering that are still to be run."""
+def stages_left(folder, plan, state, tasks):
+    """The stages that are still to be run, where `tasks` are not rendered yet."""
+    render = [Stage("render", tasks)] if tasks else []
     if plan.until == "render":
-        return []
-    merge = [Stage("merge")] if tasks or ranges.missing((0, plan.samples), state.merged) else []
+        return render
+    merge = [*render, Stage("merge")] if tasks or ranges.missing((0, plan.samples), state.merged) else []
     if plan.until == "merge":
         return merge
     merged = float("inf") if merge else max(plan.develop_since, folder.merged.stat().st_mtime)

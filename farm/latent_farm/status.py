@@ -9,21 +9,19 @@ from latent_farm import ranges, state, units
 def machines_of(plan, files, unfinished, now, stalled_after):
     """{host: ...} of all machines that have left a mark, and the attempts that stand still."""
     machines, stalled = {}, []
-    newest = {}
-    for file in files:
-        newest[file.task] = max(newest.get(file.task, 0), file.changed)
+    newest = {file.task: file for file in sorted(files, key=lambda file: file.changed)}
     for file in files:
         machine = machines.setdefault(file.host, {"samples": 0, "parts": 0, "last_commit": 0, "rates": [], "working": 0, "stalled": 0})
         machine["samples"] += ranges.size(ranges.union(file.held))
-        machine["parts"] += not file.attempt
+        machine["parts"] += not file.attempt and file.task not in unfinished
         machine["last_commit"] = max(machine["last_commit"], file.changed)
         if file.rate:
             machine["rates"].append(file.rate)
-        if not file.attempt or file.task not in unfinished:
+        if not file.attempt or file.task not in unfinished or file is not newest[file.task]:  # another has gone on with it
             continue
         if now - file.changed <= stalled_after:
             machine["working"] += 1
-        elif file.changed == newest[file.task]:  # nobody has gone on with it
+        else:
             machine["stalled"] += 1
             stalled.append(file.name)
     rates = [rate for machine in machines.values() for rate in machine["rates"]] or [plan.rate]
@@ -53,7 +51,7 @@ def summary(folder, plan, found, now, stalled_after):
         "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
         "free_bytes": found.free, "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
         "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
-        "steps_left": [stage.name for stage in state.steps_left(folder, plan, found, tasks)],
+        "steps_left": [stage.name for stage in state.stages_left(folder, plan, found, tasks)],
     }
 
 
@@ -72,8 +70,8 @@ def to_text(report, now):
     lines.append(f"disk:    {units.format_size(report['bytes'])} used, {units.format_size(report['bytes_when_finished'])} "
                  f"when finished, {units.format_size(report['free_bytes'])} free")
     if report["steps_left"]:
-        lines.append(f"left:    {', '.join((['render'] if report['missing_tasks'] else []) + report['steps_left'])}")
-    elif report["complete"] and not report["missing_tasks"]:
+        lines.append(f"left:    {', '.join(report['steps_left'])}")
+    else:
         lines.append("all done")
     if report["machines"]:
         lines += ["", f"{'machine':<20} {'finished':>8} {'samples':>10} {'samples/s':>10}  last commit"]
@@ -99,7 +97,7 @@ def status(folders, as_json, stalled_after):
 
 
 def totals(reports):
-    done = sum(not report["steps_left"] and not report["missing_tasks"] for report in reports)
+    done = sum(not report["steps_left"] for report in reports)
     samples, committed = (sum(report[key] for report in reports) for key in ("samples", "committed"))
     rate = sum(report["samples_per_second"] for report in reports)
     text = f"\n{done} of {len(reports)} frames are done; {committed} of {samples} samples committed ({100 * committed / samples:.1f} %)"

@@ -4,18 +4,20 @@ import re
 
 from latent_farm import engines, planning, ranges, scripts, slurm, state
 from latent_farm.errors import Misuse
-from latent_farm.plan import Stage, check_strips
+from latent_farm.plan import check_runs, check_strips
 
 
 class Work:
     """`like`: a plan of another frame, whose rate stands for this one's; `share`: of the machines."""
 
     def __init__(self, folder, args, like=None, share=1):
-        self.folder, self.plan = folder, prepare(folder, args, like, share)
+        self.folder = folder
+        self.plan, measured = prepare(folder, args, like, share)
         self.found = state.read_state(folder, self.plan)
         self.missing = state.unfinished(self.plan, self.found)
-        self.stages = [Stage("render", self.missing)] if self.missing else []
-        self.stages += state.steps_left(folder, self.plan, self.found, self.missing)
+        if self.missing and not measured:
+            planning.check_scene(folder, self.plan)
+        self.stages = state.stages_left(folder, self.plan, self.found, self.missing)
         self.chain = slurm.Chain(folder, self.plan, args.sbatch, args.throttle) if args.engine == "slurm" else None
         self.lines = self._lines(args)
 
@@ -43,6 +45,7 @@ class Work:
 
 
 def prepare(folder, args, like, share):
+    """The plan, in the folder, and whether the scene has been measured for it just now."""
     nodes = slurm.nodes() if args.engine == "slurm" else []
 
     def shared(machines):
@@ -50,20 +53,25 @@ def prepare(folder, args, like, share):
 
     if folder.has_plan():
         folder.make()
-        plan = planning.extend_plan(folder, folder.read_plan(), args, args.machines and shared(args.machines))
+        plan = folder.read_plan()
+        measured = bool(args.spp) and args.spp > plan.spp
+        plan = planning.extend_plan(folder, plan, args, args.machines and shared(args.machines))
+        check_runs(plan)
+        check_strips(plan)
     elif args.scene and args.spp:
         if not args.cpus and nodes:
             args.cpus = min(cpus for _, cpus in nodes)
-        machines = shared(args.machines or count_machines(args, nodes))
+        measured, machines = True, shared(args.machines or count_machines(args, nodes))
         with folder.made():
             plan = planning.make_plan(folder, args, machines, like)
+            check_runs(plan)
+            check_strips(plan)
     else:
         raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp")
-    check_strips(plan)
     folder.write_plan(plan)
     name = re.sub(r"[^\w.-]", "_", os.path.splitext(os.path.basename(plan.scene))[0])
     scripts.write_scripts(folder, plan, name, minutes=args.time and max(1, round(args.time / 60)))
-    return plan
+    return plan, measured
 
 
 def count_machines(args, nodes):

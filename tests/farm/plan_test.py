@@ -78,6 +78,24 @@ class Plan(FarmTest):
         self.assertEqual(report["task_samples"] * 8, report["samples"])
         self.assertEqual(report["missing_tasks"], "0-7")
 
+    def test_a_petabyte_is_planned_in_parts_that_fit_into_files(self):
+        spp = 7_000_000_000  # 2.9e13 samples; with 35 bytes each, 1 PB
+        report = self.plan("--machines", 1000, "--until", "render", spp=spp)
+        self.assertEqual(report["samples"], spp * 64 * 64)
+        self.assertLessEqual(report["task_seconds"], 1.01 * 3600)
+        self.assertGreater(report["samples"], (1 << 20) * report["run_samples"])
+        first = (report["tasks"] - 1) * report["task_samples"]
+        for begin, end in (0, report["task_samples"]), (first, report["samples"]):  # what the first and the last task render
+            done = self.succeed("latent-render", SCENE, "--resolution", "64x64", "--run-samples", report["run_samples"], "--samples",
+                                f"{begin}:{end}", "--dry-run", "--max-time", "0.1", "--json", "-o", self.folder / "x.latent")
+            self.assertEqual(json.loads(done.stdout)["job"], report["job"])
+        self.assertEqual(self.status()["missing_tasks"], f"0-{report['tasks'] - 1}")
+        farm = ["latent-farm", "plan", SCENE, "--spp", spp, "--out", self.folder / "x", "--engine", "shell"]
+        self.fail_with("use --until render", *farm, "--", "--resolution", "64x64", status=2)
+        self.fail_with("or more", *farm, "--tasks", 1, "--until", "render", "--", "--resolution", "64x64", status=2)
+        self.fail_with("fewer than 2^62 samples", *farm, "--spp", "9e14", "--", "--resolution", "128x128", status=2)
+        self.assertFalse((self.folder / "x").exists())
+
     def test_a_copy_of_the_plan_renders_elsewhere_and_its_parts_are_brought_back(self):
         report = self.plan("--tasks", 3)
         for machine, tasks in ("node1", (0, 1)), ("node2", (1, 2)):  # task 1 on both
@@ -236,6 +254,36 @@ class Plan(FarmTest):
         self.plan(spp=2, scene=scene)
         scene.write_text(scene.read_text().replace("2856", "2857"))
         self.fail_with("has changed", "latent-farm", "plan", scene, "--spp", 3, "--out", self.folder / "night", "--engine", "shell")
+
+    def test_no_task_renders_a_scene_that_has_changed_since_it_was_planned(self):
+        scene, planned = self.folder / "scene.pbrt", SCENE.read_text()
+        scene.write_text(planned)
+        self.plan("--tasks", 2, scene=scene)
+        scene.write_text(planned.replace("2856", "2857"))
+        night = self.folder / "night"
+        for command in (["resume", night], ["submit", "--out", night], ["submit", scene, "--spp", 4, "--out", night], ["plan", scene, "--out", night]):
+            self.fail_with("scene.pbrt: has changed", "latent-farm", *command, "--engine", "shell")
+        self.assertEqual(os.listdir(night / "parts"), [])
+        scene.unlink()
+        self.fail_with("scene.pbrt: ", "latent-farm", "resume", night, "--engine", "shell")
+        (self.folder / "moved.pbrt").write_text(planned)
+        moved = {**os.environ, "LATENT_SCENE": str(self.folder / "moved.pbrt")}
+        self.succeed("latent-farm", "resume", night, "--engine", "shell", "--until", "merge", env=moved)
+        self.succeed("latent-farm", "resume", night, "--engine", "shell", "--until", "develop")  # without the scene
+
+    def test_urls_are_refused_and_shown_without_what_is_secret(self):
+        for given, shown in (("https://me:word@host/a.pbrt?tok=SECRET", "a scene is a file, not a URL: https://host/a.pbrt?...\n"),
+                             ("HTTP://host/a.pbrt?tok=SECRET", "a scene is a file, not a URL: HTTP://host/a.pbrt?...\n"),
+                             ("http://host/a.pbrt", "a scene is a file, not a URL: http://host/a.pbrt\n")):
+            done = self.fail_with(shown, "latent-farm", "plan", given, "--spp", 4, "--out", self.folder / "x", status=2)
+            self.assertNotRegex(done.stderr, "SECRET|word")
+        url = "https://me:word@host/night?tok=SECRET"
+        for command in (["status", url], ["resume", url], ["plan", SCENE, "--spp", 4, "--out", url], ["status", "night", url],
+                        ["join", url, "-o", self.folder / "x.exr"], ["plan", SCENE, "--out", "x", "--spp", url]):
+            done = run("latent-farm", *command, cwd=self.folder)
+            self.assertNotRegex(done.stderr, "SECRET|word")
+            self.assertRegex(done.stderr, r"https?:/+host/night\?\.\.\.")
+        self.assertEqual(os.listdir(self.folder), [])
 
     def test_numbers_are_written_as_for_every_tool(self):
         plan = ["latent-farm", "plan", SCENE, "--engine", "shell", "--out"]

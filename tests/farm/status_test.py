@@ -3,12 +3,14 @@ import os
 import shutil
 import subprocess
 import time
+import types
 import unittest
 from unittest import mock
 
 from support import SCENE, TOOLS, FarmTest
 from latent_farm import state
 from latent_farm.plan import Folder
+from latent_farm.status import machines_of
 
 
 class Status(FarmTest):
@@ -24,10 +26,11 @@ class Status(FarmTest):
         self.assertEqual(status["missing_samples"], [[length, 2 * length], [3 * length, 4 * length]])
         self.assertEqual(status["missing_tasks"], "1,3")
         self.assertEqual(status["tasks_finished"], 2)
-        self.assertEqual(status["steps_left"], ["merge", "develop"])
+        self.assertEqual(status["steps_left"], ["render", "merge", "develop"])
         text = self.succeed("latent-farm", "status", self.folder / "night").stdout
         self.assertIn("--array=1,3", text)
         self.assertIn(f"{length}:{2 * length}", text)
+        self.assertIn("left:    render, merge, develop\n", text)
 
     def test_machines_are_those_that_wrote_the_parts(self):
         self.plan("--tasks", 2, command="submit")
@@ -54,6 +57,26 @@ class Status(FarmTest):
         self.assertEqual((status["tasks_working"], status["stalled"]), (0, [attempt.name]))
         self.assertIsNone(status["seconds_left"])
         self.assertEqual(self.status("night", "--stalled-after", "10m")["stalled"], [])
+
+    def test_a_task_that_was_killed_and_is_rendered_again_counts_once(self):
+        now = 1e9
+        files = [state.PartFile(f"part-00000.latent.part.{i}", 0, True, [(0, held)], host, now - 100, now - age, held, 0)
+                 for i, (held, host, age) in enumerate([(500, "live", 5), (300, "killed", 60), (200, "killed", 80)])]
+        machines, stalled = machines_of(types.SimpleNamespace(rate=7), files, {0}, now, 300)
+        self.assertEqual({host: machine["working"] for host, machine in machines.items()}, {"live": 1, "killed": 0})
+        self.assertAlmostEqual(sum(machine["samples_per_second"] for machine in machines.values()), 500 / 95)
+        self.assertEqual(stalled, [])
+        _, stalled = machines_of(types.SimpleNamespace(rate=7), files, {0}, now + 400, 300)
+        self.assertEqual(stalled, ["part-00000.latent.part.0"])
+
+    def test_a_part_that_was_cut_short_is_not_finished(self):
+        self.plan("--tasks", 2)
+        for task in range(2):
+            self.succeed(self.folder / "night/task", task)
+        part = self.folder / "night/parts/part-00000.latent"
+        os.truncate(part, part.stat().st_size * 2 // 3)
+        status = self.status()
+        self.assertEqual((status["tasks_finished"], [machine["parts"] for machine in status["machines"].values()]), (1, [1]))
 
     def test_the_rate_of_a_resumed_part_counts_what_its_last_attempt_rendered(self):
         self.plan("--tasks", 1, "--checkpoint", "0.05", "--until", "render", spp=400)
