@@ -1,5 +1,6 @@
 """What the commands of latent-farm do."""
 import json
+import os
 import pathlib
 import sys
 
@@ -17,6 +18,10 @@ def survey(args):
         args.engine = "slurm" if slurm.is_here() else "shell"
     if args.hosts and args.engine != "parallel":
         raise Misuse("--hosts: needs --engine parallel")
+    if args.hosts:
+        args.hosts = os.path.abspath(args.hosts)
+        if not engines.hosts_in(args.hosts):
+            raise Failure(f"{args.hosts}: names no machine; write one per line")
     works, reports = [], []
     found = frames.frames_of(args)
     for folder, own in found:
@@ -30,14 +35,15 @@ def survey(args):
 
 
 def to_text(report):
-    text = (f"{report['samples']} samples in {report['tasks']} task{'' if report['tasks'] == 1 else 's'} of {report['task_samples']} "
+    text = (f"{units.counted(report['samples'], 'sample')} in {units.counted(report['tasks'], 'task')} of {report['task_samples']} "
             f"({units.format_duration(report['task_seconds'])} each), runs of {report['run_samples']}\n")
     if report["missing_samples"]:
-        text += (f"{report['missing_samples']} samples are missing, tasks {report['missing_tasks']}; about "
+        tasks = f"task{'' if report['missing_tasks'].isdigit() else 's'} {report['missing_tasks']}"
+        text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {tasks}; about "
                  f"{units.format_duration(report['seconds'])} with {report['machines']} at a time\n")
     text += (f"disk: {units.format_size(report['bytes'])} when finished, {units.format_size(report['free_bytes'])} free\n")
     if not report["steps"]:
-        return text + "nothing is left to do\n"
+        return text + "nothing is left to do" + units.left_out(report) + "\n"
     return text + "\n" + "\n".join(report["commands"]) + "\n"
 
 

@@ -18,7 +18,7 @@ def check(engine):
 def hosts_in(path):
     """The machines of a --sshloginfile: its lines, without comments."""
     try:
-        with open(path, encoding="utf-8") as file:
+        with open(path, encoding="utf-8", errors="replace") as file:
             lines = [line.split("#")[0].strip() for line in file]
     except OSError as error:
         raise Failure(f"{path}: cannot be read: {error.strerror}") from None

@@ -29,7 +29,10 @@ def spp(text):
 
 
 def tasks(text):
-    return 0 if text == "auto" else number(1)(text)
+    try:
+        return 0 if text == "auto" else number(1)(text)
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(f"{error}, or auto") from None
 
 
 def words(text):

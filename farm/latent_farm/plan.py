@@ -46,6 +46,14 @@ class Plan:
     checkpoint: float = 60  # seconds
     version: int = VERSION
 
+    def __post_init__(self):
+        """Fails if a file held something else."""
+        for field in dataclasses.fields(self):
+            if not isinstance(getattr(self, field.name), (int, float) if field.type is float else field.type):
+                raise TypeError
+        if min(self.samples, self.task_samples, self.run_samples, self.rate, self.strips) <= 0:
+            raise ValueError
+
     @property
     def tasks(self):
         return math.ceil(self.samples / self.task_samples)
@@ -75,6 +83,11 @@ class Plan:
             elif not word.startswith("--run-samples="):
                 others.append(word)
         return [*others, "--run-samples", str(self.run_samples)]
+
+    @property
+    def steps_left_out(self):
+        steps = ["render", "merge", "develop"]
+        return steps[steps.index(self.until) + 1:]
 
     @property
     def strip_rows(self):
@@ -155,8 +168,8 @@ class Folder:
             raise Failure(f"{self.path}: holds no plan; make one with latent-farm plan") from None
         except OSError as error:
             raise Failure(f"{self.plan_file}: cannot be read: {error.strerror}") from None
-        except (ValueError, TypeError, AttributeError) as error:
-            raise Failure(f"{self.plan_file}: damaged, or not a plan of latent-farm: {error}") from None
+        except (ValueError, TypeError, AttributeError):
+            raise Failure(f"{self.plan_file}: damaged, or not a plan of latent-farm") from None
 
     def write_plan(self, plan):
         self.write(self.plan_file, json.dumps(dataclasses.asdict(plan), indent=2) + "\n")

@@ -6,13 +6,13 @@ import sys
 import time
 import typing
 
-from latent_farm import sizing, tools
+from latent_farm import sizing, tools, units
 from latent_farm.errors import Failure, Misuse
 from latent_farm.plan import Plan
 
 
 TRIAL_SPP = 16  # at most; more takes longer than a trial, and the whole job may be more than one part can hold
-BRIEF = ["--max-time", "0.1"]
+BRIEF = ["--max-time", "0.5"]  # enough for some samples where a machine is busy
 
 
 class Trial(typing.NamedTuple):
@@ -50,6 +50,9 @@ def make_plan(folder, args, machines, like=None):
     task_samples, run_samples = sizing.cut(found.samples, tasks, found.run_samples, may_shorten=not fixed)
     if run_samples != found.run_samples:  # which makes another job
         found = trial(folder, [*arguments, "--run-samples", str(run_samples), *BRIEF], args.spp, args.cpus)
+    made = math.ceil(found.samples / task_samples)
+    if made < args.tasks:
+        note(f"--tasks {args.tasks}: there are {units.counted(made, 'task')}, since tasks consist of whole runs, here of {run_samples} samples")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
     return Plan(scene=scene, spp=args.spp, options=args.options, samples=found.samples, task_samples=task_samples,
                 run_samples=run_samples, job=found.job, rate=rate, bytes_per_sample=found.bytes_per_sample,
@@ -65,7 +68,8 @@ def extend_plan(folder, plan, args, machines):
     if args.options and args.options != plan.options:
         raise Misuse(f"{folder.path}: its plan has other options for latent-render ({' '.join(plan.options) or 'none'}); "
                      "choose another --out")
-    if args.tasks and args.tasks != plan.tasks and (args.spp or plan.spp) == plan.spp:
+    same_cut = args.tasks and sizing.cut(plan.samples, args.tasks, plan.run_samples, may_shorten=False)[0] == plan.task_samples
+    if args.tasks and not same_cut and (args.spp or plan.spp) == plan.spp:
         raise Misuse(f"{folder.path}: its plan has {plan.tasks} tasks; choose another --out, or leave out --tasks")
     if args.spp and args.spp < plan.spp:
         raise Misuse(f"--spp {args.spp:g}: the plan in {folder.path} has --spp {plan.spp:g}; to use fewer samples, "
@@ -90,7 +94,7 @@ def extend_plan(folder, plan, args, machines):
 def check_scene(folder, plan):
     """That the scene, where tasks of this machine find it, is still the one that was planned."""
     scene = os.environ.get("LATENT_SCENE", plan.scene)
-    arguments = [scene, *plan.render_options, "--samples", "0:1", *BRIEF]
+    arguments = [scene, *plan.render_options, "--samples", "0:1"]
     check_job(plan, tools.forecast(arguments, folder.parts / "trial.latent")["job"])
 
 

@@ -23,6 +23,14 @@ def nodes():
     return [(int(count), int(cpus)) for count, cpus in found]
 
 
+def ask(command, advice):
+    """What a command of Slurm answers."""
+    try:
+        return tools.output_of(command)
+    except Failure as error:
+        raise Failure(f"Slurm: {command[0]}: {error}; {advice}") from None
+
+
 class Chain:
     """The stages of a plan as jobs, or arrays of jobs. Those of a stage wait for those of the one before, and do not run at all if
     one of them has failed."""
@@ -45,7 +53,7 @@ class Chain:
         numbers = []
 
         def start(*words):
-            numbers.append(tools.output_of(words).strip().split(";")[0])
+            numbers.append(ask(words, "to do without Slurm, use --engine parallel or --engine shell").strip().split(";")[0])
             self.folder.write(self.folder.jobs, json.dumps(numbers) + "\n")
             return numbers[-1]
         self._start(stages, start, str)
@@ -76,6 +84,6 @@ def in_queue(folder):
         return []
     except (OSError, ValueError) as error:
         raise Failure(f"{folder.jobs}: cannot be read: {error}; if none of its jobs is queued, remove it") from None
-    queue = tools.output_of(["squeue", "-h", "-o", "%F %i %T"])
+    queue = ask(["squeue", "-h", "-o", "%F %i %T"], f"if no job of this plan is queued, remove {folder.jobs}")
     waiting = [line.split() for line in queue.splitlines()]
     return [f"{words[1]} {words[2]}" for words in waiting if words and words[0] in numbers]

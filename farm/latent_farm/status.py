@@ -50,14 +50,14 @@ def summary(folder, plan, found, now, stalled_after):
         "machines": machines, "bytes": found.disk,
         "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
         "free_bytes": found.free, "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
-        "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
+        "until": plan.until, "steps_left_out": plan.steps_left_out, "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
         "steps_left": [stage.name for stage in state.stages_left(folder, plan, found, tasks)],
     }
 
 
 def to_text(report, now):
     done = 100 * report["committed"] / report["samples"]
-    lines = [f"{report['scene']}, {report['spp']:g} samples per pixel, job {report['job']}",
+    lines = [f"{report['scene']}, {report['spp']:g} sample{'' if report['spp'] == 1 else 's'} per pixel, job {report['job']}",
              f"samples: {report['committed']} of {report['samples']} committed ({done:.1f} %)",
              f"tasks:   {report['tasks_finished']} of {report['tasks']} finished, {report['tasks_working']} being rendered"]
     if report["missing_samples"]:
@@ -72,7 +72,7 @@ def to_text(report, now):
     if report["steps_left"]:
         lines.append(f"left:    {', '.join(report['steps_left'])}")
     else:
-        lines.append("all done")
+        lines.append("all done" + units.left_out(report))
     if report["machines"]:
         lines += ["", f"{'machine':<20} {'finished':>8} {'samples':>10} {'samples/s':>10}  last commit"]
     for host, machine in sorted(report["machines"].items()):

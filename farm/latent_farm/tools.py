@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 
-from latent_farm.errors import Failure
+from latent_farm.errors import Failure, Misuse, USAGE
 
 
 def path_of(name):
@@ -26,7 +26,8 @@ def output_of(command):
         raise Failure(f"{command[0]}: {error.strerror}") from None
     if done.returncode != 0:
         lines = done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"]
-        raise Failure(lines[-1].removeprefix(os.path.basename(command[0]) + ": "))
+        fault = Misuse if done.returncode == USAGE else Failure
+        raise fault(lines[-1].removeprefix(os.path.basename(command[0]) + ": "))
     return done.stdout
 
 

@@ -29,6 +29,16 @@ def parse_size(text):
     return int(value)
 
 
+def counted(count, noun):
+    """As "1 task", "2 tasks"."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def left_out(report):
+    """What is to be said of the steps that --until leaves out."""
+    return f", except what --until {report['until']} leaves out: {', '.join(report['steps_left_out'])}" if report["steps_left_out"] else ""
+
+
 def format_duration(seconds):
     """As "12s", "42m" or "3h05m"."""
     if seconds < 100:

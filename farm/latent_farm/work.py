@@ -41,6 +41,7 @@ class Work:
                 "machines": machines, "samples_per_second": plan.rate, "missing_tasks": ranges.array_list(self.missing),
                 "missing_samples": left, "seconds": left / plan.rate / min(machines, max(1, len(self.missing))),
                 "bytes": whole, "bytes_needed": whole - found.disk, "free_bytes": found.free, "fits": whole - found.disk <= found.free,
+                "until": plan.until, "steps_left_out": plan.steps_left_out,
                 "steps": [stage.name for stage in self.stages], "commands": self.lines}
 
 

@@ -62,6 +62,17 @@ class Commands(FarmTest):
             self.assertEqual(numbers, [str(100 + i) for i in range(len(submitted))])
             self.assertEqual(json.loads(self.night.jobs.read_text()), numbers)
 
+    def test_a_cluster_that_does_not_answer_is_named_with_the_engines_that_need_none(self):
+        for program in ("sbatch", "squeue"):
+            path = self.folder / "bin" / program
+            path.write_text(f"#!/bin/sh\necho '{program}: error: no address' >&2\necho '{program}: fatal: no controller' >&2\nexit 1\n")
+            path.chmod(0o755)
+        with self.assertRaisesRegex(Failure, "^Slurm: sbatch: fatal: no controller; .*--engine shell$"):
+            slurm.Chain(self.night, types.SimpleNamespace()).submit([Stage("merge")])
+        self.night.jobs.write_text('["7"]')
+        with self.assertRaisesRegex(Failure, "^Slurm: squeue: fatal: no controller; .*remove .*/jobs.json$"):
+            slurm.in_queue(self.night)
+
     def test_each_stage_waits_for_all_jobs_of_the_one_before(self):
         slurm.Chain(self.night, types.SimpleNamespace()).submit([Stage("render", [0, 1500]), Stage("merge"), Stage("develop")])
         waits = [[word for word in call if word.startswith("--dependency")] for call in self.called()]

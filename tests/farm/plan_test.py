@@ -271,6 +271,51 @@ class Plan(FarmTest):
         self.succeed("latent-farm", "resume", night, "--engine", "shell", "--until", "merge", env=moved)
         self.succeed("latent-farm", "resume", night, "--engine", "shell", "--until", "develop")  # without the scene
 
+    def test_what_until_leaves_out_is_named_when_nothing_else_is_left(self):
+        self.plan("--tasks", 1, "--until", "render", spp=1, command="submit")
+        said = "except what --until render leaves out: merge, develop\n"
+        self.assertTrue(self.succeed("latent-farm", "resume", self.folder / "night", "--engine", "shell").stdout.endswith("nothing is left to do, " + said))
+        text = self.succeed("latent-farm", "status", self.folder / "night").stdout
+        self.assertIn("all done, " + said, text)
+        self.assertIn(", 1 sample per pixel, ", text)
+        self.assertEqual(self.plan("--until", "develop", spp=1)["steps"], ["merge", "develop"])
+
+    def test_the_tasks_that_cannot_be_made_are_explained_and_the_same_command_runs_again(self):
+        for _ in range(2):
+            done = self.succeed("latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "night", "--engine", "shell", "--tasks", 1000,
+                                "--", "--resolution", "64x64")
+            self.assertRegex(done.stdout, r"4096 samples in 4 tasks of 1024 .*\nmissing: 4096 samples of tasks 0-3;")
+        self.assertEqual(done.stderr, "")
+        done = self.succeed("latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x", "--engine", "shell", "--tasks", 1000,
+                            "--", "--resolution", "64x64")
+        self.assertEqual(done.stderr, "latent-farm: --tasks 1000: there are 4 tasks, since tasks consist of whole runs, here of 1024 samples\n")
+
+    def test_wrong_arguments_are_explained_before_there_is_a_plan(self):
+        farm = ["latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x"]
+        self.fail_with("none: cannot be read: No such file", *farm, "--engine", "parallel", "--hosts", self.folder / "none")
+        (self.folder / "hosts").write_text("# node1\n\n")
+        self.fail_with("hosts: names no machine", *farm, "--engine", "parallel", "--hosts", self.folder / "hosts")
+        self.fail_with("at least 1, or auto", *farm, "--engine", "shell", "--tasks", "foo", status=2)
+        self.fail_with("--bogus", *farm, "--engine", "shell", "--", "--bogus", status=2)
+        self.assertFalse((self.folder / "x").exists())
+
+    def test_a_plan_file_with_other_contents_is_refused_in_plain_words(self):
+        self.plan(spp=1)
+        file = self.folder / "night/plan.json"
+        plan = json.loads(file.read_text())
+        without = {key: value for key, value in plan.items() if key != "samples"}
+        for text in ("rubbish", "[]", "\x00", json.dumps(without), json.dumps({**plan, "samples": "4"}), json.dumps({**plan, "task_samples": 0}),
+                     json.dumps({**plan, "more": 1})):
+            file.write_text(text)
+            done = self.fail_with("plan.json: damaged, or not a plan of latent-farm\n", "latent-farm", "status", self.folder / "night")
+            self.assertEqual(done.stdout, "")
+
+    def test_the_machines_are_those_of_a_file_wherever_the_commands_are_run(self):
+        (self.folder / "hosts").write_text("node1\n")
+        report = self.succeed("latent-farm", "plan", SCENE, "--spp", 1, "--out", "night", "--engine", "parallel", "--hosts", "hosts", "--json",
+                              "--", "--resolution", "16x16", cwd=self.folder)
+        self.assertIn(f"--sshloginfile {os.path.realpath(self.folder / 'hosts')} ", json.loads(report.stdout)["commands"][0])
+
     def test_urls_are_refused_and_shown_without_what_is_secret(self):
         for given, shown in (("https://me:word@host/a.pbrt?tok=SECRET", "a scene is a file, not a URL: https://host/a.pbrt?...\n"),
                              ("HTTP://host/a.pbrt?tok=SECRET", "a scene is a file, not a URL: HTTP://host/a.pbrt?...\n"),
