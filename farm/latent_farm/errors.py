@@ -17,12 +17,12 @@ class Misuse(Failure):
     status = USAGE
 
 
-URL = re.compile(r"(?i)(https?:/+)(?:[^\s/?#]*@)?([^\s?#]*)([?#]\S*)?")  # one slash, where it was taken for a path
+URL = re.compile(r"(?i)(https?:/*)(?:[^\s/?#]*@)?([^\s?#]*)([?#]\S*)?")  # with one slash, where it was taken for a path
 
 
 def without_secrets(text):
     """URLs without user and password, and with ?... for their query, which may be a key."""
-    return URL.sub(lambda url: url[1] + url[2] + ("?..." if url[3] else ""), text)
+    return URL.sub(lambda url: url[1] + url[2] + ("?..." if (url[3] or "").startswith("?") else ""), text)
 
 
 def check_is_no_url(name, what):

@@ -319,7 +319,8 @@ class Plan(FarmTest):
     def test_urls_are_refused_and_shown_without_what_is_secret(self):
         for given, shown in (("https://me:word@host/a.pbrt?tok=SECRET", "a scene is a file, not a URL: https://host/a.pbrt?...\n"),
                              ("HTTP://host/a.pbrt?tok=SECRET", "a scene is a file, not a URL: HTTP://host/a.pbrt?...\n"),
-                             ("http://host/a.pbrt", "a scene is a file, not a URL: http://host/a.pbrt\n")):
+                             ("https:/me:wo@word@host/a?SECRET#b", "a scene is a file, not a URL: https:/host/a?...\n"),
+                             ("http://host/a.pbrt#b", "a scene is a file, not a URL: http://host/a.pbrt\n")):
             done = self.fail_with(shown, "latent-farm", "plan", given, "--spp", 4, "--out", self.folder / "x", status=2)
             self.assertNotRegex(done.stderr, "SECRET|word")
         url = "https://me:word@host/night?tok=SECRET"
