@@ -131,7 +131,8 @@ TEST(Hair, TheSurfaceOfABlackFibreIsAMirror) {
 }
 
 TEST(Hair, ARoundFibreIsSeenAndMetFromOutsideAlone) {
-    const Bsdf bsdf = hair_of(cases()[0].state);
+    const std::vector<Case> list = cases();
+    const Bsdf bsdf = hair_of(list[0].state);
     const Vec3f outside = kViews[0], inside = normalize(Vec3f{0.2f, 0.4f, -0.8f});
     SampledSpectrum through(1.0f), back(1.0f);
     bsdf.multiply_f_cos(outside, inside, through);
