@@ -93,7 +93,8 @@ Result<SpectralBins> parse_spectral_bins(std::string_view text) {
     if (!numbers || numbers->size() != 3) return refuse("not from:to:step in nm");
     bins.from_nm = (*numbers)[0];
     bins.to_nm = (*numbers)[1];
-    if (!(bins.from_nm >= color::kLambdaMin && bins.to_nm <= color::kLambdaMax && bins.from_nm < bins.to_nm))
+    if (bins.from_nm >= bins.to_nm) return refuse("the range must begin below its end");
+    if (!(bins.from_nm >= color::kLambdaMin && bins.to_nm <= color::kLambdaMax))
         return refuse(fmt::format("the range must lie within {} to {} nm", color::kLambdaMin, color::kLambdaMax));
     const double count = (bins.to_nm - bins.from_nm) / (*numbers)[2];
     if (!(count > 0.5 && count < kMost + 0.5)) return refuse(fmt::format("1 to {} bins are possible", kMost));

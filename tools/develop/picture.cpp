@@ -160,7 +160,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     const Result<ChosenObserver> chosen = choose_observer(options.observer);
     if (!chosen) return chosen.error();
     const color::Observer& observer = chosen->observer;
-    report.observer = observer.name();
+    if (options.spectral_bins.count == 0) report.observer = observer.name();
     report.camera_fit = chosen->fit;
     report.lights = options.lights;
     report.dims_fireflies = options.dim_fireflies;

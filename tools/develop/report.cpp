@@ -27,7 +27,7 @@ std::string to_json(const PictureReport& r) {
                              {"height", r.height},
                              {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
                              {"filter", r.filter},
-                             {"observer", r.observer},
+                             {"observer", r.observer.empty() ? nlohmann::json() : nlohmann::json(r.observer)},
                              {"filter_factor", r.filter_factor},
                              {"lights", r.lights},
                              {"job", to_hex(r.job)},
@@ -60,9 +60,10 @@ std::string to_json(const PictureReport& r) {
 
 std::string to_text(const PictureReport& r) {
     const DevelopCounts& c = r.counts;
-    std::string text = fmt::format("{}: {} x {} pixels of {} x {}, {}, {}; {} camera and {} light records, samples {}\n", r.output,
-                                   r.crop.width(), r.crop.height(), r.width, r.height, r.filter, r.observer, c.camera_records,
-                                   c.light_records, to_string(r.coverage));
+    std::string text =
+        fmt::format("{}: {} x {} pixels of {} x {}, {}, {}; {} camera and {} light records, samples {}\n", r.output, r.crop.width(),
+                    r.crop.height(), r.width, r.height, r.filter, r.observer.empty() ? "in spectral bins" : r.observer,
+                    c.camera_records, c.light_records, to_string(r.coverage));
     text += fmt::format("read {} of {} in {}, {} region{}, decode factor {:.2f}\n", format_size(r.bytes_read),
                         format_size(r.bytes_stored), format_duration(r.seconds), c.regions, c.regions == 1 ? "" : "s",
                         c.decode_factor());
