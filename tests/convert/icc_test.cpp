@@ -219,6 +219,7 @@ TEST_F(PrinterProfile, CodesAreThoseOfLittleCms) {
         options.rendering.black_point_compensation = compensation;
         const Result<ConvertReport> printed = print("a.exr", "a.png", options);
         ASSERT_TRUE(printed) << printed.error().message;
+        options.profile = kTableSpace;
         ASSERT_TRUE(print("a.exr", "a.exr.exr", options));
         const Result<image::ExrReader> reader = image::ExrReader::open(folder_ / "a.exr.exr");
         ASSERT_TRUE(reader);
@@ -275,6 +276,51 @@ TEST_F(PrinterProfile, AProofOfColoursThatThePrinterHasIsThePrint) {
     ASSERT_TRUE(print("g.exr", "4.png", proof));
     EXPECT_GT(static_cast<int>(image::decode_png(folder_ / "4.png").pixels[2]),
               static_cast<int>(image::decode_png(folder_ / "3.png").pixels[2]) + 10);
+}
+
+// Three pixels of a green that sRGB has, but the printer lacks; five of a grey.
+TEST_F(PrinterProfile, OutOfGamutIsWhatThePrinterLacks) {
+    write_picture(folder_ / "g.exr", {8, 1}, [](int x, int) -> std::array<float, 3> {
+        if (x < 3) return {0.18f, 0.36f, 0.06f};
+        return {0.285f, 0.3f, 0.327f};
+    });
+    for (const bool compensation : {true, false}) {
+        ConvertOptions options;
+        options.replace = true;
+        options.rendering.black_point_compensation = compensation;
+        EXPECT_EQ(print("g.exr", "a.png", options)->print.out_of_gamut, 0u);
+        ConvertOptions printed = options;
+        printed.profile = at("printer.icc");
+        EXPECT_EQ(print("g.exr", "a.png", printed)->print.out_of_gamut, 3u);
+        options.proof = at("printer.icc");
+        options.show_clipped = true;
+        EXPECT_EQ(print("g.exr", "a.png", options)->print.out_of_gamut, 3u);
+        const image::Decoded png = image::decode_png(folder_ / "a.png");
+        for (std::size_t x = 0; x < 8; ++x) {
+            const bool magenta = png.pixels[3 * x] == std::byte{255} && png.pixels[3 * x + 1] == std::byte{0};
+            EXPECT_EQ(magenta, x < 3) << x;
+        }
+    }
+}
+
+TEST_F(PrinterProfile, AProofNamesTheDeviceAndHowItRenders) {
+    for (const std::string intent : {"relative", "absolute"}) {
+        const testing::Outcome text = run_tool(
+            {at("a.exr"), "-o", at("a.exr.exr"), "--proof", at("printer.icc"), "--show", "clipped", "--intent", intent, "--force"});
+        ASSERT_EQ(text.status, 0) << text.err;
+        const bool compensated = intent == "relative";
+        const std::string said = compensated ? "relative, with black point compensation" : "absolute";
+        for (const std::string& line : {std::string("shown          a proof, clipped\n"),
+                                        std::string("proof          ICC profile\n"), "intent         " + said + "\n"})
+            EXPECT_NE(text.out.find(line), std::string::npos) << text.out;
+        const std::string file = testing::read_text(folder_ / "a.exr.exr");
+        for (const char* key : {"latent:shown", "a proof, clipped", "latent:proof", "ICC profile", "latent:intent"})
+            EXPECT_NE(file.find(key), std::string::npos) << key;
+        EXPECT_EQ(file.find("latent:blackPointCompensation") != std::string::npos, compensated);
+    }
+    const testing::Outcome refused = run_tool({at("a.exr"), "-o", at("b.exr"), "--profile", at("printer.icc")});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find("tables"), std::string::npos) << refused.err;
 }
 
 TEST_F(PrinterProfile, BrokenOnesAreRefusedOrHarmless) {

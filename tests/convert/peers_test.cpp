@@ -84,6 +84,7 @@ TEST_F(Peers, InksAreThoseOfTransicc) {
             options.rendering = {intent, compensation};
             const Result<ConvertReport> printed = print("a.exr", "a.tif", options);
             ASSERT_TRUE(printed) << printed.error().message;
+            options.profile = kTableSpace;
             ASSERT_TRUE(print("a.exr", "light.exr", options));
             std::vector<std::string> how = {option};
             if (compensation) how.push_back("-b");
@@ -120,12 +121,14 @@ TEST_F(Peers, OtherFilesOfInksHoldTheSame) {
     }
     ConvertOptions plain;
     plain.profile = kInks;
-    for (const char* name : {"a.png", "a.dzi"}) {
+    for (const char* name : {"a.png", "a.dzi", "a.exr.exr"}) {
         const Result<ConvertReport> refused = print("a.exr", name, plain);
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
         EXPECT_NE(refused.error().message.find("CMYK"), std::string::npos);
     }
+    plain.depth = Depth::kFloat;
+    EXPECT_FALSE(print("a.exr", "float.tif", plain));
 }
 
 TEST_F(Peers, ASoftProofOfInksLacksWhatPaperCannotShow) {

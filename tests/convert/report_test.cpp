@@ -77,6 +77,9 @@ TEST_F(Report, TextAndJsonHaveTheSameNumbers) {
                              "burnt          100 pixels (10.000 %)\n"})
         EXPECT_NE(text.out.find(line), std::string::npos) << text.out;
     const auto json = nlohmann::json::parse(run_tool({at("a.exr"), "-o", at("b.png"), "--json"}).out);
+    EXPECT_EQ(json["gamut"], "luminance");
+    const auto unmapped = nlohmann::json::parse(run_tool({at("a.exr"), "-o", at("c.exr"), "--tone", "none", "--json"}).out);
+    EXPECT_EQ(unmapped["gamut"], "none");
     EXPECT_EQ(json["black"], 250);
     EXPECT_EQ(json["burnt"], 100);
     EXPECT_EQ(json["luminance"]["p10"], 0);

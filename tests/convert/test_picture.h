@@ -23,6 +23,9 @@
 
 namespace latent::convert {
 
+// --profile of the light that table_space() holds.
+inline constexpr const char* kTableSpace = "0.7347,0.2653,0.1596,0.8404,0.0366,0.0001,0.3457,0.3585";
+
 struct PictureLayout {
     int width = 300, height = 200;
     image::Rect window{};  // data window; the whole picture if empty

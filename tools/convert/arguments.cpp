@@ -56,8 +56,10 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
                    "tone curve: film (1 - 2^(-S Y), where S is the sensitivity), another one, or none; see below")
         ->type_name("CURVE")
         ->capture_default_str();
-    cli::add_number(app, "--contrast", options.contrast, "contrast of the tone curve, around half of display white", 0.1, 10);
-    cli::add_number(app, "--black", options.black, "fraction of display white below which the print is black", 0, 0.5);
+    cli::add_number(app, "--contrast", options.contrast, "contrast of the tone curve, around half of display white, from 0.1 to 10",
+                    0.1, 10);
+    cli::add_number(app, "--black", options.black, "fraction of display white below which the print is black, from 0 to 0.5", 0,
+                    0.5);
     app.add_option(
            "--gamut", options.gamut,
            "gamut mapping: luminance (preserves luminance), grey (the same, with less change of hue), or clip (preserves neither)")
@@ -110,6 +112,7 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     cli::add_number(app, "--paper-width", options.paper_width_mm,
                     "width on paper in mm, instead of --dpi; stored as the nearest whole number of pixels per inch", 0.1, 1e6)
         ->type_name("MM")
+        ->default_str("")
         ->excludes(dpi);
     cli::add_count(app, "--quality", options.quality, "quality of JPEG files and JPEG tiles", 1, 100);
     cli::add_count(app, "--compression", options.png_level, "compression level of PNG and TIFF; 1 is fastest, 9 smallest", 1, 9);

@@ -134,6 +134,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (!tone) return tone.error();
     const Result<color::Gamut> gamut = color::gamut_by_name(options.gamut);
     if (!gamut) return gamut.error();
+    if (tone->tone == color::Tone::kNone) options.gamut = "none";  // nothing is mapped, whatever was chosen
     const Result<color::Cones> cones = color::cones_by_name(options.adapt);
     if (!cones) return cones.error();
     const Result<color::Chromaticity> white = options.white ? chromaticity_of(*options.white, *source) : source->white;
@@ -150,8 +151,8 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const Result<std::vector<Exposure>> exposures =
         exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white, source->observer});
     if (!exposures) return exposures.error();
-    const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof, options.show_clipped,
-                            options.gamut_report};
+    const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof,      display->space,
+                            display->gamut,           options.show_clipped,   options.gamut_report};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {
@@ -184,12 +185,20 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.gamut_report = options.gamut_report;
     report.white = *white;
     report.adapt = options.adapt;
+    report.shown = shown_by(options);
+    report.proof = display->proof_name;
+    if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
     report.warnings = std::move(source->warnings);
     return report;
 }
 
 }  // namespace
+
+std::string shown_by(const ConvertOptions& options) {
+    if (options.proof.empty()) return options.show_clipped ? "clipped" : "";
+    return options.show_clipped ? "a proof, clipped" : "a proof";
+}
 
 Result<std::vector<double>> parse_stops(std::string_view text) {
     constexpr double kMost = 100;

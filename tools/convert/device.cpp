@@ -1,13 +1,13 @@
 #include "tools/convert/device.h"
 
-#include <fmt/format.h>
 #include <lcms2.h>
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <vector>
 
-#include "base/small_file.h"
+#include "color/difference.h"
 #include "tools/convert/lcms.h"
 
 namespace latent::convert {
@@ -80,10 +80,48 @@ class Lcms final : public DeviceTransform {
 };
 
 cmsUInt32Number flags_of(const Rendering& rendering) {
-    return cmsFLAGS_NOCACHE | cmsFLAGS_NOOPTIMIZE | (rendering.black_point_compensation ? cmsFLAGS_BLACKPOINTCOMPENSATION : 0);
+    return cmsFLAGS_NOCACHE | cmsFLAGS_NOOPTIMIZE | (rendering.compensates() ? cmsFLAGS_BLACKPOINTCOMPENSATION : 0);
 }
 
+class RoundTrip final : public DeviceGamut {
+ public:
+    RoundTrip(cmsHTRANSFORM transform, const std::array<double, 3>& black) : to_lab_(transform), black_(black) {}
+
+    std::size_t find_lacking(const std::array<std::span<const float>, 3>& rgb, std::span<std::uint8_t> lacking) const override {
+        constexpr std::size_t kAtOnce = 256;
+        const color::Matrix3& to_xyz = table_space().xyz_from_rgb;
+        const std::array<double, 3> white = to_xyz * std::array{1.0, 1.0, 1.0};
+        std::array<float, 3 * kAtOnce> pixels, printed;
+        std::size_t found = 0;
+        for (std::size_t first = 0; first < rgb[0].size(); first += kAtOnce) {
+            const std::size_t count = std::min(kAtOnce, rgb[0].size() - first);
+            for (std::size_t i = 0; i < 3 * count; ++i) pixels[i] = rgb[i % 3][first + i / 3];
+            cmsDoTransform(to_lab_.get(), pixels.data(), printed.data(), static_cast<cmsUInt32Number>(count));
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto from = [&](std::size_t c) { return static_cast<double>(pixels[3 * i + c]); };
+                const auto to = [&](std::size_t c) { return static_cast<double>(printed[3 * i + c]); };
+                std::array<double, 3> xyz = to_xyz * std::array{from(0), from(1), from(2)};
+                for (std::size_t c = 0; c < 3; ++c) xyz[c] = black_[c] + xyz[c] * (1 - black_[c] / white[c]);
+                const color::Lab lab = color::lab_from_xyz({xyz[0], xyz[1], xyz[2]}, {white[0], white[1], white[2]});
+                const bool lacks = !(std::hypot(lab.l - to(0), lab.a - to(1), lab.b - to(2)) <= kMost);
+                lacking[first + i] = lacks;
+                found += lacks;
+            }
+        }
+        return found;
+    }
+
+ private:
+    std::unique_ptr<void, DeleteTransform> to_lab_;
+    std::array<double, 3> black_;
+};
+
 }  // namespace
+
+std::string_view name_of(Intent intent) {
+    constexpr std::string_view kNames[] = {"perceptual", "relative", "saturation", "absolute"};
+    return kNames[static_cast<std::size_t>(intent)];
+}
 
 const color::RgbSpace& table_space() {
     static const color::RgbSpace space = [] {
@@ -108,16 +146,24 @@ Result<std::shared_ptr<const DeviceTransform>> tables_of(void* profile, const Re
     return std::make_shared<Lcms>(transform, inks ? 4 : 3);
 }
 
-Result<std::shared_ptr<const DeviceTransform>> proof_of(const std::string& path, const color::RgbSpace& display,
-                                                        const Rendering& rendering) {
-    const Result<lcms::Profile> device = lcms::open_profile(path);
-    if (!device) return device.error();
+Result<std::shared_ptr<const DeviceGamut>> gamut_of(void* profile, const Rendering& rendering) {
+    const lcms::Profile from = lcms::linear_profile(table_space()), lab(cmsCreateLab4Profile(nullptr));
+    cmsHTRANSFORM transform =
+        cmsCreateProofingTransform(from.get(), TYPE_RGB_FLT, lab.get(), TYPE_Lab_FLT, profile, INTENT_RELATIVE_COLORIMETRIC,
+                                   INTENT_RELATIVE_COLORIMETRIC, flags_of(rendering) | cmsFLAGS_SOFTPROOFING);
+    if (!transform) return Error{ErrorCode::kUnsupported, "has no tables from colours to codes and back"};
+    cmsCIEXYZ black{};
+    if (rendering.compensates()) cmsDetectDestinationBlackPoint(&black, profile, INTENT_RELATIVE_COLORIMETRIC, 0);
+    return std::make_shared<RoundTrip>(transform, std::array{black.X, black.Y, black.Z});
+}
+
+Result<std::shared_ptr<const DeviceTransform>> proof_of(void* profile, const color::RgbSpace& display, const Rendering& rendering) {
     const lcms::Profile from = lcms::linear_profile(table_space()), to = lcms::linear_profile(display);
     const bool absolute = rendering.intent == Intent::kAbsolute;
     cmsHTRANSFORM transform = cmsCreateProofingTransform(
-        from.get(), TYPE_RGB_FLT, to.get(), TYPE_RGB_FLT, device->get(), static_cast<cmsUInt32Number>(rendering.intent),
+        from.get(), TYPE_RGB_FLT, to.get(), TYPE_RGB_FLT, profile, static_cast<cmsUInt32Number>(rendering.intent),
         absolute ? INTENT_ABSOLUTE_COLORIMETRIC : INTENT_RELATIVE_COLORIMETRIC, flags_of(rendering) | cmsFLAGS_SOFTPROOFING);
-    if (!transform) return Error{ErrorCode::kUnsupported, fmt::format("{}: has no tables for a proof with this intent", path)};
+    if (!transform) return Error{ErrorCode::kUnsupported, "has no tables for a proof with this intent"};
     return std::make_shared<Lcms>(transform, 3);
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 #include "color/rgb_space.h"
@@ -18,7 +19,10 @@ enum class Intent : std::uint8_t { kPerceptual = 0, kRelative = 1, kSaturation =
 struct Rendering {
     Intent intent = Intent::kRelative;
     bool black_point_compensation = true;  // the darkest of the picture becomes the darkest of the device
+
+    bool compensates() const { return black_point_compensation && intent != Intent::kAbsolute; }  // which has none
 };
+std::string_view name_of(Intent intent);
 
 // From rows of linear light to what the device gets, 0..1, or to other light. Thread-safe.
 class DeviceTransform {
@@ -29,6 +33,15 @@ class DeviceTransform {
     virtual void apply(const std::array<std::span<float>, 3>& rgb, std::span<float> fourth) const = 0;
 };
 
+// Which colours a device has: its relative colorimetric print of the others differs by more than kMost in CIELAB. Thread-safe.
+class DeviceGamut {
+ public:
+    static constexpr double kMost = 5;
+    virtual ~DeviceGamut() = default;
+    // Rows in table_space(), and 1 for each pixel that the device lacks, 0 for others. Returns the number of the former.
+    virtual std::size_t find_lacking(const std::array<std::span<const float>, 3>& rgb, std::span<std::uint8_t> lacking) const = 0;
+};
+
 // The space that prints for tables are made in: it holds every colour that a device has (ROMM RGB's primaries, D50), linear.
 const color::RgbSpace& table_space();
 
@@ -36,9 +49,10 @@ const color::RgbSpace& table_space();
 std::shared_ptr<const DeviceTransform> curves_of(const std::array<const void*, 3>& curves);
 // From table_space() through the tables of a profile (cmsHPROFILE). Errors: kUnsupported.
 Result<std::shared_ptr<const DeviceTransform>> tables_of(void* profile, const Rendering& rendering);
+// Of a profile (cmsHPROFILE); with black point compensation, colours are compensated before. Errors: kUnsupported.
+Result<std::shared_ptr<const DeviceGamut>> gamut_of(void* profile, const Rendering& rendering);
 // From table_space() to what the device's print looks like in the linear light of `display`, whose white is the paper's unless the
-// intent is absolute. Errors: of reading; kForeign, kUnsupported.
-Result<std::shared_ptr<const DeviceTransform>> proof_of(const std::string& path, const color::RgbSpace& display,
-                                                        const Rendering& rendering);
+// intent is absolute. Errors: kUnsupported.
+Result<std::shared_ptr<const DeviceTransform>> proof_of(void* profile, const color::RgbSpace& display, const Rendering& rendering);
 
 }  // namespace latent::convert

@@ -5,6 +5,7 @@
 
 #include "base/parse.h"
 #include "tools/convert/icc.h"
+#include "tools/convert/lcms.h"
 
 namespace latent::convert {
 
@@ -83,9 +84,15 @@ Result<Display> display_from(const std::string& text, const std::optional<std::a
 Status add_proof(const std::string& path, const Rendering& rendering, Display& display) {
     if (display.device || !display.space.rgb_from_xyz.invertible())
         return Error{ErrorCode::kUsage, "--proof: needs a display with primaries and a known curve, such as --profile srgb"};
-    const auto proof = proof_of(path, display.space, rendering);
-    if (!proof) return proof.error();
+    const Result<lcms::Profile> profile = lcms::open_profile(path);
+    if (!profile) return profile.error();
+    const auto proof = proof_of(profile->get(), display.space, rendering);
+    if (!proof) return proof.error().at(path);
+    const auto gamut = gamut_of(profile->get(), rendering);
+    if (!gamut) return gamut.error().at(path);
     display.proof = *proof;
+    display.proof_name = lcms::description_of(profile->get());
+    display.gamut = *gamut;
     display.proof_space = table_space();
     return {};
 }

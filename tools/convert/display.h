@@ -25,7 +25,10 @@ struct Display {
     // Of a proof: what is printed before, in its own space, and what makes light of this display of it.
     std::optional<color::RgbSpace> proof_space;
     std::shared_ptr<const DeviceTransform> proof;
+    std::string proof_name;                    // what the simulated profile calls itself
+    std::shared_ptr<const DeviceGamut> gamut;  // of a profile of tables, or of the one that is simulated
 
+    bool has_tables() const { return device && gamut; }
     const color::RgbSpace& print_space() const { return proof_space ? *proof_space : space; }
     color::Chromaticity print_white() const { return proof_space ? proof_space->primaries.white : white; }
 };

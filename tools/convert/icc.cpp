@@ -179,7 +179,10 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
                             ? tables_of(profile->get(), rendering)
                             : Error{ErrorCode::kUnsupported, "is a LUT profile without tables for printing (BToA0)"};
     if (!device) return device.error().at(path);
+    const auto gamut = gamut_of(profile->get(), rendering);
+    if (!gamut) return gamut.error().at(path);
     display.device = *device;
+    display.gamut = *gamut;
     display.space = table_space();
     display.space.name = lcms::description_of(profile->get());
     display.white = display.space.primaries.white;

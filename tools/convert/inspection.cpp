@@ -42,12 +42,16 @@ void mark_clipped(const color::Print& print, const color::RgbSpace& space, const
     const auto& m = space.luminance_row;
     for (std::size_t i = 0; i < row.x.size(); ++i) {
         const auto put = [&](float r, float g, float b) { row.red[i] = r, row.green[i] = g, row.blue[i] = b; };
-        const auto unmapped = print.unmapped({row.x[i], row.y[i], row.z[i]});
+        const auto out_of_gamut = [&] {
+            if (!row.lacking.empty()) return row.lacking[i] != 0;
+            const auto unmapped = print.unmapped({row.x[i], row.y[i], row.z[i]});
+            return unmapped && print.out_of_gamut(*unmapped);
+        };
         if (row.luminance[i] > print.range().burnt) {
             put(1, 0, 0);
         } else if (!(row.luminance[i] >= print.range().black)) {
             put(0, 0, 1);
-        } else if (unmapped && print.out_of_gamut(*unmapped)) {
+        } else if (out_of_gamut()) {
             put(1, 0, 1);
         } else {
             const double grey = m[0] * static_cast<double>(row.red[i]) + m[1] * static_cast<double>(row.green[i]) +

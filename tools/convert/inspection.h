@@ -22,10 +22,11 @@ struct HueShifts {
 };
 
 struct InspectedRow {
-    std::span<const float> x, y, z;     // of the picture
-    std::span<const float> luminance;   // after adaptation
-    std::span<float> red, green, blue;  // of the print
-    int first_x = 0, row_y = 0;         // in the coordinates of the display window
+    std::span<const float> x, y, z;         // of the picture
+    std::span<const float> luminance;       // after adaptation
+    std::span<float> red, green, blue;      // of the print
+    std::span<const std::uint8_t> lacking;  // 1: the device lacks this colour; empty: what is out of gamut, the print says
+    int first_x = 0, row_y = 0;             // in the coordinates of the display window
 };
 
 void find_hue_shifts(const color::Print& print, const color::RgbSpace& space, const InspectedRow& row, HueShifts& shifts);

@@ -65,6 +65,9 @@ struct ConvertOptions {
     bool replace = false;
 };
 
+// What is shown instead of the print: "a proof", "clipped", both; "": the print itself.
+std::string shown_by(const ConvertOptions& options);
+
 // Of the pixels, in percent.
 inline constexpr std::array kPercentiles{1, 10, 50, 90, 99};
 
@@ -86,7 +89,10 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::vector<ExposureReport> others;
     int width = 0, height = 0;
     std::string profile, gamut, tone, adapt;
-    std::string observer;  // "": unknown
+    std::string observer;                // "": unknown
+    std::string shown;                   // shown_by()
+    std::string proof;                   // name of the profile that is simulated; "": none
+    std::optional<Rendering> rendering;  // of profiles of tables, and of proofs
     std::vector<std::string> warnings;
     double contrast = 1, black_point = 0;
     bool gamut_report = false;

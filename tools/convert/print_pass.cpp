@@ -44,6 +44,7 @@ struct Workbench {
     image::ExrReader::Scratch scratch;
     std::vector<float> planes, printed;
     std::vector<float> luminances;  // of a row
+    std::vector<std::uint8_t> lacking;
     color::LuminanceHistogram histogram;
     std::vector<Outcome> outcomes;
 };
@@ -67,15 +68,20 @@ void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workb
 void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
                Workbench& bench, Outcome& outcome) {
     bench.luminances.resize(static_cast<std::size_t>(from.area.width()));
+    const std::uint64_t out_of_gamut = outcome.print.out_of_gamut;
     exposure.print.row(from.row(0, y), from.row(1, y), from.row(2, y), to.row(0, y), to.row(1, y), to.row(2, y), outcome.print,
                        bench.luminances);
     if (first) bench.histogram.add(bench.luminances);
-    const InspectedRow row{from.row(0, y),   from.row(1, y), from.row(2, y),
-                           bench.luminances, to.row(0, y),   to.row(1, y),
-                           to.row(2, y),     from.area.x0,   y};
+    if (settings.gamut) {
+        bench.lacking.resize(bench.luminances.size());
+        outcome.print.out_of_gamut =
+            out_of_gamut + settings.gamut->find_lacking({to.row(0, y), to.row(1, y), to.row(2, y)}, bench.lacking);
+    }
+    const InspectedRow row{from.row(0, y), from.row(1, y), from.row(2, y), bench.luminances, to.row(0, y),
+                           to.row(1, y),   to.row(2, y),   bench.lacking,  from.area.x0,     y};
     if (settings.gamut_report) find_hue_shifts(exposure.print, settings.space, row, outcome.hue_shifts);
     if (settings.proof) settings.proof->apply({to.row(0, y), to.row(1, y), to.row(2, y)}, {});
-    if (settings.show_clipped) mark_clipped(exposure.print, settings.space, row);
+    if (settings.show_clipped) mark_clipped(exposure.print, settings.shown_space, row);
 }
 
 }  // namespace

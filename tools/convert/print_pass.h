@@ -26,6 +26,8 @@ struct PassSettings {
     std::array<double, 3> y_row;                   // what luminance is
     color::RgbSpace space;                         // that is printed for
     std::shared_ptr<const DeviceTransform> proof;  // applied to what was printed; null: none
+    color::RgbSpace shown_space;                   // of the result
+    std::shared_ptr<const DeviceGamut> gamut;      // null: that of `space`
     bool show_clipped = false, gamut_report = false;
 };
 

@@ -51,6 +51,14 @@ std::string to_text(const ConvertReport& r) {
     text += fmt::format("print          tone {}, gamut {}, {}\nwhite          {}, {}\n", r.tone, r.gamut, r.profile,
                         text_of(r.white), r.adapt);
     if (!r.observer.empty()) text += fmt::format("observer       {}\n", r.observer);
+    if (!r.shown.empty()) text += fmt::format("shown          {}\n", r.shown);
+    if (!r.proof.empty()) text += fmt::format("proof          {}\n", r.proof);
+    if (r.rendering) {
+        const char* compensated = r.rendering->compensates() ? "with" : "without";
+        text += fmt::format("intent         {}", name_of(r.rendering->intent));
+        if (r.rendering->intent != Intent::kAbsolute) text += fmt::format(", {} black point compensation", compensated);
+        text += "\n";
+    }
     if (r.contrast != 1 || r.black_point != 0)
         text += fmt::format("contrast       {}, black below {}\n", r.contrast, r.black_point);
     text += "luminance      ";
@@ -73,6 +81,10 @@ std::string to_json(const ConvertReport& r) {
                                 {"gamut", r.gamut},      {"profile", r.profile},     {"white", {r.white.x, r.white.y}},
                                 {"adaptation", r.adapt}, {"pixels", r.print.pixels}, {"luminance", luminance}};
     if (!r.observer.empty()) json["observer"] = r.observer;
+    if (!r.shown.empty()) json["shown"] = r.shown;
+    if (!r.proof.empty()) json["proof"] = r.proof;
+    if (r.rendering) json["intent"] = name_of(r.rendering->intent);
+    if (r.rendering && r.rendering->intent != Intent::kAbsolute) json["black_point_compensation"] = r.rendering->compensates();
     json.update(json_of(r, r.gamut_report));
     json["seconds"] = r.seconds;
     for (const ExposureReport& other : r.others) {

@@ -108,12 +108,13 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
     if (!picture.observer.empty()) all.emplace_back("Observer", picture.observer);
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
     if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
-    if (options.show_clipped) all.emplace_back("Shown", "clipped");
-    if (display.proof) all.emplace_back("Shown", "a proof");
-    if (display.device || display.proof) {
-        constexpr const char* kIntents[] = {"perceptual", "relative", "saturation", "absolute"};
-        all.emplace_back("Intent", kIntents[static_cast<std::size_t>(options.rendering.intent)]);
-        all.emplace_back("BlackPointCompensation", options.rendering.black_point_compensation ? "yes" : "no");
+    if (const std::string shown = shown_by(options); !shown.empty()) all.emplace_back("Shown", shown);
+    if (!display.proof_name.empty()) all.emplace_back("Proof", display.proof_name);
+    if (display.gamut) {
+        const Rendering& rendering = options.rendering;
+        all.emplace_back("Intent", name_of(rendering.intent));
+        if (rendering.intent != Intent::kAbsolute)
+            all.emplace_back("BlackPointCompensation", rendering.compensates() ? "yes" : "no");
     }
     return all;
 }
@@ -200,9 +201,14 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
                     display.device};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
-    if (encoder.channels() == 4 && !tiff && !jpeg && type != ".exr")
+    if (encoder.channels() == 4 && encoder.sample == SampleType::kF32) return wrong_bits("inks (CMYK) have 8 or 16 bits");
+    if (encoder.channels() == 4 && !tiff && !jpeg)
         return Error{ErrorCode::kUsage,
                      fmt::format("{}: the profile is one of inks (CMYK), which only .tif and .jpg hold", path.string())};
+    if (type == ".exr" && display.has_tables())
+        return Error{ErrorCode::kUsage, fmt::format("{}: EXR holds light, not the code values of a profile with tables; use .tif, "
+                                                    ".png, .jpg or .dzi",
+                                                    path.string())};
     if (type == ".dzi") return deep_zoom_sink(path, picture, display, encoder, options);
 
     Result<OutputFile> out = OutputFile::create(path, options.replace);
