@@ -50,7 +50,9 @@ void LinearInput::take_spec() {
 
 bool LinearInput::close() { return !file_ || file_->close(); }
 
+// As of every ImageInput, whoever calls this holds the lock.
 bool LinearInput::seek_subimage(int subimage, int miplevel) {
+    if (file_ && subimage == 0 && miplevel == level_) return true;
     if (subimage != 0 || !file_ || !file_->seek_subimage(0, miplevel)) return false;
     level_ = miplevel;
     take_spec();
@@ -77,6 +79,7 @@ bool LinearInput::read_native_scanline(int subimage, int miplevel, int y, int z,
 }
 
 bool LinearInput::read_native_scanlines(int subimage, int miplevel, int ybegin, int yend, int z, void* data) {
+    const lock_guard one_at_a_time(*this);
     if (!seek_subimage(subimage, miplevel)) return false;
     const bool read = file_->read_scanlines(0, miplevel, ybegin, yend, z, 0, m_spec.nchannels, OIIO::TypeDesc::FLOAT, data);
     return finish(read, static_cast<float*>(data),
@@ -84,6 +87,7 @@ bool LinearInput::read_native_scanlines(int subimage, int miplevel, int ybegin, 
 }
 
 bool LinearInput::read_native_tile(int subimage, int miplevel, int x, int y, int z, void* data) {
+    const lock_guard one_at_a_time(*this);
     if (!seek_subimage(subimage, miplevel)) return false;
     const bool read = file_->read_tile(x, y, z, OIIO::TypeDesc::FLOAT, data);
     return finish(read, static_cast<float*>(data),

@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
+#include <thread>
 
+#include "render/sampling/random.h"
 #include "render/texture/footprint.h"
 #include "render/texture/noise.h"
 #include "render/texture/procedural.h"
 #include "render/texture/textures.h"
+#include "tests/faults/process.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render {
@@ -397,6 +401,44 @@ TEST_F(TextureTest, MemoryOfPicturesStaysBelowTheLimit) {
         for (int j = 0; j < 64; ++j) at(static_cast<float>(j) / 64, static_cast<float>(i) / 64, 1e-4f);
     }
     EXPECT_LT(static_cast<double>(resident()) - static_cast<double>(before), 32 << 20);
+}
+
+TEST_F(TextureTest, ThreadsReadTheSizesOfOnePictureAtOnce) {
+    if (latent::testing::run({"/bin/sh", "-c", "command -v maketx"}).status != 0)
+        GTEST_SKIP() << "maketx is missing: scripts/install test";
+    constexpr int kSize = 512;
+    std::minstd_rand random(1);
+    std::vector<int> values(kSize * kSize);
+    for (int& x : values) x = static_cast<int>(random() % 256);
+    write_grey("p.pgm", kSize, kSize, values);
+    const std::string picture = folder_ / "p.pgm", tiled = folder_ / "p.tif";
+    ASSERT_EQ(latent::testing::run({"/usr/bin/env", "maketx", "--compression", "none", "--tile", "32", "32", picture, "-o", tiled})
+                  .status,
+              0);
+    // The cache holds a quarter of it, so that tiles of all sizes are read again and again.
+    load_float("\"imagemap\" \"string filename\" \"p.tif\" \"string filter\" \"trilinear\"", 256 << 10);
+    const auto value_at = [&](std::size_t i) {
+        TexturePoint point = point_;
+        const std::uint64_t h = mix(i + 1);
+        point.uv = {static_cast<float>(h & 0xffff) / 0x10000, static_cast<float>((h >> 16) & 0xffff) / 0x10000};
+        const float width = std::ldexp(1.0f, -static_cast<int>(1 + (h >> 32) % 9));
+        point.duvdx = {width, 0};
+        point.duvdy = {0, width};
+        return number_.at(point);
+    };
+    std::vector<float> alone(4000);
+    for (std::size_t i = 0; i < alone.size(); ++i) alone[i] = value_at(i);
+    std::array<std::vector<float>, 4> together;
+    {
+        std::vector<std::jthread> threads;
+        for (std::vector<float>& found : together) {
+            threads.emplace_back([&] {
+                for (std::size_t i = 0; i < alone.size(); ++i) found.push_back(value_at(i));
+            });
+        }
+    }
+    ASSERT_TRUE(textures_->status());
+    for (const std::vector<float>& found : together) EXPECT_EQ(found, alone);
 }
 
 TEST_F(TextureTest, AllMissingPicturesAreNamedAtOnceAndBrokenOnesByOneLineEach) {
