@@ -1,7 +1,15 @@
 #include "image/oiio/linear_input.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "image/oiio/claimed_size.h"
+#include "image/plausible_size.h"
 
 namespace latent::image {
 
@@ -10,6 +18,44 @@ namespace {
 float linear(float x, const PictureEncoding& encoding) {
     if (!encoding.is_srgb) return encoding.gamma == 1 ? x : std::pow(x, encoding.gamma);
     return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+}
+
+struct Magic {
+    std::string_view bytes;
+    const char* format;
+};
+constexpr std::array kMagics = {
+    Magic{"\x89PNG", "png"},
+    Magic{"\xFF\xD8\xFF", "jpeg"},
+    Magic{{"II*\0", 4}, "tiff"},
+    Magic{{"MM\0*", 4}, "tiff"},
+    Magic{{"II+\0", 4}, "tiff"},
+    Magic{{"MM\0+", 4}, "tiff"},
+    Magic{"\x76\x2F\x31\x01", "openexr"},
+    Magic{"#?", "hdr"},
+    Magic{"PF", "pnm"},
+    Magic{"Pf", "pnm"},
+    Magic{"P1", "pnm"},
+    Magic{"P2", "pnm"},
+    Magic{"P3", "pnm"},
+    Magic{"P4", "pnm"},
+    Magic{"P5", "pnm"},
+    Magic{"P6", "pnm"},
+    Magic{"BM", "bmp"},
+    Magic{"GIF8", "gif"},
+    Magic{"DDS ", "dds"},
+};
+
+// The format by the first bytes of a file, else by its name. OpenImageIO would try every format that it knows, one after another.
+std::string format_of(const std::filesystem::path& path) {
+    std::array<char, 4> front{};
+    std::ifstream(path, std::ios::binary).read(front.data(), front.size());
+    const std::string_view bytes(front.data(), front.size());
+    for (const Magic& magic : kMagics) {
+        if (bytes.starts_with(magic.bytes)) return magic.format;
+    }
+    std::string extension = path.extension().string();
+    return extension.empty() ? extension : extension.substr(1);
 }
 
 }  // namespace
@@ -26,9 +72,28 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
     encoding_ = {config.get_int_attribute("latent:srgb") != 0, config.get_float_attribute("latent:gamma", 1)};
     OIIO::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);
-    file_ = OIIO::ImageInput::open(config.get_string_attribute("latent:path"), &hints);
-    if (!file_) {
-        errorf("%s", OIIO::geterror());
+    const std::filesystem::path path(std::string(config.get_string_attribute("latent:path")));
+    std::error_code failed;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
+    const auto is_plausible = [&](std::int64_t width, std::int64_t height) {
+        if (!failed && width >= 0 && height >= 0 &&
+            is_plausible_size(static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height), bytes))
+            return true;
+        errorfmt("{} x {} pixels do not fit into a file of its size", width, height);
+        return false;
+    };
+    const ClaimedSize claimed = claimed_size(path);
+    if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
+    const std::string format = format_of(path);
+    OIIO::ImageSpec file_spec;
+    file_ = format.empty() ? nullptr : OIIO::ImageInput::create(format);
+    if (!file_ || !file_->open(path.string(), file_spec, hints)) {
+        errorf("%s", file_ ? file_->geterror() : OIIO::geterror());
+        file_.reset();
+        return false;
+    }
+    if (!is_plausible(std::max(file_spec.width, file_spec.full_width), std::max(file_spec.height, file_spec.full_height))) {
+        file_.reset();
         return false;
     }
     is_encoded_ = !file_->spec().format.is_floating_point() && (encoding_.is_srgb || encoding_.gamma != 1);

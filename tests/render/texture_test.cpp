@@ -15,6 +15,7 @@
 #include "render/texture/textures.h"
 #include "tests/faults/process.h"
 #include "tests/render/scenes.h"
+#include "tests/support/paths.h"
 
 namespace latent::render {
 namespace {
@@ -464,6 +465,29 @@ Shape "plymesh" "string filename" "three.ply"
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
     EXPECT_THAT(message, HasSubstr("one.png: cannot be read as a picture"));
     EXPECT_THAT(message, HasSubstr("two.png: cannot be read as a picture"));
+}
+
+// Libraries make room before they read: for some of these files, more than 10 GB.
+TEST_F(TextureTest, PicturesThatClaimToBeHugeAreRefusedBeforeThereIsRoomForThem) {
+    const auto seed = [](const char* name) {
+        return latent::testing::in_tree(std::string("tests/fuzz/seeds/picture/once-broken-huge.") + name);
+    };
+    folder_.write("a.pfm", "PF\n1000000 1000000\n-1.0\nabcd");
+    for (const std::string& file : {(folder_ / "a.pfm").string(), seed("jpg"), seed("exr"), seed("tga")}) {
+        const auto scene = [&](const std::string& format) {
+            return load_scene(folder_.write("room.pbrt", "WorldBegin\n" + fmt::format(fmt::runtime(format), file)));
+        };
+        const Result<LoadedScene> sky = scene("LightSource \"infinite\" \"string filename\" \"{}\"\nShape \"sphere\"\n");
+        ASSERT_FALSE(sky) << file;
+        EXPECT_THAT(sky.error().message, HasSubstr("pixels do not fit into a file of its size"));
+        const Result<LoadedScene> texture = scene(
+            "Texture \"s\" \"spectrum\" \"imagemap\" \"string filename\" \"{}\"\n"
+            "Material \"diffuse\" \"texture reflectance\" \"s\"\nShape \"sphere\"\n");
+        ASSERT_TRUE(texture) << texture.error().message;
+        const Result<Textures> textures = Textures::build(texture->description, 1 << 20, library_);
+        ASSERT_FALSE(textures) << file;
+        EXPECT_THAT(textures.error().message, HasSubstr("pixels do not fit into a file of its size"));
+    }
 }
 
 TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {

@@ -1,12 +1,16 @@
 #include "render/load/files/pictures.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
+#include <system_error>
 
 #include "base/file.h"
 #include "color/to_srgb.h"
 #include "image/exr_reader.h"
 #include "image/pictures.h"
+#include "image/plausible_size.h"
 
 namespace latent::render {
 
@@ -34,6 +38,13 @@ Result<FilePicture> read_exr(const std::filesystem::path& path) {
     }
     const image::Rect window = header.data_window;
     if (window.empty()) return out;
+    std::error_code failed;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
+    if (failed ||
+        !image::is_plausible_size(static_cast<std::uint64_t>(window.width()), static_cast<std::uint64_t>(window.height()), bytes)) {
+        return Error{ErrorCode::kCorrupt, fmt::format("{}: {} x {} pixels do not fit into a file of its size", path.string(),
+                                                      window.width(), window.height())};
+    }
     out.width = static_cast<std::uint32_t>(window.width());
     out.height = static_cast<std::uint32_t>(window.height());
     const std::size_t pixels = window.pixels();
