@@ -1,8 +1,8 @@
-// The targets that read scenes, tables and options.
+// The targets that read scenes and their files, tables and options.
 #include "tests/fuzz/target.h"
 
 namespace latent::fuzz {
 
-std::vector<Target> all_targets() { return {pbrt(), gltf(), obj(), ply(), csv(), expressions()}; }
+std::vector<Target> all_targets() { return {pbrt(), gltf(), obj(), ply(), nanovdb(), picture(), spectrum(), csv(), expressions()}; }
 
 }  // namespace latent::fuzz

@@ -38,6 +38,11 @@ Target pbrt();
 Target gltf();
 Target obj();
 Target ply();
+// scene_files.cpp
+Target picture();
+Target spectrum();
+// volumes.cpp
+Target nanovdb();
 // texts.cpp
 Target csv();
 Target expressions();
