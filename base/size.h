@@ -1,8 +1,9 @@
-// base/size.h: sizes and times as people read them. How they write them: base/parse.h.
+// base/size.h: sizes, times and counts as people read them. How they write them: base/parse.h.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace latent {
 
@@ -11,5 +12,8 @@ std::string format_size(std::uint64_t bytes);
 
 // 93784 s -> "26h03m"; 75 s -> "1m15s"; 4.2 s -> "4.2s".
 std::string format_duration(double seconds);
+
+// "1 record", "0 records", "3 records".
+std::string counted(std::uint64_t count, std::string_view noun);
 
 }  // namespace latent

@@ -17,5 +17,11 @@ TEST(Size, DurationsAreWrittenToTheirLeadingUnits) {
     EXPECT_EQ(format_duration(93784), "26h03m");
 }
 
+TEST(Size, CountsAreOneThingOrSeveral) {
+    EXPECT_EQ(counted(0, "record"), "0 records");
+    EXPECT_EQ(counted(1, "record"), "1 record");
+    EXPECT_EQ(counted(2, "record"), "2 records");
+}
+
 }  // namespace
 }  // namespace latent

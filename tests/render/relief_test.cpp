@@ -173,7 +173,7 @@ TEST(PackedFiles, IncludesAndMeshesMayBeGzipped) {
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene->description.shapes[0].mesh->positions.size(), 3u);
     ASSERT_EQ(scene->warnings.size(), 1u);
-    EXPECT_THAT(scene->warnings[0], HasSubstr("1 normals are not finite"));
+    EXPECT_THAT(scene->warnings[0], HasSubstr("1 normal is not finite"));
 
     std::string cut = gzipped(kPly);
     cut.resize(cut.size() / 2);

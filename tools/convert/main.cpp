@@ -1,7 +1,6 @@
 // latent-convert: from developed pixels to a print.
-#include <fmt/format.h>
-
 #include "base/cli.h"
+#include "base/size.h"
 #include "base/temporary_path.h"
 #include "tools/convert/arguments.h"
 #include "tools/convert/convert.h"
@@ -22,7 +21,8 @@ int main(int argc, char** argv) try {
     const auto report = latent::convert::convert(options, cli::progress(common, "printing"));
     if (!report) return cli::fail(report.error());
     for (const std::string& warning : report->warnings) cli::warn(warning);
-    if (report->damaged() > 0) cli::warn(fmt::format("{} pixels were not finite", report->damaged()));
+    if (report->damaged() > 0)
+        cli::warn(latent::counted(report->damaged(), "pixel") + (report->damaged() == 1 ? " was" : " were") + " not finite");
     return cli::print_report(common.json ? latent::convert::to_json(*report) : latent::convert::to_text(*report),
                              report->damaged() > 0 ? cli::kDoneWithLosses : cli::kDone);
 } catch (...) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/json.h"
+#include "base/size.h"
 
 namespace latent::convert {
 
@@ -12,15 +13,15 @@ std::string text_of(const ExposureReport& r, bool gamut_report) {
     const auto share = [&](std::uint64_t count) {
         return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
     };
-    std::string text = fmt::format("black          {} pixels ({:.3f} %)\nburnt          {} pixels ({:.3f} %)\n", r.print.black,
-                                   share(r.print.black), r.print.burnt, share(r.print.burnt));
-    text += fmt::format("out of gamut   {} pixels ({:.3f} %)\n", r.print.out_of_gamut, share(r.print.out_of_gamut));
+    std::string text = fmt::format("black          {} ({:.3f} %)\nburnt          {} ({:.3f} %)\n", counted(r.print.black, "pixel"),
+                                   share(r.print.black), counted(r.print.burnt, "pixel"), share(r.print.burnt));
+    text += fmt::format("out of gamut   {} ({:.3f} %)\n", counted(r.print.out_of_gamut, "pixel"), share(r.print.out_of_gamut));
     if (gamut_report)
-        text += fmt::format("hue            shifted by {:.1f} degrees at most, at {},{}; by more than 10 in {} pixels ({:.3f} %)\n",
-                            r.hue_shifts.largest_degrees, r.hue_shifts.x, r.hue_shifts.y, r.hue_shifts.above_10_degrees,
-                            share(r.hue_shifts.above_10_degrees));
+        text += fmt::format("hue            shifted by {:.1f} degrees at most, at {},{}; by more than 10 in {} ({:.3f} %)\n",
+                            r.hue_shifts.largest_degrees, r.hue_shifts.x, r.hue_shifts.y,
+                            counted(r.hue_shifts.above_10_degrees, "pixel"), share(r.hue_shifts.above_10_degrees));
     const auto line = [&](const char* name, std::uint64_t count, const char* became) {
-        if (count > 0) text += fmt::format("{:<15}{} pixels ({:.3f} %), {}\n", name, count, share(count), became);
+        if (count > 0) text += fmt::format("{:<15}{} ({:.3f} %), {}\n", name, counted(count, "pixel"), share(count), became);
     };
     line("clipped", r.print.clipped, "luminance and hue not preserved");
     line("negative", r.print.negative, "printed black");

@@ -71,16 +71,19 @@ std::string to_text(const PictureReport& r) {
         text += fmt::format("a preview of {:.2g} % of the samples\n",
                             100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));
     if (r.dims_fireflies)
-        text += fmt::format("fireflies: {} samples dimmed; the camera image lost {:.2g} % of its light, the light image {:.2g} %\n",
-                            c.camera_dimmed.samples + c.light_dimmed.samples, 100 * c.camera_dimmed.share(),
+        text += fmt::format("fireflies: {} dimmed; the camera image lost {:.2g} % of its light, the light image {:.2g} %\n",
+                            counted(c.camera_dimmed.samples + c.light_dimmed.samples, "sample"), 100 * c.camera_dimmed.share(),
                             100 * c.light_dimmed.share());
     if (r.filter_factor != 1) text += fmt::format("filter factor {:.4g}\n", r.filter_factor);
     if (const auto& fit = r.camera_fit)
         text += fmt::format("camera: CIEDE2000 {:.2f} on average, {:.2f} at most, of the 24 ColorChecker patches under D65\n",
                             fit->mean_difference, fit->largest_difference);
     if (c.fallback_pixels > 0)
-        text += fmt::format("{} pixels have few samples; filtered without negative weights\n", c.fallback_pixels);
-    if (c.empty_pixels > 0) text += fmt::format("{} pixels have no camera record; they are black\n", c.empty_pixels);
+        text += fmt::format("{} few samples; filtered without negative weights\n",
+                            counted(c.fallback_pixels, "pixel") + (c.fallback_pixels == 1 ? " has" : " have"));
+    if (c.empty_pixels > 0)
+        text += c.empty_pixels == 1 ? "1 pixel has no camera record; it is black\n"
+                                    : fmt::format("{} pixels have no camera record; they are black\n", c.empty_pixels);
     return text;
 }
 

@@ -224,8 +224,8 @@ std::string to_text(const FileInfo& info) {
     if (job.light_paths_per_sample > 0) {
         line("N", fmt::format("{} light paths ({} per sample)", grouped(info.light_paths()), job.light_paths_per_sample));
     }
-    line("camera", grouped(info.camera_records) + " records");
-    line("light", grouped(info.light_records) + " records");
+    line("camera", grouped(info.camera_records) + (info.camera_records == 1 ? " record" : " records"));
+    line("light", grouped(info.light_records) + (info.light_records == 1 ? " record" : " records"));
     line("runs", fmt::format("{} of up to {} samples; {} superseded, {} ending before a boundary; {} pages", info.runs,
                              job.run_samples, info.superseded_runs, info.open_runs, grouped(info.pages)));
     line("size", records == 0 ? format_size(info.size)

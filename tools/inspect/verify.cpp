@@ -189,9 +189,12 @@ std::string to_text(const VerifyReport& report) {
             fmt::format("{}: {}{}; expected: {}\n", shown_name(report.path), place_of(violation), violation.what, violation.wanted);
     }
     if (report.violations.count() > violations.size()) {
-        text += fmt::format("{}: {} more violations\n", shown_name(report.path), report.violations.count() - violations.size());
+        text += fmt::format("{}: {}\n", shown_name(report.path),
+                            counted(report.violations.count() - violations.size(), "more violation"));
     }
-    if (report.not_finite > 0) text += fmt::format("{}: {} values are not finite\n", shown_name(report.path), report.not_finite);
+    if (report.not_finite > 0)
+        text += fmt::format("{}: {} not finite\n", shown_name(report.path),
+                            counted(report.not_finite, "value") + (report.not_finite == 1 ? " is" : " are"));
     return text;
 }
 

@@ -24,10 +24,10 @@ std::string to_json(const MergeReport& r) {
 }
 
 std::string to_text(const MergeReport& r) {
-    std::string text = fmt::format("{}: {} run{} from {} file{}, samples {}, {} camera and {} light records, {}\n", r.output,
-                                   r.runs_out, r.runs_out == 1 ? "" : "s", r.files, r.files == 1 ? "" : "s", to_string(r.coverage),
-                                   r.camera_records, r.light_records, format_size(r.bytes));
-    if (r.compacted) text += fmt::format("compacted {} runs into {}\n", r.runs_in, r.runs_out);
+    std::string text =
+        fmt::format("{}: {} from {}, samples {}, {} camera and {} light records, {}\n", r.output, counted(r.runs_out, "run"),
+                    counted(r.files, "file"), to_string(r.coverage), r.camera_records, r.light_records, format_size(r.bytes));
+    if (r.compacted) text += fmt::format("compacted {} into {}\n", counted(r.runs_in, "run"), r.runs_out);
     return text;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "base/size.h"
 #include "render/load/obj/mtl.h"
 #include "render/load/obj/polygon.h"
 #include "render/load/obj/statements.h"
@@ -53,7 +54,8 @@ class ObjReader {
         const std::size_t before = diagnostics_.errors().size();
         while (statements_.next() && diagnostics_.errors().size() < before + kMostErrors) read_statement();
         for (const auto& [what, count] : ignored_)
-            diagnostics_.warn(statements_.place(), fmt::format("{} statements \"{}\" were ignored", count, what));
+            diagnostics_.warn(statements_.place(),
+                              fmt::format("{} \"{}\" {} ignored", counted(count, "statement"), what, count == 1 ? "was" : "were"));
         for (const Part& part : order_) {
             LoadedShape shape;
             shape.shape.material = part.material;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/size.h"
+
 namespace latent::render {
 
 ParameterList::ParameterList(const Directive& directive, const std::vector<Parameter>& inherited, Diagnostics& diagnostics)
@@ -79,7 +81,7 @@ std::span<const double> ParameterList::array(std::string_view name, std::string_
     const Parameter* p = find(name, {type});
     if (p == nullptr) return {};
     if (!p->numbers.empty() && p->numbers.size() % size == 0) return p->numbers;
-    error(*p, fmt::format("{} numbers cannot be divided into groups of {}", p->numbers.size(), size));
+    error(*p, fmt::format("{} cannot be divided into groups of {}", counted(p->numbers.size(), "number"), size));
     return {};
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/size.h"
 #include "render/load/mesh/curve.h"
 #include "render/load/mesh/loop_subdivision.h"
 #include "render/load/mesh/ply.h"
@@ -97,7 +98,8 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     Result<PlyMesh> ply = parse_ply(*bytes);
     if (!ply) return list.error(*name + ": " + ply.error().message);
     if (ply->lost_normals > 0)
-        list.warn(fmt::format("{}: {} normals are not finite; the faces' own are used there", *name, ply->lost_normals));
+        list.warn(fmt::format("{}: {} not finite; the faces' own are used there", *name,
+                              counted(ply->lost_normals, "normal") + (ply->lost_normals == 1 ? " is" : " are")));
     LoadedMesh mesh{.positions = std::move(ply->positions), .normals = std::move(ply->normals), .uvs = std::move(ply->uvs)};
     transform(mesh, ctm, reverse_orientation);
     if (!ply->quads.empty()) {
