@@ -31,6 +31,8 @@ std::string paragraph(std::string_view name, const Words& words) {
 std::string list_features() {
     std::string text = "pbrt-v4 (.pbrt)\n";
     for (const PbrtFeature& feature : pbrt_features()) text += paragraph(feature.directive, feature.types);
+    text += "\nparameters beyond pbrt-v4 (docs/scenes.md, \"Extensions\")\n";
+    for (const PbrtFeature& extension : pbrt_extensions()) text += paragraph(extension.directive, extension.types);
     text += "\nglTF 2.0 (.gltf, .glb)\n" + paragraph("extensions", known_extensions());
     text += "\nWavefront OBJ (.obj, .mtl)\n";
     text += paragraph("geometry", std::initializer_list<std::string_view>{"v", "vt", "vn", "f", "mtllib", "usemtl"});

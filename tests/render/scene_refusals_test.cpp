@@ -2,9 +2,15 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+
 #include "render/load/list_features.h"
 #include "render/load/pbrt/features.h"
 #include "tests/render/scenes.h"
+#include "tests/support/paths.h"
 
 namespace latent::render {
 namespace {
@@ -153,6 +159,52 @@ TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
     }
     EXPECT_THAT(list_features(), HasSubstr("  Material        diffuse phong"));
     EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
+}
+
+// Names that begin with latent: are those of the table of docs/scenes.md, and those that the parsers compare with.
+TEST(SceneRefusals, EveryExtensionIsListedAndDocumented) {
+    using Names = std::set<std::string>;
+    const auto names_in = [](const std::string& text) {
+        static const std::regex name("latent:[a-z]+");
+        return Names(std::sregex_token_iterator(text.begin(), text.end(), name), std::sregex_token_iterator());
+    };
+    const auto read = [](const std::filesystem::path& path) {
+        std::ifstream file(path);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    Names read_from_scenes;
+    for (const auto& entry : std::filesystem::directory_iterator(latent::testing::in_tree("render/load/pbrt"))) {
+        if (entry.path().extension() == ".cpp" && entry.path().stem() != "features") read_from_scenes.merge(names_in(read(entry)));
+    }
+    const std::string page = read(latent::testing::in_tree("docs/scenes.md"));
+    const std::size_t table = page.find("## Extensions");
+    EXPECT_EQ(names_in(list_features()), read_from_scenes);
+    EXPECT_EQ(names_in(page.substr(table, page.find("## Alpha") - table)), read_from_scenes);
+}
+
+TEST(SceneRefusals, ExtensionsThatContradictOthersAreRefused) {
+    const auto mixture = [](const char* amount) {
+        return fmt::format("Material \"mix\" \"string materials\" [ \"a\" \"b\" ] \"rgb latent:amount\" [ 1 .5 .2 ] {}\n", amount);
+    };
+    for (const char* amount : {"\"float amount\" .3", "\"texture amount\" \"t\""})
+        EXPECT_THAT(refused_world(mixture(amount)), HasSubstr("2:1: amount and latent:amount cannot be combined"));
+    EXPECT_THAT(refused_world(mixture("")), Not(HasSubstr("amount")));
+
+    const auto camera = [](const char* rest) { return refusal(std::string("Camera \"perspective\" ") + rest + "\nWorldBegin\n"); };
+    EXPECT_THAT(camera("\"float latent:focaldistances\" [ 2 3 ] \"float focaldistance\" 4"),
+                HasSubstr("1:22: latent:focaldistances: cannot be combined with focaldistance"));
+    for (const char* count : {"2", "[ ]", "[ 1 2 3 ]", "[ 1 2 3 4 ]"})
+        EXPECT_THAT(camera(fmt::format("\"float latent:focaldistances\" {}", count).c_str()),
+                    HasSubstr("latent:focaldistances: must be two distances, those of 360 nm and of 830 nm"));
+    EXPECT_THAT(camera("\"float latent:focaldistances\" [ 0 1 ]"), HasSubstr("both distances must be between"));
+
+    for (const char* light : {"LightSource \"infinite\"", "AreaLightSource \"diffuse\""})
+        EXPECT_THAT(refused_world(std::string(light) + " \"blackbody latent:illuminant\" 3000"),
+                    HasSubstr("2:1: latent:illuminant: is the light that a picture colours, and filename is missing"));
+    EXPECT_THAT(refused_world("MakeNamedMedium \"all\" \"string type\" \"latent:sum\""),
+                HasSubstr("medium \"all\": latent:media: must be the names of two media"));
+    EXPECT_THAT(refused_world("MakeNamedMedium \"all\" \"string type\" \"latent:sum\" \"string latent:media\" [ \"all\" \"all\" ]"),
+                HasSubstr("2:1: medium \"all\": is a sum of itself"));
 }
 
 // Whatever stands in the way, in whichever part of the program it would have been found.

@@ -92,7 +92,7 @@ TEST(ChromaticAberration, ALensWithOneFocalDistanceKeepsItsRecords) {
     EXPECT_EQ(records_of(pinhole, {}, 100).size(), 100u);
     const auto refused = load(through_lens("\"float latent:focaldistances\" [ 2 0 ]", world));
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().message.find("latent:focaldistances: must be two distances"), std::string::npos);
+    EXPECT_NE(refused.error().message.find("latent:focaldistances: both distances must be between"), std::string::npos);
 }
 
 // A lamp beyond the left edge of the picture, as the others of this list: what leaves the film in one wavelength may enter in

@@ -246,7 +246,7 @@ TEST(SumMedium, RefusesASumOfItselfOrOfTooMany) {
         return refused ? "" : refused.error().message;
     };
     const std::string a = medium("a", "\"homogeneous\"");
-    EXPECT_NE(refusal_of(a + sum("m", "a", "m")).find("is made of itself"), std::string::npos);
+    EXPECT_NE(refusal_of(a + sum("m", "a", "m")).find("is a sum of itself"), std::string::npos);
     EXPECT_NE(refusal_of(a + sum("b", "a", "a") + sum("c", "b", "b") + sum("m", "c", "c")).find("more than 7 media"),
               std::string::npos);
     EXPECT_NE(refusal_of(medium("m", "\"latent:sum\" \"string latent:media\" [\"a\"]")).find("the names of two media"),

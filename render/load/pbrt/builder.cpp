@@ -139,6 +139,8 @@ MaterialDescription SceneBuilder::read_mixture(const ParameterList& list) {
     MaterialDescription mixture{.kind = MaterialKind::kMix, .location = list.directive().where};
     mixture.amount = textures_.number(list, "amount", 0.5, 0, 1);
     mixture.selector = textures_.find_spectrum(list, "latent:amount", SpectrumRole::kReflectance);
+    if (mixture.selector && list.find("amount", {"float", "integer", "texture"}) != nullptr)
+        list.error("amount and latent:amount cannot be combined");
     if (mixture.selector && !mixture.selector->is_textured() && mixture.selector->value.max_value() > 1) {
         list.error("latent:amount: exceeds 1");
     }
@@ -184,7 +186,7 @@ MediumDescription SceneBuilder::read_sum(const ParameterList& list) {
     MediumDescription sum{.location = list.directive().where};
     const Parameter* names = list.find("latent:media", {"string"});
     if (names == nullptr || names->strings.size() != 2 || names->strings[0].empty() || names->strings[1].empty()) {
-        list.error("latent:media: must be the names of two media");
+        list.error(fmt::format("medium \"{}\": latent:media: must be the names of two media", list.directive().strings[0]));
     } else {
         for (std::size_t i = 0; i < 2; ++i) sum.summed[i] = medium(names->strings[i], names->where);
     }
@@ -314,8 +316,8 @@ void SceneBuilder::finish(const SourceLocation& end) {
             diagnostics_.error(scene_.materials[i].location, "Material \"mix\": is made of itself, or more than 256 deep");
     }
     for (const std::uint32_t i : sums_of_too_many(scene_.media))
-        diagnostics_.error(scene_.media[i].location,
-                           fmt::format("Medium \"latent:sum\": is made of itself, or of more than {} media", kMostSummed));
+        diagnostics_.error(scene_.media[i].location, fmt::format("medium \"{}\": is a sum of itself, or of more than {} media",
+                                                                 scene_.media[i].name, kMostSummed));
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
         const FloatInput &x = material.alpha_x, &y = material.alpha_y;

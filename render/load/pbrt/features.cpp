@@ -27,6 +27,19 @@ std::span<const PbrtFeature> pbrt_features() {
     return features;
 }
 
+std::span<const PbrtFeature> pbrt_extensions() {
+    static const PbrtFeature extensions[] = {
+        {"Camera", {"latent:focaldistances", "latent:lensshift"}},
+        {"LightSource", {"latent:illuminant"}},
+        {"AreaLightSource", {"latent:exponent", "latent:illuminant"}},
+        {"Material", {"latent:amount", "latent:lobe"}},
+        {"Texture", {"latent:quartic"}},
+        {"Medium", {"latent:media"}},
+        {"any spectrum", {"latent:daylight"}},
+    };
+    return extensions;
+}
+
 std::string types_of(std::string_view directive) {
     const auto found = std::ranges::find(pbrt_features(), directive, &PbrtFeature::directive);
     return fmt::format("{}", fmt::join(found->types, ", "));

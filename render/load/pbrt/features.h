@@ -1,4 +1,4 @@
-// render/load/pbrt/features.h: the features of pbrt-v4's format that are read, for messages and --list-features.
+// render/load/pbrt/features.h: the features of pbrt-v4's format that are read, and those beyond it, for messages and lists.
 #pragma once
 
 #include <initializer_list>
@@ -14,6 +14,8 @@ struct PbrtFeature {
     std::initializer_list<std::string_view> types;
 };
 std::span<const PbrtFeature> pbrt_features();
+// What may be said within a directive that pbrt-v4 does not know: parameters, types and values of parameters.
+std::span<const PbrtFeature> pbrt_extensions();
 
 // "diffuse, conductor" of "Material".
 std::string types_of(std::string_view directive);

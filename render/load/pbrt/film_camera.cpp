@@ -35,10 +35,13 @@ namespace {
 
 // Focal distances of the shortest and the longest wavelength; those between are linear in wavelength [R06 8.3.3].
 void read_chromatic_aberration(const ParameterList& list, CameraDescription& camera) {
-    const std::span<const double> ends = list.array("latent:focaldistances", "float", 2);
-    if (ends.empty()) return;
-    if (ends.size() != 2 || !(std::min(ends[0], ends[1]) >= 1e-6) || !(std::max(ends[0], ends[1]) <= 1e30))
-        return list.error("latent:focaldistances: must be two distances, of 360 nm and of 830 nm");
+    const Parameter* const p = list.find("latent:focaldistances", {"float"});
+    if (p == nullptr) return;
+    if (list.find("focaldistance", {"float", "integer"}) != nullptr) list.error(*p, "cannot be combined with focaldistance");
+    const std::span<const double> ends = p->numbers;
+    if (ends.size() != 2) return list.error(*p, "must be two distances, those of 360 nm and of 830 nm");
+    if (!(std::min(ends[0], ends[1]) >= 1e-6) || !(std::max(ends[0], ends[1]) <= 1e30))
+        return list.error(*p, "both distances must be between 1e-06 and 1e+30");
     camera.focal_distance = (ends[0] + ends[1]) / 2;
     camera.focal_slope = (ends[1] - ends[0]) / (830 - 360);
 }

@@ -20,6 +20,12 @@ std::optional<double> positive(const ParameterList& list, std::string_view name)
 color::Spectrum illuminant_of_picture(const ParameterList& list, SceneSpectra& spectra) {
     return spectra.emission(list, "latent:illuminant");
 }
+// Without a picture, L is the light.
+void refuse_illuminant(const ParameterList& list) {
+    if (SceneSpectra::is_given(list, "latent:illuminant"))
+        list.error(
+            "latent:illuminant: is the light that a picture colours, and filename is missing; a light without a picture has L");
+}
 void refuse_radiance(const ParameterList& list) {
     if (SceneSpectra::is_given(list, "L"))
         list.error("L and filename cannot be combined; the light that the picture colours is latent:illuminant");
@@ -74,6 +80,7 @@ AreaLightDescription read_area_light(const std::string& type, const ParameterLis
             if (!(light.mean_luminance > 0)) list.error(fmt::format("{}: is black", *name));
         }
     } else {
+        refuse_illuminant(list);
         light.spectrum = spectra.emission(list, "L");
     }
     light.scale = list.number("scale", 1, 0, 1e30);
@@ -126,6 +133,7 @@ LightDescription read_light(const std::string& type, const ParameterList& list, 
             light.spectrum = illuminant_of_picture(list, spectra);
             light.image = read_environment(list, *name, files);
         } else {
+            refuse_illuminant(list);
             light.spectrum = spectra.emission(list, "L");
         }
         light.portal = read_portal(list);
