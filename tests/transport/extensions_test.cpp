@@ -152,6 +152,34 @@ TEST(Extensions, PathAndBdptMakeOnePicture) {
     }
 }
 
+// A lens out of the middle, a slide before a lamp of its own, a picture by the round filter, and marble and clouds in one.
+TEST(Extensions, PathAndBdptMakeOnePictureOfSlidesThroughAShiftedLens) {
+    const Folder folder;
+    std::vector<float> pixels;
+    for (int i = 0; i < 64; ++i) pixels.insert(pixels.end(), {i % 3 == 0 ? 0.8f : 0.2f, 0.1f * static_cast<float>(i % 8), 0.5f});
+    write_exr(folder / "slide.exr", 8, 8, pixels);
+    expect_path_and_bdpt_agree(
+        scene_of(load_scene(folder.write(
+            "room.pbrt",
+            "LookAt 0 -3 1.2  0 0 .3  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" .1 \"float "
+            "focaldistance\" 3 "
+            "\"float latent:lensshift\" .4\nIntegrator \"path\" \"integer maxdepth\" 3\nWorldBegin\n"
+            "LightSource \"infinite\" \"rgb L\" [.1 .1 .1]\n"
+            "Texture \"picture\" \"spectrum\" \"imagemap\" \"string filename\" \"slide.exr\" \"string filter\" \"latent:quartic\"\n"
+            "Texture \"veins\" \"float\" \"latent:marble\" \"float scale\" 2\nTexture \"cover\" \"float\" \"latent:clouds\" "
+            "\"float scale\" 3\n"
+            "Texture \"both\" \"spectrum\" \"mix\" \"texture tex1\" \"picture\" \"rgb tex2\" [.6 .6 .5] \"texture amount\" "
+            "\"veins\"\n"
+            "Texture \"ball\" \"spectrum\" \"mix\" \"rgb tex1\" [.1 .2 .6] \"rgb tex2\" [.9 .9 .9] \"texture amount\" \"cover\"\n"
+            "Material \"diffuse\" \"texture reflectance\" \"both\"\n"
+            "Shape \"bilinearmesh\" \"point3 P\" [-3 -3 -.4  3 -3 -.4  -3 3 -.4  3 3 -.4]\n"
+            "Material \"diffuse\" \"texture reflectance\" \"ball\"\nShape \"sphere\" \"float radius\" .4\n"
+            "Translate .3 -.4 1.6\nRotate 170 1 .1 0\nLightSource \"projection\" \"float fov\" 70 \"string filename\" "
+            "\"slide.exr\" "
+            "\"blackbody latent:illuminant\" 2500\n"))),
+        4096, 2048);
+}
+
 // With --rgb-spectra basis, an rgb is R r + G g + B b, whether a parameter, a picture or a voxel gives it.
 TEST(Extensions, ColoursBySumsOfThreeCurvesAreTheSameFromAllSources) {
     const Folder folder;
