@@ -121,6 +121,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     Work work(writer.missing(), stop, options.max_seconds);
     const std::uint64_t total = writer.missing().size(), before = job.range.size() - total;
     if (progress && total > 0) progress(static_cast<double>(before) / static_cast<double>(job.range.size()), "");
+    const std::uint64_t shadow_rays_before = job.integrator->shadow_rays();  // of forecasts
     CommitLog log(job.range.size(), std::min(options.checkpoint_seconds, kLogInterval));
     tell(options, log, work, writer, false);
     {
@@ -141,6 +142,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     tell(options, log, work, writer, true);
     report.samples = work.samples();
     report.seconds = work.seconds();
+    report.shadow_rays = job.integrator->shadow_rays() - shadow_rays_before;
     report.faults = work.faults();
     report.written = writer.counts();
     report.committed = report.written.samples_committed;

@@ -17,8 +17,9 @@ using Json = nlohmann::ordered_json;
 }
 
 std::string to_text(const RadianceFaults& faults) {
-    return fmt::format("{} records were stored as black: {} NaN, {} infinite, {} negative", faults.total(), faults.nan,
-                       faults.infinite, faults.negative);
+    return fmt::format("{} stored as black: {} NaN, {} infinite, {} negative",
+                       counted(faults.total(), "record") + (faults.total() == 1 ? " was" : " were"), faults.nan, faults.infinite,
+                       faults.negative);
 }
 
 std::string to_text(const RenderReport& report, const RenderJob& job, bool json) {
@@ -33,6 +34,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"samples_committed", report.committed},
                           {"seconds", report.seconds},
                           {"samples_per_second", rate},
+                          {"shadow_rays", report.shadow_rays},
                           {"bytes_written", report.written.bytes_written},
                           {"runs_written", report.written.runs_written},
                           {"checkpoints_written", report.written.checkpoints_written},
@@ -66,13 +68,16 @@ std::string to_text(const Forecast& forecast, const RenderJob& job, bool json) {
         return json_text(out) + "\n";
     }
     const std::string free = forecast.free_bytes ? fmt::format("; {} are free", format_size(*forecast.free_bytes)) : "";
-    if (forecast.committed == forecast.samples) return fmt::format("all {} samples are already committed\n", forecast.samples);
+    if (forecast.committed == forecast.samples)
+        return forecast.samples == 1 ? "the only sample is already committed\n"
+                                     : fmt::format("all {} samples are already committed\n", forecast.samples);
     const std::uint64_t missing = forecast.samples - forecast.committed;
-    const std::string which = forecast.committed == 0 ? fmt::format("{} samples", missing)
+    const std::string which = forecast.committed == 0 ? counted(missing, "sample")
                                                       : fmt::format("{} of {} samples are committed; the other {}",
                                                                     forecast.committed, forecast.samples, missing);
-    return fmt::format("{} would take {}; the finished file would be {}{} (measured on {} samples)\n", which,
-                       format_duration(forecast.seconds), format_size(forecast.bytes), free, forecast.measured_samples);
+    return fmt::format("{} would take {}; the finished file would be {}{} (measured on {})\n", which,
+                       format_duration(forecast.seconds), format_size(forecast.bytes), free,
+                       counted(forecast.measured_samples, "sample"));
 }
 
 namespace {

@@ -21,6 +21,7 @@ struct SampleState {
     std::optional<Random> randoms{};  // begun when first asked: most samples need none
     float time = 0;                   // of all motions: from 0, their start, to 1
     const Camera* camera = nullptr;
+    std::uint64_t shadow_rays = 0;  // tests of visibility between two points so far
 
     Uniform random() {
         if (!randoms) randoms.emplace(numbers(Dimension::kRandom).bits);

@@ -54,6 +54,8 @@ class Integrator {
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
     // An error: what has been traced since the last call without one is wrong. Any thread.
     virtual Status status() const { return {}; }
+    // Tests of visibility between two points since this was made; one may go on through interfaces. While nobody traces.
+    virtual std::uint64_t shadow_rays() const { return 0; }
 };
 
 }  // namespace latent::render

@@ -14,10 +14,11 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       sampler_(settings.seed, important_dimensions(*world_), shared_dimensions()),
       records_(settings.record, settings.light_groups.any(), settings.aovs),
       aovs_(*world_, settings.aovs, settings.max_depth),
-      spectra_([this] { return SampledSpectra(world_->library()); }) {}
+      of_thread_([this] { return OfThread{SampledSpectra(world_->library())}; }) {}
 
 void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const {
-    SampledSpectra& spectra = spectra_.local();
+    OfThread& of_thread = of_thread_.local();
+    SampledSpectra& spectra = of_thread.spectra;
     const SampleNumbers numbers(sampler_, n);
     wavelengths_.draw(numbers(Dimension::kXi).fraction32(), spectra.wavelengths);
     spectra.start_sample();
@@ -26,13 +27,24 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     sample.time = world_->time(world_->moves() ? numbers(Dimension::kTime) : Uniform{});
     const std::optional<Camera> moved = world_->camera_at(sample.time);
     sample.camera = moved ? &*moved : &world_->camera();
+    trace(sample, out, faults);
+    of_thread.shadow_rays += sample.shadow_rays;
+}
 
+std::uint64_t Transport::shadow_rays() const {
+    std::uint64_t sum = 0;
+    for (const OfThread& of_thread : of_thread_) sum += of_thread.shadow_rays;
+    return sum;
+}
+
+void Transport::trace(SampleState& sample, sampledb::Records& out, RadianceFaults& faults) const {
+    const std::uint64_t n = sample.numbers.sample();
     const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
     if (world_->camera().splits_wavelengths()) return trace_split(sample, film.u * 0x1p-32, film.v * 0x1p-32, out, faults);
     Radiance camera(settings_.light_groups);
     trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, false, camera, out, faults);
     const Seen seen = settings_.aovs.any() ? aovs_.look(sample, film.u * 0x1p-32, film.v * 0x1p-32) : Seen{};
-    records_.camera(n, film.u, film.v, camera, seen, spectra.wavelengths, kept, out, faults);
+    records_.camera(n, film.u, film.v, camera, seen, sample.spectra.wavelengths, sample.kept, out, faults);
 }
 
 // The film points of all wavelengths are spread evenly over the film: one that lies beyond an edge comes back over the opposite

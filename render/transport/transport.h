@@ -34,6 +34,7 @@ class Transport : public Integrator {
     const sampledb::WavelengthDensity& density() const final { return density_; }
     std::uint32_t light_paths_per_sample() const override { return 0; }
     Status status() const final { return world_->textures().status(); }
+    std::uint64_t shadow_rays() const final;
 
  protected:
     // Adds to `camera` what the camera sees at film point (u, v); may append light records, unless the same sample is traced
@@ -46,6 +47,7 @@ class Transport : public Integrator {
     const RecordMaker& records() const { return records_; }
 
  private:
+    void trace(SampleState& sample, sampledb::Records& out, RadianceFaults& faults) const;
     void trace_split(SampleState& sample, double u, double v, sampledb::Records& out, RadianceFaults& faults) const;
 
     std::unique_ptr<World> world_;
@@ -55,7 +57,11 @@ class Transport : public Integrator {
     Sampler sampler_;
     RecordMaker records_;
     Aovs aovs_;
-    mutable tbb::enumerable_thread_specific<SampledSpectra> spectra_;  // caches of single samples: nothing outlives one
+    struct OfThread {
+        SampledSpectra spectra;  // a cache of single samples: nothing outlives one
+        std::uint64_t shadow_rays = 0;
+    };
+    mutable tbb::enumerable_thread_specific<OfThread> of_thread_;
 };
 
 // The dimensions of one sample in the order in which they should be well spread, for the camera subpath of this world.

@@ -96,6 +96,7 @@ bool World::connect_infinite(const Interaction& from, const Vec3f& w, std::uint3
 
 bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
                     LineOfSight& line) const {
+    ++sample.shadow_rays;
     const auto pass = [&](const Segment& segment) {
         if (segment.medium == kNone) return line.add(segment, 1, segment.length);
         const MediumStep step = media_[segment.medium]->multiply_transmittance(segment, sample, value);

@@ -105,6 +105,29 @@ TEST(Integrator, EverySampleHasOneCameraRecordAndShare) {
     EXPECT_EQ(integrator->light_paths_per_sample(), 1u);
 }
 
+// One light above a floor that fills the picture: one test for each camera vertex. bdpt joins as well, and fewer pairs if one for
+// each length is to do.
+TEST(Integrator, TestsOfVisibilityAreCounted) {
+    const Scene floor = scene_from(
+        "LookAt 0 0 1  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\nIntegrator \"path\" \"integer maxdepth\" "
+        "1\nWorldBegin\n"
+        "LightSource \"point\" \"point3 from\" [0 0 2]\nShape \"disk\" \"float radius\" 3\n");
+    const std::unique_ptr<Integrator> integrator = floor.integrator({.kind = IntegratorKind::kPath});
+    std::thread([&] { trace(*integrator, 0, 300); }).join();
+    trace(*integrator, 300, 1000);
+    EXPECT_EQ(integrator->shadow_rays(), 1000u);
+
+    const Scene room = scene_named("cornell.pbrt");
+    const auto tests_of = [&](Connections connections) {
+        IntegratorSettings settings = bdpt(sampledb::RecordKind::kXyz);
+        settings.connections = connections;
+        const std::unique_ptr<Integrator> bidirectional = room.integrator(settings);
+        trace(*bidirectional, 0, 1000);
+        return bidirectional->shadow_rays();
+    };
+    EXPECT_GT(tests_of(Connections::kAll), tests_of(Connections::kOne));
+}
+
 TEST(Integrator, BatchesOf4To32) {
     const Scene scene = scene_named("sodium.pbrt");
     for (const std::uint32_t k : {3u, 4u, 17u, 32u, 33u}) {
