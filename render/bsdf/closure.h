@@ -3,8 +3,10 @@
 #pragma once
 
 #include <concepts>
+#include <string_view>
 #include <type_traits>
 
+#include "render/bsdf/inputs.h"
 #include "render/math/vec.h"
 #include "render/spectral/sampled_spectrum.h"
 
@@ -22,6 +24,9 @@ struct ClosureSample {
 // w_light to w_camera, whichever subpath came first. A closure is small and has no destructor; the values that it points to live
 // as long as their sample. The side rule, light subpaths and the compression of radiance in delta refractions are Bsdf's.
 //
+//   kName           as MaterialDescription::type names it
+//   kInputs         what it is made of (inputs.h); a constructor takes their Values
+//   is_isotropic    of those: turning it about z changes nothing; else local x is along dp/du. Left out: always
 //   kTransmits      what it scatters may leave on the other side; otherwise both directions of f and pdf_omega are on one side
 //   is_delta        all directions come from delta functions; f and pdf_omega are not called
 //   albedo          about the share of light that it scatters in each wavelength, whatever the directions: a feature for denoisers,
@@ -33,7 +38,9 @@ struct ClosureSample {
 //                   probability, as if radiance were not compressed
 template <class C>
 concept Closure = std::is_trivially_copyable_v<C> && std::is_trivially_destructible_v<C> &&
-    requires(const C& c, const Vec3f& w, float u, ClosureSample& out, SampledSpectrum& value) {
+    requires(const C& c, const Values<C>& v, const Vec3f& w, float u, ClosureSample& out, SampledSpectrum& value) {
+    { C::kName } -> std::convertible_to<std::string_view>;
+    {C(v)};
     { C::kTransmits } -> std::convertible_to<bool>;
     { c.is_delta() } -> std::same_as<bool>;
     { c.albedo() } -> std::same_as<SampledSpectrum>;

@@ -69,6 +69,10 @@ float passed_by_smooth(float c, float eta, float thickness) {
     return sin2 < 1 ? (1 - fresnel_dielectric(c, eta)) * transmittance(thickness, std::sqrt(1 - sin2)) : 0;
 }
 
+// A base as it is beneath the layer.
+Diffuse beneath(const Diffuse& base, const SampledSpectrum&, SampledSpectra&) { return base; }
+Conductor beneath(const Conductor& base, const SampledSpectrum& eta, SampledSpectra& spectra) { return base.beneath(eta, spectra); }
+
 bool is_smooth(const Diffuse&) { return false; }
 bool is_smooth(const Conductor& metal) { return metal.is_delta(); }
 
@@ -94,6 +98,33 @@ Coated<Base>::State::State(const Layer& l, const Base& b)
         const auto joined = [&](float below, float above) { return std::sqrt(below * below + above * above * turn * turn); };
         lobe = Microfacets::of_alpha(joined(own.alpha_x, coat.alpha_x), joined(own.alpha_y, coat.alpha_y));
     }
+}
+
+// The key: point and first wavelength tell its vertex from all others, of this sample and of others.
+template <class Base>
+Coated<Base>::Coated(const Values<Coated>& v) {
+    const SampledSpectrum& eta = v.spectrum("layer.eta");
+    const Layer layer{
+        .coat = {Microfacets::of_alpha(v.number("layer.alpha_x"), v.number("layer.alpha_y")), eta[v.site.kept]},
+        .eta = v.varies("layer.eta") ? &eta : nullptr,
+        .thickness = v.number("layer.thickness"),
+        .albedo = v.find("layer.albedo"),
+        .g = v.number("layer.g"),
+        .max_depth = v.option("layer.max_depth"),
+        .walks = v.option("layer.walks"),
+        .key = mix(v.site.spectra.wavelengths.xi, v.site.p),
+    };
+    const Base base(v.template of<Base>());
+    state_ = &v.site.spectra.template store<State>({layer, beneath(base, eta, v.site.spectra)});
+}
+
+template <class Base>
+bool Coated<Base>::is_isotropic(const Values<Coated>& v) {
+    const Microfacets coat = Microfacets::of_alpha(v.number("layer.alpha_x"), v.number("layer.alpha_y"));
+    if constexpr (std::is_same_v<Base, Conductor>) {
+        if (!Base::is_isotropic(v.template of<Base>())) return false;
+    }
+    return coat.alpha_x == coat.alpha_y;
 }
 
 template <class Base>

@@ -2,6 +2,8 @@
 // "Layers".
 #pragma once
 
+#include <algorithm>
+
 #include "render/bsdf/closure.h"
 #include "render/bsdf/coat.h"
 #include "render/bsdf/conductor.h"
@@ -27,6 +29,20 @@ struct Layer {
 template <class Base>
 class Coated {
  public:
+    static constexpr std::string_view kName = std::is_same_v<Base, Diffuse> ? "coateddiffuse" : "coatedconductor";
+    static constexpr std::array kInputs = [] {
+        const std::array layer = {Input::index("layer.eta"),
+                                  Input::alpha("layer.alpha_x"),
+                                  Input::alpha("layer.alpha_y"),
+                                  Input::number("layer.thickness", 0.01f, 0, 1e6f),
+                                  Input{.name = "layer.albedo", .may_be_missing = true},
+                                  Input::number("layer.g", 0, -0.9999f, 0.9999f),
+                                  Input::option("layer.max_depth", 10),
+                                  Input::option("layer.walks", 1)};
+        std::array<Input, Base::kInputs.size() + layer.size()> all;
+        std::ranges::copy(layer, std::ranges::copy(Base::kInputs, all.begin()).out);
+        return all;
+    }();
     static constexpr bool kTransmits = false;
 
     // What the closure looks at; it must live as long.
@@ -41,7 +57,9 @@ class Coated {
         Microfacets lobe{1, 1};  // how the base reflects, seen through the coat
         float returned = 0;      // share of diffuse light from below that the smooth coat and the layer return to the base
     };
+    explicit Coated(const Values<Coated>& v);
     explicit Coated(const State& state) : state_(&state) {}
+    static bool is_isotropic(const Values<Coated>& v);
 
     bool is_delta() const { return state_->smooth_coat && state_->smooth_base && !state_->layer.albedo; }
     SampledSpectrum albedo() const { return state_->base.albedo(); }

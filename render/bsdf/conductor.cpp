@@ -1,6 +1,33 @@
 #include "render/bsdf/conductor.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace latent::render {
+
+// R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
+void Conductor::reflect(const SampledSpectrum& r, SampledSpectra& spectra) {
+    SampledSpectrum& eta = spectra.allocate() = SampledSpectrum(1.0f);
+    SampledSpectrum& k = spectra.allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+        const float limited = std::min(r.v[i], 0.9999f);
+        k.v[i] = 2 * std::sqrt(limited) / std::sqrt(1 - limited);
+    }
+    eta_ = &eta;
+    k_ = &k;
+}
+
+Conductor Conductor::beneath(const SampledSpectrum& eta, SampledSpectra& spectra) const {
+    const auto over_eta = [&](const SampledSpectrum& part) {
+        SampledSpectrum& out = spectra.allocate();
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = part.v[i] / eta.v[i];
+        return &out;
+    };
+    Conductor metal = *this;
+    metal.eta_ = over_eta(*eta_);
+    metal.k_ = over_eta(*k_);
+    return metal;
+}
 
 void Conductor::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
     Vec3f m;

@@ -9,11 +9,25 @@ namespace latent::render {
 
 class Conductor {
  public:
+    static constexpr std::string_view kName = "conductor";
+    // Either both parts of the index, or the reflectance at normal incidence.
+    static constexpr std::array kInputs = {Input{.name = "eta", .low = 1e-3f, .high = 1e6f, .may_be_missing = true},
+                                           Input{.name = "k", .high = 1e6f, .may_be_missing = true},
+                                           Input{.name = "reflectance", .may_be_missing = true}, Input::alpha("alpha_x"),
+                                           Input::alpha("alpha_y")};
     static constexpr bool kTransmits = false;
 
+    explicit Conductor(const Values<Conductor>& v)
+        : eta_(v.find("eta")), k_(v.find("k")), facets_(Microfacets::of_alpha(v.number("alpha_x"), v.number("alpha_y"))) {
+        if (const SampledSpectrum* r = v.find("reflectance")) reflect(*r, v.site.spectra);
+    }
+    static bool is_isotropic(const Values<Conductor>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
     // Of complex index eta + i k in each wavelength.
     Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y)
         : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)) {}
+
+    // The same metal beside matter of index `eta` instead of beside air.
+    Conductor beneath(const SampledSpectrum& eta, SampledSpectra& spectra) const;
 
     const Microfacets& facets() const { return facets_; }
     // Of a smooth surface, in one wavelength.
@@ -26,6 +40,9 @@ class Conductor {
     bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
+    // Becomes the metal of eta = 1 that reflects r at normal incidence.
+    void reflect(const SampledSpectrum& r, SampledSpectra& spectra);
+
     const SampledSpectrum* eta_;
     const SampledSpectrum* k_;
     Microfacets facets_;

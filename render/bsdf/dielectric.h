@@ -9,8 +9,13 @@ namespace latent::render {
 
 class Dielectric {
  public:
+    static constexpr std::string_view kName = "dielectric";
+    static constexpr std::array kInputs = {Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y")};
     static constexpr bool kTransmits = true;
 
+    explicit Dielectric(const Values<Dielectric>& v)
+        : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y")) {}
+    static bool is_isotropic(const Values<Dielectric>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
     // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes.
     Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y)

@@ -7,8 +7,11 @@ namespace latent::render {
 
 class Diffuse {
  public:
+    static constexpr std::string_view kName = "diffuse";
+    static constexpr std::array kInputs = {Input::reflectance("reflectance")};
     static constexpr bool kTransmits = false;
 
+    explicit Diffuse(const Values<Diffuse>& v) : Diffuse(v.spectrum("reflectance")) {}
     explicit Diffuse(const SampledSpectrum& reflectance) : reflectance_(&reflectance) {}
 
     const SampledSpectrum& reflectance() const { return *reflectance_; }

@@ -10,8 +10,13 @@ namespace latent::render {
 
 class DiffuseTransmission {
  public:
+    static constexpr std::string_view kName = "diffusetransmission";
+    static constexpr std::array kInputs = {Input{.name = "reflectance", .factor = "scale"},
+                                           Input{.name = "transmittance", .factor = "scale"}, Input::number("scale", 1, 0, 1e6f)};
     static constexpr bool kTransmits = true;
 
+    explicit DiffuseTransmission(const Values<DiffuseTransmission>& v)
+        : DiffuseTransmission(v.spectrum("reflectance"), v.spectrum("transmittance")) {}
     DiffuseTransmission(const SampledSpectrum& reflectance, const SampledSpectrum& transmittance);
 
     bool is_delta() const { return false; }

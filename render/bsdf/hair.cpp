@@ -57,6 +57,24 @@ float logistic_below(float x, float scale) {
 
 }  // namespace
 
+Hair::Hair(const Values<Hair>& v) {
+    Fibre fibre{.sigma_a = v.find("sigma_a"),
+                .eta = v.number("eta"),
+                .beta_m = v.number("beta_m"),
+                .beta_n = v.number("beta_n"),
+                .tilt_turns = v.number("alpha") / 360};
+    if (const SampledSpectrum* color = v.find("color")) {
+        // Such that much hair together has this colour [Chiang16 eq. 9].
+        const float n = fibre.beta_n;
+        const float slope = 5.969f + n * (-0.215f + n * (2.532f + n * (-10.73f + n * (5.574f + n * 0.245f))));
+        SampledSpectrum& sigma_a = v.site.spectra.allocate();
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i)
+            sigma_a.v[i] = square(log_positive(std::max(color->v[i], 1e-6f)) / slope);
+        fibre.sigma_a = &sigma_a;
+    }
+    state_ = &v.site.spectra.store<State>({fibre, v.site.ribbon, v.site.across});
+}
+
 Hair::State::State(const Fibre& given, bool ribbon, float place) : fibre(given), is_ribbon(ribbon), across(place) {
     const float m = fibre.beta_m, n = fibre.beta_n;
     variance[0] = std::max(square(0.726f * m + 0.812f * square(m) + 3.7f * power(m, 20)), 1e-5f);

@@ -21,6 +21,14 @@ struct Fibre {
 // always that of w_camera, for both kinds of subpath.
 class Hair {
  public:
+    static constexpr std::string_view kName = "hair";
+    // Absorption, or the colour of much hair together. alpha in degrees.
+    static constexpr std::array kInputs = {Input{.name = "sigma_a", .high = 1e6f, .may_be_missing = true},
+                                           Input{.name = "color", .may_be_missing = true},
+                                           Input::number("eta", 1.55f, 1.0001f, 10),
+                                           Input::number("beta_m", 0.3f, 0, 1),
+                                           Input::number("beta_n", 0.3f, 0, 1),
+                                           Input::number("alpha", 2, -45, 45)};
     static constexpr bool kTransmits = true;
     static constexpr int kTerms = 4;
 
@@ -36,7 +44,9 @@ class Hair {
         float all;                                // its part within half a turn to both sides
         std::array<float, 3> sin_tilt, cos_tilt;  // of 2^k times the tilt
     };
+    explicit Hair(const Values<Hair>& v);
     explicit Hair(const State& state) : state_(&state) {}
+    static bool is_isotropic(const Values<Hair>&) { return false; }
 
     // Rays meet it from outside alone: what lies behind is the same fibre again.
     bool is_round() const { return !state_->is_ribbon; }

@@ -15,6 +15,12 @@ namespace latent::render {
 // Reciprocal; a white dielectric returns all it gets. The same from both sides.
 class MetallicRoughness {
  public:
+    static constexpr std::string_view kName = "metallicroughness";
+    // Alphas are the squares of roughnesses.
+    static constexpr std::array kInputs = {Input::reflectance("base_color"),        Input::number("roughness", 1, 0, 1),
+                                           Input::number("metallic", 0, 0, 1),      Input::number("f0", 0.04f, 0, 1),
+                                           Input::number("f90", 1, 0, 1),           Input::number("coat", 0, 0, 1),
+                                           Input::number("coat_roughness", 0, 0, 1)};
     static constexpr bool kTransmits = false;
 
     struct Parameters {
@@ -24,6 +30,7 @@ class MetallicRoughness {
     };
     // Facets are never smoother than kMinAlpha: a mirror would leave the rest of the surface undrawn.
     static constexpr float kMinAlpha = 0.002f;
+    explicit MetallicRoughness(const Values<MetallicRoughness>& v);
     MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters);
 
     bool is_delta() const { return false; }

@@ -13,8 +13,13 @@ namespace latent::render {
 // [R06 3.1.2]. Kd + Ks <= 1 conserves energy; at grazing angles the surface cuts off a part of the lobe.
 class Phong {
  public:
+    static constexpr std::string_view kName = "phong";
+    static constexpr std::array kInputs = {Input::reflectance("Kd"), Input::reflectance("Ks"),
+                                           Input::number("exponent", 0, 0, 1e6f), Input::option("retro", 0)};
     static constexpr bool kTransmits = false;
 
+    explicit Phong(const Values<Phong>& v)
+        : Phong(v.spectrum("Kd"), v.spectrum("Ks"), v.number("exponent"), v.option("retro") != 0) {}
     Phong(const SampledSpectrum& diffuse, const SampledSpectrum& specular, float exponent, bool retro = false);
 
     bool is_delta() const { return false; }

@@ -8,8 +8,11 @@ namespace latent::render {
 
 class ThinDielectric {
  public:
+    static constexpr std::string_view kName = "thindielectric";
+    static constexpr std::array kInputs = {Input::index("eta")};
     static constexpr bool kTransmits = true;
 
+    explicit ThinDielectric(const Values<ThinDielectric>& v) : ThinDielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept) {}
     // `eta` in each wavelength. Nothing is refracted: all wavelengths go on together, with the probabilities of the `kept` one.
     ThinDielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept)
         : eta_(&eta), eta_kept_(eta[kept]), dispersive_(dispersive) {}

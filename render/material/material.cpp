@@ -2,65 +2,87 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
+#include <span>
+#include <type_traits>
+#include <utility>
 
 #include "base/hash.h"
-#include "render/material/values.h"
 
 namespace latent::render {
 namespace {
 
-// The metal of eta = 1 that reflects r at normal incidence: R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2).
-struct Metal {
-    const SampledSpectrum &eta, &k;
-};
-Metal metal_of(const SampledSpectrum& r, SampledSpectra& spectra) {
-    SampledSpectrum& eta = spectra.allocate() = SampledSpectrum(1.0f);
-    SampledSpectrum& k = spectra.allocate();
-    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
-        const float limited = std::min(r.v[i], 0.9999f);
-        k.v[i] = 2 * std::sqrt(limited) / std::sqrt(1 - limited);
+// Of a mixture: the share of the second, or, in each wavelength, the selector.
+enum : std::size_t { kAmount, kSelector };
+constexpr std::array kMixture = {Input::number("amount", 0.5f, 0, 1), Input{.name = "selector", .may_be_missing = true}};
+
+// The nearest value within the input's range, of no number the lowest.
+float within(const Input& input, float x) { return x > input.low ? std::min(x, input.high) : input.low; }
+
+bool varies_with_wavelength(const color::Spectrum& eta) {
+    const double first = eta(color::kLambdaMin);
+    for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm) {
+        if (eta(nm) != first) return true;
     }
-    return {eta, k};
+    return false;
+}
+
+// What an input is called in a description is what the closure calls it.
+[[maybe_unused]] bool are_known(const auto& described, std::span<const Input> inputs) {
+    return std::ranges::all_of(described, [&](const auto& item) {
+        return std::ranges::any_of(inputs, [&](const Input& input) { return input.name == item.first; });
+    });
 }
 
 }  // namespace
 
-FloatSource Material::source(const FloatInput& input, const Textures& textures) {
-    is_textured_ |= input.is_textured();
-    return textures.source(input);
-}
-SpectrumSource Material::source(const SpectrumInput& input, const Textures& textures, SpectrumLibrary& library) {
-    is_textured_ |= input.is_textured();
-    return textures.source(input, library);
+Material::Material(const MaterialDescription& d, const Textures& textures, SpectrumLibrary& library)
+    : mixed_(d.mixed), relief_(d, textures) {
+    std::span<const Input> inputs = kMixture;
+    const auto find_closure = [&]<class... C>(std::type_identity<ClosureList<C...>>) {
+        (..., (C::kName == d.type ? void((make_ = &make<C>, inputs = C::kInputs)) : void()));
+    };
+    find_closure(std::type_identity<AnyClosure>());
+    assert(!is_mixture() || d.type == "mix");
+    assert(are_known(d.numbers, inputs) && are_known(d.spectra, inputs) && are_known(d.options, inputs));
+    for (const Input& input : inputs) sources_.push_back(source(input, d, textures, library));
+    is_textured_ |= is_mixture() || d.type == Hair::kName || !relief_.is_flat();
 }
 
-Material::Material(const MaterialDescription& d, const Textures& textures, SpectrumLibrary& library)
-    : kind_(d.kind),
-      dispersive_(d.dispersive),
-      remap_roughness_(d.remap_roughness),
-      reflectance_(source(d.reflectance, textures, library)),
-      specular_(source(d.specular, textures, library)),
-      eta_(source(d.eta, textures, library)),
-      k_(source(d.k, textures, library)),
-      scale_(d.scale),
-      exponent_(source(d.exponent, textures)),
-      alpha_x_(source(d.alpha_x, textures)),
-      alpha_y_(source(d.alpha_y, textures)),
-      roughness_(source(d.roughness, textures)),
-      metallic_(source(d.metallic, textures)),
-      coat_(source(d.coat, textures)),
-      coat_roughness_(source(d.coat_roughness, textures)),
-      f0_(d.f0),
-      f90_(d.f90),
-      layer_(d.layer, textures, library),
-      hair_(d.hair, textures, library),
-      amount_(source(d.amount, textures)),
-      mixed_(d.mixed),
-      retro_(d.retro),
-      relief_(d, textures) {
-    if (d.selector) selector_ = source(*d.selector, textures, library);
-    is_textured_ |= layer_.is_textured() || d.kind == MaterialKind::kHair || is_mixture() || !relief_.is_flat();
+Material::Source Material::source(const Input& input, const MaterialDescription& d, const Textures& textures,
+                                  SpectrumLibrary& library) {
+    Source out;
+    if (const auto given = d.options.find(input.name); input.role == InputRole::kOption) {
+        out.option = given != d.options.end() ? given->second : static_cast<std::uint32_t>(input.otherwise);
+    } else if (input.role == InputRole::kNumber) {
+        out.number = textures.source(d.number(input.name, input.otherwise));
+        out.number.value = within(input, out.number.value);
+        out.is_root = input.is_alpha && d.remap_roughness;
+    } else if (const auto spectrum = d.spectra.find(input.name); spectrum != d.spectra.end() || !input.may_be_missing) {
+        const SpectrumInput described = spectrum != d.spectra.end() ? spectrum->second : SpectrumInput();
+        out.spectrum = textures.source(described, library);
+        out.factor = d.number(input.factor, 1).value;
+        out.is_there = true;
+        out.varies = input.is_index && varies_with_wavelength(described.value);
+        disperses_ |= out.varies;
+    }
+    is_textured_ |= out.number.texture != nullptr || out.spectrum.texture != nullptr;
+    return out;
+}
+
+const SampledSpectrum& Material::spectrum(const Input& input, const Source& source, const TexturePoint& point) {
+    const SampledSpectrum& given = source.spectrum.at(point);
+    if (source.spectrum.texture == nullptr && source.factor == 1) return given;
+    SampledSpectrum& out = point.spectra->allocate();
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) out.v[i] = within(input, source.factor * given.v[i]);
+    return out;
+}
+
+float Material::number(const Input& input, const Source& source, const TexturePoint& point) {
+    if (source.number.texture == nullptr) return source.number.value;
+    const float given = within(input, source.number.at(point));
+    return source.is_root ? std::sqrt(given) : given;
 }
 
 std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*& weight) const {
@@ -70,9 +92,9 @@ std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*
     store_le(bytes + 4, std::bit_cast<std::uint32_t>(point.p.y));
     store_le(bytes + 8, std::bit_cast<std::uint32_t>(point.p.z));
     const float u = static_cast<float>(hash64(bytes) >> 40) * 0x1p-24f;
-    if (!selector_) return mixed_[u < amount_.at(point) ? 1 : 0];
+    if (!sources_[kSelector].is_there) return mixed_[u < number(kMixture[kAmount], sources_[kAmount], point) ? 1 : 0];
     // Wavelengths are drawn about as the eye sees them, so their mean is the selector's luminance [R06 5.3.5].
-    const SampledSpectrum& share = reflectance(*selector_, point);
+    const SampledSpectrum& share = spectrum(kMixture[kSelector], sources_[kSelector], point);
     const std::uint32_t k = point.spectra->wavelengths.k;
     float mean = 0;
     for (std::uint32_t i = 0; i < k; ++i) mean += share.v[i] / static_cast<float>(k);
@@ -85,66 +107,26 @@ std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*
     return mixed_[second ? 1 : 0];
 }
 
-Bsdf Material::bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const {
-    const auto bsdf_of = [&](bool isotropic, const auto& closure) {
-        return Bsdf(isotropic ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu), hit.ng, closure);
-    };
-    const auto plain = [&](const auto& closure) { return bsdf_of(true, closure); };
-    struct Alpha {
-        float x, y;
-    };
-    const auto facets = [&] { return Alpha{alpha(alpha_x_, remap_roughness_, point), alpha(alpha_y_, remap_roughness_, point)}; };
-    const auto metal = [&] {
-        return reflectance_.texture ? metal_of(reflectance(reflectance_, point), *point.spectra)
-                                    : Metal{within(eta_, 1e-3f, 1e6f, point), within(k_, 0, 1e6f, point)};
-    };
-    const auto coated = [&]<class Base>(bool isotropic, const Base& base) {
-        const Layer layer = layer_.at(hit, point, kept);
-        return bsdf_of(isotropic && layer.coat.facets.alpha_x == layer.coat.facets.alpha_y,
-                       Coated<Base>(point.spectra->store<typename Coated<Base>::State>({layer, base})));
-    };
-    switch (kind_) {
-        case MaterialKind::kDiffuse:
-            return plain(Diffuse(reflectance(reflectance_, point)));
-        case MaterialKind::kPhong:
-            return plain(
-                Phong(reflectance(reflectance_, point), reflectance(specular_, point), within(exponent_, 0, 1e6f, point), retro_));
-        case MaterialKind::kConductor: {
-            const Metal m = metal();
-            const Alpha a = facets();
-            return bsdf_of(a.x == a.y, Conductor(m.eta, m.k, a.x, a.y));
+template <Closure C>
+Bsdf Material::make(const Material& material, const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) {
+    Values<C> values({*point.spectra, kept, hit.p, hit.ribbon, hit.ribbon ? hit.across : 0});
+    const auto evaluate = [&]<std::size_t I>() {
+        constexpr const Input& kInput = C::kInputs[I];
+        const Source& source = material.sources_[I];
+        if constexpr (kInput.role == InputRole::kOption) {
+            values[I].option = source.option;
+        } else if constexpr (kInput.role == InputRole::kNumber) {
+            values[I].number = number(kInput, source, point);
+        } else {
+            if (!kInput.may_be_missing || source.is_there) values[I].spectrum = &spectrum(kInput, source, point);
+            values[I].varies = source.varies;
         }
-        case MaterialKind::kDielectric: {
-            const Alpha a = facets();
-            return bsdf_of(a.x == a.y, Dielectric(eta_.at(point), dispersive_, kept, a.x, a.y));
-        }
-        case MaterialKind::kThinDielectric:
-            return plain(ThinDielectric(eta_.at(point), dispersive_, kept));
-        case MaterialKind::kMetallicRoughness: {
-            const float roughness = fraction(roughness_, point), coat_roughness = fraction(coat_roughness_, point);
-            return plain(MetallicRoughness(reflectance(reflectance_, point), {.metallic = fraction(metallic_, point),
-                                                                              .alpha = roughness * roughness,
-                                                                              .f0 = f0_,
-                                                                              .f90 = f90_,
-                                                                              .coat = fraction(coat_, point),
-                                                                              .coat_alpha = coat_roughness * coat_roughness}));
-        }
-        case MaterialKind::kDiffuseTransmission:
-            return plain(DiffuseTransmission(scaled(reflectance_, scale_, point), scaled(specular_, scale_, point)));
-        case MaterialKind::kCoatedDiffuse:
-            return coated(true, Diffuse(reflectance(reflectance_, point)));
-        case MaterialKind::kCoatedConductor: {
-            const Metal m = metal();
-            const Alpha a = facets();
-            return coated(a.x == a.y, Conductor(layer_.below(m.eta, *point.spectra), layer_.below(m.k, *point.spectra), a.x, a.y));
-        }
-        case MaterialKind::kHair:
-            return bsdf_of(false,
-                           Hair(point.spectra->store<Hair::State>({hair_.at(point), hit.ribbon, hit.ribbon ? hit.across : 0})));
-        case MaterialKind::kMix:
-            break;
-    }
-    __builtin_unreachable();
+    };
+    [&]<std::size_t... I>(std::index_sequence<I...>) { (evaluate.template operator()<I>(), ...); }
+    (std::make_index_sequence<C::kInputs.size()>());
+    bool is_isotropic = true;
+    if constexpr (requires { C::is_isotropic(values); }) is_isotropic = C::is_isotropic(values);
+    return Bsdf(is_isotropic ? Frame::from_z(hit.ns) : Frame::from_z_x(hit.ns, hit.dpdu), hit.ng, C(values));
 }
 
 }  // namespace latent::render

@@ -3,11 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "render/bsdf/bsdf.h"
 #include "render/geometry/geometry.h"
-#include "render/material/fibre.h"
-#include "render/material/layers.h"
 #include "render/material/relief.h"
 #include "render/scene/description.h"
 #include "render/spectral/spectra.h"
@@ -22,37 +21,42 @@ class Material {
 
     // Whether the point that `bsdf` is given must be filled in; otherwise its spectra are enough.
     bool is_textured() const { return is_textured_; }
+    // Whether it refracts wavelengths into different directions.
+    bool disperses() const { return disperses_; }
 
     // The surface at `hit`, in the wavelengths of point.spectra, of which a dispersed path keeps `kept`. Valid as long as
     // these stay at this sample: values that vary over the surface are allocated there.
-    Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const;
+    Bsdf bsdf(const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) const { return make_(*this, hit, point, kept); }
 
     // Of a mixture: the material at this point, one of two by a hash of the place, in the shares that it describes. So a mixture is
     // one surface, whichever path comes there. If the shares vary with wavelength, the choice is made by their mean, and `weight`
     // (null: 1) is multiplied by the share over its probability.
-    bool is_mixture() const { return kind_ == MaterialKind::kMix; }
+    bool is_mixture() const { return make_ == nullptr; }
     std::uint32_t chosen(const TexturePoint& point, const SampledSpectrum*& weight) const;
 
     const Relief& relief() const { return relief_; }
 
  private:
-    FloatSource source(const FloatInput& input, const Textures& textures);
-    SpectrumSource source(const SpectrumInput& input, const Textures& textures, SpectrumLibrary& library);
+    // An input, ready to be evaluated: one of these by its role.
+    struct Source {
+        SpectrumSource spectrum{};
+        FloatSource number{};
+        std::uint32_t option = 0;
+        float factor = 1;       // of the spectrum
+        bool is_there = false;  // the spectrum
+        bool varies = false;    // the index, with wavelength
+        bool is_root = false;   // alpha is the root of what the texture gives
+    };
+    Source source(const Input& input, const MaterialDescription& description, const Textures& textures, SpectrumLibrary& library);
+    static const SampledSpectrum& spectrum(const Input& input, const Source& source, const TexturePoint& point);
+    static float number(const Input& input, const Source& source, const TexturePoint& point);
+    template <Closure C>
+    static Bsdf make(const Material& material, const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept);
 
-    bool is_textured_ = false;
-    MaterialKind kind_;
-    bool dispersive_, remap_roughness_;
-    SpectrumSource reflectance_, specular_, eta_, k_;
-    float scale_;
-    FloatSource exponent_, alpha_x_, alpha_y_;
-    FloatSource roughness_, metallic_, coat_, coat_roughness_;
-    float f0_, f90_;
-    LayerSource layer_;
-    HairSource hair_;
-    FloatSource amount_;
+    bool is_textured_ = false, disperses_ = false;
+    Bsdf (*make_)(const Material&, const SurfaceHit&, const TexturePoint&, std::uint32_t) = nullptr;
+    std::vector<Source> sources_;  // of the closure's inputs
     std::array<std::uint32_t, 2> mixed_;
-    std::optional<SpectrumSource> selector_;
-    bool retro_;
     Relief relief_;
 };
 

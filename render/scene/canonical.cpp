@@ -77,6 +77,10 @@ class Canonical {
         for (T& x : items) go_into(x);
     }
     template <class T>
+    void go_into(std::map<std::string, T, std::less<>>& items) {
+        for (auto& [name, x] : items) go_into(x);
+    }
+    template <class T>
     void go_into(std::optional<T>& x) {
         if (x) go_into(*x);
     }

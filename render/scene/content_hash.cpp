@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -80,6 +81,11 @@ class ContentHasher {
     template <class T, std::size_t N>
     void put(const std::array<T, N>& items) {
         put_range(std::span(items));
+    }
+    template <class T>
+    void put(const std::map<std::string, T, std::less<>>& items) {
+        put(std::uint64_t{items.size()});
+        for (const auto& [name, x] : items) put(name), put(x);
     }
     template <class T>
     void put(const std::optional<T>& x) {

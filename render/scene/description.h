@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "color/rgb_basis.h"
@@ -44,68 +47,26 @@ struct CameraDescription {
     SourceLocation location{};
 };
 
-enum class MaterialKind : std::uint8_t {
-    kDiffuse,
-    kPhong,
-    kConductor,
-    kDielectric,
-    kThinDielectric,
-    kMetallicRoughness,
-    kDiffuseTransmission,
-    kCoatedDiffuse,
-    kCoatedConductor,
-    kMix,
-    kHair
-};
-
-// What lies on the base of a coateddiffuse or coatedconductor.
-struct LayerDescription {
-    color::Spectrum eta = color::Spectrum::constant(1.5);  // of the layer, over the air's
-    bool dispersive = false;                               // eta varies with wavelength
-    FloatInput alpha_x{}, alpha_y{};                       // of its surface
-    bool remap_roughness = false;                          // as a material's
-    FloatInput thickness = 0.01f;                          // in mean free paths
-    SpectrumInput albedo = color::Spectrum::constant(0);
-    FloatInput g{};
-    std::uint32_t max_depth = 10;  // scatterings and reflections within
-    std::uint32_t walks = 1;       // random walks that an evaluation is the mean of
-};
-
-struct HairDescription {
-    SpectrumInput sigma_a{};  // in radii of the fibre, unless `color` gives it
-    bool has_color = false;
-    SpectrumInput color{};  // of much hair together
-    FloatInput eta = 1.55f;
-    FloatInput beta_m = 0.3f, beta_n = 0.3f;
-    FloatInput alpha_degrees = 2;
-};
-
+// What light does at a surface: the name of a closure (render/bsdf/closures.h) and, by name, of what it is made; or "mix", a choice
+// at each point between two other materials: of the second with the number "amount", or, in each wavelength, the spectrum
+// "selector".
 struct MaterialDescription {
-    MaterialKind kind = MaterialKind::kDiffuse;
-    std::string name{};           // of MakeNamedMaterial; else empty
-    SpectrumInput reflectance{};  // diffuse, coateddiffuse, diffusetransmission; phong: Kd; metals: r, where a texture gives it;
-                                  // metallic-roughness: base colour
-    SpectrumInput specular{};     // phong: Ks; diffusetransmission: what is transmitted
-    float scale = 1;              // diffusetransmission: of both
-    FloatInput exponent{};        // phong
-    bool retro = false;           // phong: the lobe leads back to where light comes from
-    SpectrumInput eta{}, k{};     // metals: both (one given by "reflectance" r has eta 1, k = 2 sqrt(r / (1 - r)));
-                                  // dielectric, thindielectric: eta, never a texture
-    bool dispersive = false;      // eta of a dielectric or thindielectric varies with wavelength
-    FloatInput alpha_x{}, alpha_y{};  // GGX alpha; 0: smooth
-    bool remap_roughness = false;     // where a texture gives alpha, it gives alpha squared
-    // Metallic-roughness, isotropic: alpha is the square of roughness.
-    FloatInput roughness = 1, metallic = 0;
-    float f0 = 0.04f, f90 = 1;                // reflectance of the dielectric at straight and at grazing incidence
-    FloatInput coat = 0, coat_roughness = 0;  // share of the surface under a clear coat
-    LayerDescription layer{};                 // coateddiffuse, coatedconductor
-    HairDescription hair{};
-    FloatInput displacement{};                         // along the normal, by a texture alone
+    std::string type = "diffuse";
+    std::string name{};  // of MakeNamedMaterial; else empty
+    // What is not here is what the closure says.
+    std::map<std::string, FloatInput, std::less<>> numbers{};
+    std::map<std::string, SpectrumInput, std::less<>> spectra{};
+    std::map<std::string, std::uint32_t, std::less<>> options{};  // flags, choices, counts
+    bool remap_roughness = false;                                 // where a texture gives a facet's alpha, it gives alpha squared
+    FloatInput displacement{};                                    // along the normal, by a texture alone
     std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
     std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials
-    FloatInput amount{};                               // mix: share of the second
-    std::optional<SpectrumInput> selector{};           // mix: that share in each wavelength, instead of `amount`
     SourceLocation location{};
+
+    FloatInput number(std::string_view input, float otherwise = 0) const {
+        const auto found = numbers.find(input);
+        return found != numbers.end() ? found->second : FloatInput(otherwise);
+    }
 };
 
 // Henyey-Greenstein. sigma_a and sigma_s are scaled by the density of the volume, which is 1 everywhere if it is uniform; a

@@ -16,8 +16,8 @@ namespace latent::render {
 //   visit.template index<T>(i, j ...)   an index into the scene's table of T, or kNone
 // Each list begins by naming all fields of the struct, so a new field does not compile until it is named here as well. Then put it
 // into one of the three calls. A new struct needs a list of its own. Numbers, enums, strings, spectra, hashes, arrays, vectors,
-// optional, variant and shared_ptr need nothing more. Data that stay in a file while the scene is rendered count by the Hash128 of
-// the file's bytes, in a field beside the name, and the name is a label.
+// maps, optional, variant and shared_ptr need nothing more. Data that stay in a file while the scene is rendered count by the
+// Hash128 of the file's bytes, in a field beside the name, and the name is a label.
 template <class T, class U>
 concept Of = std::same_as<std::remove_const_t<T>, U>;
 
@@ -69,27 +69,9 @@ void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
 }
 
 template <class Visit>
-void each_field(Of<LayerDescription> auto& layer, Visit&& visit) {
-    auto& [eta, dispersive, alpha_x, alpha_y, remap_roughness, thickness, albedo, g, max_depth, walks] = layer;
-    visit(eta, dispersive, alpha_x, alpha_y, remap_roughness, thickness, albedo, g, max_depth, walks);
-}
-
-template <class Visit>
-void each_field(Of<HairDescription> auto& fibre, Visit&& visit) {
-    auto& [sigma_a, has_color, color, eta, beta_m, beta_n, alpha_degrees] = fibre;
-    visit(sigma_a, has_color, color, eta, beta_m, beta_n, alpha_degrees);
-}
-
-template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [kind, name, reflectance, specular, scale, exponent, retro, eta, k, dispersive, alpha_x, alpha_y, remap_roughness,
-           roughness, metallic, f0, f90, coat, coat_roughness, layer, hair, displacement, normal_map, mixed, amount, selector,
-           location] = material;
-    visit(kind, reflectance, specular, scale, exponent, eta, k, dispersive, alpha_x, alpha_y, remap_roughness, roughness, metallic,
-          f0, f90, coat, coat_roughness, layer, displacement, amount);
-    if (material.retro) visit(retro);
-    if (material.selector) visit(selector);
-    if (material.kind == MaterialKind::kHair) visit(hair);
+    auto& [type, name, numbers, spectra, options, remap_roughness, displacement, normal_map, mixed, location] = material;
+    visit(type, numbers, spectra, options, remap_roughness, displacement);
     visit.template index<TextureDescription>(normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);

@@ -9,9 +9,9 @@ namespace latent::render {
 inline bool is_hair(const std::vector<MaterialDescription>& materials, std::uint32_t i, int nested = 0) {
     if (i == kNone || nested > 64) return false;
     const MaterialDescription& material = materials[i];
-    if (material.kind == MaterialKind::kMix)
+    if (material.type == "mix")
         return is_hair(materials, material.mixed[0], nested + 1) || is_hair(materials, material.mixed[1], nested + 1);
-    return material.kind == MaterialKind::kHair;
+    return material.type == "hair";
 }
 
 }  // namespace latent::render

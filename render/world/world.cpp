@@ -29,7 +29,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     const Geometry& geometry = *world->geometry_;
     for (const MaterialDescription& d : scene.materials) {
         world->materials_.emplace_back(d, world->textures_, world->library_);
-        world->has_dispersion_ |= d.dispersive || d.layer.dispersive;
+        world->has_dispersion_ |= world->materials_.back().disperses();
     }
     for (std::uint32_t i = 0; i < scene.media.size(); ++i) world->media_.push_back(make_medium(scene.media, i, world->library_));
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {

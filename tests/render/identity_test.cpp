@@ -99,6 +99,16 @@ class Mutation {
     void mutate(std::array<T, N>& items) {
         for (T& x : items) mutate(x);
     }
+    // The name and value of the first item, and the number of items.
+    template <class T>
+    void mutate(std::map<std::string, T, std::less<>>& items) {
+        if (!items.empty()) {
+            auto first = items.extract(items.begin());
+            mutate(first.key()), mutate(first.mapped());
+            items.insert(std::move(first));
+        }
+        if (is_turn()) items["another"];
+    }
     template <class T>
     void mutate(std::optional<T>& x) {
         if (x) mutate(*x);
@@ -310,7 +320,7 @@ TEST_F(Layouts, OfOneContentHaveOneCanonicalDescription) {
         std::vector<std::uint32_t> materials;
         for (const ShapeDescription& shape : scene->shapes) materials.push_back(shape.material);
         EXPECT_EQ(materials, (std::vector<std::uint32_t>{0, 1, 1}));
-        EXPECT_EQ(scene->materials[0].kind, MaterialKind::kPhong);
+        EXPECT_EQ(scene->materials[0].type, "phong");
     }
 }
 

@@ -188,33 +188,33 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
         return described("room.glb", as_glb(file));
     };
     const MaterialDescription plain = material(Json::object()).materials.at(0);
-    EXPECT_EQ(plain.kind, MaterialKind::kMetallicRoughness);
-    EXPECT_EQ(plain.metallic.value, 1);
-    EXPECT_EQ(plain.roughness.value, 1);
-    EXPECT_EQ(plain.reflectance.value(550), 1);
-    EXPECT_FLOAT_EQ(plain.f0, 0.04f);
+    EXPECT_EQ(plain.type, "metallicroughness");
+    EXPECT_EQ(plain.number("metallic").value, 1);
+    EXPECT_EQ(plain.number("roughness").value, 1);
+    EXPECT_EQ(plain.spectra.at("base_color").value(550), 1);
+    EXPECT_FLOAT_EQ(plain.number("f0").value, 0.04f);
     const MaterialDescription coated =
         material({{"pbrMetallicRoughness", {{"roughnessFactor", .5}, {"metallicFactor", .25}}},
                   {"extensions",
                    {{"KHR_materials_clearcoat", {{"clearcoatFactor", .75}, {"clearcoatRoughnessFactor", .5}}},
                     {"KHR_materials_ior", {{"ior", 2}}}}}})
             .materials.at(0);
-    EXPECT_FLOAT_EQ(coated.roughness.value, 0.5f);
-    EXPECT_FLOAT_EQ(coated.metallic.value, 0.25f);
-    EXPECT_FLOAT_EQ(coated.f0, 1 / 9.0f);
-    EXPECT_FLOAT_EQ(coated.coat.value, 0.75f);
-    EXPECT_FLOAT_EQ(coated.coat_roughness.value, 0.5f);
+    EXPECT_FLOAT_EQ(coated.number("roughness").value, 0.5f);
+    EXPECT_FLOAT_EQ(coated.number("metallic").value, 0.25f);
+    EXPECT_FLOAT_EQ(coated.number("f0").value, 1 / 9.0f);
+    EXPECT_FLOAT_EQ(coated.number("coat").value, 0.75f);
+    EXPECT_FLOAT_EQ(coated.number("coat_roughness").value, 0.5f);
     const Json clear = {{"transmissionFactor", 1}};
     const SceneDescription pane = material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
                                             {"extensions", {{"KHR_materials_transmission", clear}}}});
-    EXPECT_EQ(pane.materials.at(0).kind, MaterialKind::kThinDielectric);
+    EXPECT_EQ(pane.materials.at(0).type, "thindielectric");
     const SceneDescription glass =
         material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
                   {"extensions",
                    {{"KHR_materials_transmission", clear},
                     {"KHR_materials_volume",
                      {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {.25, .25, .25}}}}}}});
-    EXPECT_EQ(glass.materials.at(0).kind, MaterialKind::kDielectric);
+    EXPECT_EQ(glass.materials.at(0).type, "dielectric");
     const MediumDescription& inside = glass.media.at(glass.shapes.at(0).inside_medium);
     EXPECT_NEAR(std::exp(-2 * inside.scale * inside.sigma_a(550)), 0.25, 1e-6);  // the attenuation colour after its distance
     EXPECT_EQ(inside.sigma_s(550), 0);
@@ -248,14 +248,15 @@ TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
 
     const MaterialDescription& material = beside->description.materials.at(0);
     const auto texture = [&](std::uint32_t i) { return beside->description.textures.at(i); };
-    const TextureDescription color = texture(material.reflectance.texture), roughness = texture(material.roughness.texture);
+    const TextureDescription color = texture(material.spectra.at("base_color").texture),
+                             roughness = texture(material.number("roughness").texture);
     EXPECT_TRUE(color.is_spectrum && color.picture.is_srgb);
     EXPECT_EQ(color.picture.scale, 0.5);
     EXPECT_EQ(color.picture.wrap, TextureWrap::kClamp);
     EXPECT_FALSE(roughness.is_spectrum || roughness.picture.is_srgb);
     EXPECT_EQ(roughness.picture.channel, 1);  // green
     EXPECT_EQ(roughness.picture.scale, 0.75);
-    EXPECT_EQ(texture(material.metallic.texture).picture.channel, 2);  // blue
+    EXPECT_EQ(texture(material.number("metallic").texture).picture.channel, 2);  // blue
     // v = 0.25 from the top is 0.125 + 0.5 * 0.25 from the top of the picture.
     EXPECT_NEAR(color.mapping.scale_v * (1 - 0.25) + color.mapping.delta_v, 1 - 0.25, 1e-12);
     EXPECT_NEAR(color.mapping.scale_u * 0.125 + color.mapping.delta_u, 0.5, 1e-12);
@@ -266,7 +267,8 @@ TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
     folder_.write("m.mtl", "newmtl m\nKd .5 .5 .5\nmap_Kd wood 1.exr\n");
     const std::string obj = "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
     const SceneDescription model = described("m.obj", obj);
-    EXPECT_EQ(model.textures.at(model.materials.at(model.shapes.at(0).material).reflectance.texture).picture.scale, 0.5);
+    EXPECT_EQ(model.textures.at(model.materials.at(model.shapes.at(0).material).spectra.at("reflectance").texture).picture.scale,
+              0.5);
     folder_.write("m.mtl", "newmtl m\nmap_Kd none.png\n");
     EXPECT_THAT(refusal("m.obj", obj), HasSubstr("m.mtl:2: "));
 }
@@ -298,7 +300,7 @@ TEST_F(Models, AlphaOfTheBaseColourIsThatOfShapes) {
 
     folder_.write("m.mtl", "newmtl m\nd .25\nmap_d leaf.exr\n");
     const SceneDescription model = described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
-    EXPECT_EQ(model.materials.at(model.shapes.at(0).material).kind, MaterialKind::kDiffuse);
+    EXPECT_EQ(model.materials.at(model.shapes.at(0).material).type, "diffuse");
     EXPECT_EQ(model.textures.at(model.shapes.at(0).alpha.texture).picture.scale, 0.25);
 }
 
@@ -307,18 +309,18 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
         folder_.write("m.mtl", "newmtl m\n" + mtl);
         return described("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").materials.back();
     };
-    EXPECT_EQ(material("Kd .5 .5 .5\nKs .9 .9 .9\nillum 1\n").kind, MaterialKind::kDiffuse);
+    EXPECT_EQ(material("Kd .5 .5 .5\nKs .9 .9 .9\nillum 1\n").type, "diffuse");
     const MaterialDescription phong = material("Kd .5 .5 .5\nKs .25 .25 .25\nNs 40\n");
-    EXPECT_EQ(phong.kind, MaterialKind::kPhong);
-    EXPECT_EQ(phong.exponent.value, 40);
+    EXPECT_EQ(phong.type, "phong");
+    EXPECT_EQ(phong.number("exponent").value, 40);
     const MaterialDescription bright = material("Kd 1 1 1\nKs 1 1 1\n");
-    EXPECT_NEAR(bright.reflectance.value(500) + bright.specular.value(500), 1, 1e-9);
-    EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").metallic.value, 1);
+    EXPECT_NEAR(bright.spectra.at("Kd").value(500) + bright.spectra.at("Ks").value(500), 1, 1e-9);
+    EXPECT_EQ(material("Ks .9 .9 .9\nillum 3\n").number("metallic").value, 1);
     const MaterialDescription glass = material("d 0.1\nNi 1.33\n");
-    EXPECT_EQ(glass.kind, MaterialKind::kDielectric);
-    EXPECT_NEAR(glass.eta.value(550), 1.33, 1e-12);
-    EXPECT_EQ(material("Tr 0.9\n").kind, MaterialKind::kDielectric);
-    EXPECT_FLOAT_EQ(material("Pr 0.5\nPm 0.25\n").metallic.value, 0.25f);
+    EXPECT_EQ(glass.type, "dielectric");
+    EXPECT_NEAR(glass.spectra.at("eta").value(550), 1.33, 1e-12);
+    EXPECT_EQ(material("Tr 0.9\n").type, "dielectric");
+    EXPECT_FLOAT_EQ(material("Pr 0.5\nPm 0.25\n").number("metallic").value, 0.25f);
 }
 
 TEST_F(Models, ObjCornersAreSharedAndPolygonsAreCut) {

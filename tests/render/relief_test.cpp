@@ -137,7 +137,7 @@ TEST(Mixture, ChoosesInTheSharesThatItSays) {
         const std::uint32_t chosen = mixture.chosen(point, weight);
         EXPECT_EQ(mixture.chosen(point, weight), chosen);
         EXPECT_EQ(weight, nullptr);  // one share for all wavelengths
-        if (scene.description.materials[chosen].kind == MaterialKind::kPhong) ++second;
+        if (scene.description.materials[chosen].type == "phong") ++second;
     }
     EXPECT_NEAR(second, 3000, 5 * std::sqrt(10000 * 0.3 * 0.7));  // 5 sigma
     EXPECT_THAT(refused_world("Material \"mix\" \"string materials\" \"a\""), HasSubstr("names of two materials"));
@@ -217,7 +217,7 @@ TEST(ColorSpaces, Aces2065WhiteIsWhite) {
     const color::Spectrum& light = scene->description.lights[0].spectrum;
     const color::Spectrum white = *color::named_spectrum("illum-acesD60");
     EXPECT_NEAR(light(450) / light(650), white(450) / white(650), 1e-6);
-    const double green = scene->description.materials[scene->description.shapes[0].material].reflectance.value(540);
+    const double green = scene->description.materials[scene->description.shapes[0].material].spectra.at("reflectance").value(540);
     EXPECT_GT(green, 0.4);
 }
 

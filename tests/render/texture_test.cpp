@@ -40,8 +40,8 @@ Shape "sphere"
         ASSERT_TRUE(textures) << textures.error().message;
         textures_.emplace(std::move(*textures));
         const MaterialDescription& material = scene_.materials[scene_.shapes[0].material];
-        number_ = textures_->source(material.exponent);
-        spectrum_ = textures_->source(material.reflectance, library_);
+        number_ = textures_->source(material.number("exponent"));
+        spectrum_ = textures_->source(material.spectra.at("Kd"), library_);
         spectra_.emplace(library_);
         Wavelengths& w = spectra_->wavelengths;
         w.k = kMaxWavelengths;

@@ -155,7 +155,7 @@ TEST(Aovs, ADepthLeadsFromTheLensToThePositionOnTheFirstSurface) {
                 EXPECT_NEAR(p.z, 0, 3e-4);
             }
             const auto material = static_cast<std::size_t>(value(records, "material", row)) - 1;
-            EXPECT_EQ(scene_from(text).description.materials[material].kind == MaterialKind::kDielectric, sphere);
+            EXPECT_EQ(scene_from(text).description.materials[material].type == "dielectric", sphere);
         }
         EXPECT_GT(spheres, 10);
         EXPECT_LT(spheres, 480);

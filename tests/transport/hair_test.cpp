@@ -239,7 +239,7 @@ TEST(Hair, MelaninSetsTheAbsorption) {
     const auto sigma_a = [](const std::string& material) {
         const Scene scene = scene_from(tuft("cylinder", material));
         for (const MaterialDescription& d : scene.description.materials) {
-            if (d.kind == MaterialKind::kHair) return d.hair.sigma_a.value;
+            if (d.type == "hair") return d.spectra.at("sigma_a").value;
         }
         return color::Spectrum();
     };
@@ -262,7 +262,7 @@ TEST(Hair, AColourIsTheAlbedo) {
     int hair = 0;
     for (std::size_t row = 0; row < records.size(); ++row) {
         const auto material = load_le<std::uint32_t>(records.extra[4].values.data() + 4 * row);
-        if (material == 0 || scene.description.materials[material - 1].kind != MaterialKind::kHair) continue;
+        if (material == 0 || scene.description.materials[material - 1].type != "hair") continue;
         ++hair;
         EXPECT_NEAR(load_le<float>(records.extra[1].values.data() + 4 * row), 0.4f, 1e-3);
     }

@@ -51,13 +51,13 @@ void read_emission(const GltfValue& material, const ModelColors& colors, GltfTex
 void read_transmission(const GltfValue& material, const ModelColors& colors, double index, GltfMaterial& out) {
     const GltfValue volume = material.extension("KHR_materials_volume");
     const bool is_thin = !(volume["thicknessFactor"].number(0, 0, 1e30) > 0);
-    const float alpha = out.surface.roughness.value * out.surface.roughness.value;
-    out.surface = {.kind = is_thin ? MaterialKind::kThinDielectric : MaterialKind::kDielectric,
+    const float roughness = out.surface.number("roughness").value, alpha = roughness * roughness;
+    out.surface = {.type = is_thin ? "thindielectric" : "dielectric",
                    .name = out.surface.name,
-                   .eta = color::Spectrum::constant(index)};
+                   .spectra = {{"eta", color::Spectrum::constant(index)}}};
     if (is_thin && alpha > 0) material.warn("thin glass is rendered without its roughness");
     if (is_thin) return;
-    out.surface.alpha_x = out.surface.alpha_y = alpha;
+    out.surface.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
     const double distance = volume["attenuationDistance"].number(0, 0, 1e30);
     const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
     if (distance == 0 || std::ranges::min(tint) >= 1) return;
@@ -75,13 +75,15 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
     const double brightest = std::max({base[0], base[1], base[2]});
     if (color.exists() && (base[0] != brightest || base[1] != brightest || base[2] != brightest))
         pbr["baseColorFactor"].warn("only its brightest component scales the texture");
-    MaterialDescription& surface = out.surface;
-    surface.reflectance.texture = textures.color(color, brightest);
-    surface.roughness.texture = textures.number(rough, PictureChannel::kGreen, static_cast<double>(surface.roughness.value));
-    surface.metallic.texture = textures.number(rough, PictureChannel::kBlue, static_cast<double>(surface.metallic.value));
-    surface.coat.texture = textures.number(coat["clearcoatTexture"], PictureChannel::kRed, coat["clearcoatFactor"].number(0, 0, 1));
-    surface.coat_roughness.texture = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
-                                                     coat["clearcoatRoughnessFactor"].number(0, 0, 1));
+    out.surface.spectra.at("base_color").texture = textures.color(color, brightest);
+    auto& numbers = out.surface.numbers;
+    FloatInput &roughness = numbers.at("roughness"), &metallic = numbers.at("metallic");
+    roughness.texture = textures.number(rough, PictureChannel::kGreen, static_cast<double>(roughness.value));
+    metallic.texture = textures.number(rough, PictureChannel::kBlue, static_cast<double>(metallic.value));
+    numbers["coat"].texture =
+        textures.number(coat["clearcoatTexture"], PictureChannel::kRed, coat["clearcoatFactor"].number(0, 0, 1));
+    numbers["coat_roughness"].texture = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
+                                                        coat["clearcoatRoughnessFactor"].number(0, 0, 1));
     const GltfValue all[] = {color,
                              rough,
                              coat["clearcoatTexture"],
@@ -119,10 +121,9 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     surface.name = material["name"].text();
     const GltfValue pbr = material["pbrMetallicRoughness"];
     const std::array<double, 4> base = pbr["baseColorFactor"].numbers(std::array<double, 4>{1, 1, 1, 1});
-    surface.kind = MaterialKind::kMetallicRoughness;
-    surface.reflectance = colors.reflectance({base[0], base[1], base[2]});
-    surface.roughness = fraction_of(pbr["roughnessFactor"], 1);
-    surface.metallic = fraction_of(pbr["metallicFactor"], 1);
+    surface.type = "metallicroughness";
+    surface.spectra = {{"base_color", colors.reflectance({base[0], base[1], base[2]})}};
+    surface.numbers = {{"roughness", fraction_of(pbr["roughnessFactor"], 1)}, {"metallic", fraction_of(pbr["metallicFactor"], 1)}};
 
     read_textures(material, base, textures, out);
 
@@ -134,13 +135,13 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1});
     const double bright = std::ranges::max(tint);
     if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
-    surface.f0 = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
-    surface.f90 = static_cast<float>(weight);
-    surface.coat = fraction_of(coat["clearcoatFactor"], 0);
-    surface.coat_roughness = fraction_of(coat["clearcoatRoughnessFactor"], 0);
+    surface.numbers["f0"] = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
+    surface.numbers["f90"] = static_cast<float>(weight);
+    surface.numbers["coat"] = fraction_of(coat["clearcoatFactor"], 0);
+    surface.numbers["coat_roughness"] = fraction_of(coat["clearcoatRoughnessFactor"], 0);
 
     const double transmitted =
-        transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.metallic.value));
+        transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
     if (transmitted >= 0.5) {
         if (transmitted < 1) transmission.warn("is rendered as glass that transmits everything");
         if (base[0] != 1 || base[1] != 1 || base[2] != 1) pbr["baseColorFactor"].warn("does not tint what the material transmits");
@@ -148,10 +149,10 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     } else if (transmitted > 0) {
         transmission.warn("is ignored, since the material is mostly opaque");
     }
-    const bool is_matt =
-        surface.kind == MaterialKind::kMetallicRoughness && weight == 0 && surface.metallic.value == 0 && surface.coat.value == 0;
+    const bool is_matt = surface.type == "metallicroughness" && weight == 0 && surface.number("metallic").value == 0 &&
+                         surface.number("coat").value == 0;
     if (is_matt || material.extension("KHR_materials_unlit").exists()) {
-        surface = {.name = surface.name, .reflectance = surface.reflectance};
+        surface = {.name = surface.name, .spectra = {{"reflectance", surface.spectra["base_color"]}}};
     }
     if (material.extension("KHR_materials_unlit").exists()) material.warn("an unlit material is rendered as a matt one");
     if (const GltfValue normal = material["normalTexture"]; normal.exists()) {

@@ -48,26 +48,30 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
     MtlMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = b.name;
+    const auto mapped = [&](const LinearRgb& rgb) {
+        SpectrumInput input = colors.reflectance(rgb);
+        input.texture = b.kd_texture;
+        return input;
+    };
     const bool is_glass =
                    b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || (b.opacity < 0.5 && b.opacity_texture == kNone),
                is_mirror = b.illum == 3 || b.illum == 5 || b.illum == 8;
     if (is_glass) {
-        surface.kind = MaterialKind::kDielectric;
-        surface.eta = color::Spectrum::constant(b.ni);
+        surface.type = "dielectric";
+        surface.spectra = {{"eta", color::Spectrum::constant(b.ni)}};
     } else if (b.roughness || b.metallic) {
         const double root = (b.ni - 1) / (b.ni + 1);
-        surface.kind = MaterialKind::kMetallicRoughness;
-        surface.reflectance = colors.reflectance(b.kd);
-        surface.roughness = static_cast<float>(b.roughness.value_or(0.5));
-        surface.metallic = static_cast<float>(b.metallic.value_or(0));
-        surface.f0 = static_cast<float>(root * root);
-        surface.coat = static_cast<float>(b.coat);
-        surface.coat_roughness = static_cast<float>(b.coat_roughness);
+        surface.type = "metallicroughness";
+        surface.spectra = {{"base_color", is_mirror && b.metallic == 1 ? colors.reflectance(b.kd) : mapped(b.kd)}};
+        surface.numbers = {{"roughness", static_cast<float>(b.roughness.value_or(0.5))},
+                           {"metallic", static_cast<float>(b.metallic.value_or(0))},
+                           {"f0", static_cast<float>(root * root)},
+                           {"coat", static_cast<float>(b.coat)},
+                           {"coat_roughness", static_cast<float>(b.coat_roughness)}};
     } else if (is_mirror && std::ranges::max(b.ks) > 0) {
-        surface.kind = MaterialKind::kMetallicRoughness;
-        surface.reflectance = colors.reflectance(b.ks);
-        surface.metallic = 1;
-        surface.roughness = 0;
+        surface.type = "metallicroughness";
+        surface.spectra = {{"base_color", colors.reflectance(b.ks)}};
+        surface.numbers = {{"metallic", 1.0f}, {"roughness", 0.0f}};
     } else if (std::ranges::max(b.ks) > 0 && b.illum >= 2) {
         double most = 0;
         for (std::size_t i = 0; i < 3; ++i) most = std::max(most, b.kd[i] + b.ks[i]);
@@ -75,15 +79,13 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
         if (share < 1)
             diagnostics.warn(b.place,
                              fmt::format("{}: Kd + Ks exceeds 1; both are scaled by {:.3f} to conserve energy", b.name, share));
-        surface.kind = MaterialKind::kPhong;
-        surface.reflectance = colors.reflectance({b.kd[0] * share, b.kd[1] * share, b.kd[2] * share});
-        surface.specular = colors.reflectance({b.ks[0] * share, b.ks[1] * share, b.ks[2] * share});
-        surface.exponent = static_cast<float>(b.ns);
+        surface.type = "phong";
+        surface.spectra = {{"Kd", mapped({b.kd[0] * share, b.kd[1] * share, b.kd[2] * share})},
+                           {"Ks", colors.reflectance({b.ks[0] * share, b.ks[1] * share, b.ks[2] * share})}};
+        surface.numbers = {{"exponent", static_cast<float>(b.ns)}};
     } else {
-        surface.reflectance = colors.reflectance(b.kd);
+        surface.spectra = {{"reflectance", mapped(b.kd)}};
     }
-    if (surface.kind != MaterialKind::kDielectric && !(is_mirror && surface.metallic.value == 1))
-        surface.reflectance.texture = b.kd_texture;
     if (!is_glass) {
         out.alpha = static_cast<float>(b.opacity);
         out.alpha.texture = b.opacity_texture;

@@ -46,7 +46,8 @@ class ObjReader {
     ObjReader(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
               Diagnostics& diagnostics)
         : statements_(text, name, diagnostics), files_(files), colors_(colors), diagnostics_(diagnostics) {
-        model_.scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // of faces before any usemtl
+        model_.scene.materials.push_back(
+            {.spectra = {{"reflectance", color::Spectrum::constant(0.5)}}});  // of faces before any usemtl
         carried_.emplace_back();
     }
 

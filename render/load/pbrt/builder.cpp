@@ -31,7 +31,8 @@ SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnosti
       spectra_(files, scene.rgb_spectra),
       textures_(scene, files, spectra_, diagnostics),
       options_(scene, diagnostics, replace_integrator) {
-    scene.materials.push_back({.reflectance = color::Spectrum::constant(0.5)});  // what shapes are made of before any Material
+    scene.materials.push_back(
+        {.spectra = {{"reflectance", color::Spectrum::constant(0.5)}}});  // what shapes are made of before any Material
     uses_.emplace_back();
 }
 
@@ -136,13 +137,13 @@ std::uint32_t SceneBuilder::material(const std::string& text, const SourceLocati
 }
 
 MaterialDescription SceneBuilder::read_mixture(const ParameterList& list) {
-    MaterialDescription mixture{.kind = MaterialKind::kMix, .location = list.directive().where};
-    mixture.amount = textures_.number(list, "amount", 0.5, 0, 1);
-    mixture.selector = textures_.find_spectrum(list, "latent:amount", SpectrumRole::kReflectance);
-    if (mixture.selector && list.find("amount", {"float", "integer", "texture"}) != nullptr)
-        list.error("amount and latent:amount cannot be combined");
-    if (mixture.selector && !mixture.selector->is_textured() && mixture.selector->value.max_value() > 1) {
-        list.error("latent:amount: exceeds 1");
+    MaterialDescription mixture{.type = "mix", .location = list.directive().where};
+    mixture.numbers["amount"] = textures_.number(list, "amount", 0.5, 0, 1);
+    if (const auto selector = textures_.find_spectrum(list, "latent:amount", SpectrumRole::kReflectance)) {
+        if (list.find("amount", {"float", "integer", "texture"}) != nullptr)
+            list.error("amount and latent:amount cannot be combined");
+        if (!selector->is_textured() && selector->value.max_value() > 1) list.error("latent:amount: exceeds 1");
+        mixture.spectra["selector"] = *selector;
     }
     const Parameter* names = list.find("materials", {"string"});
     if (names == nullptr || names->strings.size() != 2) {
@@ -320,7 +321,7 @@ void SceneBuilder::finish(const SourceLocation& end) {
                                                                  scene_.media[i].name, kMostSummed));
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
-        const FloatInput &x = material.alpha_x, &y = material.alpha_y;
+        const FloatInput x = material.number("alpha_x"), y = material.number("alpha_y");
         if (x.texture != y.texture || (!x.is_textured() && x.value != y.value)) {
             diagnostics_.error(where, "S: tangents are not supported for anisotropic materials");
         } else {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "render/load/pbrt/materials.h"
+
 namespace latent::render {
 
 std::span<const PbrtFeature> pbrt_features() {
@@ -14,9 +16,7 @@ std::span<const PbrtFeature> pbrt_features() {
         {"Integrator", {"path", "volpath", "bdpt"}},
         {"ColorSpace", {"srgb", "dci-p3", "rec2020", "aces2065-1"}},
         {"Shape", {"trianglemesh", "plymesh", "bilinearmesh", "loopsubdiv", "curve", "sphere", "disk", "cylinder"}},
-        {"Material",
-         {"diffuse", "phong", "conductor", "dielectric", "thindielectric", "diffusetransmission", "coateddiffuse",
-          "coatedconductor", "hair", "subsurface", "mix", "interface"}},
+        {"Material", material_types()},
         {"Texture",
          {"constant", "scale", "mix", "imagemap", "checkerboard", "dots", "bilerp", "directionmix", "fbm", "wrinkled", "windy",
           "marble", "latent:marble", "latent:wood", "latent:clouds"}},

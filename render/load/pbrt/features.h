@@ -1,17 +1,17 @@
 // render/load/pbrt/features.h: the features of pbrt-v4's format that are read, and those beyond it, for messages and lists.
 #pragma once
 
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace latent::render {
 
 // The types of a directive: Material "diffuse".
 struct PbrtFeature {
     std::string_view directive;
-    std::initializer_list<std::string_view> types;
+    std::vector<std::string_view> types;
 };
 std::span<const PbrtFeature> pbrt_features();
 // What may be said within a directive that pbrt-v4 does not know: parameters, types and values of parameters.

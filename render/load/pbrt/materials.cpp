@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "color/named_spectra.h"
 #include "render/load/pbrt/features.h"
@@ -12,26 +13,70 @@ namespace latent::render {
 
 namespace {
 
-// GGX alpha of "roughness", or of one axis where that is given; pbrt's remapping is alpha = sqrt(roughness). The names follow
-// `prefix`, but for "remaproughness".
-void read_roughness(const ParameterList& list, const std::string& prefix, SceneTextures& textures, FloatInput& alpha_x,
-                    FloatInput& alpha_y, bool& remap_roughness) {
-    const bool remap = list.flag("remaproughness", true);
-    const double roughness = list.number(prefix + "roughness", 0, 0, 1e6);
-    const std::optional<std::uint32_t> texture = textures.find_texture(list, prefix + "roughness");
-    const auto axis = [&](const std::string& name) {
-        const double own = list.number(name, roughness, 0, 1e6);
-        const bool has_own = list.find(name, {"float", "integer"}) != nullptr;
-        FloatInput alpha(static_cast<float>(remap ? std::sqrt(own) : own));
-        alpha.texture = textures.find_texture(list, name).value_or(has_own ? kNone : texture.value_or(kNone));
-        return alpha;
+struct Reading {
+    const ParameterList& list;
+    SceneTextures& textures;
+    MaterialDescription& material;
+};
+// What reads one parameter of a material, or a few that belong together, into the inputs of its closure.
+using Part = std::function<void(const Reading&)>;
+
+// A number, or a texture of numbers.
+Part number(const std::string& name, double otherwise, double low, double high, const std::string& input = "") {
+    return [=](const Reading& r) {
+        r.material.numbers[input.empty() ? name : input] = r.textures.number(r.list, name, otherwise, low, high);
     };
-    alpha_x = axis(prefix + "uroughness");
-    alpha_y = axis(prefix + "vroughness");
-    remap_roughness = remap && (alpha_x.is_textured() || alpha_y.is_textured());
 }
-void read_roughness(const ParameterList& list, const std::string& prefix, SceneTextures& textures, MaterialDescription& material) {
-    read_roughness(list, prefix, textures, material.alpha_x, material.alpha_y, material.remap_roughness);
+
+// Where no texture is possible.
+Part constant(const std::string& name, double otherwise, double low, double high) {
+    return [=](const Reading& r) { r.material.numbers[name] = static_cast<float>(r.list.number(name, otherwise, low, high)); };
+}
+
+Part count(const std::string& name, const std::string& input, std::int64_t otherwise, std::int64_t low, std::int64_t high) {
+    return [=](const Reading& r) {
+        r.material.options[input] = static_cast<std::uint32_t>(r.list.integer(name, otherwise, low, high));
+    };
+}
+
+// A flag: the second of two words. The first is the default, and leaves it out.
+Part either(const std::string& name, const std::string& first, const std::string& second, const std::string& input) {
+    return [=](const Reading& r) {
+        const std::string word = r.list.string(name).value_or(first);
+        if (word == second) r.material.options[input] = 1;
+        if (word != first && word != second)
+            r.list.error(fmt::format("{}: \"{}\" is neither {} nor {}", name, word, first, second));
+    };
+}
+
+// One of several reflectances that share the light (see `conserving`).
+Part share(const std::string& name, double otherwise) {
+    return [=](const Reading& r) {
+        r.material.spectra[name] =
+            r.textures.spectrum(r.list, name, SpectrumRole::kReflectance, color::Spectrum::constant(otherwise));
+    };
+}
+
+// A warning, if two constant shares, times the number "scale", exceed 1 together at some wavelength.
+Part conserving(const std::string& a, const std::string& b) {
+    return [=](const Reading& r) {
+        const SpectrumInput &x = r.material.spectra.at(a), &y = r.material.spectra.at(b);
+        if (x.is_textured() || y.is_textured()) return;
+        const auto scale = static_cast<double>(r.material.number("scale", 1).value);
+        bool exceeds = false;
+        for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm)
+            exceeds |= scale * (x.value(nm) + y.value(nm)) > 1 + 1e-9;
+        if (exceeds) r.list.warn(fmt::format("{} + {}: exceeds 1, so the surface creates energy", a, b));
+    };
+}
+
+Part reflectance(const std::string& name, double otherwise, const std::string& input = "") {
+    return [=](const Reading& r) {
+        const SpectrumInput read =
+            r.textures.spectrum(r.list, name, SpectrumRole::kReflectance, color::Spectrum::constant(otherwise));
+        if (!read.is_textured() && read.value.max_value() > 1) r.list.warn(name + ": exceeds 1, so the surface creates energy");
+        r.material.spectra[input.empty() ? name : input] = read;
+    };
 }
 
 // A refractive index is positive wherever we look.
@@ -47,157 +92,159 @@ void check_index(const ParameterList& list, const std::string& name, const Spect
                ": must be positive from 360 to 830 nm (an inline spectrum is 0 outside its samples: give values at both ends)");
 }
 
-color::Spectrum read_dielectric_index(const ParameterList& list, const std::string& name, SceneTextures& textures,
-                                      bool& dispersive) {
-    color::Spectrum eta = color::Spectrum::constant(list.number(name, 1.5, 1e-3, 1e3));
-    if (const auto found = textures.find_value(list, name, SpectrumRole::kUnbounded)) eta = *found;
-    check_index(list, name, eta);
-    const double first = eta(color::kLambdaMin);
-    for (double lambda = color::kLambdaMin; lambda <= color::kLambdaMax; ++lambda) dispersive |= eta(lambda) != first;
-    return eta;
+// Of something clear, over that of air.
+Part constant_index(const std::string& name, double otherwise) {
+    return
+        [=](const Reading& r) { r.material.spectra[name] = color::Spectrum::constant(r.list.number(name, otherwise, 1e-3, 1e3)); };
 }
-
-void read_conductor_index(const ParameterList& list, const std::string& prefix, SceneTextures& textures,
-                          MaterialDescription& material) {
-    const auto reflectance = textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
-    const auto eta = textures.find_spectrum(list, prefix + "eta", SpectrumRole::kUnbounded),
-               k = textures.find_spectrum(list, prefix + "k", SpectrumRole::kUnbounded);
-    if (!reflectance) {
-        material.eta = eta ? *eta : color::named_spectrum("metal-Cu-eta").value();
-        material.k = k ? *k : color::named_spectrum("metal-Cu-k").value();
-        check_index(list, prefix + "eta", material.eta);
-        return;
-    }
-    if (eta || k) list.error(fmt::format("reflectance cannot be combined with {0}eta and {0}k", prefix));
-    if (reflectance->is_textured()) {
-        material.reflectance = *reflectance;
-        return;
-    }
-    // At normal incidence R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2); eta = 1 leaves k = 2 sqrt(R / (1 - R)).
-    material.eta = color::Spectrum::constant(1);
-    const auto k_of = [&](double lambda) {
-        const double r = std::min(reflectance->value(lambda), 0.9999);
-        return 2 * std::sqrt(r) / std::sqrt(1 - r);
+Part index(const std::string& name, const std::string& input = "eta") {
+    return [=](const Reading& r) {
+        color::Spectrum eta = color::Spectrum::constant(r.list.number(name, 1.5, 1e-3, 1e3));
+        if (const auto found = r.textures.find_value(r.list, name, SpectrumRole::kUnbounded)) eta = *found;
+        check_index(r.list, name, eta);
+        r.material.spectra[input] = eta;
     };
-    material.k = color::Spectrum::from_function(k_of, color::Outside::kClamped);
 }
 
-SpectrumInput read_reflectance(const ParameterList& list, const std::string& name, SceneTextures& textures, double otherwise) {
-    SpectrumInput input = textures.spectrum(list, name, SpectrumRole::kReflectance, color::Spectrum::constant(otherwise));
-    if (!input.is_textured() && input.value.max_value() > 1) list.warn(name + ": exceeds 1, so the surface creates energy");
-    return input;
+// GGX alpha of "roughness", or of one axis where that is given; pbrt's remapping is alpha = sqrt(roughness). The names follow
+// `prefix`, but for "remaproughness", and those of the inputs follow `input`.
+Part roughness(const std::string& prefix = "", const std::string& input = "") {
+    return [=](const Reading& r) {
+        const bool remap = r.list.flag("remaproughness", true);
+        const double both = r.list.number(prefix + "roughness", 0, 0, 1e6);
+        const std::optional<std::uint32_t> texture = r.textures.find_texture(r.list, prefix + "roughness");
+        const auto axis = [&](const std::string& name) {
+            const double own = r.list.number(name, both, 0, 1e6);
+            const bool has_own = r.list.find(name, {"float", "integer"}) != nullptr;
+            FloatInput alpha(static_cast<float>(remap ? std::sqrt(own) : own));
+            alpha.texture = r.textures.find_texture(r.list, name).value_or(has_own ? kNone : texture.value_or(kNone));
+            r.material.remap_roughness |= remap && alpha.is_textured();
+            return alpha;
+        };
+        r.material.numbers[input + "alpha_x"] = axis(prefix + "uroughness");
+        r.material.numbers[input + "alpha_y"] = axis(prefix + "vroughness");
+    };
 }
 
-// The names of what belongs to its surface follow `prefix`.
-void read_layer(const ParameterList& list, const std::string& prefix, SceneTextures& textures, LayerDescription& layer) {
-    layer.eta = read_dielectric_index(list, prefix + "eta", textures, layer.dispersive);
-    read_roughness(list, prefix, textures, layer.alpha_x, layer.alpha_y, layer.remap_roughness);
-    layer.thickness = textures.number(list, "thickness", 0.01, 0, 1e6);
-    layer.albedo = read_reflectance(list, "albedo", textures, 0);
-    layer.g = textures.number(list, "g", 0, -1, 1);
-    layer.g.value = std::clamp(layer.g.value, -0.9999f, 0.9999f);
-    layer.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 10, 0, 1 << 30));
-    layer.walks = static_cast<std::uint32_t>(list.integer("nsamples", 1, 1, 100'000));
+// By both parts of its index, or by its reflectance at normal incidence.
+Part metal(const std::string& prefix = "") {
+    return [=](const Reading& r) {
+        const auto reflectance = r.textures.find_spectrum(r.list, "reflectance", SpectrumRole::kReflectance);
+        const auto eta = r.textures.find_spectrum(r.list, prefix + "eta", SpectrumRole::kUnbounded),
+                   k = r.textures.find_spectrum(r.list, prefix + "k", SpectrumRole::kUnbounded);
+        auto& spectra = r.material.spectra;
+        if (reflectance && (eta || k)) r.list.error(fmt::format("reflectance cannot be combined with {0}eta and {0}k", prefix));
+        if (reflectance && reflectance->is_textured()) {
+            spectra["reflectance"] = *reflectance;
+        } else if (reflectance) {
+            // At normal incidence R = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2); eta = 1 leaves k = 2 sqrt(R / (1 - R)).
+            const auto k_of = [&](double lambda) {
+                const double limited = std::min(reflectance->value(lambda), 0.9999);
+                return 2 * std::sqrt(limited) / std::sqrt(1 - limited);
+            };
+            spectra["eta"] = color::Spectrum::constant(1);
+            spectra["k"] = color::Spectrum::from_function(k_of, color::Outside::kClamped);
+        } else {
+            spectra["eta"] = eta ? *eta : color::named_spectrum("metal-Cu-eta").value();
+            spectra["k"] = k ? *k : color::named_spectrum("metal-Cu-k").value();
+            check_index(r.list, prefix + "eta", spectra["eta"]);
+        }
+    };
 }
 
-// Whether `scale` times two constants exceed 1 together at some wavelength.
-bool makes_light(const SpectrumInput& a, const SpectrumInput& b, double scale) {
-    if (a.is_textured() || b.is_textured()) return false;
-    bool exceeds = false;
-    for (double nm = color::kLambdaMin; nm <= color::kLambdaMax; ++nm) exceeds |= scale * (a.value(nm) + b.value(nm)) > 1 + 1e-9;
-    return exceeds;
-}
-
-void read_phong(const ParameterList& list, SceneTextures& textures, MaterialDescription& material) {
-    const color::Spectrum quarter = color::Spectrum::constant(0.25);
-    material.reflectance = textures.spectrum(list, "Kd", SpectrumRole::kReflectance, quarter);
-    material.specular = textures.spectrum(list, "Ks", SpectrumRole::kReflectance, quarter);
-    material.exponent = textures.number(list, "exponent", 20, 0, 1e5);
-    const std::string lobe = list.string("latent:lobe").value_or("mirror");
-    if (lobe != "mirror" && lobe != "retro") list.error(fmt::format("latent:lobe: \"{}\" is neither mirror nor retro", lobe));
-    material.retro = lobe == "retro";
-    if (makes_light(material.reflectance, material.specular, 1)) list.warn("Kd + Ks: exceeds 1, so the surface creates energy");
+// What scatters in a layer; nothing does without.
+Part albedo() {
+    return [](const Reading& r) {
+        reflectance("albedo", 0, "layer.albedo")(r);
+        const SpectrumInput& read = r.material.spectra["layer.albedo"];
+        if (!read.is_textured() && !(read.value.max_value() > 0)) r.material.spectra.erase("layer.albedo");
+    };
 }
 
 // Absorption by "sigma_a", by the colour of much hair, or by what colours hair: two kinds of melanin.
-void read_hair(const ParameterList& list, SceneTextures& textures, HairDescription& hair) {
-    hair.eta = textures.number(list, "eta", 1.55, 1.0001, 10);
-    hair.beta_m = textures.number(list, "beta_m", 0.3, 0, 1);
-    hair.beta_n = textures.number(list, "beta_n", 0.3, 0, 1);
-    hair.alpha_degrees = textures.number(list, "alpha", 2, -45, 45);
-    const auto sigma_a = textures.find_spectrum(list, "sigma_a", SpectrumRole::kUnbounded);
-    const auto color = textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
-    const bool has_melanin = list.find("eumelanin", {"float"}) != nullptr || list.find("pheomelanin", {"float"}) != nullptr;
-    const double eumelanin = list.number("eumelanin", has_melanin ? 0 : 1.3, 0, 1e6),
-                 pheomelanin = list.number("pheomelanin", 0, 0, 1e6);
-    if (textures.find_texture(list, "eumelanin") || textures.find_texture(list, "pheomelanin"))
-        list.error("eumelanin, pheomelanin: textures are not supported; give sigma_a or reflectance as a texture");
-    if ((sigma_a ? 1 : 0) + (color ? 1 : 0) + (has_melanin ? 1 : 0) > 1)
-        list.warn("sigma_a, reflectance, melanin: only the first of these that is given counts");
-    if (sigma_a) {
-        hair.sigma_a = *sigma_a;
-    } else if (color) {
-        hair.has_color = true;
-        hair.color = *color;
-    } else {
-        hair.sigma_a = textures.unbounded({0.419 * eumelanin + 0.187 * pheomelanin, 0.697 * eumelanin + 0.4 * pheomelanin,
-                                           1.37 * eumelanin + 1.05 * pheomelanin});
-    }
+Part pigment() {
+    return [](const Reading& r) {
+        const ParameterList& list = r.list;
+        const auto sigma_a = r.textures.find_spectrum(list, "sigma_a", SpectrumRole::kUnbounded);
+        const auto color = r.textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
+        const bool has_melanin = list.find("eumelanin", {"float"}) != nullptr || list.find("pheomelanin", {"float"}) != nullptr;
+        const double eumelanin = list.number("eumelanin", has_melanin ? 0 : 1.3, 0, 1e6),
+                     pheomelanin = list.number("pheomelanin", 0, 0, 1e6);
+        if (r.textures.find_texture(list, "eumelanin") || r.textures.find_texture(list, "pheomelanin"))
+            list.error("eumelanin, pheomelanin: textures are not supported; give sigma_a or reflectance as a texture");
+        if ((sigma_a ? 1 : 0) + (color ? 1 : 0) + (has_melanin ? 1 : 0) > 1)
+            list.warn("sigma_a, reflectance, melanin: only the first of these that is given counts");
+        if (color && !sigma_a) {
+            r.material.spectra["color"] = *color;
+        } else {
+            r.material.spectra["sigma_a"] =
+                sigma_a ? *sigma_a
+                        : r.textures.unbounded({0.419 * eumelanin + 0.187 * pheomelanin, 0.697 * eumelanin + 0.4 * pheomelanin,
+                                                1.37 * eumelanin + 1.05 * pheomelanin});
+        }
+    };
+}
+
+struct MaterialType {
+    std::string name;
+    std::vector<Part> parts;     // read in this order
+    std::string closure = name;  // MaterialDescription::type
+};
+
+// The layer on a coated material; the names of what belongs to its surface follow `prefix`.
+std::vector<Part> coated(std::vector<Part> base, const std::string& prefix) {
+    for (Part& part :
+         std::vector<Part>{index(prefix + "eta", "layer.eta"), roughness(prefix, "layer."),
+                           number("thickness", 0.01, 0, 1e6, "layer.thickness"), albedo(), number("g", 0, -1, 1, "layer.g"),
+                           count("maxdepth", "layer.max_depth", 10, 0, 1 << 30), count("nsamples", "layer.walks", 1, 1, 100'000)})
+        base.push_back(std::move(part));
+    return base;
+}
+
+// Every material that is made of a closure, and its parameters.
+const std::vector<MaterialType>& types() {
+    static const std::vector<MaterialType> table = {
+        {"diffuse", {reflectance("reflectance", 0.5)}},
+        {"phong",
+         {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), either("latent:lobe", "mirror", "retro", "retro"),
+          conserving("Kd", "Ks")}},
+        {"conductor", {metal(), roughness()}},
+        {"dielectric", {index("eta"), roughness()}},
+        {"thindielectric", {index("eta")}},
+        {"diffusetransmission",
+         {share("reflectance", 0.25), share("transmittance", 0.25), constant("scale", 1, 0, 1e6),
+          conserving("reflectance", "transmittance")}},
+        {"coateddiffuse", coated({reflectance("reflectance", 0.5)}, "")},
+        {"coatedconductor", coated({metal("conductor."), roughness("conductor.")}, "interface.")},
+        {"hair",
+         {number("eta", 1.55, 1.0001, 10), number("beta_m", 0.3, 0, 1), number("beta_n", 0.3, 0, 1), number("alpha", 2, -45, 45),
+          pigment()}},
+        {"subsurface", {constant_index("eta", 1.33), roughness()}, "dielectric"},  // what is below: read_subsurface
+    };
+    return table;
 }
 
 }  // namespace
 
+std::vector<std::string_view> material_types() {
+    std::vector<std::string_view> names;
+    for (const MaterialType& type : types()) names.push_back(type.name);
+    names.insert(names.end(), {"mix", "interface"});
+    return names;
+}
+
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures) {
-    MaterialDescription material{.location = list.directive().where};
     if (type == "interface") {
         list.report_unused();
         return std::nullopt;
     }
-    if (type == "diffuse") {
-        material.kind = MaterialKind::kDiffuse;
-        material.reflectance = read_reflectance(list, "reflectance", textures, 0.5);
-    } else if (type == "phong") {
-        material.kind = MaterialKind::kPhong;
-        read_phong(list, textures, material);
-    } else if (type == "conductor") {
-        material.kind = MaterialKind::kConductor;
-        read_conductor_index(list, "", textures, material);
-        read_roughness(list, "", textures, material);
-    } else if (type == "dielectric") {
-        material.kind = MaterialKind::kDielectric;
-        material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
-        read_roughness(list, "", textures, material);
-    } else if (type == "subsurface") {  // what is below: read_subsurface
-        material.kind = MaterialKind::kDielectric;
-        material.eta = color::Spectrum::constant(list.number("eta", 1.33, 1e-3, 1e3));
-        read_roughness(list, "", textures, material);
-    } else if (type == "thindielectric") {
-        material.kind = MaterialKind::kThinDielectric;
-        material.eta = read_dielectric_index(list, "eta", textures, material.dispersive);
-    } else if (type == "diffusetransmission") {
-        material.kind = MaterialKind::kDiffuseTransmission;
-        const color::Spectrum quarter = color::Spectrum::constant(0.25);
-        material.reflectance = textures.spectrum(list, "reflectance", SpectrumRole::kReflectance, quarter);
-        material.specular = textures.spectrum(list, "transmittance", SpectrumRole::kReflectance, quarter);
-        material.scale = static_cast<float>(list.number("scale", 1, 0, 1e6));
-        if (makes_light(material.reflectance, material.specular, static_cast<double>(material.scale)))
-            list.warn("reflectance + transmittance: exceeds 1, so the surface creates energy");
-    } else if (type == "coateddiffuse") {
-        material.kind = MaterialKind::kCoatedDiffuse;
-        material.reflectance = read_reflectance(list, "reflectance", textures, 0.5);
-        read_layer(list, "", textures, material.layer);
-    } else if (type == "coatedconductor") {
-        material.kind = MaterialKind::kCoatedConductor;
-        read_conductor_index(list, "conductor.", textures, material);
-        read_roughness(list, "conductor.", textures, material);
-        read_layer(list, "interface.", textures, material.layer);
-    } else if (type == "hair") {
-        material.kind = MaterialKind::kHair;
-        read_hair(list, textures, material.hair);
-    } else {
+    const auto found = std::ranges::find(types(), type, &MaterialType::name);
+    if (found == types().end()) {
         list.error(unsupported("Material", type));
         return std::nullopt;
     }
+    MaterialDescription material{.type = found->closure, .location = list.directive().where};
+    for (const Part& read : found->parts) read({list, textures, material});
     material.displacement.texture = textures.find_texture(list, "displacement").value_or(kNone);
     material.normal_map = textures.normal_map(list);
     if (material.displacement.is_textured() && material.normal_map != kNone) {

@@ -3,6 +3,8 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "render/load/pbrt/parameters.h"
 #include "render/load/pbrt/spectra.h"
@@ -13,6 +15,8 @@ namespace latent::render {
 
 // Errors and warnings go to the lists' diagnostics; what is returned is then of no use, but valid.
 
+// All that can be read, and "mix", which refers to others.
+std::vector<std::string_view> material_types();
 // Nothing: "interface", or an error was reported.
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures);
 
