@@ -185,6 +185,11 @@ Part pigment() {
     };
 }
 
+// Phong's: what scatters evenly, what is in the lobe, how narrow that is, and one more.
+std::vector<Part> glossy(const Part& more) {
+    return {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), more, conserving("Kd", "Ks")};
+}
+
 struct MaterialType {
     std::string name;
     std::vector<Part> parts;     // read in this order
@@ -205,9 +210,7 @@ std::vector<Part> coated(std::vector<Part> base, const std::string& prefix) {
 const std::vector<MaterialType>& types() {
     static const std::vector<MaterialType> table = {
         {"diffuse", {reflectance("reflectance", 0.5)}},
-        {"phong",
-         {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), either("latent:lobe", "mirror", "retro", "retro"),
-          conserving("Kd", "Ks")}},
+        {"phong", glossy(either("latent:lobe", "mirror", "retro", "retro"))},
         {"conductor", {metal(), roughness()}},
         {"dielectric", {index("eta"), roughness()}},
         {"thindielectric", {index("eta")}},
