@@ -12,6 +12,7 @@
 #include "render/bsdf/hair.h"
 #include "render/bsdf/metallic_roughness.h"
 #include "render/bsdf/phong.h"
+#include "render/bsdf/phong_transmission.h"
 #include "render/bsdf/thin_dielectric.h"
 
 namespace latent::render {
@@ -23,6 +24,7 @@ using ClosureList = std::variant<C...>;
 using SurfaceClosure = ClosureList<  //
     Diffuse,                         //
     Phong,                           //
+    PhongTransmission,               //
     Conductor,                       //
     Dielectric,                      //
     ThinDielectric,                  //

@@ -191,6 +191,18 @@ TEST(Scene, PhongHasTwoReflectancesAndAnExponent) {
     EXPECT_THAT(refused_world("Material \"phong\" \"float exponent\" -1"), HasSubstr("exponent"));
 }
 
+TEST(Scene, PhongTransmitsAboutTheRefractedDirection) {
+    const SceneDescription scene = world(
+        "Material \"latent:phongtransmission\" \"spectrum Ks\" [ 360 0.3 830 0.2 ] \"float exponent\" 75 \"float eta\" 1.5\n"
+        "Material \"latent:phongtransmission\"\n");
+    ASSERT_EQ(scene.materials[1].type, "phongtransmission");
+    EXPECT_EQ(scene.materials[1].spectra.at("Ks").value(360), 0.3);
+    EXPECT_EQ(scene.materials[1].number("exponent").value, 75);
+    EXPECT_EQ(scene.materials[1].number("eta").value, 1.5f);
+    EXPECT_EQ(scene.materials[2].number("eta").value, 1);
+    EXPECT_THAT(refused_world("Material \"latent:phongtransmission\" \"float eta\" 0"), HasSubstr("eta"));
+}
+
 TEST(Scene, SpectraComeInlineByNameFromFilesAndAsRgb) {
     const Folder folder;
     folder.write("grey.spd", "# two samples\n360 0.25\n830 0.25\n");

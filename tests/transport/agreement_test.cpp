@@ -85,6 +85,9 @@ const std::vector<Option> kMaterials = {
     {"milky coat",
      "Material \"coatedconductor\" \"float interface.roughness\" 0.2 \"bool remaproughness\" false \"float thickness\" 0.5 "
      "\"spectrum albedo\" [360 0.9 830 0.5] \"float g\" 0.4\n"},
+    {"glossy transmission",
+     "Material \"latent:phongtransmission\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" "
+     "40 \"float eta\" 1.3\n"},
     {"phong", "Material \"phong\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" 40\n"},
 };
 const std::vector<Option> kCameras = {

@@ -68,6 +68,18 @@ inline std::vector<Example<Phong>> examples() {
 }
 
 template <>
+inline std::vector<Example<PhongTransmission>> examples() {
+    const Values& v = values();
+    using T = PhongTransmission;
+    return {{.name = "straight", .scatters = T(v.rising, v.falling, 3, 1)},
+            {.name = "narrow lobe, straight", .scatters = T(v.falling, v.rising, 60, 1)},
+            {.name = "refracted", .scatters = T(v.rising, v.falling, 12, 1.5f), .eta = 1.5},
+            {.name = "lobe alone, refracted", .scatters = T(v.black, v.white, 40, 1.5f), .eta = 1.5},
+            {.name = "refracted into air", .scatters = T(v.half, v.half, 5, 0.75f), .eta = 0.75},
+            {.name = "no lobe", .scatters = T(v.white, v.black, 60, 1), .loses_nothing = true}};
+}
+
+template <>
 inline std::vector<Example<Conductor>> examples() {
     const auto metal = [](float alpha_x, float alpha_y) { return Conductor(values().eta, values().k, alpha_x, alpha_y); };
     return {{.name = "alpha 0.3", .scatters = metal(0.3f, 0.3f)},

@@ -211,6 +211,7 @@ const std::vector<MaterialType>& types() {
     static const std::vector<MaterialType> table = {
         {"diffuse", {reflectance("reflectance", 0.5)}},
         {"phong", glossy(either("latent:lobe", "mirror", "retro", "retro"))},
+        {"latent:phongtransmission", glossy(number("eta", 1, 1e-3, 1e3)), "phongtransmission"},
         {"conductor", {metal(), roughness()}},
         {"dielectric", {index("eta"), roughness()}},
         {"thindielectric", {index("eta")}},
