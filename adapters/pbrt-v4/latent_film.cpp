@@ -103,8 +103,11 @@ void LatentFilm::Open(int samplesPerPixel) {
     options.samples = {0, sampleCount};
     options.provenance = R"({"program": "pbrt-v4"})";
     latent_error error;
-    if (latent_writer_open(samplesName.c_str(), &job, &options, &writer, &error) != LATENT_OK)
-        ErrorExit("%s", std::string(error.message));
+    const latent_status status = latent_writer_open(samplesName.c_str(), &job, &options, &writer, &error);
+    if (status == LATENT_MISMATCH)
+        ErrorExit("%s: holds the samples of another rendering. Remove it, or choose another file with \"string samples\".",
+                  samplesName);
+    if (status != LATENT_OK) ErrorExit("%s", std::string(error.message));
 }
 
 LatentFilm::Batch& LatentFilm::ThreadBatch() {
