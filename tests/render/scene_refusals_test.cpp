@@ -161,8 +161,9 @@ TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
     EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
 }
 
-// Names that begin with latent: are those of the table of docs/scenes.md, and those that the parsers compare with.
-TEST(SceneRefusals, EveryExtensionIsListedAndDocumented) {
+// Names that begin with latent: are those of the table of docs/scenes.md, those that the parsers compare with, and those that the
+// project's scenes show.
+TEST(SceneRefusals, EveryExtensionIsListedDocumentedAndShown) {
     using Names = std::set<std::string>;
     const auto names_in = [](const std::string& text) {
         static const std::regex name("latent:[a-z]+");
@@ -176,6 +177,11 @@ TEST(SceneRefusals, EveryExtensionIsListedAndDocumented) {
     for (const auto& entry : std::filesystem::directory_iterator(latent::testing::in_tree("render/load/pbrt"))) {
         if (entry.path().extension() == ".cpp" && entry.path().stem() != "features") read_from_scenes.merge(names_in(read(entry)));
     }
+    Names seen;
+    for (const auto& entry : std::filesystem::directory_iterator(latent::testing::in_tree("scenes"))) {
+        if (entry.path().extension() == ".pbrt") seen.merge(names_in(read(entry)));
+    }
+    EXPECT_EQ(seen, read_from_scenes);
     const std::string page = read(latent::testing::in_tree("docs/scenes.md"));
     const std::size_t table = page.find("## Extensions");
     EXPECT_EQ(names_in(list_features()), read_from_scenes);
