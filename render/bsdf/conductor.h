@@ -1,4 +1,5 @@
-// render/bsdf/conductor.h: reflection at a metal, smooth or of GGX facets. docs/rendering.md, "Surfaces".
+// render/bsdf/conductor.h: reflection at a metal, smooth or of GGX facets, onwards or back to the light. docs/rendering.md,
+// "Surfaces".
 #pragma once
 
 #include "render/bsdf/closure.h"
@@ -7,24 +8,30 @@
 
 namespace latent::render {
 
+// A retro-reflecting one does to light what it would do to light from the opposite side of the normal [R06 9.6].
 class Conductor {
  public:
     static constexpr std::string_view kName = "conductor";
     // Either both parts of the index, or the reflectance at normal incidence.
     static constexpr std::array kInputs = {Input{.name = "eta", .low = 1e-3f, .high = 1e6f, .may_be_missing = true},
                                            Input{.name = "k", .high = 1e6f, .may_be_missing = true},
-                                           Input{.name = "reflectance", .may_be_missing = true}, Input::alpha("alpha_x"),
-                                           Input::alpha("alpha_y")};
+                                           Input{.name = "reflectance", .may_be_missing = true},
+                                           Input::alpha("alpha_x"),
+                                           Input::alpha("alpha_y"),
+                                           Input::option("retro", 0)};
     static constexpr bool kTransmits = false;
 
     explicit Conductor(const Values<Conductor>& v)
-        : eta_(v.find("eta")), k_(v.find("k")), facets_(Microfacets::of_alpha(v.number("alpha_x"), v.number("alpha_y"))) {
+        : eta_(v.find("eta")),
+          k_(v.find("k")),
+          facets_(Microfacets::of_alpha(v.number("alpha_x"), v.number("alpha_y"))),
+          retro_(v.option("retro") != 0) {
         if (const SampledSpectrum* r = v.find("reflectance")) reflect(*r, v.site.spectra);
     }
     static bool is_isotropic(const Values<Conductor>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
     // Of complex index eta + i k in each wavelength.
-    Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y)
-        : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)) {}
+    Conductor(const SampledSpectrum& eta, const SampledSpectrum& k, float alpha_x, float alpha_y, bool retro = false)
+        : eta_(&eta), k_(&k), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), retro_(retro) {}
 
     // The same metal beside matter of index `eta` instead of beside air.
     Conductor beneath(const SampledSpectrum& eta, SampledSpectra& spectra) const;
@@ -42,10 +49,12 @@ class Conductor {
  private:
     // Becomes the metal of eta = 1 that reflects r at normal incidence.
     void reflect(const SampledSpectrum& r, SampledSpectra& spectra);
+    Vec3f turned(const Vec3f& w) const { return retro_ ? Vec3f{-w.x, -w.y, w.z} : w; }
 
     const SampledSpectrum* eta_;
     const SampledSpectrum* k_;
     Microfacets facets_;
+    bool retro_ = false;
 };
 
 }  // namespace latent::render

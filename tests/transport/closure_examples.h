@@ -85,7 +85,9 @@ inline std::vector<Example<Conductor>> examples() {
     return {{.name = "alpha 0.3", .scatters = metal(0.3f, 0.3f)},
             {.name = "alpha 0.1 x 0.5", .scatters = metal(0.1f, 0.5f)},
             {.name = "alpha 0.8", .scatters = metal(0.8f, 0.8f)},
-            {.name = "mirror", .scatters = metal(0, 0)}};
+            {.name = "mirror", .scatters = metal(0, 0)},
+            {.name = "retro, alpha 0.1 x 0.4", .scatters = Conductor(values().eta, values().k, 0.1f, 0.4f, true)},
+            {.name = "retro mirror", .scatters = Conductor(values().eta, values().k, 0, 0, true)}};
 }
 
 template <>

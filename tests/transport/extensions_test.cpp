@@ -139,6 +139,10 @@ TEST(Extensions, PathAndBdptMakeOnePicture) {
           "Material \"phong\" \"string latent:lobe\" \"retro\" \"rgb Kd\" [.2 .3 .1] \"rgb Ks\" [.6 .5 .4] \"float exponent\" 15\n"
           "Shape \"sphere\" \"float radius\" .4\nMaterial \"diffuse\"\n" +
               lamp + "5\n" + disk,
+          "Material \"conductor\" \"string latent:lobe\" \"retro\" \"float roughness\" .2\nShape \"sphere\" \"float radius\" .4\n"
+          "Translate .9 0 0\nMaterial \"conductor\" \"string latent:lobe\" \"retro\" \"float roughness\" 0\n"
+          "Shape \"sphere\" \"float radius\" .4\nTranslate -.9 0 0\nMaterial \"diffuse\"\n" +
+              lamp + "5\n" + disk,
           mirror + matt +
               "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"rgb latent:amount\" [.9 .5 .2]\n"
               "Shape \"sphere\" \"float radius\" .4\nMaterial \"diffuse\"\n" +

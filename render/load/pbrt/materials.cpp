@@ -212,7 +212,7 @@ const std::vector<MaterialType>& types() {
         {"diffuse", {reflectance("reflectance", 0.5)}},
         {"phong", glossy(either("latent:lobe", "mirror", "retro", "retro"))},
         {"latent:phongtransmission", glossy(number("eta", 1, 1e-3, 1e3)), "phongtransmission"},
-        {"conductor", {metal(), roughness()}},
+        {"conductor", {metal(), roughness(), either("latent:lobe", "mirror", "retro", "retro")}},
         {"dielectric", {index("eta"), roughness()}},
         {"thindielectric", {index("eta")}},
         {"diffusetransmission",
