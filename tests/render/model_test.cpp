@@ -232,11 +232,13 @@ TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
     const Json moved = {{"index", 0},
                         {"texCoord", 1},
                         {"extensions", {{"KHR_texture_transform", {{"offset", {0.25, 0.125}}, {"scale", {2, 0.5}}}}}}};
-    file.json["materials"][0] = {{"pbrMetallicRoughness",
-                                  {{"baseColorFactor", {.5, .5, .5, 1}},
-                                   {"baseColorTexture", moved},
-                                   {"metallicRoughnessTexture", moved},
-                                   {"roughnessFactor", 0.75}}}};
+    file.json["materials"][0] = {
+        {"pbrMetallicRoughness",
+         {{"baseColorFactor", {.5, .5, .5, 1}},
+          {"baseColorTexture", moved},
+          {"metallicRoughnessTexture", moved},
+          {"roughnessFactor", 0.75}}},
+        {"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatTexture", moved}}}}}};
     file.json["images"] = {{{"uri", "wood%201.exr"}}};
     const Result<LoadedScene> beside = load("room.glb", as_glb(file));
     ASSERT_TRUE(beside) << beside.error().message;
@@ -257,6 +259,8 @@ TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
     EXPECT_EQ(roughness.picture.channel, 1);  // green
     EXPECT_EQ(roughness.picture.scale, 0.75);
     EXPECT_EQ(texture(material.number("metallic").texture).picture.channel, 2);  // blue
+    EXPECT_EQ(texture(material.number("coat").texture).picture.channel, 0);      // red
+    EXPECT_EQ(texture(material.number("coat").texture).picture.scale, 0.5);
     // v = 0.25 from the top is 0.125 + 0.5 * 0.25 from the top of the picture.
     EXPECT_NEAR(color.mapping.scale_v * (1 - 0.25) + color.mapping.delta_v, 1 - 0.25, 1e-12);
     EXPECT_NEAR(color.mapping.scale_u * 0.125 + color.mapping.delta_u, 0.5, 1e-12);

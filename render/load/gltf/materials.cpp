@@ -77,13 +77,14 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
         pbr["baseColorFactor"].warn("only its brightest component scales the texture");
     out.surface.spectra.at("base_color").texture = textures.color(color, brightest);
     auto& numbers = out.surface.numbers;
-    FloatInput &roughness = numbers.at("roughness"), &metallic = numbers.at("metallic");
-    roughness.texture = textures.number(rough, PictureChannel::kGreen, static_cast<double>(roughness.value));
-    metallic.texture = textures.number(rough, PictureChannel::kBlue, static_cast<double>(metallic.value));
-    numbers["coat"].texture =
-        textures.number(coat["clearcoatTexture"], PictureChannel::kRed, coat["clearcoatFactor"].number(0, 0, 1));
-    numbers["coat_roughness"].texture = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
-                                                        coat["clearcoatRoughnessFactor"].number(0, 0, 1));
+    const auto read = [&](const char* name, const GltfValue& info, PictureChannel channel) {
+        FloatInput& input = numbers.at(name);
+        input.texture = textures.number(info, channel, static_cast<double>(input.value));
+    };
+    read("roughness", rough, PictureChannel::kGreen);
+    read("metallic", rough, PictureChannel::kBlue);
+    read("coat", coat["clearcoatTexture"], PictureChannel::kRed);
+    read("coat_roughness", coat["clearcoatRoughnessTexture"], PictureChannel::kGreen);
     const GltfValue all[] = {color,
                              rough,
                              coat["clearcoatTexture"],
@@ -123,11 +124,15 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     const std::array<double, 4> base = pbr["baseColorFactor"].numbers(std::array<double, 4>{1, 1, 1, 1});
     surface.type = "metallicroughness";
     surface.spectra = {{"base_color", colors.reflectance({base[0], base[1], base[2]})}};
-    surface.numbers = {{"roughness", fraction_of(pbr["roughnessFactor"], 1)}, {"metallic", fraction_of(pbr["metallicFactor"], 1)}};
+    const GltfValue coat = material.extension("KHR_materials_clearcoat");
+    surface.numbers = {{"roughness", fraction_of(pbr["roughnessFactor"], 1)},
+                       {"metallic", fraction_of(pbr["metallicFactor"], 1)},
+                       {"coat", fraction_of(coat["clearcoatFactor"], 0)},
+                       {"coat_roughness", fraction_of(coat["clearcoatRoughnessFactor"], 0)}};
 
     read_textures(material, base, textures, out);
 
-    const GltfValue specular = material.extension("KHR_materials_specular"), coat = material.extension("KHR_materials_clearcoat"),
+    const GltfValue specular = material.extension("KHR_materials_specular"),
                     transmission = material.extension("KHR_materials_transmission");
     // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
     const double index = material.extension("KHR_materials_ior")["ior"].number(1.5, 0, 1e3);
@@ -137,8 +142,6 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
     surface.numbers["f0"] = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
     surface.numbers["f90"] = static_cast<float>(weight);
-    surface.numbers["coat"] = fraction_of(coat["clearcoatFactor"], 0);
-    surface.numbers["coat_roughness"] = fraction_of(coat["clearcoatRoughnessFactor"], 0);
 
     const double transmitted =
         transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
