@@ -13,6 +13,7 @@
 #include "render/bsdf/metallic_roughness.h"
 #include "render/bsdf/phong.h"
 #include "render/bsdf/phong_transmission.h"
+#include "render/bsdf/sheen.h"
 #include "render/bsdf/thin_dielectric.h"
 
 namespace latent::render {
@@ -29,6 +30,7 @@ using SurfaceClosure = ClosureList<  //
     Dielectric,                      //
     ThinDielectric,                  //
     MetallicRoughness,               //
+    Sheen,                           //
     DiffuseTransmission,             //
     CoatedDiffuse,                   //
     CoatedConductor>;

@@ -2,8 +2,6 @@
 // "Layers".
 #pragma once
 
-#include <algorithm>
-
 #include "render/bsdf/closure.h"
 #include "render/bsdf/coat.h"
 #include "render/bsdf/conductor.h"
@@ -30,19 +28,12 @@ template <class Base>
 class Coated {
  public:
     static constexpr std::string_view kName = std::is_same_v<Base, Diffuse> ? "coateddiffuse" : "coatedconductor";
-    static constexpr std::array kInputs = [] {
-        const std::array layer = {Input::index("layer.eta"),
-                                  Input::alpha("layer.alpha_x"),
-                                  Input::alpha("layer.alpha_y"),
-                                  Input::number("layer.thickness", 0.01f, 0, 1e6f),
-                                  Input{.name = "layer.albedo", .may_be_missing = true},
-                                  Input::number("layer.g", 0, -0.9999f, 0.9999f),
-                                  Input::option("layer.max_depth", 10),
-                                  Input::option("layer.walks", 1)};
-        std::array<Input, Base::kInputs.size() + layer.size()> all;
-        std::ranges::copy(layer, std::ranges::copy(Base::kInputs, all.begin()).out);
-        return all;
-    }();
+    static constexpr std::array kInputs =
+        joined(Base::kInputs,
+               std::array{Input::index("layer.eta"), Input::alpha("layer.alpha_x"), Input::alpha("layer.alpha_y"),
+                          Input::number("layer.thickness", 0.01f, 0, 1e6f), Input{.name = "layer.albedo", .may_be_missing = true},
+                          Input::number("layer.g", 0, -0.9999f, 0.9999f), Input::option("layer.max_depth", 10),
+                          Input::option("layer.walks", 1)});
     static constexpr bool kTransmits = false;
 
     // What the closure looks at; it must live as long.

@@ -2,6 +2,7 @@
 // docs/rendering.md, "Surfaces".
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -38,6 +39,13 @@ struct Input {
         return {.name = name, .role = InputRole::kOption, .otherwise = otherwise};
     }
 };
+
+template <std::size_t N, std::size_t M>
+constexpr std::array<Input, N + M> joined(const std::array<Input, N>& a, const std::array<Input, M>& b) {
+    std::array<Input, N + M> all;
+    std::ranges::copy(b, std::ranges::copy(a, all.begin()).out);
+    return all;
+}
 
 // One of these, by its role.
 struct InputValue {

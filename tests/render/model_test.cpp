@@ -204,6 +204,14 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     EXPECT_FLOAT_EQ(coated.number("f0").value, 1 / 9.0f);
     EXPECT_FLOAT_EQ(coated.number("coat").value, 0.75f);
     EXPECT_FLOAT_EQ(coated.number("coat_roughness").value, 0.5f);
+    const MaterialDescription velvet =
+        material({{"extensions", {{"KHR_materials_sheen", {{"sheenColorFactor", {.5, .5, .5}}, {"sheenRoughnessFactor", .25}}}}}})
+            .materials.at(0);
+    EXPECT_EQ(velvet.type, "sheen");
+    EXPECT_NEAR(velvet.spectra.at("sheen.color").value(550), 0.5, 1e-3);
+    EXPECT_FLOAT_EQ(velvet.number("sheen.roughness").value, 0.25f);
+    EXPECT_EQ(material({{"extensions", {{"KHR_materials_sheen", {{"sheenRoughnessFactor", .25}}}}}}).materials.at(0).type,
+              "metallicroughness");  // of a black sheen nothing is seen
     const Json clear = {{"transmissionFactor", 1}};
     const SceneDescription pane = material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
                                             {"extensions", {{"KHR_materials_transmission", clear}}}});

@@ -121,6 +121,20 @@ inline std::vector<Example<MetallicRoughness>> examples() {
 }
 
 template <>
+inline std::vector<Example<Sheen>> examples() {
+    const Values& v = values();
+    static const MetallicRoughness cloth(v.falling, {.alpha = 0.8f}), white(v.white, {.alpha = 0.5f, .f0 = 0.2f}),
+        metal(v.rising, {.metallic = 1, .alpha = 0.1f, .coat = 0.5f, .coat_alpha = 0.2f}), black(v.black, {.f0 = 0, .f90 = 0});
+    static const Sheen::State velvet{cloth, &v.rising, 0.16f}, snow{white, &v.white, 0.64f}, dust{metal, &v.grey, 1},
+        fibres{black, &v.white, 0.04f}, none{cloth, &v.black, 0.3f};
+    return {{.name = "velvet", .scatters = Sheen(velvet)},
+            {.name = "white on white", .scatters = Sheen(snow)},
+            {.name = "dusty metal", .scatters = Sheen(dust)},
+            {.name = "fibres alone", .scatters = Sheen(fibres)},
+            {.name = "none", .scatters = Sheen(none)}};
+}
+
+template <>
 inline std::vector<Example<DiffuseTransmission>> examples() {
     const Values& v = values();
     return {{.name = "leaf", .scatters = DiffuseTransmission(v.half_rising, v.half_falling)},

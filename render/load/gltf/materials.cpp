@@ -10,10 +10,9 @@ namespace latent::render {
 namespace {
 
 constexpr std::string_view kKnownExtensions[] = {
-    "KHR_lights_punctual",   "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
-    "KHR_materials_ior",     "KHR_materials_specular",  "KHR_materials_transmission",
-    "KHR_materials_unlit",   "KHR_materials_volume",    "KHR_mesh_quantization",
-    "KHR_texture_transform", "KHR_xmp_json_ld"};
+    "KHR_lights_punctual",  "KHR_materials_clearcoat", "KHR_materials_emissive_strength", "KHR_materials_ior",
+    "KHR_materials_sheen",  "KHR_materials_specular",  "KHR_materials_transmission",      "KHR_materials_unlit",
+    "KHR_materials_volume", "KHR_mesh_quantization",   "KHR_texture_transform",           "KHR_xmp_json_ld"};
 
 LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback) {
     LinearRgb rgb = value.numbers(fallback);
@@ -71,7 +70,8 @@ void read_transmission(const GltfValue& material, const ModelColors& colors, dou
 // Where a texture gives a value, the factor scales the texture.
 void read_textures(const GltfValue& material, const std::array<double, 4>& base, GltfTextures& textures, GltfMaterial& out) {
     const GltfValue pbr = material["pbrMetallicRoughness"], color = pbr["baseColorTexture"],
-                    rough = pbr["metallicRoughnessTexture"], coat = material.extension("KHR_materials_clearcoat");
+                    rough = pbr["metallicRoughnessTexture"], coat = material.extension("KHR_materials_clearcoat"),
+                    sheen = material.extension("KHR_materials_sheen");
     const double brightest = std::max({base[0], base[1], base[2]});
     if (color.exists() && (base[0] != brightest || base[1] != brightest || base[2] != brightest))
         pbr["baseColorFactor"].warn("only its brightest component scales the texture");
@@ -89,6 +89,8 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
                              rough,
                              coat["clearcoatTexture"],
                              coat["clearcoatRoughnessTexture"],
+                             sheen["sheenColorTexture"],
+                             sheen["sheenRoughnessTexture"],
                              material["normalTexture"],
                              material["emissiveTexture"]};
     for (const GltfValue& info : all) {
@@ -101,6 +103,23 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
             info.warn("its texture coordinates are replaced by those of the first texture");
     }
     if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored, since occlusion is computed");
+}
+
+// Where its colour is not black.
+void read_sheen(const GltfValue& material, const ModelColors& colors, GltfTextures& textures, MaterialDescription& surface) {
+    const GltfValue sheen = material.extension("KHR_materials_sheen");
+    const LinearRgb rgb = rgb_of(sheen["sheenColorFactor"], {0, 0, 0});
+    const double brightest = std::ranges::max(rgb);
+    if (brightest == 0) return;
+    if (surface.type != "metallicroughness") return sheen.warn("is ignored, since the material transmits light");
+    surface.type = "sheen";
+    SpectrumInput& color = surface.spectra["sheen.color"] = colors.reflectance(rgb);
+    FloatInput& roughness = surface.numbers["sheen.roughness"] = fraction_of(sheen["sheenRoughnessFactor"], 0);
+    color.texture = textures.color(sheen["sheenColorTexture"], brightest);
+    if (color.is_textured() && std::ranges::min(rgb) != brightest)
+        sheen["sheenColorFactor"].warn("only its brightest component scales the texture");
+    roughness.texture =
+        textures.number(sheen["sheenRoughnessTexture"], PictureChannel::kAlpha, static_cast<double>(roughness.value));
 }
 
 // The base colour's alpha: the share of the surface that is there, or, by a mask, whether it is.
@@ -152,6 +171,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     } else if (transmitted > 0) {
         transmission.warn("is ignored, since the material is mostly opaque");
     }
+    read_sheen(material, colors, textures, surface);
     const bool is_matt = surface.type == "metallicroughness" && weight == 0 && surface.number("metallic").value == 0 &&
                          surface.number("coat").value == 0;
     if (is_matt || material.extension("KHR_materials_unlit").exists()) {
