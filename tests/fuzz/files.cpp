@@ -79,6 +79,7 @@ bool run_part(ByteSpan bytes) {
     develop::PictureOptions picture;
     picture.inputs = {path};
     picture.size = "24";
+    if (bytes.size() % 4 < 2) picture.filter = "box";  // a quarter of the time is in tables of the other
     picture.layers = {true, true, true, true};
     picture.memory = std::uint64_t{32} << 20;
     picture.threads = 1;
