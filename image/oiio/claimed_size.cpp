@@ -98,8 +98,8 @@ ClaimedSize exr_size(Front front) {
 
 }  // namespace
 
-ClaimedSize claimed_size(const std::filesystem::path& path) {
-    std::string bytes(kFront, '\0');
+ClaimedSize claimed_size(const std::filesystem::path& path, std::uint64_t file_bytes) {
+    std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(file_bytes, kFront)), '\0');
     std::ifstream in(path, std::ios::binary);
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));

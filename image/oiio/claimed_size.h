@@ -11,6 +11,6 @@ namespace latent::image {
 struct ClaimedSize {
     std::uint64_t width = 0, height = 0;
 };
-ClaimedSize claimed_size(const std::filesystem::path& path);
+ClaimedSize claimed_size(const std::filesystem::path& path, std::uint64_t file_bytes);
 
 }  // namespace latent::image

@@ -82,7 +82,7 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         errorfmt("{} x {} pixels do not fit into a file of its size", width, height);
         return false;
     };
-    const ClaimedSize claimed = claimed_size(path);
+    const ClaimedSize claimed = claimed_size(path, failed ? 0 : bytes);
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
     const std::string format = format_of(path);
     OIIO::ImageSpec file_spec;
