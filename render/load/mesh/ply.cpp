@@ -150,7 +150,9 @@ Result<Header> parse_header(std::string_view bytes) {
         } else if (line[0] == "element" && line.size() == 3) {
             Element element{.name = line[1]};
             const auto [stop, error] = std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
-            if (error != std::errc{} || stop != line[2].data() + line[2].size()) return wrong();
+            const auto is_same = [&](const Element& other) { return other.name == element.name; };
+            if (error != std::errc{} || stop != line[2].data() + line[2].size() || std::ranges::any_of(header.elements, is_same))
+                return wrong();
             header.elements.push_back(element);
         } else if (line[0] == "property" && !header.elements.empty()) {
             const bool list = line.size() == 5 && line[1] == "list";
