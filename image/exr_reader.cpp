@@ -200,6 +200,7 @@ Status ExrReader::File::find_blocks(int wanted_level) {
         const Rect& whole = image.data_window;
         image.data_window = image.display_window = {whole.x0, whole.y0, whole.x0 + width, whole.y0 + height};
     }
+    good = good && !image.data_window.empty() && image.block_width > 0 && image.block_height > 0;
     return good ? Status{} : Status{error(ErrorCode::kCorrupt, "header: ")};
 }
 
