@@ -37,7 +37,7 @@ Result<Profile> open_profile(const std::string& path, Bytes* bytes) {
     if (!profile)
         return Error{ErrorCode::kForeign,
                      path + ": is not an ICC profile; name an .icc or .icm file, or srgb, display-p3, rec2020 or adobe-rgb"};
-    const cmsColorSpaceSignature space = cmsGetColorSpace(profile.get());
+    const auto space = static_cast<std::uint32_t>(cmsGetColorSpace(profile.get()));  // the file's, whatever that is
     if (space != cmsSigRgbData && space != cmsSigCmykData)
         return Error{ErrorCode::kUnsupported, path + ": is neither an RGB nor a CMYK profile; others are not supported"};
     if (bytes != nullptr) {
