@@ -53,7 +53,7 @@ struct CameraDescription {
 struct MaterialDescription {
     std::string type = "diffuse";
     std::string name{};  // of MakeNamedMaterial; else empty
-    // What is not here is what the closure says.
+    // An input that is in none of these maps has the default of its closure.
     std::map<std::string, FloatInput, std::less<>> numbers{};
     std::map<std::string, SpectrumInput, std::less<>> spectra{};
     std::map<std::string, std::uint32_t, std::less<>> options{};  // flags, choices, counts
