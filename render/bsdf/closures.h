@@ -1,6 +1,9 @@
 // render/bsdf/closures.h: the list of closures.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <type_traits>
 #include <variant>
 
 #include "render/bsdf/closure.h"
@@ -18,7 +21,7 @@
 
 namespace latent::render {
 
-template <Closure... C>
+template <class... C>
 using ClosureList = std::variant<C...>;
 
 // Of surfaces, which light meets and leaves on sides.
@@ -42,5 +45,19 @@ struct Longer<ClosureList<C...>, More...> {
     using List = ClosureList<C..., More...>;
 };
 using AnyClosure = Longer<SurfaceClosure, Hair>::List;
+
+template <class C>
+constexpr bool is_sound() {
+    static_assert(Closure<C>, "it lacks one of the members that closure.h lists");
+    static_assert(are_sound(C::kInputs), "two of its inputs have one name, or a factor is no number among them");
+    return true;
+}
+template <class... C>
+constexpr bool are_sound(std::type_identity<ClosureList<C...>>) {
+    constexpr std::array names = {C::kName...};
+    return (... && is_sound<C>()) &&
+           std::ranges::all_of(names, [&](const auto& name) { return std::ranges::count(names, name) == 1; });
+}
+static_assert(are_sound(std::type_identity<AnyClosure>()), "two closures have one name");
 
 }  // namespace latent::render

@@ -15,20 +15,20 @@ namespace latent::render {
 
 enum class InputRole : std::uint8_t { kSpectrum, kNumber, kOption };  // an option: a flag, choice or count
 
-// One of the values that a closure is made of. Constant numbers and what textures give become the nearest value within low..high,
-// and what is no number the lowest; constant spectra stay as they are.
+// One of the values that a closure is made of. Numbers, values of textures and multiplied spectra become the nearest value within
+// low..high, NaN becomes the lowest. Other constant spectra stay as they are.
 struct Input {
     std::string_view name;
     InputRole role = InputRole::kSpectrum;
     float low = 0, high = 1;
-    float otherwise = 0;           // if the material does not have it; a spectrum is then black, or,
-    bool may_be_missing = false;   // if this, null
+    float otherwise = 0;           // a number or option that the material lacks; a spectrum is then black,
+    bool may_be_missing = false;   // or null
     bool is_index = false;         // of refraction: what passes is dispersed if it varies with wavelength
     bool is_alpha = false;         // of GGX facets, along local x or y
     std::string_view factor = {};  // the number, constant, that multiplies the spectrum
 
     static constexpr Input reflectance(std::string_view name) { return {.name = name}; }
-    static constexpr Input index(std::string_view name) { return {.name = name, .is_index = true}; }
+    static constexpr Input index(std::string_view name) { return {.name = name, .low = 1e-3f, .high = 1e3f, .is_index = true}; }
     static constexpr Input number(std::string_view name, float otherwise, float low, float high) {
         return {.name = name, .role = InputRole::kNumber, .low = low, .high = high, .otherwise = otherwise};
     }
@@ -47,6 +47,16 @@ constexpr std::array<Input, N + M> joined(const std::array<Input, N>& a, const s
     return all;
 }
 
+// Whether each name is there once, and each factor is a number.
+template <std::size_t N>
+constexpr bool are_sound(const std::array<Input, N>& inputs) {
+    return std::ranges::all_of(inputs, [&](const Input& input) {
+        const auto is_factor = [&](const Input& other) { return other.name == input.factor && other.role == InputRole::kNumber; };
+        return std::ranges::count(inputs, input.name, &Input::name) == 1 &&
+               (input.factor.empty() || std::ranges::any_of(inputs, is_factor));
+    });
+}
+
 // One of these, by its role.
 struct InputValue {
     const SampledSpectrum* spectrum = nullptr;
@@ -55,7 +65,7 @@ struct InputValue {
     std::uint32_t option = 0;
 };
 
-// What else a closure may depend on.
+// The place, for closures that depend on it.
 struct ClosureSite {
     SampledSpectra& spectra;  // of the sample: room for values, too
     std::uint32_t kept;       // the wavelength that a dispersed path keeps
@@ -64,17 +74,19 @@ struct ClosureSite {
     float across;  // of a ribbon: -1 to 1 along local y
 };
 
-// The inputs of closure C at a point, by name: values.number("exponent"). A name that is not in C::kInputs, or has another role,
-// does not compile.
+// The inputs of closure C at a point, by name: values.number("exponent"). A name that is not in C::kInputs does not compile, nor
+// one that has another role, nor `spectrum` of one that may be missing.
 template <class C>
 class Values {
  public:
-    template <InputRole role>
+    template <InputRole role, bool may_be_missing = false>
     struct Name {
         std::size_t index = 0;
         consteval Name(const char* name) {
             while (C::kInputs.at(index).name != name) ++index;
             if (C::kInputs[index].role != role) throw "another role";
+            if (C::kInputs[index].may_be_missing != may_be_missing)
+                throw "use find for a spectrum that may be missing, and only for it";
         }
     };
     using SpectrumName = Name<InputRole::kSpectrum>;
@@ -82,7 +94,7 @@ class Values {
     explicit Values(const ClosureSite& at) : site(at) {}
 
     const SampledSpectrum& spectrum(SpectrumName name) const { return *values_[name.index].spectrum; }
-    const SampledSpectrum* find(SpectrumName name) const { return values_[name.index].spectrum; }
+    const SampledSpectrum* find(Name<InputRole::kSpectrum, true> name) const { return values_[name.index].spectrum; }
     bool varies(SpectrumName name) const { return values_[name.index].varies; }
     float number(Name<InputRole::kNumber> name) const { return values_[name.index].number; }
     std::uint32_t option(Name<InputRole::kOption> name) const { return values_[name.index].option; }

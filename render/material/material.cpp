@@ -1,10 +1,12 @@
 #include "render/material/material.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <span>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
@@ -28,11 +30,12 @@ bool varies_with_wavelength(const color::Spectrum& eta) {
     return false;
 }
 
-// What an input is called in a description is what the closure calls it.
-[[maybe_unused]] bool are_known(const auto& described, std::span<const Input> inputs) {
-    return std::ranges::all_of(described, [&](const auto& item) {
-        return std::ranges::any_of(inputs, [&](const Input& input) { return input.name == item.first; });
-    });
+// Loaders name closures and their inputs as text: a slip there is found when the first such material is built.
+void check_names(const MaterialDescription& d, std::span<const Input> inputs, const auto& described, InputRole role) {
+    for (const auto& item : described) {
+        if (std::ranges::none_of(inputs, [&](const Input& input) { return input.name == item.first && input.role == role; }))
+            throw std::logic_error(fmt::format("material type \"{}\" has no such input: {}", d.type, item.first));
+    }
 }
 
 }  // namespace
@@ -44,8 +47,10 @@ Material::Material(const MaterialDescription& d, const Textures& textures, Spect
         (..., (C::kName == d.type ? void((make_ = &make<C>, inputs = C::kInputs)) : void()));
     };
     find_closure(std::type_identity<AnyClosure>());
-    assert(!is_mixture() || d.type == "mix");
-    assert(are_known(d.numbers, inputs) && are_known(d.spectra, inputs) && are_known(d.options, inputs));
+    if (is_mixture() && d.type != "mix") throw std::logic_error(fmt::format("no closure has the name \"{}\"", d.type));
+    check_names(d, inputs, d.numbers, InputRole::kNumber);
+    check_names(d, inputs, d.spectra, InputRole::kSpectrum);
+    check_names(d, inputs, d.options, InputRole::kOption);
     for (const Input& input : inputs) sources_.push_back(source(input, d, textures, library));
     is_textured_ |= is_mixture() || d.type == Hair::kName || !relief_.is_flat();
 }

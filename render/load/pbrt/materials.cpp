@@ -18,7 +18,7 @@ struct Reading {
     SceneTextures& textures;
     MaterialDescription& material;
 };
-// What reads one parameter of a material, or a few that belong together, into the inputs of its closure.
+// Reads one parameter of a material, or a few that belong together, into the inputs of its closure.
 using Part = std::function<void(const Reading&)>;
 
 // A number, or a texture of numbers.
@@ -57,7 +57,8 @@ Part share(const std::string& name, double otherwise) {
     };
 }
 
-// A warning, if two constant shares, times the number "scale", exceed 1 together at some wavelength.
+// Read after two shares, and "scale" if there is one: a warning, if the shares are constant and, times the scale, exceed 1
+// together at some wavelength.
 Part conserving(const std::string& a, const std::string& b) {
     return [=](const Reading& r) {
         const SpectrumInput &x = r.material.spectra.at(a), &y = r.material.spectra.at(b);
@@ -152,7 +153,7 @@ Part metal(const std::string& prefix = "") {
     };
 }
 
-// What scatters in a layer; nothing does without.
+// Of a layer; without one, nothing scatters in it.
 Part albedo() {
     return [](const Reading& r) {
         reflectance("albedo", 0, "layer.albedo")(r);
@@ -185,7 +186,7 @@ Part pigment() {
     };
 }
 
-// Phong's: what scatters evenly, what is in the lobe, how narrow that is, and one more.
+// Of Phong's two closures: the matt share, the share of the lobe, its exponent, and one more.
 std::vector<Part> glossy(const Part& more) {
     return {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), more, conserving("Kd", "Ks")};
 }
