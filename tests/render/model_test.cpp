@@ -216,6 +216,12 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     const SceneDescription pane = material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
                                             {"extensions", {{"KHR_materials_transmission", clear}}}});
     EXPECT_EQ(pane.materials.at(0).type, "thindielectric");
+    const MaterialDescription unlit =
+        material({{"pbrMetallicRoughness", {{"baseColorFactor", {.5, .5, .5, 1}}, {"metallicFactor", 0}}},
+                  {"extensions", {{"KHR_materials_transmission", clear}, {"KHR_materials_unlit", Json::object()}}}})
+            .materials.at(0);
+    EXPECT_EQ(unlit.type, "diffuse");
+    EXPECT_NEAR(unlit.spectra.at("reflectance").value(550), 0.5, 1e-3);
     const SceneDescription glass =
         material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
                   {"extensions",

@@ -162,6 +162,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     surface.numbers["f0"] = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
     surface.numbers["f90"] = static_cast<float>(weight);
 
+    const SpectrumInput base_color = surface.spectra["base_color"];
     const double transmitted =
         transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
     if (transmitted >= 0.5) {
@@ -175,7 +176,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     const bool is_matt = surface.type == "metallicroughness" && weight == 0 && surface.number("metallic").value == 0 &&
                          surface.number("coat").value == 0;
     if (is_matt || material.extension("KHR_materials_unlit").exists()) {
-        surface = {.name = surface.name, .spectra = {{"reflectance", surface.spectra["base_color"]}}};
+        surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
     }
     if (material.extension("KHR_materials_unlit").exists()) material.warn("an unlit material is rendered as a matt one");
     if (const GltfValue normal = material["normalTexture"]; normal.exists()) {
