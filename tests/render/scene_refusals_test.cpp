@@ -275,6 +275,8 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Film \"rgb\" \"float maxcomponentvalue\" 9", "", "1:12: Film: ignored: \"maxcomponentvalue\""},
              Case{"Film \"rgb\" \"float diagonal\" 24", "", "1:12: Film: ignored: \"diagonal\""},
              Case{"Camera \"perspective\" \"float shutterclose\" .5", "", "1:1: Camera: the time that the shutter is open"},
+             Case{"Camera \"perspective\" \"float latent:focaldistances\" [ 2 3 ]", "",
+                  "1:1: Camera: latent:focaldistances has no effect without lensradius"},
              Case{"Camera \"spherical\" \"float lensradius\" .5", "", "1:20: Camera: ignored: \"lensradius\""},
              Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is replaced by \"path\""},
              Case{"Integrator \"mlt\"", "", "1:1: Integrator \"mlt\""},

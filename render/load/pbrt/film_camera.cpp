@@ -42,6 +42,7 @@ void read_chromatic_aberration(const ParameterList& list, CameraDescription& cam
     if (ends.size() != 2) return list.error(*p, "must be two distances, those of 360 nm and of 830 nm");
     if (!(std::min(ends[0], ends[1]) >= 1e-6) || !(std::max(ends[0], ends[1]) <= 1e30))
         return list.error(*p, "both distances must be between 1e-06 and 1e+30");
+    if (camera.lens_radius == 0) list.warn("Camera: latent:focaldistances has no effect without lensradius");
     camera.focal_distance = (ends[0] + ends[1]) / 2;
     camera.focal_slope = (ends[1] - ends[0]) / (830 - 360);
 }
