@@ -8,6 +8,8 @@ import numpy as np
 
 import latent
 
+if len(sys.argv) != 5:
+    sys.exit(__doc__)
 path, (u, v, size) = sys.argv[1], map(float, sys.argv[2:5])
 half = size / 2
 pixel = latent.open(path).read(

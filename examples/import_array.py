@@ -15,7 +15,9 @@ import latent
 
 XYZ_FROM_SRGB = np.array([[0.4123908, 0.3575843, 0.1804808], [0.2126390, 0.7151687, 0.0721923], [0.0193308, 0.1191948, 0.9505322]])
 
-dump, name = sys.argv[1:3]
+if len(sys.argv) != 3:
+    sys.exit(__doc__)
+dump, name = sys.argv[1:]
 with open(dump, "rb") as file:
     job_id = hashlib.file_digest(file, "md5").hexdigest()  # of everything that shapes a record: here, that is the dump
 arrays = np.load(dump)

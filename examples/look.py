@@ -8,6 +8,8 @@ import numpy as np
 
 import latent
 
+if len(sys.argv) not in (3, 5):
+    sys.exit(__doc__)
 path, picture = sys.argv[1:3]
 layers = latent.develop_layers(path, layers=["variance"])
 xyz = np.stack([layers[name] for name in "RGB"], -1)

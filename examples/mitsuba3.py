@@ -20,6 +20,8 @@ def columns(array, k):
 
 
 mi.set_variant("llvm_ad_spectral")
+if len(sys.argv) not in (3, 4):
+    sys.exit(__doc__)
 path, name = sys.argv[1:3]
 spp = int(sys.argv[3]) if len(sys.argv) > 3 else 16
 scene = mi.load_file(path)
