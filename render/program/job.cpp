@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/size.h"
 #include "render/program/make_integrator.h"
 #include "render/program/more_than.h"
 #include "render/program/simd.h"
@@ -137,10 +138,9 @@ std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, s
                                    ? fmt::format("; use --run-samples {} for every shard to give each some work", shorter)
                                    : "";
     return fmt::format(
-        "--shard {}/{}: {} of {} shards are empty{}: {} samples make only {} run{} of up to {}, and runs are not divided{}",
-        shard.index, shard.count, shard.count - runs, shard.count,
-        shard_of(all, shard, run_samples).empty() ? ", including this one" : "", all.size(), runs, runs == 1 ? "" : "s",
-        run_samples, advice);
+        "--shard {}/{}: {} of {} shards are empty{}: {} samples make only {} of up to {}, and runs are not divided{}", shard.index,
+        shard.count, shard.count - runs, shard.count, shard_of(all, shard, run_samples).empty() ? ", including this one" : "",
+        all.size(), counted(runs, "run"), run_samples, advice);
 }
 
 }  // namespace

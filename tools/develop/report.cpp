@@ -64,9 +64,8 @@ std::string to_text(const PictureReport& r) {
         fmt::format("{}: {} x {} pixels of {} x {}, {}, {}; {} camera and {} light records, samples {}\n", r.output, r.crop.width(),
                     r.crop.height(), r.width, r.height, r.filter, r.observer.empty() ? "in spectral bins" : r.observer,
                     c.camera_records, c.light_records, to_string(r.coverage));
-    text += fmt::format("read {} of {} in {}, {} region{}, decode factor {:.2f}\n", format_size(r.bytes_read),
-                        format_size(r.bytes_stored), format_duration(r.seconds), c.regions, c.regions == 1 ? "" : "s",
-                        c.decode_factor());
+    text += fmt::format("read {} of {} in {}, {}, decode factor {:.2f}\n", format_size(r.bytes_read), format_size(r.bytes_stored),
+                        format_duration(r.seconds), counted(c.regions, "region"), c.decode_factor());
     if (r.coverage.size() < r.available)
         text += fmt::format("a preview of {:.2g} % of the samples\n",
                             100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));

@@ -243,7 +243,7 @@ std::string to_text(const FileInfo& info) {
     if (!info.contents.header.provenance_json.empty()) line("origin", start_of(info.contents.header.provenance_json));
     if (!info.contents.footer_provenance.empty()) {
         const std::size_t parts = count_parts(info.contents.footer_provenance);
-        line("merged", parts > 0 ? fmt::format("from {} part{} (--json lists them)", parts, parts == 1 ? "" : "s")
+        line("merged", parts > 0 ? fmt::format("from {} (--json lists them)", counted(parts, "part"))
                                  : start_of(info.contents.footer_provenance));
     }
     for (const std::string& reason : info.left_out()) line("damaged", reason);

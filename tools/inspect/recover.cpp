@@ -96,7 +96,7 @@ std::string to_text(const RecoverReport& report) {
         text += fmt::format("{}: the last {} are from an interrupted write\n", shown_name(report.input),
                             format_size(report.unfinished_tail));
     }
-    text += fmt::format("{}: {} run{}, samples {}, {}\n", report.output.string(), report.runs, report.runs == 1 ? "" : "s",
+    text += fmt::format("{}: {}, samples {}, {}\n", report.output.string(), counted(report.runs, "run"),
                         report.kept.empty() ? "none" : to_string(report.kept), format_size(report.bytes));
     if (!report.lost.empty()) text += fmt::format("lost: samples {}\n", to_string(report.lost));
     if (report.lost_anything() && report.lost.empty()) text += "lost: unknown samples, or none\n";

@@ -168,13 +168,12 @@ std::string place_of(const Violation& violation) {
 std::string to_text(const VerifyReport& report) {
     std::string text;
     for (const std::string& damage : report.damage) text += fmt::format("{}: {}\n", shown_name(report.path), damage);
-    const auto s = [](std::uint64_t count) { return count == 1 ? "" : "s"; };
-    text += fmt::format("{}: {}: {} run{}, {} page{}, {} record{}, {} ({} checked)\n", shown_name(report.path),
+    text += fmt::format("{}: {}: {}, {}, {}, {} ({} checked)\n", shown_name(report.path),
                         !report.damage.empty()          ? "DAMAGED"
                         : report.violations.count() > 0 ? "readable, but VIOLATES THE FORMAT"
                         : report.strict                 ? "sound, and follows the format"
                                                         : "sound",
-                        report.runs, s(report.runs), report.pages, s(report.pages), report.records, s(report.records),
+                        counted(report.runs, "run"), counted(report.pages, "page"), counted(report.records, "record"),
                         format_size(report.size), what_was_looked_at(report.level));
     if (!report.finished && is_attempt(report.path)) {
         text += fmt::format("{}: not finished", shown_name(report.path));
