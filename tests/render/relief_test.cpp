@@ -221,5 +221,18 @@ TEST(ColorSpaces, Aces2065WhiteIsWhite) {
     EXPECT_GT(green, 0.4);
 }
 
+TEST(ColorSpaces, APictureOfTheSkyIsSrgbInEveryOne) {
+    const Folder folder;
+    folder.write("sky.pfm", "PF\n1 1\n-1.0\n" + std::string(12, '\x3f'));
+    const auto light = [&](const std::string& before) {
+        const Result<LoadedScene> scene = load_scene(
+            folder.write("room.pbrt", before + "WorldBegin\nLightSource \"infinite\" \"string filename\" \"sky.pfm\"\n"));
+        EXPECT_TRUE(scene) << scene.error().message;
+        return scene->description.lights[0].spectrum;
+    };
+    const color::Spectrum srgb = light(""), aces = light("ColorSpace \"aces2065-1\"\n");
+    for (const double nm : {400., 450., 555., 650.}) EXPECT_EQ(srgb(nm), aces(nm)) << nm;
+}
+
 }  // namespace
 }  // namespace latent::render

@@ -16,9 +16,10 @@ std::optional<double> positive(const ParameterList& list, std::string_view name)
     return value && *value > 0 ? value : std::nullopt;
 }
 
-// What the colours of a picture multiply.
+// What the colours of a picture multiply. They are in a space of their own, whatever that of the scene's colours.
 color::Spectrum illuminant_of_picture(const ParameterList& list, SceneSpectra& spectra) {
-    return spectra.emission(list, "latent:illuminant");
+    return SceneSpectra::is_given(list, "latent:illuminant") ? spectra.emission(list, "latent:illuminant")
+                                                             : SceneSpectra::white_of_pictures();
 }
 // Without a picture, L is the light.
 void refuse_illuminant(const ParameterList& list) {

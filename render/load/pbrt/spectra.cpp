@@ -79,6 +79,10 @@ color::Spectrum SceneSpectra::unbounded(const std::array<double, 3>& value) {
 
 color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }
 
+color::Spectrum SceneSpectra::white_of_pictures() {
+    return color::illuminant_d65().scaled(1 / color::photometric_sum(color::illuminant_d65()));
+}
+
 std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std::string_view name, SpectrumRole role) {
     const Parameter* p = parameter(list, name);
     if (p == nullptr) return std::nullopt;

@@ -29,7 +29,8 @@ class SceneSpectra {
     std::optional<color::Spectrum> find(const ParameterList& list, std::string_view name, SpectrumRole role);
     // An emission, normalised as AreaLightDescription says; the colour space's white if the parameter is not there.
     color::Spectrum emission(const ParameterList& list, std::string_view name);
-    color::Spectrum white();  // normalised illuminant of the colour space
+    color::Spectrum white();                     // normalised illuminant of the colour space
+    static color::Spectrum white_of_pictures();  // the same of sRGB, which pictures are brought into
     // Of an rgb in the colour space.
     color::Spectrum spectrum_of(const color::Rgb& rgb, SpectrumRole role);
     // The same for voxels: what SpectralVoxels holds.
