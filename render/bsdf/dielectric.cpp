@@ -33,6 +33,7 @@ void Dielectric::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, Sam
     } else {
         const float t = 1 - fresnel_dielectric(cosine, eta);
         value *= t * dg * cosine * refraction_jacobian(w_camera, w_light, m, eta) / (std::abs(w_camera.z) * eta * eta);
+        if (transmittance_ != nullptr) value *= *transmittance_;
     }
 }
 
@@ -74,6 +75,7 @@ bool Dielectric::sample_smooth(const Vec3f& wo, float u_lobe, ClosureSample& out
         return true;
     }
     if (!refract(wo, Vec3f{0, 0, wo.z > 0 ? 1.0f : -1.0f}, eta, out.wi)) return false;
+    if (transmittance_ != nullptr) weight *= *transmittance_;
     out.eta2 = eta * eta;
     out.probability = 1 - f;
     out.probability_reverse = (1 - f) * c / (std::abs(out.wi.z) * out.eta2);  // per solid angle of its own side

@@ -10,19 +10,27 @@ namespace latent::render {
 class Dielectric {
  public:
     static constexpr std::string_view kName = "dielectric";
-    static constexpr std::array kInputs = {Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y")};
+    static constexpr std::array kInputs = {Input::index("eta"), Input::alpha("alpha_x"), Input::alpha("alpha_y"),
+                                           Input{.name = "transmittance", .may_be_missing = true}};
     static constexpr bool kTransmits = true;
 
     explicit Dielectric(const Values<Dielectric>& v)
-        : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y")) {}
+        : Dielectric(v.spectrum("eta"), v.varies("eta"), v.site.kept, v.number("alpha_x"), v.number("alpha_y"),
+                     v.find("transmittance")) {}
     static bool is_isotropic(const Values<Dielectric>& v) { return v.number("alpha_x") == v.number("alpha_y"); }
     // `eta`, in each wavelength, is the index behind the surface over that before it, to where its normal points. Refraction by a
-    // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes.
-    Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y)
-        : eta_(&eta), eta_kept_(eta[kept]), facets_(Microfacets::of_alpha(alpha_x, alpha_y)), dispersive_(dispersive) {}
+    // `dispersive` one follows the `kept` wavelength alone, and so do the probabilities of its lobes. What is refracted is
+    // multiplied by `transmittance`, if there is one.
+    Dielectric(const SampledSpectrum& eta, bool dispersive, std::uint32_t kept, float alpha_x, float alpha_y,
+               const SampledSpectrum* transmittance = nullptr)
+        : eta_(&eta),
+          transmittance_(transmittance),
+          eta_kept_(eta[kept]),
+          facets_(Microfacets::of_alpha(alpha_x, alpha_y)),
+          dispersive_(dispersive) {}
 
     bool is_delta() const { return facets_.are_smooth() || (eta_kept_ == 1 && !dispersive_); }
-    SampledSpectrum albedo() const { return SampledSpectrum(1.0f); }
+    SampledSpectrum albedo() const { return transmittance_ ? *transmittance_ : SampledSpectrum(1.0f); }
     bool disperses(const Vec3f& w_camera, const Vec3f& w_light) const { return dispersive_ && w_camera.z * w_light.z < 0; }
     void multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const;
     float pdf_omega(const Vec3f& wo, const Vec3f& wi) const;
@@ -33,7 +41,7 @@ class Dielectric {
     // In each wavelength, for light that meets a facet at cosine c from the side of w.
     SampledSpectrum reflectance(const Vec3f& w, float c) const;
 
-    const SampledSpectrum* eta_;
+    const SampledSpectrum *eta_, *transmittance_;
     float eta_kept_;
     Microfacets facets_;
     bool dispersive_;

@@ -20,6 +20,7 @@ bool ThinDielectric::sample(const Vec3f& wo, float u_lobe, float, float, Closure
     out.wi = reflected ? Vec3f{-wo.x, -wo.y, wo.z} : -wo;
     out.delta = true;
     out.probability = out.probability_reverse = reflected ? r : 1 - r;
+    if (!reflected && transmittance_ != nullptr) weight *= *transmittance_;
     if (!dispersive_) return true;
     const SampledSpectrum reflectance = spectrum_of([&](std::uint32_t i) { return pane_reflectance(c, (*eta_)[i]); });
     if (reflected) {

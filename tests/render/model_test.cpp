@@ -216,6 +216,13 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     const SceneDescription pane = material({{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
                                             {"extensions", {{"KHR_materials_transmission", clear}}}});
     EXPECT_EQ(pane.materials.at(0).type, "thindielectric");
+    EXPECT_FALSE(pane.materials.at(0).spectra.contains("transmittance"));
+    const MaterialDescription tinted =
+        material({{"pbrMetallicRoughness", {{"baseColorFactor", {.5, .5, .5, 1}}, {"metallicFactor", 0}}},
+                  {"extensions", {{"KHR_materials_transmission", clear}, {"KHR_materials_volume", {{"thicknessFactor", 1}}}}}})
+            .materials.at(0);
+    EXPECT_EQ(tinted.type, "dielectric");
+    EXPECT_NEAR(tinted.spectra.at("transmittance").value(550), 0.5, 1e-3);
     const MaterialDescription unlit =
         material({{"pbrMetallicRoughness", {{"baseColorFactor", {.5, .5, .5, 1}}, {"metallicFactor", 0}}},
                   {"extensions", {{"KHR_materials_transmission", clear}, {"KHR_materials_unlit", Json::object()}}}})

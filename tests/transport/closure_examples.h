@@ -94,9 +94,12 @@ template <>
 inline std::vector<Example<Dielectric>> examples() {
     const auto glass = [](float alpha_x, float alpha_y) { return Dielectric(values().glass, false, 3, alpha_x, alpha_y); };
     const auto flint = [](std::uint32_t kept, float alpha) { return Dielectric(values().varying, true, kept, alpha, alpha); };
+    const auto tinted = [](float alpha) { return Dielectric(values().glass, false, 3, alpha, alpha, &values().falling); };
     return {{.name = "alpha 0.2", .scatters = glass(0.2f, 0.2f), .eta = 1.5},
             {.name = "alpha 0.5 x 0.25", .scatters = glass(0.5f, 0.25f), .eta = 1.5},
             {.name = "alpha 0.4, dispersive", .scatters = flint(5, 0.4f), .eta = 1.715, .kept = 5},
+            {.name = "alpha 0.3, tinted", .scatters = tinted(0.3f), .eta = 1.5},
+            {.name = "smooth, tinted", .scatters = tinted(0), .eta = 1.5},
             {.name = "smooth", .scatters = glass(0, 0), .eta = 1.5, .loses_nothing = true},
             {.name = "smooth, dispersive", .scatters = flint(9, 0), .eta = 1.727, .kept = 9, .loses_nothing = true}};
 }
@@ -104,6 +107,7 @@ inline std::vector<Example<Dielectric>> examples() {
 template <>
 inline std::vector<Example<ThinDielectric>> examples() {
     return {{.name = "pane", .scatters = ThinDielectric(values().glass, false, 0), .loses_nothing = true},
+            {.name = "tinted pane", .scatters = ThinDielectric(values().varying, true, 9, &values().falling)},
             {.name = "dispersive pane", .scatters = ThinDielectric(values().varying, true, 9), .loses_nothing = true}};
 }
 

@@ -310,6 +310,32 @@ TYPED_TEST(SurfaceLaws, NoLightLeaksThroughTiltedNormals) {
     }
 }
 
+// What a smooth surface lets through is its share without a tint times the tint; what it reflects is the same.
+template <class Glass>
+void expect_tinted(const Glass& clear, const Glass& tinted, const SampledSpectrum& tint) {
+    int passed = 0;
+    for (const Vec3f& wo : kDirections) {
+        for (const float u_lobe : {0.0f, 0.99f}) {
+            ClosureSample a, b;
+            SampledSpectrum clear_weight(1.0f), weight(1.0f);
+            ASSERT_EQ(clear.sample(wo, u_lobe, 0, 0, a, clear_weight), tinted.sample(wo, u_lobe, 0, 0, b, weight));
+            EXPECT_EQ(a.wi, b.wi);
+            EXPECT_EQ(a.probability, b.probability);
+            const bool through = a.wi.z * wo.z < 0;
+            passed += through;
+            for (std::uint32_t i = 0; i < kMaxWavelengths; ++i)
+                EXPECT_FLOAT_EQ(weight[i], clear_weight[i] * (through ? tint[i] : 1));
+        }
+    }
+    EXPECT_GT(passed, 2);
+}
+
+TEST(Dielectrics, TintWhatTheyTransmit) {
+    const Values& v = values();
+    expect_tinted(Dielectric(v.glass, false, 3, 0, 0), Dielectric(v.glass, false, 3, 0, 0, &v.falling), v.falling);
+    expect_tinted(ThinDielectric(v.varying, true, 9), ThinDielectric(v.varying, true, 9, &v.falling), v.falling);
+}
+
 // A pane gives back R' = R + T^2 R / (1 - R^2) and lets the rest through, at each wavelength by its own index.
 TEST(ThinDielectric, ReflectsEachWavelengthByItsIndex) {
     const SampledSpectrum& eta = values().varying;

@@ -167,8 +167,8 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
         transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
     if (transmitted >= 0.5) {
         if (transmitted < 1) transmission.warn("is rendered as glass that transmits everything");
-        if (base[0] != 1 || base[1] != 1 || base[2] != 1) pbr["baseColorFactor"].warn("does not tint what the material transmits");
         read_transmission(material, colors, index > 0 ? index : 1.5, out);
+        if (base_color.is_textured() || base[0] != 1 || base[1] != 1 || base[2] != 1) surface.spectra["transmittance"] = base_color;
     } else if (transmitted > 0) {
         transmission.warn("is ignored, since the material is mostly opaque");
     }
