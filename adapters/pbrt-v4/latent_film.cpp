@@ -58,6 +58,7 @@ LatentFilm* LatentFilm::Create(const ParameterDictionary& parameters, Float expo
     FilmBaseParameters base(parameters, filter, sensor, loc);
     std::string samplesName = parameters.GetOneString("samples", RemoveExtension(base.filename) + ".latent");
     int precision = parameters.GetOneInt("precision", 23);
+    bool wholeNm = parameters.GetOneBool("wholenm", false);
 
     // Filters are chosen when a picture is developed; until then, samples lie where they fall.
     const BoxFilter* box = filter.CastOrNullptr<BoxFilter>();
@@ -68,15 +69,16 @@ LatentFilm* LatentFilm::Create(const ParameterDictionary& parameters, Float expo
         ErrorExit(loc, "Film \"latent\" renders the whole film; choose a crop with latent-develop.");
     if (precision < 1 || precision > 23) ErrorExit(loc, "\"integer precision\": %d is not in 1 to 23.", precision);
     return alloc.new_object<LatentFilm>(base, colorSpace, maxComponentValue, writeFP16, imagingRatio, samplesName, precision,
-                                        alloc);
+                                        wholeNm, alloc);
 }
 
 LatentFilm::LatentFilm(FilmBaseParameters p, const RGBColorSpace* colorSpace, Float maxComponentValue, bool writeFP16,
-                       Float imagingRatio, std::string samplesName, int precision, Allocator alloc)
+                       Float imagingRatio, std::string samplesName, int precision, bool wholeNm, Allocator alloc)
     : RGBFilm(p, colorSpace, maxComponentValue, writeFP16, alloc),
       imagingRatio(imagingRatio),
       samplesName(std::move(samplesName)),
       precision(precision),
+      wholeNm(wholeNm),
       id([] {
           static std::atomic<uint64_t> films{0};
           return ++films;
@@ -130,7 +132,9 @@ void LatentFilm::Append(Batch& batch, uint8_t recordClass, double x, double y, c
     int n = 0;
     const SampledSpectrum pdf = lambda.PDF();
     for (int i = 0; L && i < NSpectrumSamples; ++i) {
-        if (pdf[i] != 0) sorted[n++] = {float(lambda[i]), float(imagingRatio * L[i] / (NSpectrumSamples * pdf[i]))};
+        if (pdf[i] == 0) continue;
+        const float nm = wholeNm ? float(std::lround(lambda[i])) : float(lambda[i]);
+        sorted[n++] = {nm, float(imagingRatio * L[i] / (NSpectrumSamples * pdf[i]))};
     }
     std::sort(sorted, sorted + n);
     batch.local.push_back(uint32_t(batch.samples));

@@ -18,6 +18,7 @@ class LatentFilm : public RGBFilm {
     // Parameters of its own, beside those of Film "rgb":
     //   string samples      the file; default: the name of the picture with the extension .latent
     //   integer precision   mantissa bits of values, 1 to 23; default: all 23
+    //   bool wholenm        wavelengths are rounded to whole nm, as pbrt's sensor rounds them; default: false
     static LatentFilm* Create(const ParameterDictionary& parameters, Float exposureTime, Filter filter,
                               const RGBColorSpace* colorSpace, const FileLoc* loc, Allocator alloc);
 
@@ -30,7 +31,7 @@ class LatentFilm : public RGBFilm {
     std::string ToString() const;
 
     LatentFilm(FilmBaseParameters p, const RGBColorSpace* colorSpace, Float maxComponentValue, bool writeFP16, Float imagingRatio,
-               std::string samplesName, int precision, Allocator alloc);
+               std::string samplesName, int precision, bool wholeNm, Allocator alloc);
     LatentFilm(const LatentFilm&) = delete;
     ~LatentFilm();
 
@@ -47,6 +48,7 @@ class LatentFilm : public RGBFilm {
     const Float imagingRatio;
     const std::string samplesName;
     const int precision;
+    const bool wholeNm;
     const uint64_t id;  // of this film in this process
     std::once_flag opened;
     latent_writer* writer = nullptr;
