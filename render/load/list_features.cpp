@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "render/load/gltf/materials.h"
 #include "render/load/pbrt/features.h"
 
@@ -29,10 +31,15 @@ std::string paragraph(std::string_view name, const Words& words) {
 }  // namespace
 
 std::string list_features() {
-    std::string text = "pbrt-v4 (.pbrt)\n";
-    for (const PbrtFeature& feature : pbrt_features()) text += paragraph(feature.directive, feature.types);
-    text += "\nparameters beyond pbrt-v4 (docs/scenes.md, \"Extensions\")\n";
-    for (const PbrtFeature& extension : pbrt_extensions()) text += paragraph(extension.directive, extension.types);
+    std::string text = "pbrt-v4 (.pbrt)\n", own_types, parameters;
+    for (PbrtFeature feature : pbrt_features()) {
+        const auto own = std::ranges::stable_partition(feature.types, [](auto type) { return !type.starts_with("latent:"); });
+        text += paragraph(feature.directive, std::ranges::subrange(feature.types.begin(), own.begin()));
+        if (!own.empty()) own_types += paragraph(feature.directive, own);
+    }
+    for (const PbrtFeature& extension : pbrt_extensions()) parameters += paragraph(extension.directive, extension.types);
+    text += "\ntypes beyond pbrt-v4 (docs/scenes.md, \"Extensions\")\n" + own_types;
+    text += "\nparameters beyond pbrt-v4\n" + parameters;
     text += "\nglTF 2.0 (.gltf, .glb)\n" + paragraph("extensions", known_extensions());
     text += "\nWavefront OBJ (.obj, .mtl)\n";
     text += paragraph("geometry", std::initializer_list<std::string_view>{"v", "vt", "vn", "f", "mtllib", "usemtl"});

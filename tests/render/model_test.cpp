@@ -346,6 +346,8 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
     EXPECT_NEAR(glass.spectra.at("eta").value(550), 1.33, 1e-12);
     EXPECT_EQ(material("Tr 0.9\n").type, "dielectric");
     EXPECT_FLOAT_EQ(material("Pr 0.5\nPm 0.25\n").number("metallic").value, 0.25f);
+    testing::write_exr(folder_ / "rust.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    EXPECT_TRUE(material("illum 3\nPm 1\nmap_Kd rust.exr\n").spectra.at("base_color").is_textured());
 }
 
 TEST_F(Models, ObjCornersAreSharedAndPolygonsAreCut) {

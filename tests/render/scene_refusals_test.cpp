@@ -28,7 +28,8 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
         const char *text, *message;
     };
     for (const Case& c : {
-             Case{"Material \"velvet\"", "Material \"velvet\" is not supported"},
+             Case{"Material \"velvet\"", "Material \"velvet\" is not supported (diffuse, "},
+             Case{"Material \"conducter\"", "Material \"conducter\" is not supported; did you mean conductor"},
              Case{"Material \"diffuse\" \"texture reflectance\" \"t\"", "2:20: spectrum texture \"t\" is not defined anywhere"},
              Case{"Texture \"t\" \"float\" \"constant\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
                   "\"t\" is a float texture"},

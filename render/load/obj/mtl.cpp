@@ -62,7 +62,7 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
     } else if (b.roughness || b.metallic) {
         const double root = (b.ni - 1) / (b.ni + 1);
         surface.type = "metallicroughness";
-        surface.spectra = {{"base_color", is_mirror && b.metallic == 1 ? colors.reflectance(b.kd) : mapped(b.kd)}};
+        surface.spectra = {{"base_color", mapped(b.kd)}};
         surface.numbers = {{"roughness", static_cast<float>(b.roughness.value_or(0.5))},
                            {"metallic", static_cast<float>(b.metallic.value_or(0))},
                            {"f0", static_cast<float>(root * root)},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/near_names.h"
 #include "render/load/pbrt/materials.h"
 
 namespace latent::render {
@@ -46,7 +47,10 @@ std::string types_of(std::string_view directive) {
 }
 
 std::string unsupported(std::string_view directive, std::string_view type) {
-    return fmt::format("{} \"{}\" is not supported ({})", directive, type, types_of(directive));
+    const auto found = std::ranges::find(pbrt_features(), directive, &PbrtFeature::directive);
+    const std::string near = near_names(type, std::vector<std::string>(found->types.begin(), found->types.end()));
+    return fmt::format("{} \"{}\" is not supported{} ({})", directive, type,
+                       near.empty() ? "" : fmt::format("; did you mean {}?", near), types_of(directive));
 }
 
 }  // namespace latent::render

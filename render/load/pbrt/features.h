@@ -19,7 +19,7 @@ std::span<const PbrtFeature> pbrt_extensions();
 
 // "diffuse, conductor" of "Material".
 std::string types_of(std::string_view directive);
-// "Material "velvet" is not supported (diffuse, conductor)".
+// "Material "conducter" is not supported; did you mean conductor? (diffuse, conductor)".
 std::string unsupported(std::string_view directive, std::string_view type);
 
 }  // namespace latent::render
