@@ -13,6 +13,7 @@
 #include "render/bsdf/diffuse.h"
 #include "render/bsdf/diffuse_transmission.h"
 #include "render/bsdf/hair.h"
+#include "render/bsdf/measured.h"
 #include "render/bsdf/metallic_roughness.h"
 #include "render/bsdf/phong.h"
 #include "render/bsdf/phong_transmission.h"
@@ -36,7 +37,8 @@ using SurfaceClosure = ClosureList<  //
     Sheen,                           //
     DiffuseTransmission,             //
     CoatedDiffuse,                   //
-    CoatedConductor>;
+    CoatedConductor,                 //
+    Measured>;
 
 template <class List, class... More>
 struct Longer;

@@ -65,13 +65,16 @@ struct InputValue {
     std::uint32_t option = 0;
 };
 
-// The place, for closures that depend on it.
+class MeasuredTables;
+
+// The place, for closures that depend on it, and what is no input.
 struct ClosureSite {
     SampledSpectra& spectra;  // of the sample: room for values, too
     std::uint32_t kept;       // the wavelength that a dispersed path keeps
     Vec3f p;
     bool ribbon;
-    float across;  // of a ribbon: -1 to 1 along local y
+    float across;                              // of a ribbon: -1 to 1 along local y
+    const MeasuredTables* measured = nullptr;  // of a material that was measured
 };
 
 // The inputs of closure C at a point, by name: values.number("exponent"). A name that is not in C::kInputs does not compile, nor

@@ -41,7 +41,7 @@ void check_names(const MaterialDescription& d, std::span<const Input> inputs, co
 }  // namespace
 
 Material::Material(const MaterialDescription& d, const Textures& textures, SpectrumLibrary& library)
-    : mixed_(d.mixed), relief_(d, textures) {
+    : measured_(d.measured ? std::make_unique<const MeasuredTables>(d.measured) : nullptr), mixed_(d.mixed), relief_(d, textures) {
     std::span<const Input> inputs = kMixture;
     const auto find_closure = [&]<class... C>(std::type_identity<ClosureList<C...>>) {
         (..., (C::kName == d.type ? void((make_ = &make<C>, inputs = C::kInputs)) : void()));
@@ -114,7 +114,7 @@ std::uint32_t Material::chosen(const TexturePoint& point, const SampledSpectrum*
 
 template <Closure C>
 Bsdf Material::make(const Material& material, const SurfaceHit& hit, const TexturePoint& point, std::uint32_t kept) {
-    Values<C> values({*point.spectra, kept, hit.p, hit.ribbon, hit.ribbon ? hit.across : 0});
+    Values<C> values({*point.spectra, kept, hit.p, hit.ribbon, hit.ribbon ? hit.across : 0, material.measured_.get()});
     const auto evaluate = [&]<std::size_t I>() {
         constexpr const Input& kInput = C::kInputs[I];
         const Source& source = material.sources_[I];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "render/bsdf/bsdf.h"
@@ -55,7 +56,8 @@ class Material {
 
     bool is_textured_ = false, disperses_ = false;
     Bsdf (*make_)(const Material&, const SurfaceHit&, const TexturePoint&, std::uint32_t) = nullptr;
-    std::vector<Source> sources_;  // of the closure's inputs
+    std::vector<Source> sources_;                     // of the closure's inputs
+    std::unique_ptr<const MeasuredTables> measured_;  // null: it was not measured
     std::array<std::uint32_t, 2> mixed_;
     Relief relief_;
 };

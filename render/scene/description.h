@@ -17,6 +17,7 @@
 #include "color/rgb_basis.h"
 #include "color/spectrum.h"
 #include "render/math/vec.h"
+#include "render/scene/measured_brdf.h"
 #include "render/scene/source_location.h"
 #include "render/scene/texture.h"
 #include "render/scene/volume.h"
@@ -58,6 +59,7 @@ struct MaterialDescription {
     std::map<std::string, SpectrumInput, std::less<>> spectra{};
     std::map<std::string, std::uint32_t, std::less<>> options{};  // flags, choices, counts
     bool remap_roughness = false;                                 // where a texture gives a facet's alpha, it gives alpha squared
+    std::shared_ptr<const MeasuredBrdf> measured{};               // of a closure that is made of measurements
     FloatInput displacement{};                                    // along the normal, by a texture alone
     std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
     std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials

@@ -70,11 +70,25 @@ void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [type, name, numbers, spectra, options, remap_roughness, displacement, normal_map, mixed, location] = material;
+    auto& [type, name, numbers, spectra, options, remap_roughness, measured, displacement, normal_map, mixed, location] = material;
     visit(type, numbers, spectra, options, remap_roughness, displacement);
+    if (material.measured) visit(measured);
     visit.template index<TextureDescription>(normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);
+}
+
+template <class Visit>
+void each_field(Of<SquareTable> auto& square, Visit&& visit) {
+    auto& [width, height, values] = square;
+    visit(width, height, values);
+}
+
+template <class Visit>
+void each_field(Of<MeasuredBrdf> auto& brdf, Visit&& visit) {
+    auto& [content, phi, theta, lambda_nm, ndf, sigma, vndf, luminance, spectra] = brdf;
+    visit(content);  // all others follow from the file
+    visit.label(phi, theta, lambda_nm, ndf, sigma, vndf, luminance, spectra);
 }
 
 template <class Visit>

@@ -7,6 +7,7 @@
 #include "render/scene/content_hash.h"
 #include "render/scene/fields.h"
 #include "tests/render/scenes.h"
+#include "tests/transport/measured_examples.h"
 
 namespace latent::render {
 namespace {
@@ -138,6 +139,8 @@ class Mutation {
 // A scene with everything: two used entries in every table, and each optional field given once and left out once.
 SceneDescription everything(const Folder& folder) {
     testing::write_exr(folder / "sky.exr", 2, 2, std::vector<float>(12, 0.5f));
+    const Bytes metal = testing::MeasuredFile(testing::measured({.side = 2, .directions = 2})).bytes();
+    folder.write("metal.bsdf", {reinterpret_cast<const char*>(metal.data()), metal.size()});
     const Result<LoadedScene> scene = load_scene(folder.write("all.pbrt", R"(
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [.1 .2 .3] "rgb sigma_s" [.3 .2 .1] "float g" .5
 MakeNamedMedium "mist" "string type" "homogeneous" "rgb sigma_a" [.1 .1 .3] "rgb sigma_s" [.3 .3 .1]
@@ -156,6 +159,7 @@ Texture "a" "spectrum" "mix" "texture tex1" "b" "texture amount" "c"
 Texture "b" "spectrum" "scale" "rgb tex" [.1 .2 .3] "float scale" .5
 Texture "c" "float" "scale" "texture tex" "d"
 Texture "d" "float" "constant" "float value" .25
+MakeNamedMaterial "metal" "string type" "measured" "string filename" "metal.bsdf"
 MakeNamedMaterial "shiny" "string type" "phong" "texture Kd" "a" "texture exponent" "c"
 ObjectBegin "a"
   NamedMaterial "glass"
@@ -181,6 +185,8 @@ AttributeBegin
   Shape "trianglemesh" "point3 P" [0 0 0  2 0 0  0 1 0]
 AttributeEnd
 Shape "disk" "texture alpha" "c"
+NamedMaterial "metal"
+Shape "disk"
 )"));
     EXPECT_TRUE(scene) << scene.error().message;
     return scene->description;

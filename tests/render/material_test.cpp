@@ -9,6 +9,7 @@
 
 #include "render/load/pbrt/materials.h"
 #include "tests/render/scenes.h"
+#include "tests/transport/measured_examples.h"
 
 namespace latent::render {
 namespace {
@@ -24,11 +25,15 @@ class MaterialTest : public ::testing::Test {
 };
 
 TEST_F(MaterialTest, EveryTypeOfThePbrtFormatIsMadeOfInputsOfItsClosure) {
-    std::vector<std::string> texts = {R"("phong" "string latent:lobe" "retro")", R"("conductor" "string latent:lobe" "retro")",
+    const testing::Folder folder;
+    const Bytes metal = testing::MeasuredFile(testing::measured({.side = 2, .directions = 2})).bytes();
+    folder.write("metal.bsdf", {reinterpret_cast<const char*>(metal.data()), metal.size()});
+    std::vector<std::string> texts = {fmt::format(R"("measured" "string filename" "{}")", (folder / "metal.bsdf").string()),
+                                      R"("phong" "string latent:lobe" "retro")", R"("conductor" "string latent:lobe" "retro")",
                                       R"("coateddiffuse" "spectrum albedo" [360 0.5 830 0.5])",
                                       R"("hair" "spectrum reflectance" [360 0.5 830 0.5])"};
     for (const std::string_view type : material_types()) {
-        if (type != "mix" && type != "interface") texts.push_back(fmt::format("\"{}\"", type));
+        if (type != "mix" && type != "interface" && type != "measured") texts.push_back(fmt::format("\"{}\"", type));
     }
     for (const std::string& text : texts) {
         const Result<LoadedScene> scene = testing::load_world("Material " + text + "\nShape \"sphere\"\n");

@@ -88,6 +88,7 @@ const std::vector<Option> kMaterials = {
     {"glossy transmission",
      "Material \"latent:phongtransmission\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" "
      "40 \"float eta\" 1.3\n"},
+    {"measured", "Material \"measured\" \"string filename\" \"metal.bsdf\"\n"},
     {"phong", "Material \"phong\" \"spectrum Kd\" [360 0.5 830 0.2] \"spectrum Ks\" [360 0.3 830 0.7] \"float exponent\" 40\n"},
 };
 const std::vector<Option> kCameras = {

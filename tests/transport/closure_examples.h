@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/transport/scattering.h"
+#include "tests/transport/measured_examples.h"
 
 namespace latent::render::testing {
 
@@ -209,6 +210,24 @@ inline std::vector<Example<CoatedConductor>> examples() {
             {.name = "dispersive on alpha 0.4", .scatters = CoatedConductor(rough_flint), .kept = 5},
             {.name = "scattering on mirror", .scatters = CoatedConductor(foggy)},
             {.name = "all rough, scattering", .scatters = CoatedConductor(paint)}};
+}
+
+template <>
+inline std::vector<Example<Measured>> examples() {
+    static const Wavelengths wavelengths = [] {
+        Wavelengths w;
+        w.k = kMaxWavelengths;
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) w.lambda_nm[i] = 365 + 14 * static_cast<float>(i);
+        return w;
+    }();
+    const auto tables = [](const MeasuredMetal& metal) {
+        return MeasuredTables(std::make_shared<const MeasuredBrdf>(measured(metal)));
+    };
+    static const MeasuredTables
+        metal = tables({.k = 2, .tilt = 0.1f}),
+        brushed = tables({.alpha_x = 0.25f, .alpha_y = 0.6f, .k = 2, .tilt = 0.1f, .side = 32, .directions = 6, .turns = 13});
+    return {{.name = "alpha 0.4", .scatters = Measured(metal, wavelengths)},
+            {.name = "alpha 0.25 x 0.6", .scatters = Measured(brushed, wavelengths)}};
 }
 
 // What typed tests run over.

@@ -12,6 +12,7 @@
 #include "render/world/world.h"
 #include "tests/render/scenes.h"
 #include "tests/support/paths.h"
+#include "tests/transport/measured_examples.h"
 
 namespace latent::render::testing {
 
@@ -41,7 +42,7 @@ inline Scene scene_of(Result<LoadedScene> loaded) {
 }
 // `text` is a whole .pbrt file.
 inline Scene scene_from(const std::string& text) { return scene_of(load(text)); }
-// The same beside "sky.exr", 8 x 8 pixels: a coloured sky with a warm sun about its +z.
+// The same beside "sky.exr", 8 x 8 pixels: a coloured sky with a warm sun about its +z, and "metal.bsdf", a measured metal.
 inline Scene scene_under_sky(const std::string& text) {
     const Folder folder;
     std::vector<float> rgb;
@@ -52,6 +53,9 @@ inline Scene scene_under_sky(const std::string& text) {
         rgb.insert(rgb.end(), {sun ? 12.0f : 0.2f, sun ? 9.0f : green, sun ? 6.0f : blue});
     }
     write_exr(folder / "sky.exr", 8, 8, rgb);
+    static const Bytes metal =
+        MeasuredFile(measured({.alpha_x = 0.25f, .alpha_y = 0.4f, .side = 24, .directions = 6, .turns = 9})).bytes();
+    folder.write("metal.bsdf", {reinterpret_cast<const char*>(metal.data()), metal.size()});
     return scene_of(load_scene(folder.write("room.pbrt", text)));
 }
 // The text of a scene whose camera and everything else stand `distance` further along each axis.

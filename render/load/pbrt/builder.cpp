@@ -167,7 +167,7 @@ void SceneBuilder::add_material(const Directive& d) {
         use.inside = static_cast<std::uint32_t>(scene_.media.size());
         scene_.media.push_back(read_subsurface(parameters, textures_));
     }
-    if (type) material = *type == "mix" ? read_mixture(parameters) : read_material(*type, parameters, textures_);
+    if (type) material = *type == "mix" ? read_mixture(parameters) : read_material(*type, parameters, textures_, files_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
         index = materials_.mention(d.strings[0], d.where, index);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include "color/named_spectra.h"
+#include "render/load/brdf/measured.h"
 #include "render/load/pbrt/features.h"
 
 namespace latent::render {
@@ -16,6 +18,7 @@ namespace {
 struct Reading {
     const ParameterList& list;
     SceneTextures& textures;
+    const SceneFiles& files;
     MaterialDescription& material;
 };
 // Reads one parameter of a material, or a few that belong together, into the inputs of its closure.
@@ -186,6 +189,19 @@ Part pigment() {
     };
 }
 
+// A file of the RGL database.
+Part measurement() {
+    return [](const Reading& r) {
+        const std::optional<std::string> name = r.list.string("filename");
+        if (!name) return r.list.error("filename: is required");
+        const Result<std::string> bytes = r.files.read(*name);
+        if (!bytes) return r.list.error(bytes.error().message);
+        const auto brdf = read_measured_brdf(std::as_bytes(std::span(*bytes)));
+        if (!brdf) return r.list.error(fmt::format("{}: {}", *name, brdf.error().message));
+        r.material.measured = *brdf;
+    };
+}
+
 // Of Phong's two closures: the matt share, the share of the lobe, its exponent, and one more.
 std::vector<Part> glossy(const Part& more) {
     return {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), more, conserving("Kd", "Ks")};
@@ -224,6 +240,7 @@ const std::vector<MaterialType>& types() {
         {"hair",
          {number("eta", 1.55, 1.0001, 10), number("beta_m", 0.3, 0, 1), number("beta_n", 0.3, 0, 1), number("alpha", 2, -45, 45),
           pigment()}},
+        {"measured", {measurement()}},
         {"subsurface", {constant_index("eta", 1.33), roughness()}, "dielectric"},  // what is below: read_subsurface
     };
     return table;
@@ -238,7 +255,8 @@ std::vector<std::string_view> material_types() {
     return names;
 }
 
-std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures) {
+std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
+                                                 const SceneFiles& files) {
     if (type == "interface") {
         list.report_unused();
         return std::nullopt;
@@ -249,7 +267,7 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         return std::nullopt;
     }
     MaterialDescription material{.type = found->closure, .location = list.directive().where};
-    for (const Part& read : found->parts) read({list, textures, material});
+    for (const Part& read : found->parts) read({list, textures, files, material});
     material.displacement.texture = textures.find_texture(list, "displacement").value_or(kNone);
     material.normal_map = textures.normal_map(list);
     if (material.displacement.is_textured() && material.normal_map != kNone) {

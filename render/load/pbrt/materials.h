@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/load/files/scene_files.h"
 #include "render/load/pbrt/parameters.h"
 #include "render/load/pbrt/spectra.h"
 #include "render/load/pbrt/textures.h"
@@ -18,6 +19,7 @@ namespace latent::render {
 // All that can be read, and "mix", which refers to others.
 std::vector<std::string_view> material_types();
 // Nothing: "interface", or an error was reported.
-std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures);
+std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
+                                                 const SceneFiles& files);
 
 }  // namespace latent::render
