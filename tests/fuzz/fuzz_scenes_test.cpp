@@ -3,6 +3,8 @@
 
 namespace latent::fuzz {
 
-std::vector<Target> all_targets() { return {pbrt(), gltf(), obj(), ply(), nanovdb(), picture(), spectrum(), csv(), expressions()}; }
+std::vector<Target> all_targets() {
+    return {pbrt(), gltf(), obj(), ply(), nanovdb(), picture(), spectrum(), measured(), csv(), expressions()};
+}
 
 }  // namespace latent::fuzz

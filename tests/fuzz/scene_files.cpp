@@ -1,10 +1,13 @@
-// Files that scenes name: pictures of textures and lights, and spectra.
+// Files that scenes name: pictures of textures and lights, spectra, and measured materials.
 #include <cmath>
 
 #include "image/pictures.h"
+#include "render/bsdf/measured.h"
+#include "render/load/brdf/measured.h"
 #include "render/load/files/pictures.h"
 #include "render/load/load_scene.h"
 #include "tests/fuzz/target.h"
+#include "tests/transport/measured_examples.h"
 
 namespace latent::fuzz {
 
@@ -72,9 +75,41 @@ std::vector<Bytes> spectrum_seeds() {
     return seeds;
 }
 
+bool run_measured(ByteSpan bytes) {
+    const auto brdf = render::read_measured_brdf(bytes);
+    if (!brdf) return false;
+    using namespace render;
+    const MeasuredTables tables(*brdf);
+    Wavelengths wavelengths;
+    wavelengths.k = 1;
+    std::fill_n(wavelengths.lambda_nm, kMaxWavelengths, 555.0f);
+    const Measured closure(tables, wavelengths);
+    require(closure.albedo().max() <= 1, "no more than all is reflected");
+    for (const Vec3f& wo : {Vec3f{0, 0, 1}, Vec3f{0.6f, 0, 0.8f}, Vec3f{-0.48f, 0.36f, -0.8f}}) {
+        for (const float u : {0.0f, 0.3f, 0.99999f}) {
+            ClosureSample sample;
+            SampledSpectrum value(1.0f);
+            if (!closure.sample(wo, 0, u, 1 - u, sample, value)) continue;
+            const float length2 = dot(sample.wi, sample.wi);
+            require(length2 > 0.99f && length2 < 1.01f, "directions have unit length");
+            require(closure.pdf_omega(wo, sample.wi) >= 0, "densities are not below 0");
+            closure.multiply_f_cos(wo, sample.wi, value);
+            require(value[0] >= 0, "light is not below 0");
+        }
+    }
+    return true;
+}
+
+std::vector<Bytes> measured_seeds() {
+    using render::testing::MeasuredFile;
+    return {MeasuredFile(render::testing::measured({.side = 4, .directions = 2})).bytes(),
+            MeasuredFile(render::testing::measured({.alpha_x = 0.2f, .side = 3, .directions = 2, .turns = 4})).bytes()};
+}
+
 }  // namespace
 
 Target picture() { return {"picture", run_picture, nullptr, false, 300, nullptr}; }
 Target spectrum() { return {"spectrum", run_spectrum, nullptr, true, 1000, spectrum_seeds}; }
+Target measured() { return {"measured", run_measured, nullptr, false, 3000, measured_seeds}; }
 
 }  // namespace latent::fuzz

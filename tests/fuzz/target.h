@@ -41,6 +41,7 @@ Target ply();
 // scene_files.cpp
 Target picture();
 Target spectrum();
+Target measured();
 // volumes.cpp
 Target nanovdb();
 // texts.cpp
