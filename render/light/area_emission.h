@@ -32,6 +32,13 @@ class AreaEmission {
     double extent() const {
         return std::numbers::pi * static_cast<double>(area_) * (two_sided_ ? 2 : 1) * mean_ * (2 / (exponent_ + 2.0));
     }
+    // In the same box as the light, which shines from a flat surface with normal n, or all about.
+    LightBounds flat(LightBounds out, const Vec3d& n) const {
+        out.point(n, 0, 0.25f);
+        out.both_sides = two_sided_;
+        out.concentration = (exponent_ + 2.0) / (2 * std::numbers::pi * (two_sided_ ? 2 : 1));
+        return out;
+    }
     bool shines(const Vec3f& ng, const Vec3f& d) const { return two_sided_ || dot(ng, d) > 0; }
 
     float pdf_position() const { return 1 / area_; }

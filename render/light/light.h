@@ -79,6 +79,16 @@ class Light {
     double extent() const {
         return visit([](const auto& light) { return light.extent(); });
     }
+    // Not of an infinite light.
+    LightBounds bounds() const {
+        return visit([](const auto& light) {
+            if constexpr (requires { light.bounds(); }) {
+                return light.bounds();
+            } else {
+                return LightBounds{};
+            }
+        });
+    }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const {
         return visit([&](const auto& light) { return light.sample_point(from, context, u, v, out); });
     }

@@ -17,7 +17,7 @@ const color::Spectrum& choice_weight() {
 }  // namespace
 
 LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, const Textures& textures, const SceneBall& ball,
-                   SpectrumLibrary& library) {
+                   SpectrumLibrary& library, LightChoice choice) {
     // The lights of one source in the scene share its spectrum: a mesh may be a million lights.
     struct Source {
         std::uint32_t id, spectrum;  // of the library
@@ -115,6 +115,44 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
     } else if (!power.empty()) {
         table_ = AliasTable(std::vector<double>(power.size(), 1));  // all of them black: any will do
     }
+    if (choice == LightChoice::kByPlace) plant(geometry.emitters(), power);
+}
+
+// `power`: each light's share of that of its kind. What stays of it is that of infinite lights.
+void LightSet::plant(const std::vector<Emitter>& emitters, std::vector<double>& power) {
+    std::vector<LightBounds> bounds(lights_.size());
+    std::vector<std::uint32_t> local;
+    bool sky = false;
+    for (std::uint32_t i = 0; i < lights_.size(); ++i) {
+        if (!(power[i] > 0)) continue;
+        sky |= lights_[i].is_infinite();
+        if (lights_[i].is_infinite()) continue;
+        local.push_back(i);
+        bounds[i] = lights_[i].bounds();
+        bounds[i].intensity = power[i] * bounds[i].concentration;
+        power[i] = 0;
+    }
+    const bool pair = local.size() == 2 && local[1] < emitters.size() && emitters[local[0]].shape == emitters[local[1]].shape;
+    if (local.size() < 2 || pair) return;
+    tree_ = LightTree(bounds);
+    if (sky) infinite_table_ = AliasTable(power);
+}
+
+ChosenLight LightSet::choose_by_place(Uniform u, const Vec3f& p, const LightSampleContext& context) const {
+    if (infinite_table_.size() == 0) return tree_.choose(u, p, context);
+    const bool lit = tree_.reaches(p, context);
+    if (lit && u.index(2) == 0) {
+        const ChosenLight chosen = tree_.choose(u.within(2), p, context);
+        return {chosen.light, 0.5f * chosen.probability};
+    }
+    const std::uint32_t i = infinite_table_.sample(lit ? u.within(2) : u);
+    return {i, (lit ? 0.5f : 1) * infinite_table_.probability(i)};
+}
+
+float LightSet::probability_by_place(std::uint32_t i, const Vec3f& p, const LightSampleContext& context) const {
+    if (infinite_table_.size() == 0) return tree_.probability(i, p, context);
+    if (!lights_[i].is_infinite()) return 0.5f * tree_.probability(i, p, context);
+    return (tree_.reaches(p, context) ? 0.5f : 1) * infinite_table_.probability(i);
 }
 
 }  // namespace latent::render

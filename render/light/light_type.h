@@ -8,6 +8,7 @@
 
 #include "render/bsdf/light_sample_context.h"
 #include "render/geometry/geometry.h"
+#include "render/light/light_bounds.h"
 #include "render/sampling/uniform.h"
 #include "render/sampling/warp.h"
 #include "render/spectral/spectra.h"
@@ -72,6 +73,11 @@ struct PointSource {
     Vec3f axis{};     // of a cone; unit
     float outer = 2;  // 1 - cos of the cone's half angle; 2: every direction
 
+    LightBounds bounds() const {
+        LightBounds out = LightBounds::from_ball(Vec3d(p), 0);
+        if (outer < 2) out.point(Vec3d(axis), angle_in_turns(1 - outer, std::sqrt(outer * (2 - outer))), 0);
+        return out;
+    }
     // LightType's, without what varies with direction.
     bool sample_point(const Vec3f& from, LightPoint& out) const {
         out.at = {p, 0, {}};
@@ -99,6 +105,7 @@ struct Emission {
 //   kIsDelta           a point or one direction: nothing can hit it by chance
 //   emission           `scale` and spectrum, for whoever weighs lights
 //   extent             power / (scale x spectrum) [m^2 sr, sr for points]: what of it counts when lights are chosen
+//   bounds             of a light that is not infinite: where and which way it shines; but for the intensity
 //   sample_point       draws a point for `from`; false: nothing of it can be seen from there
 //   pdf_omega          density [1/sr at `from`] with which sample_point ends there; 0 for delta lights
 //   sample_ray         draws a ray; u, v for the position, s, t for the direction
@@ -114,6 +121,9 @@ concept LightType = std::is_trivially_copyable_v<L> &&
     { L::kIsDelta } -> std::convertible_to<bool>;
     { light.emission() } -> std::same_as<const Emission&>;
     { light.extent() } -> std::same_as<double>;
+    requires L::kIsInfinite || requires {
+        { light.bounds() } -> std::same_as<LightBounds>;
+    };
     { light.sample_point(v, context, u, u, point) } -> std::same_as<bool>;
     { light.pdf_omega(v, context, hit) } -> std::same_as<float>;
     { light.sample_ray(u, u, u, u, ray) } -> std::same_as<void>;

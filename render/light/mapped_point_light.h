@@ -17,6 +17,7 @@ class MappedPointLight {
 
     const PointSource& source() const { return source_; }
     const Emission& emission() const { return emission_; }
+    LightBounds bounds() const { return source_.bounds(); }
     double extent() const { return map_->luminous_intensity(); }
     bool sample_point(const Vec3f& from, const LightSampleContext&, Uniform, Uniform, LightPoint& out) const {
         return source_.sample_point(from, out);

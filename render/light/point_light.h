@@ -13,6 +13,7 @@ class PointLight {
 
     const PointSource& source() const { return source_; }
     const Emission& emission() const { return emission_; }
+    LightBounds bounds() const { return source_.bounds(); }
     double extent() const { return 4 * std::numbers::pi; }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     float pdf_omega(const Vec3f&, const LightSampleContext&, const LightHit&) const { return 0; }

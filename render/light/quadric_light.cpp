@@ -11,6 +11,12 @@ Interaction QuadricLight::sample(Uniform u, Uniform v) const {
     return {p, 4e-7f * max_abs(p), Vec3f(n * ((shape_->flip_normal ? -1 : 1) / length(n)))};
 }
 
+LightBounds QuadricLight::bounds() const {
+    const LightBounds all_about = LightBounds::from_box(quadric_box(*shape_));
+    if (shape_->kind != ShapeKind::kDisk) return all_about;
+    return flat(all_about, normalize(shape_->to_world.normal({0, 0, shape_->flip_normal ? -1.0 : 1.0})));
+}
+
 bool QuadricLight::sample_point(const Vec3f& from, const LightSampleContext&, Uniform u, Uniform v, LightPoint& out) const {
     out.at = sample(u, v);
     out.falloff = 1;

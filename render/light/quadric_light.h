@@ -10,6 +10,7 @@ class QuadricLight : public AreaEmission {
     // The shape must outlive the light.
     QuadricLight(const ShapeDescription& shape, const AreaEmission& area) : AreaEmission(area), shape_(&shape) {}
 
+    LightBounds bounds() const;
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;
 

@@ -11,6 +11,7 @@ class SphereLight : public AreaEmission {
     SphereLight(const Emitter& emitter, const AreaEmission& area)
         : AreaEmission(area), center_(emitter.p), radius_(emitter.radius), inward_(emitter.inward) {}
 
+    LightBounds bounds() const { return LightBounds::from_ball(Vec3d(center_), static_cast<double>(radius_)); }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     float pdf_omega(const Vec3f& from, const LightSampleContext& context, const LightHit& hit) const;
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;

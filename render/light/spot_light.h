@@ -14,6 +14,11 @@ class SpotLight {
 
     const PointSource& source() const { return source_; }
     const Emission& emission() const { return emission_; }
+    LightBounds bounds() const {
+        LightBounds out = source_.bounds();
+        out.concentration = 1 / solid_angle_;
+        return out;
+    }
     double extent() const { return solid_angle_; }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     float pdf_omega(const Vec3f&, const LightSampleContext&, const LightHit&) const { return 0; }

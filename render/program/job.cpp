@@ -60,6 +60,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 constexpr std::uint64_t kAovTag = 0x616f760000000000;    // "aov"
 constexpr std::uint64_t kHolesTag = 0x686f6c6573320000;  // "holes2"
 constexpr std::uint64_t kMediaTag = 0x6d656469610000;    // "media"
+constexpr std::uint64_t kTreeTag = 0x74726565000000;     // "tree": where lights are chosen by place, records differ too
 
 // Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
 bool has_holes(const SceneDescription& scene) {
@@ -76,7 +77,7 @@ bool has_long_walks(const SceneDescription& scene, std::uint32_t max_depth) { re
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
 sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, const IntegratorSettings& settings,
-                       const sampledb::WavelengthDensity& density, const sampledb::Job& job) {
+                       const Integrator& integrator, const sampledb::Job& job) {
     Bytes bytes;
     ByteWriter writer(bytes);
     for (const std::uint64_t field :
@@ -92,11 +93,12 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
     if (settings.aovs.any()) writer.put(kAovTag | settings.aovs.mask());
     if (has_holes(scene)) writer.put(kHolesTag);
     if (has_long_walks(scene, settings.max_depth)) writer.put(kMediaTag);
+    if (integrator.has_light_tree()) writer.put(kTreeTag);
     if (!scene.textures.empty()) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
         writer.put(std::uint64_t{settings.textures.height});
     }
-    for (const sampledb::WavelengthDensity::Knot& knot : density.knots()) {
+    for (const sampledb::WavelengthDensity::Knot& knot : integrator.density().knots()) {
         writer.put(knot.lambda);
         writer.put(knot.cumulative);
     }
@@ -196,7 +198,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     job.positions = integrator_options.positions;
     if (settings.light_groups) job.extra = {{kLightGroupColumn, sampledb::ColumnType::kU8}};
     for (sampledb::ExtraColumnSpec& column : aov_columns(settings.aovs)) job.extra.push_back(std::move(column));
-    job.id = job_id(content, description, integrator_options, out->integrator->density(), job);
+    job.id = job_id(content, description, integrator_options, *out->integrator, job);
     if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
 
     out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});

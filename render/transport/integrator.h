@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "render/light/light_choice.h"
 #include "render/scene/description.h"
 #include "render/scene/light_groups.h"
 #include "render/texture/textures.h"
@@ -28,6 +29,7 @@ struct IntegratorSettings {
     std::uint64_t seed = 0;
     std::string simd = "sse4.2";  // of Geometry; no record depends on it
     TextureSettings textures{};
+    LightChoice light_choice = LightChoice::kByPlace;  // kByPower: what tests and benches compare with
     LightGroups light_groups{};
     AovSettings aovs{};
 };
@@ -51,6 +53,8 @@ class Integrator {
     virtual void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const = 0;
     // Of the wavelengths, from this scene's lights. Part of the job id; the headers of spectral jobs hold it.
     virtual const sampledb::WavelengthDensity& density() const = 0;
+    // Whether lights are chosen by place, which decides on records. Part of the job id.
+    virtual bool has_light_tree() const { return false; }
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
     // An error: what has been traced since the last call without one is wrong. Any thread.
     virtual Status status() const { return {}; }

@@ -81,7 +81,7 @@ class Path {
         SampledSpectrum value = beta_;
         if (!light.multiply_emission(hit.point(), -d_, sample_.spectra, value)) return;
         if (!delta_) {
-            const float light_pdf = lights_.probability(i) * light.pdf_omega(at_.p, context_, hit);
+            const float light_pdf = lights_.probability(i, at_.p, context_) * light.pdf_omega(at_.p, context_, hit);
             value *= power_heuristic(pdf_ * transmittance_, light_pdf);
         }
         camera_.add(value, dispersed_, sample_.kept, sample_.k(), light.id());
@@ -91,9 +91,9 @@ class Path {
         return {segment_.o, d_, segment_.length, light.p, light.axis, light.outer};
     }
 
-    // One vertex more on the segment, for the light of a point alone, at a distance drawn evenly in the angle at the light
-    // (equiangular). With p the density of the walk's own distances, the balance heuristic makes f / p_E into f / (p + p_E), and
-    // f / p in sample_light.
+    // One vertex more on the segment, for the light of a point alone, chosen by its power P, at a distance drawn evenly in the
+    // angle at the light (equiangular). With p the density of the walk's own distances and q the probability of the light in
+    // sample_light, the balance heuristic makes f / (P p_E) into f / (q p + P p_E), and so f / (q p) there.
     void sample_point_light(const Medium& medium, std::uint32_t again) {
         if (lights_.size() == 0) return;
         const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
@@ -109,18 +109,19 @@ class Path {
         const float walk_pdf = medium.scatter_at(segment_, t, sample_, value).density;
         LineOfSight line;
         if (!receive(at, medium.phase(at.p, sample_), lights_[i], point, medium_, value, line)) return;
-        value *= point.falloff / (lights_.probability(i) * (walk_pdf + equiangular.pdf(t)));
+        const float power = lights_.probability(i), place = lights_.probability(i, at.p, {});
+        value *= point.falloff / (power * (walk_pdf * (place / power) + equiangular.pdf(t)));
         camera_.add(value, dispersed_, sample_.kept, sample_.k(), lights_[i].id());
     }
 
     void sample_light(const Scattering& scattering) {
         if (lights_.size() == 0) return;  // media shine
-        const std::uint32_t i = lights_.choose(number(Dimension::kLight));
-        const Light& light = lights_[i];
+        const LightSampleContext context = scattering.light_sample_context(-d_);
+        const ChosenLight chosen = lights_.choose(number(Dimension::kLight), at_.p, context);
+        if (!(chosen.probability > 0)) return;
+        const Light& light = lights_[chosen.light];
         LightPoint point;
-        if (!light.sample_point(at_.p, scattering.light_sample_context(-d_), number(Dimension::kLightU), number(Dimension::kLightV),
-                                point))
-            return;
+        if (!light.sample_point(at_.p, context, number(Dimension::kLightU), number(Dimension::kLightV), point)) return;
         const Vec3f wo = -d_;
         const float scattering_pdf = scattering.pdf_omega(wo, point.wi);
         if (!(scattering_pdf > 0)) return;
@@ -128,10 +129,10 @@ class Path {
         const std::uint32_t medium = scattering.in_medium() ? medium_ : interface_.towards(point.wi, at_.ng, medium_);
         LineOfSight line;
         if (!receive(at_, scattering, light, point, medium, value, line)) return;
-        const float light_pdf = lights_.probability(i) * point.pdf_omega;
+        const float light_pdf = chosen.probability * point.pdf_omega;
         value *= point.falloff / light_pdf;
         if (const PointSource* source = light.point_source(); source != nullptr && scattering.in_medium()) {
-            const float pdf = equiangular_to(*source).pdf(step_.t);
+            const float pdf = equiangular_to(*source).pdf(step_.t) * (lights_.probability(chosen.light) / chosen.probability);
             value *= step_.density / (step_.density + pdf);
         }
         if (light.can_be_met()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);

@@ -20,11 +20,13 @@ void SubpathJoin::join_all(Connections connections) {
 void SubpathJoin::join_light(std::size_t i) {
     const SubpathVertex& z = camera_subpath_[i];
     if (!z.connectible() || lights_.size() == 0) return;
-    const std::uint32_t chosen = lights_.choose(camera_number(i - 1, Dimension::kLight));
-    const Light& light = lights_[chosen];
+    const LightSampleContext context = z.scattering.light_sample_context(z.wo);
+    const ChosenLight chosen = lights_.choose(camera_number(i - 1, Dimension::kLight), z.at.p, context);
+    if (!(chosen.probability > 0)) return;
+    const Light& light = lights_[chosen.light];
     LightPoint point;
-    if (!light.sample_point(z.at.p, z.scattering.light_sample_context(z.wo), camera_number(i - 1, Dimension::kLightU),
-                            camera_number(i - 1, Dimension::kLightV), point))
+    if (!light.sample_point(z.at.p, context, camera_number(i - 1, Dimension::kLightU), camera_number(i - 1, Dimension::kLightV),
+                            point))
         return;
     const float scattering_pdf = z.scattering.pdf_omega(z.wo, point.wi);
     if (!(scattering_pdf > 0)) return;
@@ -36,10 +38,11 @@ void SubpathJoin::join_light(std::size_t i) {
     const bool seen = light.is_infinite() ? world_.connect_infinite(z.at, point.wi, medium, sample_, value, line)
                                           : world_.connect(z.at, point.at, medium, sample_, value, line);
     if (!seen) return;
-    const float sampled = lights_.probability(chosen) * point.pdf_omega;
+    const float sampled = chosen.probability * point.pdf_omega;
     value *= point.falloff / sampled;
 
-    // Its light could have started a ray to z, with a density of its point that need not be the one drawn from here.
+    // Its light could have started a ray to z, with a density of its point that need not be the one drawn from here: nor need the
+    // light's own probability be.
     const float cosine = z.cosine_from(point.wi);
     float pdf_reverse = distance_pdf(z, line);
     if (light.is_infinite()) {
@@ -52,6 +55,7 @@ void SubpathJoin::join_light(std::size_t i) {
         const float to_area = abs_dot(point.at.ng, point.wi) / (point.distance * point.distance);
         pdf_reverse *= light.pdf_position() / (point.pdf_omega * to_area);
     }
+    pdf_reverse *= lights_.probability(chosen.light) / chosen.probability;
     const float hit = light.can_be_met() ? mis_term(scattering_pdf * line.transmittance, sampled, 1) : 0;
     const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
     value *= mis_weight(hit + mis_sum(camera_subpath_, i, pdf_reverse, previous_pdf_reverse));

@@ -162,9 +162,12 @@ bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, cons
 
 float SubpathWalk::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
     const Light& light = lights_[start_light_];
-    if (light.is_delta()) return 1;
-    const float pdf = light.pdf_omega(x.at.p, x.scattering.light_sample_context(x.wo), {-d, first.at.p, first.normal});
-    const float ratio = light.is_infinite() ? pdf / light.pdf_direction({}, d) : pdf * first.cosine(d) / d2 / light.pdf_position();
+    const LightSampleContext context = x.scattering.light_sample_context(x.wo);
+    float ratio = lights_.probability(start_light_, x.at.p, context) / lights_.probability(start_light_);
+    if (!light.is_delta()) {
+        const float pdf = light.pdf_omega(x.at.p, context, {-d, first.at.p, first.normal});
+        ratio *= light.is_infinite() ? pdf / light.pdf_direction({}, d) : pdf * first.cosine(d) / d2 / light.pdf_position();
+    }
     return ratio * ratio;
 }
 
@@ -184,10 +187,12 @@ void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineO
     const LightHit at{step.d, hit.p, hit.ng, hit.on.uv};
     if (!light.multiply_emission(at.point(), -step.d, sample_.spectra, value)) return;
     const SubpathVertex& last = camera_subpath_.back();
-    const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2,
-                probability = lights_.probability(hit.emitter);
-    add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance,
-                 probability * light.pdf_omega(last.at.p, {}, at) * to_area, probability * light.pdf_position(),
+    const LightSampleContext context = last.scattering.light_sample_context(last.wo);
+    const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2;
+    const float pdf_point =
+        lights_.probability(hit.emitter, last.at.p, context) * light.pdf_omega(last.at.p, context, at) * to_area;
+    add_emission(value, step, step.pdf * (step.parallel ? to_area * d2 : to_area) * line.transmittance, pdf_point,
+                 lights_.probability(hit.emitter) * light.pdf_position(),
                  light.pdf_direction(hit.ng, -step.d) * last.cosine_from(step.d) / d2 * distance_pdf(last, line), light.id());
 }
 
@@ -197,9 +202,9 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
         const Light& light = lights_[i];
         SampledSpectrum value = step.beta;
         if (!light.multiply_emission(LightHit{step.d, last.at.p}.point(), -step.d, sample_.spectra, value)) continue;
-        const float probability = lights_.probability(i),
-                    pdf_point = probability * light.pdf_omega(last.at.p, last.scattering.light_sample_context(last.wo), {step.d});
-        const float pdf_ray = probability * light.pdf_direction({}, -step.d);
+        const LightSampleContext context = last.scattering.light_sample_context(last.wo);
+        const float pdf_point = lights_.probability(i, last.at.p, context) * light.pdf_omega(last.at.p, context, {step.d});
+        const float pdf_ray = lights_.probability(i) * light.pdf_direction({}, -step.d);
         add_emission(value, step, step.pdf * line.transmittance, pdf_point, pdf_ray,
                      light.pdf_position() * last.cosine_from(step.d) * distance_pdf(last, line), light.id());
     }
