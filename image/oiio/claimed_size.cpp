@@ -16,6 +16,7 @@ class Front {
  public:
     explicit Front(std::string_view bytes) : left_(bytes) {}
     bool is_at_end() const { return left_.empty(); }
+    std::size_t left() const { return left_.size(); }
     void skip(std::size_t count) { left_.remove_prefix(std::min(count, left_.size())); }
     std::size_t big_endian(std::size_t bytes) {
         std::size_t value = 0;
@@ -67,21 +68,24 @@ std::uint64_t span(std::uint32_t first, std::uint32_t last) {
         std::max<std::int64_t>(std::int64_t{static_cast<std::int32_t>(last)} - static_cast<std::int32_t>(first) + 1, 0));
 }
 
-// The largest window or tile of all parts.
-ClaimedSize exr_size(Front front) {
-    front.skip(8);
+// The largest window or tile of all parts; `behind` bytes of the file follow the front.
+ClaimedSize exr_size(Front front, std::uint64_t behind) {
+    constexpr std::uint32_t kManyParts = 0x1000;
+    front.skip(4);
+    const int ends = (front.little_endian() & kManyParts) != 0 ? 2 : 1;  // empty names at the end of the headers
     ClaimedSize largest;
     const auto claim = [&](std::uint64_t width, std::uint64_t height) {
         if (static_cast<double>(width) * static_cast<double>(height) >
             static_cast<double>(largest.width) * static_cast<double>(largest.height))
             largest = {width, height};
     };
-    for (int empty = 0; !front.is_at_end() && empty < 2;) {
+    for (int empty = 0; !front.is_at_end() && empty < ends;) {
         const std::string_view name = front.name();
         empty = name.empty() ? empty + 1 : 0;
         if (name.empty()) continue;
         const std::string_view type = front.name();
         const std::uint32_t size = front.little_endian();
+        if (size > front.left() + behind) return {.attribute_overruns = true};
         Front value = front;
         front.skip(size);
         if (type == "box2i") {
@@ -104,7 +108,7 @@ ClaimedSize claimed_size(const std::filesystem::path& path, std::uint64_t file_b
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
     if (bytes.starts_with("\xFF\xD8")) return jpeg_size(Front(bytes));
-    if (bytes.starts_with("\x76\x2F\x31\x01")) return exr_size(Front(bytes));
+    if (bytes.starts_with("\x76\x2F\x31\x01")) return exr_size(Front(bytes), file_bytes - bytes.size());
     return {};
 }
 

@@ -83,6 +83,10 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         return false;
     };
     const ClaimedSize claimed = claimed_size(path, failed ? 0 : bytes);
+    if (claimed.attribute_overruns) {
+        errorfmt("is damaged: an attribute is longer than the file");
+        return false;
+    }
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
     const std::string format = format_of(path);
     OIIO::ImageSpec file_spec;

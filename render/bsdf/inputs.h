@@ -67,7 +67,7 @@ struct InputValue {
 
 class MeasuredTables;
 
-// The place, for closures that depend on it, and what is no input.
+// What closures need besides their inputs: the place, and tables of measurements.
 struct ClosureSite {
     SampledSpectra& spectra;  // of the sample: room for values, too
     std::uint32_t kept;       // the wavelength that a dispersed path keeps

@@ -44,8 +44,8 @@ class MeasuredTables {
     BilinearWarp vndf_, luminance_;
 };
 
-// Measured with light along one direction of a lattice, for all directions that it leaves in; a measurement is reciprocal only to
-// within its errors. As in pbrt-v4, the direction of the lattice is w_camera, on both kinds of subpath.
+// Tables are chosen by one direction and cover all others. As in pbrt-v4, that direction is w_camera on both kinds of subpath,
+// since a measurement is only approximately reciprocal.
 class Measured {
  public:
     static constexpr std::string_view kName = "measured";

@@ -32,8 +32,9 @@ std::string paragraph(std::string_view name, const Words& words) {
 
 std::string list_features() {
     std::string text = "pbrt-v4 (.pbrt)\n", own_types, parameters;
+    const auto is_of_pbrt = [](std::string_view type) { return type != "phong" && !type.starts_with("latent:"); };
     for (PbrtFeature feature : pbrt_features()) {
-        const auto own = std::ranges::stable_partition(feature.types, [](auto type) { return !type.starts_with("latent:"); });
+        const auto own = std::ranges::stable_partition(feature.types, is_of_pbrt);
         text += paragraph(feature.directive, std::ranges::subrange(feature.types.begin(), own.begin()));
         if (!own.empty()) own_types += paragraph(feature.directive, own);
     }

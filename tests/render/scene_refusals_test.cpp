@@ -29,6 +29,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     };
     for (const Case& c : {
              Case{"Material \"velvet\"", "Material \"velvet\" is not supported (diffuse, "},
+             Case{"Texture \"t\" \"float\" \"imagmap\"\nShape \"sphere\" \"texture alpha\" \"t\"", "did you mean imagemap"},
              Case{"Material \"conducter\"", "Material \"conducter\" is not supported; did you mean conductor"},
              Case{"Material \"diffuse\" \"texture reflectance\" \"t\"", "2:20: spectrum texture \"t\" is not defined anywhere"},
              Case{"Texture \"t\" \"float\" \"constant\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
@@ -158,7 +159,8 @@ TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
             EXPECT_THAT(message(feature, type), Not(HasSubstr(fmt::format("\"{}\" is not supported", type)))) << feature.directive;
         EXPECT_THAT(message(feature, "nothing"), HasSubstr("\"nothing\" is not supported (")) << feature.directive;
     }
-    EXPECT_THAT(list_features(), HasSubstr("  Material        diffuse phong"));
+    EXPECT_THAT(list_features(), HasSubstr("  Material        diffuse conductor"));
+    EXPECT_THAT(list_features(), HasSubstr("  Material        phong latent:phongtransmission\n"));
     EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
 }
 

@@ -490,6 +490,19 @@ TEST_F(TextureTest, PicturesThatClaimToBeHugeAreRefusedBeforeThereIsRoomForThem)
     }
 }
 
+// OpenEXR makes room for all of an attribute before it reads: here, 1.9 GB.
+TEST_F(TextureTest, AnAttributeLongerThanItsFileIsRefusedBeforeThereIsRoomForIt) {
+    const auto open = [](const std::string& file) {
+        const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+        EXPECT_TRUE(pictures);
+        const Result<image::PictureInfo> info = (*pictures)->open(file, {});
+        return info ? "" : info.error().message;
+    };
+    EXPECT_THAT(open(latent::testing::in_tree("tests/fuzz/seeds/picture/once-broken-attribute.exr")),
+                HasSubstr("an attribute is longer than the file"));
+    EXPECT_EQ(open(latent::testing::in_tree("tests/fuzz/seeds/picture/a.exr")), "");
+}
+
 TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
     folder_.write("p.pgm", "P5\n64 640\n255\n" + std::string(64 * 70, 'x'));
     load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"bilinear\"");

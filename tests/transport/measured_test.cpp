@@ -116,7 +116,7 @@ Reflected reflected(const C& closure, const Vec3f& wo) {
 const std::vector<Vec3f> kDirections = {
     {0, 0, 1}, normalize(Vec3f{0.5f, 0.2f, 0.8f}), normalize(Vec3f{-0.6f, 0.5f, -0.7f}), normalize(Vec3f{0.1f, -0.9f, 0.4f})};
 
-// Tables of 48 x 48 values for ten angles (and 24 turns) reflect as the metal does: within 2 % of the light, also by its mean
+// Tables of 48 x 48 values for ten angles (and 24 azimuths) reflect as the metal does: within 2 % of the light, also by its mean
 // direction; f itself within 3 % of its root mean square, and back and forth within 4 %.
 TEST(Measured, TablesOfAMetalReflectAsItDoes) {
     const Wavelengths wavelengths = wavelengths_of({595});
@@ -214,7 +214,7 @@ TEST(MeasuredFile, WhatNoMeasurementHasIsRefused) {
     };
     using F = MeasuredFile;
     const Bytes one{std::byte{1}};
-    EXPECT_THAT(refusal(Bytes(40)), HasSubstr("not a tensor file"));
+    EXPECT_THAT(refusal(Bytes(40)), HasSubstr("not a .bsdf file"));
     for (const char* name : {"phi_i", "theta_i", "wavelengths", "ndf", "sigma", "vndf", "luminance", "spectra", "jacobian"}) {
         EXPECT_THAT(refusal_with([&](F& f) { f.remove(name); }), HasSubstr(std::string("no field ") + name));
         EXPECT_THAT(refusal_with([&](F& f) { f.add(name, {1, 1, 1, 1, 1, 1}, one); }), HasSubstr(std::string(name) + ": not "));
@@ -242,8 +242,10 @@ TEST(MeasuredFile, WhatNoMeasurementHasIsRefused) {
     for (const char* name : {"phi_i", "theta_i", "wavelengths"}) {
         EXPECT_THAT(refusal_with([&](F& f) { f.add(name, {3}, values(3, 1)); }), HasSubstr("not ascending"));
         EXPECT_THAT(refusal_with([&](F& f) { f.add(name, {1}, values(1, nan)); }), HasSubstr("not finite"));
-        EXPECT_THAT(refusal_with([&](F& f) { f.add(name, {0}, values(0, 1)); }), HasSubstr("not finite"));
+        EXPECT_THAT(refusal_with([&](F& f) { f.add(name, {0}, values(0, 1)); }), HasSubstr("is empty"));
     }
+    EXPECT_THAT(refusal_with([&](F& f) { f.add("theta_i", {3}, {0, 45, 90}); }), HasSubstr("theta_i: not within 0 to"));
+    EXPECT_THAT(refusal_with([&](F& f) { f.add("wavelengths", {2}, {0.4f, 0.7f}); }), HasSubstr("wavelengths: not within 100"));
     EXPECT_THAT(refusal_with([&](F& f) { f.add("phi_i", {4}, {0, 1, 2, 3.1f}); }), HasSubstr("does not go all around"));
 }
 
@@ -272,7 +274,7 @@ TEST(MeasuredFile, BelongsToItsScene) {
         const auto scene = load_with(parameters);
         return scene ? "" : scene.error().message;
     };
-    EXPECT_THAT(error_of("\"string filename\" \"d.bsdf\""), HasSubstr("scene.pbrt:3:1: d.bsdf: not a tensor file"));
+    EXPECT_THAT(error_of("\"string filename\" \"d.bsdf\""), HasSubstr("scene.pbrt:3:1: d.bsdf: not a .bsdf file"));
     EXPECT_THAT(error_of("\"string filename\" \"e.bsdf\""), HasSubstr("e.bsdf"));
     EXPECT_THAT(error_of(""), HasSubstr("filename: is required"));
 }

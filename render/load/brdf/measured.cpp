@@ -16,6 +16,7 @@ namespace latent::render {
 namespace {
 
 constexpr std::uint64_t kMaxSide = 1 << 16;
+constexpr float kTurn = 6.3f;  // a little more than 2 pi
 
 Error corrupt(const std::string& what) { return {ErrorCode::kCorrupt, what}; }
 
@@ -28,13 +29,15 @@ class Fields {
  public:
     explicit Fields(const std::map<std::string, Tensor>& fields) : fields_(fields) {}
 
-    // Ascending.
-    Status read_axis(const std::string& name, std::vector<float>& out) const {
+    // Ascending, from `low` to `high`.
+    Status read_axis(const std::string& name, float low, float high, std::vector<float>& out) const {
         const Result<const Tensor*> field = find(name, TensorType::kFloat32, 1);
         if (!field) return field.error();
         out = (*field)->floats();
-        if (out.empty() || !are_finite(out)) return corrupt(name + ": not finite numbers");
+        if (out.empty()) return corrupt(name + ": is empty");
+        if (!are_finite(out)) return corrupt(name + ": values are not finite");
         if (std::ranges::adjacent_find(out, std::greater_equal<>()) != out.end()) return corrupt(name + ": not ascending");
+        if (out.front() < low || out.back() > high) return corrupt(fmt::format("{}: not within {} to {}", name, low, high));
         return {};
     }
     // A table for each index into axes of these lengths. Noise may be negative; what was measured is not.
@@ -92,9 +95,9 @@ Result<std::shared_ptr<const MeasuredBrdf>> read_measured_brdf(std::span<const s
     const Fields fields(*tensors);
     auto brdf = std::make_shared<MeasuredBrdf>();
     brdf->content = hash128(file);
-    if (Status s = fields.read_axis("phi_i", brdf->phi); !s) return s.error();
-    if (Status s = fields.read_axis("theta_i", brdf->theta); !s) return s.error();
-    if (Status s = fields.read_axis("wavelengths", brdf->lambda_nm); !s) return s.error();
+    if (Status s = fields.read_axis("phi_i", -kTurn, kTurn, brdf->phi); !s) return s.error();
+    if (Status s = fields.read_axis("theta_i", 0, 1.6f, brdf->theta); !s) return s.error();
+    if (Status s = fields.read_axis("wavelengths", 100, 1e4f, brdf->lambda_nm); !s) return s.error();
     const std::uint64_t phi = brdf->phi.size(), theta = brdf->theta.size(), lambda = brdf->lambda_nm.size();
     if (Status s = fields.check_jacobian(); !s) return s.error();
     if (Status s = fields.read_tables("ndf", {}, brdf->ndf); !s) return s.error();

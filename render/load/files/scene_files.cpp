@@ -1,5 +1,6 @@
 #include "render/load/files/scene_files.h"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,9 +15,13 @@ namespace {
 
 bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
+// Beyond this, and this many times its size, a gzip file is not unpacked: 3 to 10 times is usual, and 1000 times possible.
+constexpr std::size_t kRatio = 100, kAlways = std::size_t{1} << 26;
+
 // All members of a gzip file, one after the other. Errors: kCorrupt.
 Result<std::string> unpacked(const std::filesystem::path& path, std::string_view bytes) {
     const auto broken = [&] { return Error{ErrorCode::kCorrupt, path.string() + ": is damaged: it cannot be unpacked (gzip)"}; };
+    const std::size_t most = std::max(bytes.size() * kRatio, kAlways);
     std::string out;
     while (!bytes.empty()) {
         z_stream stream{};
@@ -32,8 +37,12 @@ Result<std::string> unpacked(const std::filesystem::path& path, std::string_view
             state = inflate(&stream, Z_NO_FLUSH);
             out.append(piece.data(), piece.size() - stream.avail_out);
             bytes.remove_prefix(taken - stream.avail_in);
+            if (out.size() > most) state = Z_MEM_ERROR;
         }
         inflateEnd(&stream);
+        if (state == Z_MEM_ERROR)
+            return Error{ErrorCode::kCorrupt,
+                         fmt::format("{}: unpacks to more than {} times its size (gzip)", path.string(), kRatio)};
         if (state != Z_STREAM_END) return broken();
     }
     return out;

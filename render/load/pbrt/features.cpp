@@ -46,11 +46,14 @@ std::string types_of(std::string_view directive) {
     return fmt::format("{}", fmt::join(found->types, ", "));
 }
 
-std::string unsupported(std::string_view directive, std::string_view type) {
+std::string near_types(std::string_view directive, std::string_view type) {
     const auto found = std::ranges::find(pbrt_features(), directive, &PbrtFeature::directive);
     const std::string near = near_names(type, std::vector<std::string>(found->types.begin(), found->types.end()));
-    return fmt::format("{} \"{}\" is not supported{} ({})", directive, type,
-                       near.empty() ? "" : fmt::format("; did you mean {}?", near), types_of(directive));
+    return near.empty() ? "" : fmt::format("; did you mean {}?", near);
+}
+
+std::string unsupported(std::string_view directive, std::string_view type) {
+    return fmt::format("{} \"{}\" is not supported{} ({})", directive, type, near_types(directive, type), types_of(directive));
 }
 
 }  // namespace latent::render

@@ -23,6 +23,9 @@ color::Spectrum clamped(const std::function<double(double)>& f) {
 
 bool is_grey(std::span<const double> rgb) { return rgb[0] == rgb[1] && rgb[1] == rgb[2]; }
 
+// Of Y 1.
+color::Spectrum normalised(const color::Spectrum& light) { return light.scaled(1 / color::photometric_sum(light)); }
+
 }  // namespace
 
 bool SceneSpectra::set_color_space(const std::string& name) {
@@ -77,11 +80,9 @@ color::Spectrum SceneSpectra::unbounded(const std::array<double, 3>& value) {
     return clamped([s = srgb.unbounded(rgb)](double l) { return s(static_cast<float>(l)); });
 }
 
-color::Spectrum SceneSpectra::white() { return rgb().illuminant().scaled(1 / color::photometric_sum(rgb().illuminant())); }
+color::Spectrum SceneSpectra::white() { return normalised(rgb().illuminant()); }
 
-color::Spectrum SceneSpectra::white_of_pictures() {
-    return color::illuminant_d65().scaled(1 / color::photometric_sum(color::illuminant_d65()));
-}
+color::Spectrum SceneSpectra::white_of_pictures() { return normalised(color::illuminant_d65()); }
 
 std::optional<color::Spectrum> SceneSpectra::find(const ParameterList& list, std::string_view name, SpectrumRole role) {
     const Parameter* p = parameter(list, name);

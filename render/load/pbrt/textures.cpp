@@ -244,9 +244,11 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
     } else if (!use.is_spectrum && is("windy", TextureKind::kWindy)) {
         mapping(true);
     } else {
-        list.error(fmt::format(
-            "Texture \"{}\": {} \"{}\" is not supported ({}; fbm, wrinkled, windy, latent:...: float only; marble: spectrum only)",
-            definition.directive.strings[0], definition.directive.strings[1], kind, types_of("Texture")));
+        list.error(
+            fmt::format("Texture \"{}\": {} \"{}\" is not supported{} ({}; fbm, wrinkled, windy, latent:...: float only; marble: "
+                        "spectrum only)",
+                        definition.directive.strings[0], definition.directive.strings[1], kind, near_types("Texture", kind),
+                        types_of("Texture")));
         return texture;
     }
     list.report_unused();
