@@ -81,7 +81,7 @@ void LightTree::Pair::set(std::uint32_t half, const LightBounds& b) {
     cos_spread[half] = b.spread < 0.5f ? spread.cos : -2;
     sin_spread[half] = b.spread < 0.5f ? spread.sin : 0;
     cos_falloff[half] = sincos_turns(b.falloff).cos - kSlack;
-    intensity[half] = std::max(static_cast<float>(b.intensity), std::numeric_limits<float>::min());
+    intensity[half] = static_cast<float>(std::clamp(b.intensity, double{std::numeric_limits<float>::min()}, 1e30));
     sides[half] = b.both_sides ? 0x7fffffffu : 0xffffffffu;
 }
 
