@@ -55,9 +55,38 @@ float HeterogeneousMedium::track(const UnitLine& line, float end, float u, Sampl
     return column;
 }
 
+namespace {
+
+// Of each wavelength in the throughput; even if that is black.
+SampledSpectrum shares(const SampledSpectrum& value, std::uint32_t k) {
+    const float total = mean_over(value, k) * static_cast<float>(k);
+    return spectrum_of([&](std::uint32_t i) { return i >= k ? 0 : total > 0 ? value.v[i] / total : 1 / static_cast<float>(k); });
+}
+
+std::uint32_t index_by(const SampledSpectrum& share, Uniform u, std::uint32_t k) {
+    float left = u;
+    std::uint32_t last = 0;
+    for (std::uint32_t i = 0; i < k; ++i) {
+        if (!(share[i] > 0)) continue;
+        last = i;
+        if (left < share[i]) break;
+        left -= share[i];
+    }
+    return last;
+}
+
+float mean_by(const SampledSpectrum& share, const SampledSpectrum& value) {
+    float sum = 0;
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) sum += share.v[i] * value.v[i];
+    return sum;
+}
+
+}  // namespace
+
 MediumStep HeterogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
                                             SampledSpectrum& value, SampledSpectrum* emitted) const {
-    const std::uint32_t chosen = u_wavelength.index(sample.k());
+    const SampledSpectrum share = shares(value, sample.k());
+    const std::uint32_t chosen = index_by(share, u_wavelength, sample.k());
     SampledSpectrum passed_null(1.0f);  // the product of (1 - a)
     SampledSpectrum sigma_t;
     float scattered_at = kInfinity;
@@ -65,14 +94,14 @@ MediumStep HeterogeneousMedium::sample_step(const Segment& segment, Uniform u_wa
     const float column = track(line, segment.length, u, sample, [&](float t, const Vec3f& p, float mu) {
         SampledSpectrum light;
         if (emitted != nullptr && emission(p, sample, light))
-            *emitted += value * passed_null * light * (1 / (mu * mean_over(passed_null, sample.k())));
+            *emitted += value * passed_null * light * (1 / (mu * mean_by(share, passed_null)));
         extinction(p, sample, sigma_t);
         const SampledSpectrum real = spectrum_of([&](std::uint32_t i) { return std::min(sigma_t.v[i] / mu, 1.0f); });
         if (sample.random() < real[chosen]) {
             SampledSpectrum sigma_s;
             scattering(p, sample, sigma_s);
             value *= passed_null;
-            value *= sigma_s * (1 / (mu * mean_over(passed_null * real, sample.k())));
+            value *= sigma_s * (1 / (mu * mean_by(share, passed_null * real)));
             scattered_at = t;
             return kStop;
         }
@@ -80,7 +109,7 @@ MediumStep HeterogeneousMedium::sample_step(const Segment& segment, Uniform u_wa
         return depth_of(sample.random());
     });
     if (scattered_at < kInfinity) return vertex(scattered_at, column, sigma_t, sample);
-    value *= passed_null * (1 / mean_over(passed_null, sample.k()));
+    value *= passed_null * (1 / mean_by(share, passed_null));
     return passed(segment.length, column, sample);
 }
 
