@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
+#include <string_view>
+#include <vector>
 
 #include "render/load/gltf/materials.h"
 #include "render/load/pbrt/features.h"
@@ -33,9 +34,10 @@ std::string paragraph(std::string_view name, const Words& words) {
 std::string list_features() {
     std::string text = "pbrt-v4 (.pbrt)\n", own_types, parameters;
     const auto is_of_pbrt = [](std::string_view type) { return type != "phong" && !type.starts_with("latent:"); };
-    for (PbrtFeature feature : pbrt_features()) {
-        const auto own = std::ranges::stable_partition(feature.types, is_of_pbrt);
-        text += paragraph(feature.directive, std::ranges::subrange(feature.types.begin(), own.begin()));
+    for (const PbrtFeature& feature : pbrt_features()) {
+        std::vector<std::string_view> of_pbrt, own;
+        for (const std::string_view type : feature.types) (is_of_pbrt(type) ? of_pbrt : own).push_back(type);
+        text += paragraph(feature.directive, of_pbrt);
         if (!own.empty()) own_types += paragraph(feature.directive, own);
     }
     for (const PbrtFeature& extension : pbrt_extensions()) parameters += paragraph(extension.directive, extension.types);
