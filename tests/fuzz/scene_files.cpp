@@ -9,6 +9,10 @@
 #include "tests/fuzz/target.h"
 #include "tests/transport/measured_examples.h"
 
+// OpenImageIO 2.4 loses its message (31 bytes) about a PNG file whose data end too early: libpng jumps over the string's
+// destructor. Its frames are not seen, since Debian's libraries have no frame pointers.
+extern "C" const char* __lsan_default_suppressions() { return "leak:basic_string*_M_assign\n"; }
+
 namespace latent::fuzz {
 
 namespace {
