@@ -58,6 +58,13 @@ std::string format_of(const std::filesystem::path& path) {
     return extension.empty() ? extension : extension.substr(1);
 }
 
+// OpenImageIO divides by these.
+bool has_pixels(const OIIO::ImageSpec& spec) {
+    const bool has_tiles = spec.tile_width != 0;
+    return spec.width > 0 && spec.height > 0 && spec.depth > 0 && spec.nchannels > 0 &&
+           (!has_tiles || (spec.tile_width > 0 && spec.tile_height > 0 && spec.tile_depth > 0));
+}
+
 }  // namespace
 
 OIIO::ImageSpec LinearInput::configuration(const std::string& path, const PictureEncoding& encoding) {
@@ -100,6 +107,11 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         file_.reset();
         return false;
     }
+    if (!has_pixels(file_spec)) {
+        errorfmt("has no pixels");
+        file_.reset();
+        return false;
+    }
     is_encoded_ = !file_->spec().format.is_floating_point() && (encoding_.is_srgb || encoding_.gamma != 1);
     if (is_encoded_ && file_->spec().format.size() == 1) {
         for (int i = 0; i < 256; ++i) table_.push_back(linear(static_cast<float>(i) / 255, encoding_));
@@ -122,7 +134,7 @@ bool LinearInput::close() { return !file_ || file_->close(); }
 // As of every ImageInput, whoever calls this holds the lock.
 bool LinearInput::seek_subimage(int subimage, int miplevel) {
     if (file_ && subimage == 0 && miplevel == level_) return true;
-    if (subimage != 0 || !file_ || !file_->seek_subimage(0, miplevel)) return false;
+    if (subimage != 0 || !file_ || !file_->seek_subimage(0, miplevel) || !has_pixels(file_->spec())) return false;
     level_ = miplevel;
     take_spec();
     return true;
