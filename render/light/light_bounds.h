@@ -2,6 +2,8 @@
 // "Choice of lights".
 #pragma once
 
+#include <cmath>
+
 #include "render/scene/bounds.h"
 
 namespace latent::render {
@@ -22,8 +24,9 @@ struct LightBounds {
     // Light from a ball, or a box, in all directions.
     static LightBounds from_ball(const Vec3d& center, double radius);
     static LightBounds from_box(const Box& box);
-    // Directions about a unit vector.
+    // Directions about a unit vector. All of them, as before, if it is no number: the normal of a shape that is too large for one.
     void point(const Vec3d& axis_, float spread_, float falloff_) {
+        if (!std::isfinite(axis_.x + axis_.y + axis_.z)) return;
         axis = axis_;
         spread = spread_;
         falloff = falloff_;

@@ -19,6 +19,10 @@ using HalfOfLanes = hn::FixedTag<float, 2>;
 constexpr float kSlack = 1e-5f;
 constexpr float kLeastCosine = 1e-4f;
 
+// Lights that are farther or brighter count as these, so that products of both stay finite.
+constexpr double kFarthest = 1e30;  // squared distance
+constexpr double kBrightest = 1e30;
+
 constexpr std::uint32_t kBuckets = 12;
 
 struct Split {
@@ -73,7 +77,7 @@ void LightTree::Pair::set(std::uint32_t half, const LightBounds& b) {
     y[half] = static_cast<float>(b.center.y);
     z[half] = static_cast<float>(b.center.z);
     const double radius = b.radius + 4e-7 * (max_abs(b.center) + b.radius) + 1e-15;
-    radius2[half] = static_cast<float>(radius * radius);
+    radius2[half] = static_cast<float>(std::min(radius * radius, kFarthest));
     axis_x[half] = static_cast<float>(-b.axis.x);
     axis_y[half] = static_cast<float>(-b.axis.y);
     axis_z[half] = static_cast<float>(-b.axis.z);
@@ -81,7 +85,7 @@ void LightTree::Pair::set(std::uint32_t half, const LightBounds& b) {
     cos_spread[half] = b.spread < 0.5f ? spread.cos : -2;
     sin_spread[half] = b.spread < 0.5f ? spread.sin : 0;
     cos_falloff[half] = sincos_turns(b.falloff).cos - kSlack;
-    intensity[half] = static_cast<float>(std::clamp(b.intensity, double{std::numeric_limits<float>::min()}, 1e30));
+    intensity[half] = static_cast<float>(std::clamp(b.intensity, double{std::numeric_limits<float>::min()}, kBrightest));
     sides[half] = b.both_sides ? 0x7fffffffu : 0xffffffffu;
 }
 
@@ -101,7 +105,8 @@ LightTree::Halves LightTree::importance(const Pair& pair, const Vec3f& p, const 
     };  // the sine for a cosine, or the other way round
 
     const auto x = twice(pair.x) - hn::Set(d, p.x), y = twice(pair.y) - hn::Set(d, p.y), z = twice(pair.z) - hn::Set(d, p.z);
-    const auto to2 = x * x + y * y + z * z, radius2 = twice(pair.radius2), distance2 = hn::Max(to2, radius2);
+    const auto to2 = x * x + y * y + z * z, radius2 = twice(pair.radius2),
+               distance2 = hn::Min(hn::Max(to2, radius2), hn::Set(d, static_cast<float>(kFarthest)));
     const auto inverse = one / hn::Sqrt(distance2);
     const auto sin_ball = hn::Sqrt(radius2) * inverse, cos_ball = other(sin_ball);
 
