@@ -2,8 +2,6 @@
 // "Choice of lights".
 #pragma once
 
-#include <cmath>
-
 #include "render/scene/bounds.h"
 
 namespace latent::render {
@@ -24,9 +22,10 @@ struct LightBounds {
     // Light from a ball, or a box, in all directions.
     static LightBounds from_ball(const Vec3d& center, double radius);
     static LightBounds from_box(const Box& box);
-    // Directions about a unit vector. All of them, as before, if it is no number: the normal of a shape that is too large for one.
+    // Directions about a unit vector. All of them, as before, if it is none: the normal of a shape that is too large to have one.
     void point(const Vec3d& axis_, float spread_, float falloff_) {
-        if (!std::isfinite(axis_.x + axis_.y + axis_.z)) return;
+        const double length2 = length_squared(axis_);
+        if (!(length2 > 0.5 && length2 < 2)) return;
         axis = axis_;
         spread = spread_;
         falloff = falloff_;

@@ -196,13 +196,13 @@ TEST(LightTree, IsNeverTooDeep) {
     EXPECT_NEAR(sum, 1, 1e-4);
 }
 
-// The normal of a triangle whose sides are 1e29 long is no number, and its area is infinite.
+// The normal of a triangle whose sides are 1e29 long is 0 or no number, and its area is infinite.
 TEST(LightTree, HoldsLightsTooLargeForNumbers) {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     std::vector<LightBounds> bounds(9);
     for (std::size_t i = 0; i < bounds.size(); ++i) {
         bounds[i] = LightBounds::from_ball({i % 3 == 0 ? 3e38 : static_cast<double>(i), 0, 1}, i % 3 == 1 ? 1e38 : 0.1);
-        bounds[i].point({i % 3 == 2 ? kNan : 0, 0, 1}, 0, 0.25f);
+        bounds[i].point({i % 3 == 2 ? kNan : 0, 0, i % 4 == 3 ? 0.0 : 1.0}, 0, 0.25f);
         bounds[i].intensity = i % 4 == 0 ? 1e300 : i % 4 == 1 ? std::numeric_limits<double>::infinity() : 1;
     }
     const LightTree tree(bounds);
