@@ -181,6 +181,10 @@ TEST(PackedFiles, IncludesAndMeshesMayBeGzipped) {
     const Result<LoadedScene> broken = load_scene(folder / "room.pbrt");
     ASSERT_FALSE(broken);
     EXPECT_THAT(broken.error().message, HasSubstr("m.ply.gz: is damaged"));
+    folder.write("m.ply.gz", gzipped(std::string(std::size_t{65} << 20, ' ')));  // 1000 times smaller
+    const Result<LoadedScene> bomb = load_scene(folder / "room.pbrt");
+    ASSERT_FALSE(bomb);
+    EXPECT_THAT(bomb.error().message, HasSubstr("m.ply.gz: unpacks to more than 100 times its size"));
 }
 
 TEST(Singular, AMeshBecomesFlatAndAQuadricOrInstanceNothing) {
