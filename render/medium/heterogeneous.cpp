@@ -5,8 +5,31 @@
 #include "render/math/elementary.h"
 
 namespace latent::render {
-
 namespace {
+
+// Of each wavelength in the throughput; even if that is black.
+SampledSpectrum shares(const SampledSpectrum& value, std::uint32_t k) {
+    const float total = mean_over(value, k) * static_cast<float>(k);
+    return spectrum_of([&](std::uint32_t i) { return i >= k ? 0 : total > 0 ? value.v[i] / total : 1 / static_cast<float>(k); });
+}
+
+std::uint32_t index_by(const SampledSpectrum& share, Uniform u, std::uint32_t k) {
+    float left = u;
+    std::uint32_t last = 0;
+    for (std::uint32_t i = 0; i < k; ++i) {
+        if (!(share[i] > 0)) continue;
+        last = i;
+        if (left < share[i]) break;
+        left -= share[i];
+    }
+    return last;
+}
+
+float mean_by(const SampledSpectrum& share, const SampledSpectrum& value) {
+    float sum = 0;
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) sum += share.v[i] * value.v[i];
+    return sum;
+}
 
 // Optical depth to the next tentative collision.
 float depth_of(float u) { return -log_one_minus(u); }
@@ -54,34 +77,6 @@ float HeterogeneousMedium::track(const UnitLine& line, float end, float u, Sampl
     if (goes_on && at < end) visit(at, end, outside_);
     return column;
 }
-
-namespace {
-
-// Of each wavelength in the throughput; even if that is black.
-SampledSpectrum shares(const SampledSpectrum& value, std::uint32_t k) {
-    const float total = mean_over(value, k) * static_cast<float>(k);
-    return spectrum_of([&](std::uint32_t i) { return i >= k ? 0 : total > 0 ? value.v[i] / total : 1 / static_cast<float>(k); });
-}
-
-std::uint32_t index_by(const SampledSpectrum& share, Uniform u, std::uint32_t k) {
-    float left = u;
-    std::uint32_t last = 0;
-    for (std::uint32_t i = 0; i < k; ++i) {
-        if (!(share[i] > 0)) continue;
-        last = i;
-        if (left < share[i]) break;
-        left -= share[i];
-    }
-    return last;
-}
-
-float mean_by(const SampledSpectrum& share, const SampledSpectrum& value) {
-    float sum = 0;
-    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) sum += share.v[i] * value.v[i];
-    return sum;
-}
-
-}  // namespace
 
 MediumStep HeterogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
                                             SampledSpectrum& value, SampledSpectrum* emitted) const {
