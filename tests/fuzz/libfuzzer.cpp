@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "tests/fuzz/mutate.h"
 #include "tests/fuzz/target.h"
 
 namespace {
@@ -20,13 +21,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
 }
 
-// One mutant of eight keeps its wrong checksums: what refuses these is code, too.
+// Half of the mutants of a text change whole words. One mutant of eight keeps its wrong checksums: what refuses these is code, too.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t capacity, unsigned seed) {
-    size = LLVMFuzzerMutate(data, size, capacity);
-    if (target().mend == nullptr || seed % 8 == 0) return size;
+    const bool changes_words = target().is_text && seed % 2 == 0, mends = target().mend != nullptr && seed % 8 != 0;
+    if (!changes_words) size = LLVMFuzzerMutate(data, size, capacity);
+    if (!changes_words && !mends) return size;
     latent::Bytes bytes(size);
     std::memcpy(bytes.data(), data, size);
-    target().mend(bytes);
-    std::memcpy(data, bytes.data(), std::min(size, bytes.size()));
+    if (changes_words) bytes = latent::fuzz::mutated(std::move(bytes), seed, true);
+    if (mends) target().mend(bytes);
+    size = std::min(bytes.size(), capacity);
+    std::memcpy(data, bytes.data(), size);
     return size;
 }

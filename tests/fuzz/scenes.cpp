@@ -1,7 +1,10 @@
 // Scenes, from their text to a few samples.
 #include "render/load/mesh/ply.h"
 #include "render/program/job.h"
+#include "tests/faults/process.h"
 #include "tests/fuzz/target.h"
+#include "tests/support/paths.h"
+#include "tests/transport/measured_examples.h"
 
 namespace latent::fuzz {
 
@@ -16,6 +19,9 @@ void write_companions() {
             "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0.2\n0 1 0\n4 0 1 2 3\n");
         put("s.spd", "400 1 500 2 600 3 700 1\n");
         put("i.pbrt", "Shape \"sphere\" \"float radius\" 0.5\n");
+        put("p.png", testing::read_text(testing::in_tree("tests/fuzz/seeds/picture/a.png")));
+        put("q.tif", testing::read_text(testing::in_tree("tests/fuzz/seeds/picture/mips.tif")));  // as wide as high
+        as_file("m.bsdf", render::testing::MeasuredFile(render::testing::measured({.side = 4, .directions = 2})).bytes());
         return true;
     }();
     (void)written;
