@@ -291,6 +291,8 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
                   "3:53: Shape: ignored: \"faceIndices\""},
              Case{"", "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"vector3 S\" [1 0 0 1 0 0 1 0 0]",
                   "3:53: S: tangents"},
+             Case{"", "Material \"none\"", "3:1: Material \"none\": an old name of \"interface\""},
+             Case{"", "Material \"\"", "3:1: Material \"\": an old name of \"interface\""},
          }) {
         EXPECT_THAT(warnings(std::string(c.options) + "\nWorldBegin\n" + c.world),
                     ::testing::ElementsAre(::testing::StartsWith(c.warning)))

@@ -130,6 +130,8 @@ TEST(Scene, NamedMaterialsMayBeUsedBeforeTheyAreMade) {
 TEST(Scene, InterfaceScattersNothing) {
     const SceneDescription scene = world(std::string("Material \"interface\"\n") + kTriangle);
     EXPECT_EQ(scene.shapes[0].material, kNone);
+    for (const std::string old_name : {"none", ""})
+        EXPECT_EQ(world("Material \"" + old_name + "\"\n" + kTriangle).shapes[0].material, kNone);
 }
 
 TEST(Scene, RoughnessIsRemappedBySquareRootUnlessToldNot) {

@@ -162,7 +162,7 @@ void SceneBuilder::add_material(const Directive& d) {
     const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
     if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
     std::optional<MaterialDescription> material;
-    MaterialUse use{.is_interface = type == "interface"};
+    MaterialUse use{.is_interface = type && is_interface(*type)};
     if (type == "subsurface") {  // before the surface, which reports what nobody reads
         use.inside = static_cast<std::uint32_t>(scene_.media.size());
         scene_.media.push_back(read_subsurface(parameters, textures_));

@@ -255,9 +255,12 @@ std::vector<std::string_view> material_types() {
     return names;
 }
 
+bool is_interface(std::string_view type) { return type == "interface" || type == "none" || type.empty(); }
+
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
                                                  const SceneFiles& files) {
-    if (type == "interface") {
+    if (is_interface(type)) {
+        if (type != "interface") list.warn(fmt::format("Material \"{}\": an old name of \"interface\"", type));
         list.report_unused();
         return std::nullopt;
     }

@@ -18,7 +18,9 @@ namespace latent::render {
 
 // All that can be read, and "mix", which refers to others.
 std::vector<std::string_view> material_types();
-// Nothing: "interface", or an error was reported.
+// "interface", or an old name of it: the surface scatters nothing.
+bool is_interface(std::string_view type);
+// Nothing: an interface, or an error was reported.
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
                                                  const SceneFiles& files);
 
