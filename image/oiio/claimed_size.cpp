@@ -23,9 +23,9 @@ class Front {
         for (; bytes > 0; --bytes) value = value << 8 | byte();
         return value;
     }
-    std::uint32_t little_endian() {
+    std::uint32_t little_endian(unsigned bytes = 4) {
         std::uint32_t value = 0;
-        for (unsigned shift = 0; shift < 32; shift += 8) value |= static_cast<std::uint32_t>(byte()) << shift;
+        for (unsigned shift = 0; shift < 8 * bytes; shift += 8) value |= static_cast<std::uint32_t>(byte()) << shift;
         return value;
     }
     // Up to a zero.
@@ -61,6 +61,13 @@ ClaimedSize jpeg_size(Front front) {
         front.skip(length - std::min<std::size_t>(length, 2));
     }
     return {};
+}
+
+// The canvas on which all frames are drawn.
+ClaimedSize gif_size(Front front) {
+    front.skip(6);
+    const std::uint32_t width = front.little_endian(2), height = front.little_endian(2);
+    return {width, height};
 }
 
 std::uint64_t span(std::uint32_t first, std::uint32_t last) {
@@ -108,6 +115,7 @@ ClaimedSize claimed_size(const std::filesystem::path& path, std::uint64_t file_b
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     bytes.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
     if (bytes.starts_with("\xFF\xD8")) return jpeg_size(Front(bytes));
+    if (bytes.starts_with("GIF8")) return gif_size(Front(bytes));
     if (bytes.starts_with("\x76\x2F\x31\x01")) return exr_size(Front(bytes), file_bytes - bytes.size());
     return {};
 }

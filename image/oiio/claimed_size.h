@@ -6,7 +6,7 @@
 
 namespace latent::image {
 
-// Of JPEG and OpenEXR, whose libraries make room when a file is opened: pixels of the picture, or of a tile if that is larger.
+// Of JPEG, GIF and OpenEXR, whose libraries make room when a file is opened: pixels of the picture, or of a tile if that is larger.
 // 0: of other formats, or what cannot be read. Of OpenEXR: whether an attribute is said to be longer than the rest of the file.
 struct ClaimedSize {
     std::uint64_t width = 0, height = 0;

@@ -103,7 +103,8 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         file_.reset();
         return false;
     }
-    if (!is_plausible(std::max(file_spec.width, file_spec.full_width), std::max(file_spec.height, file_spec.full_height))) {
+    if (!is_plausible(std::max(file_spec.width, file_spec.full_width), std::max(file_spec.height, file_spec.full_height)) ||
+        !is_plausible(file_spec.tile_width, file_spec.tile_height)) {
         file_.reset();
         return false;
     }

@@ -16,6 +16,8 @@ namespace {
 using OIIO::TextureOpt;
 
 constexpr int kTile = 64;  // of files without tiles
+// So many tiles fit into the cache: each thread holds two beside it, and OpenImageIO ends the process at ten times its limit.
+constexpr std::uint64_t kFewestTiles = 16;
 
 // OpenImageIO's messages name the file, or what it takes for one, and may have several lines.
 Error error_of(const std::string& path, std::string message) {
@@ -45,7 +47,8 @@ Result<PictureInfo> info_of(const std::string& path, const OIIO::ImageSpec& spec
 
 class OiioPictures final : public Pictures {
  public:
-    explicit OiioPictures(std::uint64_t cache_bytes) {
+    explicit OiioPictures(std::uint64_t cache_bytes)
+        : most_tile_bytes_(std::max(cache_bytes / kFewestTiles, std::uint64_t{kTile} * kTile * 4 * sizeof(float))) {
         textures_ = OIIO::TextureSystem::create(false);
         textures_->attribute("max_memory_MB", static_cast<float>(static_cast<double>(cache_bytes) / (1 << 20)));
         textures_->attribute("autotile", kTile);
@@ -65,12 +68,14 @@ class OiioPictures final : public Pictures {
         Result<PictureInfo> info = info_of(path, spec);
         if (!info) return info;
         info->index = static_cast<std::uint32_t>(handles_.size());
+        Result<Sizes> sizes = sizes_of(name, path);
+        if (!sizes) return sizes.error();
         if (info->channels == 4) {
             const Result<bool> opaque = is_opaque(path, encoding);
             if (!opaque) return opaque.error();
             info->is_opaque = *opaque;
         }
-        handles_.push_back({textures_->get_texture_handle(name), path, static_cast<int>(info->channels), sizes_of(name)});
+        handles_.push_back({textures_->get_texture_handle(name), path, static_cast<int>(info->channels), std::move(*sizes)});
         return info;
     }
 
@@ -115,20 +120,28 @@ class OiioPictures final : public Pictures {
     }
 
  private:
+    using Sizes = std::vector<std::array<float, 2>>;
     struct Handle {
         OIIO::TextureSystem::TextureHandle* texture;
         std::string path;
         int channels;
-        std::vector<std::array<float, 2>> sizes;  // in texels: the picture's, and its smaller ones
+        Sizes sizes;  // in texels: the picture's, and its smaller ones
     };
 
-    std::vector<std::array<float, 2>> sizes_of(const OIIO::ustring& name) const {
+    Result<Sizes> sizes_of(const OIIO::ustring& name, const std::string& path) const {
         int count = 1;
         cache_->get_image_info(name, 0, 0, OIIO::ustring("miplevels"), OIIO::TypeInt, &count);
-        std::vector<std::array<float, 2>> sizes;
+        Sizes sizes;
         OIIO::ImageSpec spec;
-        for (int level = 0; level < count && cache_->get_imagespec(name, spec, 0, level); ++level)
+        for (int level = 0; level < count && cache_->get_imagespec(name, spec, 0, level); ++level) {
+            if (spec.tile_bytes() > most_tile_bytes_)
+                return Error{
+                    ErrorCode::kUnsupported,
+                    fmt::format("{}: a tile of {} x {} pixels takes more than 1/{} of --texture-cache; raise it, or save the "
+                                "picture with smaller tiles",
+                                path, spec.tile_width, spec.tile_height, kFewestTiles)};
             sizes.push_back({static_cast<float>(spec.full_width), static_cast<float>(spec.full_height)});
+        }
         return sizes;
     }
 
@@ -222,6 +235,7 @@ class OiioPictures final : public Pictures {
         return true;
     }
 
+    std::uint64_t most_tile_bytes_;
     OIIO::TextureSystem* textures_;
     OIIO::ImageCache* cache_;
     std::vector<Handle> handles_;

@@ -1,6 +1,7 @@
 #include "render/medium/heterogeneous.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/math/elementary.h"
 
@@ -42,6 +43,14 @@ HeterogeneousMedium::UnitLine HeterogeneousMedium::unit_line(const Segment& segm
             Vec3f(unit_from_world_.vector(Vec3d(segment.d) / length(Vec3d(segment.d))))};
 }
 
+float HeterogeneousMedium::deepest_cell(const SpectrumLibrary& library) const {
+    const Affined world_from_unit = unit_from_world_.inverse().value_or(Affined{});
+    const MajorantGrid::Size& size = majorants_.size();
+    const double diagonal =
+        length(world_from_unit.x) / size[0] + length(world_from_unit.y) / size[1] + length(world_from_unit.z) / size[2];
+    return static_cast<float>(diagonal) * majorants_.max() * library[reference_sigma_t_].max_value();
+}
+
 template <class Collide>
 float HeterogeneousMedium::track(const UnitLine& line, float end, float u, SampleState& sample, Collide collide) const {
     const float reference = sample.spectra[reference_sigma_t_].max();
@@ -51,7 +60,8 @@ float HeterogeneousMedium::track(const UnitLine& line, float end, float u, Sampl
         const float mu = cell.max * reference;
         float t = enter;
         while (depth < mu * (leave - t)) {
-            t += depth / mu;
+            const float next = t + depth / mu;
+            t = next > t ? next : std::nextafter(t, kInfinity);  // far away, a step may be too short for a float
             depth = collide(t, line.o + line.d * t, mu);
             if (depth == kStop) {
                 column += cell.mean * (t - enter);

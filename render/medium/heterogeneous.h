@@ -17,6 +17,7 @@ namespace latent::render {
 class HeterogeneousMedium : public Medium {
  public:
     bool is_bounded() const override { return true; }
+    float deepest_cell(const SpectrumLibrary& library) const final;
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
                            SampledSpectrum* emitted) const final;
     MediumStep scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const final;

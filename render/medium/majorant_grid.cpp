@@ -51,6 +51,8 @@ float MajorantGrid::max_between(const Vec3f& low, const Vec3f& high) const {
     return most;
 }
 
+float MajorantGrid::max() const { return std::ranges::max_element(cells_, {}, &Cell::max)->max; }
+
 float MajorantGrid::mean_at(const Vec3f& p) const {
     const float at[3] = {p.x, p.y, p.z};
     std::size_t index = 0;

@@ -30,6 +30,9 @@ class MajorantGrid {
     // Of the cells that a box meets, the greatest density; of that a point lies in, the mean. 0 outside of the cube.
     float max_between(const Vec3f& low, const Vec3f& high) const;
     float mean_at(const Vec3f& p) const;
+    // The greatest density of all, and how many cells there are along each axis.
+    float max() const;
+    const Size& size() const { return size_; }
 
     // Calls visit(t0, t1, cell) for the cells that the line o + t d, 0 <= t < end, passes through, in this order, as long as it
     // returns true.

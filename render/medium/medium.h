@@ -38,6 +38,9 @@ class Medium {
     // Nothing of it is far away, so light from infinity may come through it.
     virtual bool is_bounded() const = 0;
     virtual bool is_emissive() const = 0;
+    // Tracking takes time in proportion to this: the optical depth of a cell between whose bounds on the extinction it steps; else
+    // 0.
+    virtual float deepest_cell(const SpectrumLibrary&) const { return 0; }
 
     // Analogue tracking: draws where light scatters next, if it does on this segment. With T the transmittance in each wavelength,
     // value *= an estimate of sigma_s T over the density of a vertex there, or of T over the probability that nothing scatters.

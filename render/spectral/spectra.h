@@ -2,6 +2,7 @@
 // "Wavelengths".
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -49,6 +50,7 @@ class SpectrumTable {
     // too, as no table of integer nm could hold them.
     SpectrumTable(const color::Spectrum& s, Lookup lookup);
     void evaluate(const Wavelengths& w, SampledSpectrum& out) const;
+    float max_value() const { return *std::max_element(value_.begin(), value_.end()); }
     bool operator==(const SpectrumTable&) const = default;
 
  private:

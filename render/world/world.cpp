@@ -1,11 +1,28 @@
 #include "render/world/world.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "render/medium/make_medium.h"
 #include "render/world/texture_point.h"
 
 namespace latent::render {
+
+namespace {
+
+constexpr float kDeepestCell = 1e5f;  // mean free paths: a ray may take as many steps in vain
+
+Error too_deep(const SceneDescription& scene, const MediumDescription& medium, float depth) {
+    const SourceLocation& at = medium.location;
+    return Error{
+        ErrorCode::kOutOfRange,
+        fmt::format("{}:{}:{}: medium \"{}\": a cell of its grid is {:.2g} mean free paths wide, more than {:.0f}; lower its "
+                    "scale or its density",
+                    scene.files[at.file], at.line, at.column, medium.name, depth, kDeepestCell)};
+}
+
+}  // namespace
 
 Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const std::string& simd, const TextureSettings& settings,
                                             LightChoice light_choice) {
@@ -31,7 +48,11 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         world->materials_.emplace_back(d, world->textures_, world->library_);
         world->has_dispersion_ |= world->materials_.back().disperses();
     }
-    for (std::uint32_t i = 0; i < scene.media.size(); ++i) world->media_.push_back(make_medium(scene.media, i, world->library_));
+    for (std::uint32_t i = 0; i < scene.media.size(); ++i) {
+        world->media_.push_back(make_medium(scene.media, i, world->library_));
+        const float depth = world->media_.back()->deepest_cell(world->library_);
+        if (!(depth <= kDeepestCell)) return too_deep(scene, scene.media[i], depth);
+    }
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
         return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
     };

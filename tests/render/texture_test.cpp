@@ -473,7 +473,7 @@ TEST_F(TextureTest, PicturesThatClaimToBeHugeAreRefusedBeforeThereIsRoomForThem)
         return latent::testing::in_tree(std::string("tests/fuzz/seeds/picture/once-broken-huge.") + name);
     };
     folder_.write("a.pfm", "PF\n1000000 1000000\n-1.0\nabcd");
-    for (const std::string& file : {(folder_ / "a.pfm").string(), seed("jpg"), seed("exr"), seed("tga")}) {
+    for (const std::string& file : {(folder_ / "a.pfm").string(), seed("jpg"), seed("exr"), seed("tga"), seed("gif")}) {
         const auto scene = [&](const std::string& format) {
             return load_scene(folder_.write("room.pbrt", "WorldBegin\n" + fmt::format(fmt::runtime(format), file)));
         };
@@ -490,7 +490,8 @@ TEST_F(TextureTest, PicturesThatClaimToBeHugeAreRefusedBeforeThereIsRoomForThem)
     }
 }
 
-// Libraries make room for all of an attribute before they read (here, 1.9 GB), and divide by the width.
+// Libraries make room for all of an attribute before they read (here, 1.9 GB), divide by the width, and abort if a few tiles do
+// not fit into the cache.
 TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
     const auto open = [](const std::string& seed) {
         const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
@@ -500,6 +501,7 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
     };
     EXPECT_THAT(open("once-broken-attribute.exr"), HasSubstr("an attribute is longer than the file"));
     EXPECT_THAT(open("once-broken-empty.tga"), HasSubstr("has no pixels"));
+    EXPECT_THAT(open("once-broken-tile.tif"), HasSubstr("a tile of 40968 x 16 pixels takes more than 1/16 of --texture-cache"));
     EXPECT_EQ(open("a.exr"), "");
 }
 

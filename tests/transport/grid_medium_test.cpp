@@ -1,5 +1,7 @@
 // Laws of media whose density varies in space: tracking by tentative collisions has the means of the closed forms, what weights
 // compare does not depend on chance, and a grid that is the same everywhere is a homogeneous medium.
+#include <gmock/gmock.h>
+
 #include <cmath>
 #include <random>
 
@@ -13,6 +15,8 @@
 
 namespace latent::render::testing {
 namespace {
+
+using ::testing::HasSubstr;
 
 // A grid with a value at every voxel.
 std::shared_ptr<const VoxelGrid> grid_of(const std::array<std::uint32_t, 3>& size,
@@ -256,6 +260,19 @@ TEST(GridMedium, AUniformGridOfColoursIsAHomogeneousMedium) {
                                                repeated("0.4 0.1 0.02 ", 6 * 7 * 8) + "] " + scale)));
     expect_equal(picture_of(grid, {.kind = IntegratorKind::kPath}, 4096),
                  picture_of(homogeneous, {.kind = IntegratorKind::kPath}, 4096));
+}
+
+// One voxel among thin ones: rays would take a step for each of its mean free paths.
+TEST(GridMedium, AVoxelTooDenseToBeTrackedIsRefused) {
+    const auto build = [](const std::string& voxel) {
+        const Scene scene = scene_from(room(ball_of("MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" " + kGrid +
+                                                    "\"rgb sigma_s\" [" + repeated("0.5 1 2 ", 6 * 7 * 8 - 1) + voxel + "]\n")));
+        return World::build(scene.description, "sse4.2");
+    };
+    EXPECT_TRUE(build("0.5 1e4 2"));
+    const auto refused = build("0.5 1e9 2");
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr("medium \"m\": a cell of its grid is"));
 }
 
 // Matter that scatters half and emits what it absorbs of Le: where one sees nothing else, one sees Le.
