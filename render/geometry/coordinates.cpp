@@ -1,5 +1,7 @@
 #include "render/geometry/coordinates.h"
 
+#include "render/geometry/tube.h"
+
 namespace latent::render {
 
 namespace {
@@ -98,6 +100,24 @@ SurfaceCoordinates patch(const PlacedShape& placed, std::uint32_t primitive, Vec
     return c;
 }
 
+SurfaceCoordinates tube(const PlacedShape& placed, std::uint32_t segment, float u, const Vec3d& p, const Vec3f& ns) {
+    const Tube tube = tube_of(*placed.shape.mesh, segment);
+    const TubePoint at(tube, static_cast<double>(u), p);
+    SurfaceCoordinates c{};
+    c.uv = {static_cast<float>(at.u), static_cast<float>(at.v(tube))};
+    c.dpdu = Vec3f(at.dpdu);
+    c.dpdv = Vec3f(at.dpdv);
+    const float area = length_squared(cross(c.dpdu, c.dpdv));
+    if (!(area > 0 && area < kInfinity)) {
+        span_plane(at.normal, c);
+        return c;
+    }
+    const float side = dot(at.normal, Vec3d(ns)) < 0 ? -1 : 1;
+    c.dndu = derivative_of_unit(at.normal, at.dndu) * side;
+    c.dndv = derivative_of_unit(at.normal, at.dndv) * side;
+    return c;
+}
+
 SurfaceCoordinates quadric(const PlacedShape& placed, const Vec3d& p, const Vec3f& ns) {
     const ShapeDescription& shape = placed.shape;
     const Vec3d local = placed.from_world.point(p);
@@ -152,6 +172,8 @@ SurfaceCoordinates coordinates_at(const PlacedShape& placed, std::uint32_t primi
             return triangle(placed, primitive, uv, ns);
         case ShapeKind::kBilinear:
             return patch(placed, primitive, uv, ns);
+        case ShapeKind::kTube:
+            return tube(placed, primitive, uv.x, p, ns);
         case ShapeKind::kSphere:
         case ShapeKind::kDisk:
         case ShapeKind::kCylinder:

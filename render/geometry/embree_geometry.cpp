@@ -143,7 +143,7 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect_whole(const Ray& ray, float&
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<PassedSurface>* passed) const {
     if (!is_traceable(ray.o, ray.d)) return std::nullopt;
-    TraceContext context{.embree = {}, .world = &world_, .passed_each = passed};
+    TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max, .passed_each = passed};
     rtcInitIntersectContext(&context.embree);
     RTCRayHit rayhit{embree_ray(ray), {}};
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -165,7 +165,7 @@ SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { re
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {
     if (!is_traceable(ray.o, ray.d)) return true;
-    TraceContext context{.embree = {}, .world = &world_};
+    TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max};
     rtcInitIntersectContext(&context.embree);
     RTCRay shadow = embree_ray(ray);
     rtcOccluded1(scene_.get(), &context.embree, &shadow);
@@ -175,7 +175,7 @@ bool EmbreeGeometry::occluded(const Ray& ray) const {
 float EmbreeGeometry::passed(const Ray& ray) const {
     if (!is_traceable(ray.o, ray.d)) return 0;
     float passed = 1;
-    TraceContext context{.embree = {}, .world = &world_, .passed = &passed};
+    TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max, .passed = &passed};
     rtcInitIntersectContext(&context.embree);
     RTCRay shadow = embree_ray(ray);
     rtcOccluded1(scene_.get(), &context.embree, &shadow);

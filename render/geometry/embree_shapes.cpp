@@ -3,6 +3,7 @@
 #include "render/geometry/coordinates.h"
 #include "render/geometry/opacity.h"
 #include "render/geometry/surface.h"
+#include "render/geometry/tube.h"
 #include "render/math/next_float.h"
 #include "render/sampling/random.h"
 #include "render/scene/bounds.h"
@@ -105,13 +106,49 @@ void occluded_user(const RTCOccludedFunctionNArguments* args) {
         ray.tfar = -kInfinity;
 }
 
-// Of a mesh with holes: lets a ray through them.
+// Of a mesh or tube with holes: lets a ray through them.
 void filter(const RTCFilterFunctionNArguments* args) {
     if (args->N != 1 || args->valid[0] == 0) return;
     const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}, ray.time};
     if (is_hole(trace_context(args->context), on, ray, ray.tfar)) args->valid[0] = 0;
+}
+
+// Of tubes: Embree's hit is exact to a few float ulps, which is not enough to tell on which side of its own surface a ray starts or
+// ends.
+void settle_hit(const RTCFilterFunctionNArguments* args) {
+    if (args->N != 1 || args->valid[0] == 0) return;
+    const PlacedShape& placed = *static_cast<const PlacedShape*>(args->geometryUserPtr);
+    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+    RTCHit& hit = *reinterpret_cast<RTCHit*>(args->hit);
+    const Vec3d o(ray.org_x, ray.org_y, ray.org_z), d(direction_of(ray));
+    const std::optional<TubeCrossing> settled =
+        settle(tube_of(*placed.shape.mesh, hit.primID), o, d, static_cast<double>(ray.tfar), static_cast<double>(hit.u),
+               static_cast<double>(ray.tnear), static_cast<double>(trace_context(args->context).t_max));
+    if (!settled || (placed.hollow && settled->leaves)) {
+        args->valid[0] = 0;
+        return;
+    }
+    hit.u = static_cast<float>(settled->u);
+    if (placed.has_holes()) filter(args);
+}
+
+RTCGeometry new_tubes(RTCDevice device, PlacedShape& placed) {
+    const MeshDescription& mesh = *placed.shape.mesh;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE);
+    float* p = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), mesh.positions.size()));
+    for (std::size_t i = 0; p != nullptr && i < mesh.positions.size(); ++i) {
+        const Vec3f& v = mesh.positions[i];
+        *p++ = v.x, *p++ = v.y, *p++ = v.z, *p++ = mesh.radii[i];
+    }
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, mesh.indices.data(), 0, sizeof(std::uint32_t),
+                               mesh.indices.size());
+    rtcSetGeometryUserData(geometry, &placed);
+    rtcSetGeometryIntersectFilterFunction(geometry, settle_hit);
+    rtcSetGeometryOccludedFilterFunction(geometry, settle_hit);
+    return geometry;
 }
 
 RTCGeometry new_mesh(RTCDevice device, PlacedShape& placed) {
@@ -146,7 +183,18 @@ RTCGeometry new_user_geometry(RTCDevice device, PlacedShape& placed) {
 }  // namespace
 
 RTCGeometry new_geometry(RTCDevice device, PlacedShape& placed) {
-    return placed.shape.kind == ShapeKind::kTriangles ? new_mesh(device, placed) : new_user_geometry(device, placed);
+    switch (placed.shape.kind) {
+        case ShapeKind::kTriangles:
+            return new_mesh(device, placed);
+        case ShapeKind::kTube:
+            return new_tubes(device, placed);
+        case ShapeKind::kBilinear:
+        case ShapeKind::kSphere:
+        case ShapeKind::kDisk:
+        case ShapeKind::kCylinder:
+            break;
+    }
+    return new_user_geometry(device, placed);
 }
 
 }  // namespace latent::render

@@ -1,5 +1,5 @@
-// render/geometry/embree_shapes.h: a shape as Embree's geometry. Meshes are its triangles, everything else is user geometry, solved
-// in double.
+// render/geometry/embree_shapes.h: a shape as Embree's geometry. Meshes are its triangles, tubes its round curves, whose hits are
+// settled in double; everything else is user geometry, solved in double.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -17,6 +17,7 @@ struct PassedSurface {
 struct TraceContext {
     RTCIntersectContext embree;  // what Embree passes on: the first member
     const PlacedWorld* world;
+    float t_max;  // of the ray: Embree's own shrinks to the hits that it finds
     // Surfaces that are there in part let every ray pass, and this gathers what they let pass: the product, or each by itself,
     // in any order. Neither: a hash decides, as it does for interfaces, behind which there is one medium or the other.
     float* passed = nullptr;

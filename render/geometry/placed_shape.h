@@ -17,9 +17,10 @@ struct PlacedShape {
     QuadricPart part{};                   // of them
     std::uint32_t first_emitter = kNone;  // of its primitives
 
-    bool hollow = false;  // rays pass it from inside
+    bool hollow = false;  // hair: rays pass it from inside, and the normals of a tube point outwards
 
-    bool is_whole() const { return !shape.alpha.is_textured() && shape.alpha.value >= 1 && !hollow; }
+    bool has_holes() const { return shape.alpha.is_textured() || shape.alpha.value < 1; }
+    bool is_whole() const { return !has_holes() && !hollow; }
     bool is_invisible() const { return is_nowhere(shape.alpha); }
 };
 

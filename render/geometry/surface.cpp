@@ -1,5 +1,7 @@
 #include "render/geometry/surface.h"
 
+#include "render/geometry/tube.h"
+
 namespace latent::render {
 
 namespace {
@@ -70,6 +72,19 @@ SurfaceHit patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv) {
     return hit;
 }
 
+// `p` is near the surface, and `u` near its place along the axis.
+SurfaceHit tube(const PlacedShape& placed, std::uint32_t segment, float u, const Vec3d& p) {
+    const TubePoint at(tube_of(*placed.shape.mesh, segment), static_cast<double>(u), p);
+    SurfaceHit hit = common_hit(placed.shape);
+    hit.p = Vec3f(at.p);
+    hit.error = 2 * kHalfUlp * max_abs(hit.p);
+    const bool inwards = placed.shape.flip_normal && !placed.hollow;
+    hit.ng = Vec3f(at.normal * ((inwards ? -1 : 1) / length(at.normal)));
+    hit.ns = hit.ng;
+    hit.dpdu = Vec3f(at.dpdu);
+    return hit;
+}
+
 // `p` is near the surface, in the space around it.
 SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
     const ShapeDescription& shape = placed.shape;
@@ -108,6 +123,7 @@ PlacedInstance::PlacedInstance(const std::vector<PlacedShape>& of, const Affined
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p) {
     SurfaceHit hit = placed.shape.kind == ShapeKind::kTriangles  ? triangle(placed, primitive, uv)
                      : placed.shape.kind == ShapeKind::kBilinear ? patch(placed, primitive, uv)
+                     : placed.shape.kind == ShapeKind::kTube     ? tube(placed, primitive, uv.x, p)
                                                                  : quadric(placed, p);
     hit.ns = face_forward(hit.ns, hit.ng);
     if (placed.first_emitter != kNone) hit.emitter = placed.first_emitter + primitive;

@@ -5,8 +5,8 @@
 
 namespace latent::render {
 
-// The surface at a hit on `placed`, in the space of its vertices: `uv` are Embree's of a triangle, or the patch's; `p` is near the
-// point of a quadric.
+// The surface at a hit on `placed`, in the space of its vertices: `uv` are Embree's of a triangle or a tube, or the patch's; `p` is
+// near the point of a tube or quadric.
 SurfaceHit surface_at(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv, const Vec3d& p);
 // The same seen from the world.
 SurfaceHit to_world(const SurfaceHit& hit, const PlacedInstance& instance);

@@ -7,14 +7,6 @@
 namespace latent::render {
 namespace {
 
-// Whether the images of the axes are as long as the first and square to each other, to `tolerance` of that length.
-bool is_even(const Affined& m, double tolerance) {
-    const double scale = length(m.x);
-    const Vec3d x = m.x / scale, y = m.y / scale, z = m.z / scale;
-    const auto near = [&](double a, double b) { return std::abs(a - b) <= tolerance; };
-    return scale > 0 && near(length(y), 1) && near(length(z), 1) && near(dot(x, y), 0) && near(dot(y, z), 0) && near(dot(z, x), 0);
-}
-
 // Indices of the textures that one is made of.
 std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
     std::vector<std::uint32_t> inputs;
@@ -61,6 +53,13 @@ Depths depths_of(std::size_t count, const PartsOf& parts_of) {
 
 }  // namespace
 
+bool is_even(const Affined& m, double tolerance) {
+    const double scale = length(m.x);
+    const Vec3d x = m.x / scale, y = m.y / scale, z = m.z / scale;
+    const auto near = [&](double a, double b) { return std::abs(a - b) <= tolerance; };
+    return scale > 0 && near(length(y), 1) && near(length(z), 1) && near(dot(x, y), 0) && near(dot(y, z), 0) && near(dot(z, x), 0);
+}
+
 Refusals check_camera(const CameraDescription& d) {
     Refusals refusals;
     if (!is_even(d.world_from_camera, 1e-4))
@@ -91,6 +90,8 @@ Refusals check_area_light(const ShapeDescription& shape) {
             return {};
         case ShapeKind::kCylinder:
             return is_stretched(shape) ? refuse("a cylinder that is stretched") : Refusals{};
+        case ShapeKind::kTube:
+            return refuse("a tube");
         case ShapeKind::kBilinear:
             break;
     }

@@ -12,6 +12,8 @@ namespace latent::render {
 // Each of these: all reasons why not, a sentence each; empty if there is none.
 using Refusals = std::vector<std::string>;
 
+// Whether a map is a rotation, mirroring and uniform scale, to `tolerance` of that scale, and a translation.
+bool is_even(const Affined& map, double tolerance);
 // A transformation that skews or stretches; a lens on another camera than a perspective one.
 Refusals check_camera(const CameraDescription& camera);
 // An area light on a shape of which no points can be drawn: on curved patches, and on quadrics but disks that are stretched.

@@ -129,14 +129,16 @@ struct LightDescription {
     SourceLocation location{};
 };
 
-enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kSphere, kDisk, kCylinder };
+enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kTube, kSphere, kDisk, kCylinder };
 
-// Vertices are in the space of the world or of the object that the shape belongs to, counted from the origin of either.
+// Triangles, patches or tubes. Vertices are in the space of the world or of the object that the shape belongs to, counted from the
+// origin of either.
 struct MeshDescription {
-    std::vector<Vec3f> positions{};
-    std::vector<Vec3f> normals{};          // per vertex, unit length, or empty
+    std::vector<Vec3f> positions{};        // of tubes: the points of cubic Bezier curves, their axes
+    std::vector<Vec3f> normals{};          // per vertex, unit length, or empty; of tubes, per segment: where v = 0 as it begins
     std::vector<Vec2f> uvs{};              // per vertex, or empty
-    std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11)
+    std::vector<float> radii{};            // of tubes, per point
+    std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11); of tubes: the first of four points
 };
 
 struct ShapeDescription {
@@ -148,7 +150,7 @@ struct ShapeDescription {
     double radius = 1, inner_radius = 0, height = 0;
     double z_min = -1, z_max = 1;    // of a sphere and a cylinder: the part between these, not beyond the sphere
     double phi_max_degrees = 360;    // the part up to this angle from x about z
-    bool flip_normal = false;        // triangles: ng = -(p1 - p0) x (p2 - p0); quadrics: ng points inwards, down
+    bool flip_normal = false;        // triangles: ng = -(p1 - p0) x (p2 - p0); tubes and quadrics: ng points inwards, down
     bool ribbon = false;             // of hair: v runs across a fibre from 0 to 1
     bool pairs = false;              // triangles 2 i and 2 i + 1 are the halves of a flat patch
     FloatInput alpha = 1;            // share of the surface that is there; the rest are holes, too fine to see

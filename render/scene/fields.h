@@ -169,8 +169,9 @@ void each_field(Of<LightDescription> auto& light, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
-    auto& [positions, normals, uvs, indices] = mesh;
+    auto& [positions, normals, uvs, radii, indices] = mesh;
     visit(positions, normals, uvs, indices);
+    if (!mesh.radii.empty()) visit(radii);
 }
 
 template <class Visit>

@@ -43,7 +43,7 @@ TEST(Curve, PointsAreThoseOfTheirBasis) {
 // Half a width from the curve, square to it, with normals that point away from it.
 TEST(Curve, TubesAreRound) {
     const std::vector<CubicBezier> segments = segments_of(random_points(10, 2), 3, true);
-    const LoadedMesh mesh = tube_about(segments, {0.2, 0.02});
+    const LoadedMesh mesh = tube_mesh(segments, {0.2, 0.02});
     ASSERT_EQ(mesh.positions.size() % 17, 0u);
     double greatest_turn = 0;
     Vec3d last;
@@ -83,7 +83,7 @@ TEST(Curve, IsReadWithItsParametersAndRefusedWithout) {
         const Result<LoadedScene> scene =
             testing::load_world("Shape \"curve\" " + points + "\"string type\" \"" + type + "\" \"float width\" .1");
         ASSERT_TRUE(scene) << scene.error().message;
-        EXPECT_EQ(scene->description.shapes.at(0).kind, ShapeKind::kTriangles);
+        EXPECT_EQ(scene->description.shapes.at(0).kind, ShapeKind::kTube);
     }
     const Result<LoadedScene> ribbon =
         testing::load_world("Shape \"curve\" " + points + "\"string type\" \"ribbon\" \"normal N\" [0 0 1 0 1 0]");

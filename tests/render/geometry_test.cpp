@@ -3,48 +3,19 @@
 
 #include <functional>
 #include <numbers>
-#include <random>
 
 #include "render/geometry/exact_shapes.h"
 #include "render/math/next_float.h"
-#include "render/program/simd.h"
-#include "tests/render/scenes.h"
+#include "tests/render/built_geometry.h"
 
 namespace latent::render {
 namespace {
 
+using testing::build;
+using testing::Built;
 using testing::in_world;
 using testing::load_world;
-
-class Random {
- public:
-    float operator()(float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine_); }
-    Vec3f vector(float size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-    Vec3f direction() {
-        while (true) {
-            const Vec3f v = vector(1);
-            if (length(v) > 0.01f && length(v) < 1) return normalize(v);
-        }
-    }
-
- private:
-    std::mt19937 engine_{11};
-};
-
-struct Built {
-    SceneDescription description;
-    std::unique_ptr<Geometry> geometry;
-};
-// Counted from the origin of the world, far from it too.
-Built build(const std::string& text, const std::string& simd = choose_simd("best").value()) {
-    const Result<LoadedScene> scene = load_world(text);
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    Built out{in_world(scene->description), nullptr};
-    Result<std::unique_ptr<Geometry>> geometry = Geometry::build(out.description, simd);
-    EXPECT_TRUE(geometry) << (geometry ? "" : geometry.error().message);
-    out.geometry = std::move(*geometry);
-    return out;
-}
+using testing::Random;
 
 std::string number(float x) { return std::to_string(x) + " "; }
 
@@ -262,9 +233,7 @@ TEST(Geometry, RaysStartClearOfTheirSurface) {
             if (!hit) continue;
             ++hits;
             const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
-            const Frame frame = Frame::from_z(hit->ng);
-            const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
-            const Vec3f out = frame.to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
+            const Vec3f out = random.about(hit->ng, cosine);
             traps += g.occluded(spawn_ray(hit->interaction(), out)) ? 1 : 0;
             leaks += g.intersect(spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
         }
@@ -303,8 +272,7 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
                 ASSERT_TRUE(hit);
                 // Half of the points look along the surface.
                 const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
-                const float phi = random(0, 2 * kPi), sine = std::sqrt(1 - cosine * cosine);
-                const Vec3f w = Frame::from_z(hit->ng).to_world({sine * std::cos(phi), sine * std::sin(phi), cosine});
+                const Vec3f w = random.about(hit->ng, cosine);
                 const Interaction camera{hit->p + w * (distance * g.radius()), 0, {}};
                 if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
                 ++connections;

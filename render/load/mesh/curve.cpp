@@ -10,14 +10,21 @@ namespace {
 
 constexpr std::uint32_t kSides = 16;
 
-Vec3d mix(const Vec3d& a, const Vec3d& b, double t) { return a * (1 - t) + b * t; }
-
 // Any direction across d.
 Vec3d across(const Vec3d& d) {
     const Vec3d axis = std::abs(d.x) < std::abs(d.y) && std::abs(d.x) < std::abs(d.z) ? Vec3d(1, 0, 0)
                        : std::abs(d.y) < std::abs(d.z)                                ? Vec3d(0, 1, 0)
                                                                                       : Vec3d(0, 0, 1);
     return normalize(cross(d, axis));
+}
+
+// The same curve, to a thousandth of its length, with a direction at both ends: where the first or the last two points are one,
+// Embree knows none.
+CubicBezier with_directions(CubicBezier c) {
+    const double size = 1e-6 * (length(c[1] - c[0]) + length(c[2] - c[1]) + length(c[3] - c[2]));
+    if (!(length(c[1] - c[0]) > size)) c[1] = mix(c[0], length(c[2] - c[0]) > size ? c[2] : c[3], 1e-3);
+    if (!(length(c[3] - c[2]) > size)) c[2] = mix(c[3], length(c[3] - c[1]) > size ? c[1] : c[0], 1e-3);
+    return c;
 }
 
 // So many straight pieces that none is farther from the curve than a hundredth of its width: the distance is at most the greatest
@@ -53,15 +60,6 @@ std::vector<Station> stations_of(const std::vector<CubicBezier>& segments, const
 
 }  // namespace
 
-Vec3d point_on(const CubicBezier& c, double u) {
-    const Vec3d a = mix(c[0], c[1], u), b = mix(c[1], c[2], u), e = mix(c[2], c[3], u);
-    return mix(mix(a, b, u), mix(b, e, u), u);
-}
-
-Vec3d tangent_at(const CubicBezier& c, double u) {
-    return mix(mix(c[1] - c[0], c[2] - c[1], u), mix(c[2] - c[1], c[3] - c[2], u), u) * 3;
-}
-
 std::vector<CubicBezier> segments_of(const std::vector<Vec3d>& p, std::uint32_t degree, bool is_bspline) {
     std::vector<CubicBezier> segments;
     const std::size_t step = is_bspline ? 1 : degree;
@@ -83,8 +81,32 @@ std::vector<CubicBezier> segments_of(const std::vector<Vec3d>& p, std::uint32_t 
     return segments;
 }
 
+LoadedMesh tube_along(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
+    LoadedMesh tube;
+    const double count = static_cast<double>(segments.size());
+    Vec3d side, last;  // where v = 0, and the direction there
+    for (std::size_t s = 0; s < segments.size(); ++s) {
+        const CubicBezier axis = with_directions(segments[s]);
+        const Vec3d begin = tangent_at(axis, 0), end = tangent_at(axis, 1);
+        if (!(length(begin) > 0 && length(end) > 0)) continue;  // a single point
+        const Vec3d d = normalize(begin);
+        side = tube.indices.empty() ? across(d) : turned(side, last, d);
+        const bool joins = !tube.positions.empty() && tube.positions.back() == axis[0];
+        tube.indices.push_back(static_cast<std::uint32_t>(tube.positions.size() - (joins ? 1 : 0)));
+        tube.normals.emplace_back(side);
+        for (std::size_t i = joins ? 1 : 0; i < 4; ++i) {
+            const double along = (static_cast<double>(s) + static_cast<double>(i) / 3) / count;
+            tube.positions.push_back(axis[i]);
+            tube.radii.push_back(0.5 * (width.w0 + along * (width.w1 - width.w0)));
+        }
+        last = normalize(end);
+        side = turned(side, d, last);
+    }
+    return tube;
+}
+
 // The frame turns with the curve and not about it: each is the one before, reflected twice [Wang08].
-LoadedMesh tube_about(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
+LoadedMesh tube_mesh(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
     LoadedMesh mesh;
     const std::vector<Station> stations = stations_of(segments, width);
     Vec3d x = stations.empty() ? Vec3d{} : across(stations.front().d);

@@ -1,5 +1,7 @@
 #include "render/load/mesh/placement.h"
 
+#include <tuple>
+
 #include "render/math/motion.h"
 
 namespace latent::render {
@@ -7,7 +9,12 @@ namespace {
 
 void add(const LoadedShape& loaded, Box& box) {
     if (loaded.mesh) {
-        for (const Vec3d& p : loaded.mesh->positions) box.add(p);
+        const LoadedMesh& mesh = *loaded.mesh;
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+            const Vec3d &p = mesh.positions[i], reach = Vec3d(1, 1, 1) * (mesh.radii.empty() ? 0 : mesh.radii[i]);
+            box.add(p - reach);
+            box.add(p + reach);
+        }
     } else {
         const Box quadric = quadric_box(loaded.shape);
         box.add(quadric.low);
@@ -31,6 +38,7 @@ ShapeDescription placed(LoadedShape loaded, const Vec3d& origin) {
     } else {
         MeshDescription mesh{.normals = std::move(loaded.mesh->normals),
                              .uvs = std::move(loaded.mesh->uvs),
+                             .radii{loaded.mesh->radii.begin(), loaded.mesh->radii.end()},
                              .indices = std::move(loaded.mesh->indices)};
         mesh.positions.reserve(loaded.mesh->positions.size());
         for (const Vec3d& p : loaded.mesh->positions) mesh.positions.emplace_back(p - origin);
@@ -60,7 +68,29 @@ Box box_about(const std::vector<LoadedShape>& shapes, const std::vector<Box>& of
     return world;
 }
 
+bool have_the_same_surface(const ShapeDescription& a, const ShapeDescription& b) {
+    const auto surface = [](const ShapeDescription& s) {
+        return std::tuple(s.flip_normal, s.alpha.value, s.alpha.texture, s.material, s.area_light, s.inside_medium,
+                          s.outside_medium);
+    };
+    return surface(a) == surface(b);
+}
+
 }  // namespace
+
+void add_shape(LoadedShape shape, std::vector<LoadedShape>& shapes) {
+    const bool joins = shape.shape.kind == ShapeKind::kTube && !shapes.empty() && shapes.back().shape.kind == ShapeKind::kTube &&
+                       have_the_same_surface(shape.shape, shapes.back().shape);
+    if (!joins) return shapes.push_back(std::move(shape));
+    LoadedMesh &more = *shape.mesh, &mesh = *shapes.back().mesh;
+    const auto before = static_cast<std::uint32_t>(mesh.positions.size());
+    for (std::uint32_t& first : more.indices) first += before;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(mesh.positions, more.positions);
+    append(mesh.radii, more.radii);
+    append(mesh.normals, more.normals);
+    append(mesh.indices, more.indices);
+}
 
 Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector<LoadedShape>>& objects,
            const std::vector<InstanceDescription>& instances) {

@@ -16,12 +16,16 @@ struct LoadedMesh {
     std::vector<Vec3d> positions{};
     std::vector<Vec3f> normals{};
     std::vector<Vec2f> uvs{};
+    std::vector<double> radii{};
     std::vector<std::uint32_t> indices{};
 };
 struct LoadedShape {
     ShapeDescription shape;            // without a mesh
     std::optional<LoadedMesh> mesh{};  // nothing: a quadric
 };
+
+// Adds `shape` to the list: tubes to the last shape, if that consists of tubes with the same surface, since hair has very many.
+void add_shape(LoadedShape shape, std::vector<LoadedShape>& shapes);
 
 // About all shapes of the world and all instances of objects.
 Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector<LoadedShape>>& objects,

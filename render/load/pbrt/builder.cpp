@@ -227,7 +227,8 @@ void SceneBuilder::add_shape(const Directive& d) {
     // What moves is an object of its own.
     std::vector<LoadedShape>& shapes = ctm.moves() ? moving_shapes(d.where) : object_ == kNone ? shapes_ : object_shapes_[object_];
     const Affined map = ctm.moves() ? Affined{} : ctm.start;
-    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, map, state_.reverse_orientation, textures_, files_)) {
+    const bool emits = state_.area_light != kNone;
+    for (LoadedShape& loaded : read_shape(d.strings[0], parameters, map, state_.reverse_orientation, emits, textures_, files_)) {
         ShapeDescription& shape = loaded.shape;
         shape.material = state_.material;
         shape.area_light = state_.area_light;
@@ -235,7 +236,7 @@ void SceneBuilder::add_shape(const Directive& d) {
         shape.outside_medium = state_.outside_medium;
         if (object_ != kNone && shape.area_light != kNone) parameters.error("Shape: lights inside ObjectBegin are not supported");
         if (shape.area_light != kNone) refuse_motion(d.where, "Shape: an area light cannot move");
-        shapes.push_back(std::move(loaded));
+        render::add_shape(std::move(loaded), shapes);
     }
 }
 

@@ -9,6 +9,7 @@
 #include "render/load/mesh/loop_subdivision.h"
 #include "render/load/mesh/ply.h"
 #include "render/load/pbrt/features.h"
+#include "render/scene/check.h"
 
 namespace latent::render {
 
@@ -116,8 +117,8 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (shapes.empty()) list.warn(*name + ": has no faces");
 }
 
-// A tube, or patches; "flat", which pbrt turns towards each ray, is a tube too.
-void read_curve(const ParameterList& list, const Affined& ctm, bool reverse_orientation, const ShapeDescription& common,
+// A tube, or patches; "flat", which pbrt turns towards each ray, is a tube too. A tube is a mesh if it emits, or is not round.
+void read_curve(const ParameterList& list, const Affined& ctm, bool reverse_orientation, bool emits, ShapeDescription common,
                 std::vector<LoadedShape>& shapes) {
     const std::string type = list.string("type").value_or("flat"), basis = list.string("basis").value_or("bezier");
     const auto degree = static_cast<std::uint32_t>(list.integer("degree", 3, 2, 3));
@@ -131,13 +132,23 @@ void read_curve(const ParameterList& list, const Affined& ctm, bool reverse_orie
     for (std::size_t i = 0; i < n.size(); i += 3) normals.emplace_back(n[i], n[i + 1], n[i + 2]);
     const double both = list.number("width", 1, 0, 1e30);
     const CurveWidth width{list.number("width0", both, 0, 1e30), list.number("width1", both, 0, 1e30)};
-    list.ignore({"splitdepth"}, "the curve is a mesh");
-    const std::vector<CubicBezier> segments = segments_of(points, degree, basis == "bspline");
+    list.ignore({"splitdepth"}, "curves are not split");
+    std::vector<CubicBezier> segments = segments_of(points, degree, basis == "bspline");
     if (segments.empty()) return list.error(fmt::format("P: {} points make no curve of degree {}", points.size(), degree));
     const bool is_ribbon = type == "ribbon";
     if (is_ribbon && normals.size() != segments.size() + 1)
         return list.error(fmt::format("N: must have {} normals, at the ends of the segments", segments.size() + 1));
-    LoadedMesh mesh = is_ribbon ? ribbon_along(segments, width, normals) : tube_about(segments, width);
+    if (!is_ribbon && !emits && is_even(ctm, 1e-5)) {
+        for (CubicBezier& segment : segments) {
+            for (Vec3d& point : segment) point = ctm.point(point);
+        }
+        const double scale = length(ctm.x);
+        common.kind = ShapeKind::kTube;
+        common.flip_normal = reverse_orientation;
+        shapes.push_back({common, tube_along(segments, {width.w0 * scale, width.w1 * scale})});
+        return;
+    }
+    LoadedMesh mesh = is_ribbon ? ribbon_along(segments, width, normals) : tube_mesh(segments, width);
     transform(mesh, ctm, reverse_orientation);
     if (is_ribbon) {
         add_patches(mesh, common, shapes);
@@ -170,7 +181,10 @@ void read_quadric(const std::string& type, const ParameterList& list, ShapeDescr
 // Whether every vertex, or the corners of the box around a quadric, is finite as floats.
 bool is_finite(const LoadedShape& loaded) {
     const auto finite = [](const Vec3d& p) { return max_abs(Vec3f(p)) < kInfinity; };
-    if (loaded.mesh) return std::ranges::all_of(loaded.mesh->positions, finite);
+    if (loaded.mesh)
+        return std::ranges::all_of(loaded.mesh->positions, finite) && std::ranges::all_of(loaded.mesh->radii, [&](double r) {
+                   return finite({r, 0, 0});
+               });
     const ShapeDescription& shape = loaded.shape;
     const Affined& map = shape.to_world;
     const double reach = (max_abs(map.x) + max_abs(map.y) + max_abs(map.z)) *
@@ -181,7 +195,7 @@ bool is_finite(const LoadedShape& loaded) {
 }  // namespace
 
 std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
-                                    bool reverse_orientation, SceneTextures& textures, SceneFiles& files) {
+                                    bool reverse_orientation, bool emits, SceneTextures& textures, SceneFiles& files) {
     std::vector<LoadedShape> shapes;
     ShapeDescription common{.location = list.directive().where};
     common.flip_normal = reverse_orientation != ctm.swaps_handedness();
@@ -204,7 +218,7 @@ std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList
             list.error("loopsubdiv: " + mesh.error().message);
         }
     } else if (type == "curve") {
-        read_curve(list, ctm, reverse_orientation, common, shapes);
+        read_curve(list, ctm, reverse_orientation, emits, common, shapes);
     } else if (type == "plymesh") {
         read_ply(list, ctm, reverse_orientation, common, files, shapes);
     } else if (type == "sphere" || type == "disk" || type == "cylinder") {

@@ -15,8 +15,8 @@ namespace latent::render {
 // Errors and warnings go to the lists' diagnostics; what is returned is then of no use, but valid.
 
 // The shapes of one Shape directive (a mesh of triangles and quads is two), in the space that `ctm` maps to. Orientation is
-// resolved; material, light and media are the caller's.
+// resolved; material, light and media are the caller's. `emits`: an area light is one of them.
 std::vector<LoadedShape> read_shape(const std::string& type, const ParameterList& list, const Affined& ctm,
-                                    bool reverse_orientation, SceneTextures& textures, SceneFiles& files);
+                                    bool reverse_orientation, bool emits, SceneTextures& textures, SceneFiles& files);
 
 }  // namespace latent::render
