@@ -45,7 +45,7 @@ bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u
             if (drawn.delta) {
                 if (!connects(world_wo, out.wi, wo, drawn.wi)) return false;
                 out.pdf = drawn.probability;
-                out.pdf_reverse = drawn.probability_reverse;
+                out.probability_reverse = drawn.probability_reverse;
                 if (!from_camera) {
                     // f |w_light.ns| |w_camera.ng| / |w_light.ng| against the |w_camera.ns| that the delta function's density is
                     // in.
@@ -59,9 +59,8 @@ bool Bsdf::sample(const Vec3f& world_wo, bool from_camera, float u_lobe, float u
             if (!connects(world_wo, out.wi, wo, wi)) return false;
             out.pdf = closure.pdf_omega(wo, wi);
             if (!(out.pdf > 0)) return false;
-            const bool comes_back = is_met_from(out.wi);
-            if (!from_camera && !comes_back) return false;  // seen from there, it is another point of the fibre that shines
-            out.pdf_reverse = comes_back ? closure.pdf_omega(wi, wo) : 0;
+            if (!from_camera && !is_met_from(out.wi))
+                return false;  // seen from there, it is another point of the fibre that shines
             closure.multiply_f_cos(from_camera ? wo : wi, from_camera ? wi : wo, beta);
             beta *= (from_camera ? 1 : abs_dot(out.wi, ng_) / abs_dot(world_wo, ng_)) / out.pdf;
             return true;

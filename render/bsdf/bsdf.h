@@ -11,9 +11,10 @@ namespace latent::render {
 
 struct BsdfSample {
     Vec3f wi;
-    float pdf, pdf_reverse;  // 1/sr; of a delta function the probability that its coefficient stands for (see weights.h)
+    float pdf;  // 1/sr; of a delta function the probability that its coefficient stands for (see weights.h)
     bool delta;
-    float eta2;  // by which radiance was scaled: squared index on wi's side over that on wo's; 1 for reflection
+    float probability_reverse;  // of a delta function: of the way back
+    float eta2;                 // by which radiance was scaled: squared index on wi's side over that on wo's; 1 for reflection
 };
 
 // Directions are the world's and point away from the surface; `w_camera` leads towards the camera, `w_light` towards the light,
@@ -59,6 +60,10 @@ class Bsdf {
     }
     // Draws wi for a subpath that arrives from wo; beta *= weight of the step. `from_camera`: a camera subpath. False: absorbed.
     bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const;
+    // As `pdf` of what `sample` drew: that it finds wo from wi.
+    float pdf_reverse(const Vec3f& wo, const BsdfSample& drawn) const {
+        return drawn.delta ? drawn.probability_reverse : pdf_omega(drawn.wi, wo);
+    }
 
  private:
     // The side rule, for two directions in the world and in the frame.

@@ -90,76 +90,66 @@ Hair::State::State(const Fibre& given, bool ribbon, float place) : fibre(given),
     }
 }
 
-struct Hair::View {
-    float sin, cos;                                // of theta, the angle out of the plane across the fibre
-    float phi;                                     // [turns] around it
-    float gamma_o, gamma_t;                        // [turns] at which the fibre's circle is entered, outside and inside
-    float reflectance, path;                       // at the surface; through the fibre, in its radii
-    std::array<float, kTerms> sin_term, cos_term;  // of theta turned by the scales, for each term
-
-    View(const State& state, const Vec3f& w) : sin(std::clamp(w.x, -1.0f, 1.0f)), cos(root(1 - square(sin))) {
-        const float radius = std::sqrt(square(w.y) + square(w.z));
-        phi = radius > 0 ? arcsine(w.z, w.y) : 0.25f;
-        float h = radius > 0 ? -w.y / radius : 0;
-        if (state.is_ribbon) h = w.z < 0 ? -state.across : state.across;
-        h = std::clamp(h, -0.999999f, 0.999999f);
-        const float eta = state.fibre.eta, cos_o = root(1 - square(h));
-        const float sin_t = sin / eta, cos_t = root(1 - square(sin_t));
-        const float across_eta = root(square(eta) - square(sin)) / std::max(cos, 1e-6f);  // of the projection
-        const float h_t = std::clamp(h / across_eta, -1.0f, 1.0f), cos_h = root(1 - square(h_t));
-        gamma_o = arcsine(h, cos_o);
-        gamma_t = arcsine(h_t, cos_h);
-        reflectance = fresnel_dielectric(cos * cos_o, eta);
-        path = 2 * cos_h / std::max(cos_t, 1e-6f);
-        // Scales turn what is reflected by -2 alpha, what passes by alpha, what is reflected inside by 4 alpha.
-        const std::array<float, kTerms> s = {-state.sin_tilt[1], state.sin_tilt[0], state.sin_tilt[2], 0},
-                                        c = {state.cos_tilt[1], state.cos_tilt[0], state.cos_tilt[2], 1};
-        for (std::size_t p = 0; p < kTerms; ++p) {
-            sin_term[p] = sin * c[p] + cos * s[p];
-            cos_term[p] = std::abs(cos * c[p] - sin * s[p]);
-        }
+Hair::View::View(const State& state, const Vec3f& seen_from)
+    : w(seen_from), sin(std::clamp(w.x, -1.0f, 1.0f)), cos(root(1 - square(sin))) {
+    const float radius = std::sqrt(square(w.y) + square(w.z));
+    phi = radius > 0 ? arcsine(w.z, w.y) : 0.25f;
+    float h = radius > 0 ? -w.y / radius : 0;
+    if (state.is_ribbon) h = w.z < 0 ? -state.across : state.across;
+    h = std::clamp(h, -0.999999f, 0.999999f);
+    const float eta = state.fibre.eta, cos_o = root(1 - square(h));
+    const float sin_t = sin / eta, cos_t = root(1 - square(sin_t));
+    const float across_eta = root(square(eta) - square(sin)) / std::max(cos, 1e-6f);  // of the projection
+    const float h_t = std::clamp(h / across_eta, -1.0f, 1.0f), cos_h = root(1 - square(h_t));
+    gamma_o = arcsine(h, cos_o);
+    gamma_t = arcsine(h_t, cos_h);
+    reflectance = fresnel_dielectric(cos * cos_o, eta);
+    path = 2 * cos_h / std::max(cos_t, 1e-6f);
+    // Scales turn what is reflected by -2 alpha, what passes by alpha, what is reflected inside by 4 alpha.
+    const std::array<float, kTerms> s = {-state.sin_tilt[1], state.sin_tilt[0], state.sin_tilt[2], 0},
+                                    c = {state.cos_tilt[1], state.cos_tilt[0], state.cos_tilt[2], 1};
+    for (std::size_t p = 0; p < kTerms; ++p) {
+        sin_term[p] = sin * c[p] + cos * s[p];
+        cos_term[p] = std::abs(cos * c[p] - sin * s[p]);
     }
-
-    // A_p of light that the fibre's inside attenuates by `transmittance` along `path`.
-    std::array<float, kTerms> attenuation(float transmittance) const {
-        std::array<float, kTerms> a;
-        const float again = reflectance * transmittance;
-        a[0] = reflectance;
-        a[1] = square(1 - reflectance) * transmittance;
-        a[2] = a[1] * again;
-        a[3] = again < 1 ? a[2] * again / (1 - again) : 0;
-        return a;
+    probability = {};
+    float total = 0;
+    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+        transmittance[i] = exp_nonpositive(-state.fibre.sigma_a->v[i] * path);
+        const std::array<float, kTerms> a = attenuation(transmittance[i]);
+        for (std::size_t p = 0; p < kTerms; ++p) probability[p] += a[p], total += a[p];
     }
-    float transmittance(const State& state, std::uint32_t i) const { return exp_nonpositive(-state.fibre.sigma_a->v[i] * path); }
+    for (float& x : probability) x /= total;
+}
 
-    // Probabilities of the terms: their shares, over all wavelengths.
-    std::array<float, kTerms> probabilities(const State& state) const {
-        std::array<float, kTerms> sum{};
-        float total = 0;
-        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
-            const std::array<float, kTerms> a = attenuation(transmittance(state, i));
-            for (std::size_t p = 0; p < kTerms; ++p) sum[p] += a[p], total += a[p];
-        }
-        for (float& x : sum) x /= total;
-        return sum;
+std::array<float, Hair::kTerms> Hair::View::attenuation(float by) const {
+    std::array<float, kTerms> a;
+    const float again = reflectance * by;
+    a[0] = reflectance;
+    a[1] = square(1 - reflectance) * by;
+    a[2] = a[1] * again;
+    a[3] = again < 1 ? a[2] * again / (1 - again) : 0;
+    return a;
+}
+
+const std::array<float, Hair::kTerms>& Hair::View::lobes(const State& state, const Vec3f& wi) {
+    if (wi_ == wi) return lobes_;
+    wi_ = wi;
+    const float sin_i = std::clamp(wi.x, -1.0f, 1.0f), cos_i = root(1 - square(sin_i));
+    const float turned = square(wi.y) + square(wi.z) > 0 ? arcsine(wi.z, wi.y) - phi : 0;
+    for (int p = 0; p < kTerms; ++p) {
+        const auto i = static_cast<std::size_t>(p);
+        const float around = p + 1 < kTerms ? logistic(wrapped(turned - turn(p)), state.scale) / state.all : 1;
+        lobes_[i] = longitudinal(sin_i, cos_i, sin_term[i], cos_term[i], state.variance[i]) * around * kPerTurn;
     }
+    return lobes_;
+}
 
-    // Where a ray without roughness would leave the fibre, from phi.
-    float turn(int p) const { return 2 * static_cast<float>(p) * gamma_t - 2 * gamma_o + 0.5f * static_cast<float>(p); }
-
-    // M_p N_p towards wi, of each term.
-    std::array<float, kTerms> lobes(const State& state, const Vec3f& wi) const {
-        const float sin_i = std::clamp(wi.x, -1.0f, 1.0f), cos_i = root(1 - square(sin_i));
-        const float turned = square(wi.y) + square(wi.z) > 0 ? arcsine(wi.z, wi.y) - phi : 0;
-        std::array<float, kTerms> f;
-        for (int p = 0; p < kTerms; ++p) {
-            const auto i = static_cast<std::size_t>(p);
-            const float around = p + 1 < kTerms ? logistic(wrapped(turned - turn(p)), state.scale) / state.all : 1;
-            f[i] = longitudinal(sin_i, cos_i, sin_term[i], cos_term[i], state.variance[i]) * around * kPerTurn;
-        }
-        return f;
-    }
-};
+Hair::View& Hair::seen_from(const Vec3f& w) const {
+    std::optional<View>& last = state_->last;
+    if (!last || last->w != w) last.emplace(*state_, w);
+    return *last;
+}
 
 // The multiple scattering in hair of this absorption [Chiang16 eq. 9], the other way.
 SampledSpectrum Hair::albedo() const {
@@ -170,26 +160,26 @@ SampledSpectrum Hair::albedo() const {
 }
 
 void Hair::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
-    const View view(*state_, w_camera);
-    const std::array<float, kTerms> lobes = view.lobes(*state_, w_light);
+    View& view = seen_from(w_camera);
+    const std::array<float, kTerms>& lobes = view.lobes(*state_, w_light);
     for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
-        const std::array<float, kTerms> a = view.attenuation(view.transmittance(*state_, i));
+        const std::array<float, kTerms> a = view.attenuation(view.transmittance[i]);
         value.v[i] *= a[0] * lobes[0] + a[1] * lobes[1] + a[2] * lobes[2] + a[3] * lobes[3];
     }
 }
 
 float Hair::pdf_omega(const Vec3f& wo, const Vec3f& wi) const {
-    const View view(*state_, wo);
-    const std::array<float, kTerms> lobes = view.lobes(*state_, wi), probability = view.probabilities(*state_);
+    View& view = seen_from(wo);
+    const std::array<float, kTerms>& lobes = view.lobes(*state_, wi);
     float sum = 0;
-    for (std::size_t p = 0; p < kTerms; ++p) sum += probability[p] * lobes[p];
+    for (std::size_t p = 0; p < kTerms; ++p) sum += view.probability[p] * lobes[p];
     return sum;
 }
 
 // The number that chooses the term also draws the azimuth.
 bool Hair::sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum&) const {
-    const View view(*state_, wo);
-    const std::array<float, kTerms> probability = view.probabilities(*state_);
+    const View& view = seen_from(wo);
+    const std::array<float, kTerms>& probability = view.probability;
     std::size_t p = 0;
     while (p + 1 < kTerms && u_lobe >= probability[p]) u_lobe -= probability[p++];
     const float rest = std::clamp(u_lobe / std::max(probability[p], 1e-20f), 0.0f, 0x1.fffffep-1f);

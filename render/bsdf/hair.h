@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "render/bsdf/closure.h"
 
@@ -32,6 +33,31 @@ class Hair {
     static constexpr bool kTransmits = true;
     static constexpr int kTerms = 4;
 
+    struct State;
+    // A direction in which a fibre is seen, and what follows from it.
+    struct View {
+        View(const State& state, const Vec3f& seen_from);
+        // A_p of light that the fibre's inside attenuates by `transmittance` along `path`.
+        std::array<float, kTerms> attenuation(float transmittance) const;
+        // Where a ray without roughness would leave the fibre, from phi.
+        float turn(int p) const { return 2 * static_cast<float>(p) * gamma_t - 2 * gamma_o + 0.5f * static_cast<float>(p); }
+        // M_p N_p towards wi, of each term.
+        const std::array<float, kTerms>& lobes(const State& state, const Vec3f& wi);
+
+        Vec3f w;
+        float sin, cos;                                // of theta, the angle out of the plane across the fibre
+        float phi;                                     // [turns] around it
+        float gamma_o, gamma_t;                        // [turns] at which the fibre's circle is entered, outside and inside
+        float reflectance, path;                       // at the surface; through the fibre, in its radii
+        std::array<float, kTerms> sin_term, cos_term;  // of theta turned by the scales, for each term
+        SampledSpectrum transmittance;
+        std::array<float, kTerms> probability;  // of the terms: their shares, over all wavelengths
+
+     private:
+        std::optional<Vec3f> wi_{};  // of `lobes_`
+        std::array<float, kTerms> lobes_{};
+    };
+
     struct State {
         // `across`: of a ribbon, the place along local y, -1 to 1. Else the fibre is round, and the normal says where it is seen.
         State(const Fibre& fibre, bool is_ribbon, float across);
@@ -43,6 +69,7 @@ class Hair {
         float scale;                              // of the logistic distribution in N_p, in turns
         float all;                                // its part within half a turn to both sides
         std::array<float, 3> sin_tilt, cos_tilt;  // of 2^k times the tilt
+        mutable std::optional<View> last{};       // asked for: a path draws, weighs and connects from one direction
     };
     explicit Hair(const Values<Hair>& v);
     explicit Hair(const State& state) : state_(&state) {}
@@ -59,7 +86,7 @@ class Hair {
     bool sample(const Vec3f& wo, float u_lobe, float u, float v, ClosureSample& out, SampledSpectrum& weight) const;
 
  private:
-    struct View;  // a direction, and what follows from it
+    View& seen_from(const Vec3f& w) const;
     const State* state_;
 };
 

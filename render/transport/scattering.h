@@ -42,7 +42,7 @@ class Scattering {
     bool sample(const Vec3f& wo, bool from_camera, float u_lobe, float u, float v, BsdfSample& out, SampledSpectrum& beta) const {
         if (const Bsdf* surface = bsdf()) return surface->sample(wo, from_camera, u_lobe, u, v, out, beta);
         out.wi = phase().sample(wo, u_lobe, u, v);
-        out.pdf = out.pdf_reverse = phase().pdf_omega(wo, out.wi);
+        out.pdf = phase().pdf_omega(wo, out.wi);
         out.delta = false;
         out.eta2 = 1;
         if (!(out.pdf > 0)) return false;
@@ -51,6 +51,10 @@ class Scattering {
             beta *= 1 / out.pdf;
         }
         return true;
+    }
+    // Phase functions are symmetric.
+    float pdf_reverse(const Vec3f& wo, const BsdfSample& drawn) const {
+        return bsdf() ? bsdf()->pdf_reverse(wo, drawn) : drawn.pdf;
     }
 
  private:

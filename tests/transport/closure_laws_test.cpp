@@ -107,7 +107,7 @@ TYPED_TEST(ClosureLaws, WeightsAreWhatEvaluationSays) {
             const float lobe = u(), x = u(), y = u();
             if (!c.scattering.sample(wo, from_camera, lobe, x, y, s, beta) || s.delta) continue;
             ASSERT_FLOAT_EQ(s.pdf, c.scattering.pdf_omega(wo, s.wi));
-            ASSERT_FLOAT_EQ(s.pdf_reverse, c.scattering.pdf_omega(s.wi, wo));
+            ASSERT_FLOAT_EQ(c.scattering.pdf_reverse(wo, s), c.scattering.pdf_omega(s.wi, wo));
             c.scattering.multiply_f_cos(from_camera ? wo : s.wi, from_camera ? s.wi : wo, f);
             const float side = from_camera || c.scattering.in_medium() ? 1 : std::abs(s.wi.z / wo.z);  // ng is z
             for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) ASSERT_NEAR(beta[i], f[i] * side / s.pdf, 2e-5f * beta[i] + 1e-7f);
@@ -191,7 +191,7 @@ TYPED_TEST(ClosureLaws, MirrorsAmongOtherDirectionsComeAsOftenAsTheySay) {
                 ASSERT_TRUE(c.scattering.sample(s.wi, n % 2 == 0, 0, x, y, s, back));
                 ASSERT_TRUE(s.delta);
                 ASSERT_NEAR(s.pdf, mirrored.pdf, 2e-6f * s.pdf);
-                ASSERT_NEAR(s.pdf_reverse, mirrored.pdf, 2e-6f * s.pdf);
+                ASSERT_NEAR(s.probability_reverse, mirrored.pdf, 2e-6f * s.pdf);
                 for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) ASSERT_NEAR(beta[i], back[i], 1e-5f * beta[i]);
             }
             if (counted == 0) continue;
@@ -223,7 +223,7 @@ TYPED_TEST(ClosureLaws, SmoothScatteringIsReciprocal) {
                 EXPECT_NEAR(there.eta2, !refracts ? 1 : std::pow(c.eta, wo.z > 0 ? 2 : -2), 1e-6);
                 // The reverse density is that of the way back, per solid angle on its own side.
                 const float ratio = refracts ? abs_dot(there.wi, c.ns) * there.eta2 / abs_dot(wo, c.ns) : 1;
-                EXPECT_NEAR(there.pdf_reverse * ratio, back.pdf, 1e-5f * back.pdf);
+                EXPECT_NEAR(there.probability_reverse * ratio, back.pdf, 1e-5f * back.pdf);
                 for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
                     if (refracts && c.kept && i != *c.kept) continue;
                     const float power = beta[i] * there.pdf * there.eta2;

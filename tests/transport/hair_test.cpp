@@ -100,7 +100,7 @@ TEST(Hair, WeightsAreWhatEvaluationSaysForBothKindsOfSubpath) {
             if (!bsdf.sample(wo, from_camera, lobe, x, y, s, beta)) continue;
             ++met;
             ASSERT_FLOAT_EQ(s.pdf, bsdf.pdf_omega(wo, s.wi));
-            ASSERT_FLOAT_EQ(s.pdf_reverse, bsdf.pdf_omega(s.wi, wo));
+            ASSERT_FLOAT_EQ(bsdf.pdf_reverse(wo, s), bsdf.pdf_omega(s.wi, wo));
             bsdf.multiply_f_cos(from_camera ? wo : s.wi, from_camera ? s.wi : wo, f);
             const float side = from_camera ? 1 : std::abs(s.wi.z / wo.z);
             for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) ASSERT_NEAR(beta[i], f[i] * side / s.pdf, 2e-5f * beta[i] + 1e-7f);

@@ -79,8 +79,8 @@ void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
             step.throughput *= 1 / survival;
             step.beta *= 1 / survival;
         }
-        step.mis_shorter =
-            (next.delta ? 0 : x.mis.end) + mis_term(next.pdf_reverse * x.to_previous_area, path[i - 1].pdf_forward, x.mis.shorter);
+        const float pdf_reverse = x.scattering.pdf_reverse(x.wo, next) * x.to_previous_area;
+        step.mis_shorter = (next.delta ? 0 : x.mis.end) + mis_term(pdf_reverse, path[i - 1].pdf_forward, x.mis.shorter);
         step.d = next.wi;
         step.pdf = next.pdf;
         step.delta = next.delta;
