@@ -12,8 +12,8 @@ namespace latent::render {
 
 void add_arguments(CLI::App& app, CommandLine& line) {
     app.add_option("SCENE", line.settings.scene, "scene file (.pbrt, .gltf, .glb, .obj)")->required();
-    app.add_option("-o,--output", line.options.output, "file to write: one part of the job")
-        ->required()
+    app.add_option("-o,--output", line.options.output,
+                   "file to write: one part of the job (for --dry-run and --preview, by default: SCENE's name, in this folder)")
         ->check(cli::ends_in(".latent"));
     auto* spp = cli::add_positive_number(app, "--spp", line.settings.spp, "samples per pixel, at --resolution");
     auto* samples = cli::add_parsed(app, "--samples", line.settings.samples, parse_samples, "samples A to B-1, instead of --spp")
@@ -78,6 +78,11 @@ void add_arguments(CLI::App& app, CommandLine& line) {
         "list the supported scene features, and exit");
     app.add_flag("--ignore-space", line.ignore_space, "start even if the file is not expected to fit on the disk");
     app.footer(kBelowOptions);
+    app.parse_complete_callback([&line] {
+        if (!line.options.output.empty()) return;
+        if (!line.dry_run && line.preview_seconds <= 0) throw CLI::RequiredError("--output");
+        line.options.output = line.settings.scene.stem() += ".latent";
+    });
 }
 
 }  // namespace latent::render

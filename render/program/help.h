@@ -15,8 +15,8 @@ inline constexpr const char* kBelowOptions =
     "      render the same samples in two processes\n"
     "  latent-render scenes/cornell.pbrt -o big.latent --resolution 16Kx16K --dry-run\n"
     "      estimate time and file size first\n"
-    "  latent-render scenes/cornell.pbrt -o big.latent --preview 5s\n"
-    "      preview the picture first, in big.preview.png\n\n"
+    "  latent-render scenes/cornell.pbrt --preview 5s\n"
+    "      preview the picture first, in cornell.preview.png\n\n"
     "Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not\n"
     "be written; 75 interrupted, all finished work saved: run again to resume.";
 

@@ -72,5 +72,20 @@ TEST_F(PreviewTest, WhatIsRenderedAlreadyStays) {
     EXPECT_EQ(render({"--preview", "1", "--dry-run"}).status, 2);
 }
 
+TEST_F(PreviewTest, NeedsNoNameForAFileThatItDoesNotWrite) {
+    const std::string scene = latent::testing::in_tree("scenes/cornell.pbrt"), program = latent::testing::tool("latent-render");
+    const auto in_folder = [&](const std::string& options) {
+        return latent::testing::run(
+            {"/bin/sh", "-c",
+             "cd '" + folder_.path().string() + "' && '" + program + "' '" + scene + "' --resolution 32x32 " + options});
+    };
+    EXPECT_THAT(in_folder("--dry-run --max-time 0.1").out, HasSubstr("16384 samples would take"));
+    EXPECT_EQ(in_folder("--preview 60").status, 0);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"cornell.preview.png"});
+    const Outcome nameless = in_folder("");
+    EXPECT_EQ(nameless.status, 2);
+    EXPECT_THAT(nameless.err, HasSubstr("--output is required"));
+}
+
 }  // namespace
 }  // namespace latent::render
