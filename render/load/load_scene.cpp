@@ -7,6 +7,7 @@
 #include "render/load/gltf/gltf.h"
 #include "render/load/obj/obj.h"
 #include "render/load/pbrt/builder.h"
+#include "render/load/pbrt/features.h"
 #include "render/load/scene_format.h"
 
 namespace latent::render {
@@ -37,7 +38,7 @@ class PbrtLoader {
     Result<LoadedScene> load() {
         if (const Status read = file(path_, 0); !read) return read.error();
         builder_.finish(end_);
-        if (!diagnostics_.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics_.errors())};
+        if (!diagnostics_.errors().empty()) return Error{ErrorCode::kUnsupported, errors()};
         scene_.warnings = diagnostics_.warnings();
         return std::move(scene_);
     }
@@ -61,6 +62,7 @@ class PbrtLoader {
             begun_ = true;
             const Directive& d = **directive;
             end_ = d.where;
+            is_v3_ = is_v3_ || (!d.strings.empty() && is_of_pbrt_v3(d.name, d.strings[0]));
             if (d.name != "Include" && d.name != "Import") {
                 builder_.apply(d);
                 continue;
@@ -89,7 +91,15 @@ class PbrtLoader {
     // Ends the loading at once; what was found before is reported too.
     Error syntax_error(const ParseError& error) {
         diagnostics_.error(error.where, error.message);
-        return {ErrorCode::kCorrupt, all_of(diagnostics_.errors())};
+        return {ErrorCode::kCorrupt, errors()};
+    }
+
+    std::string errors() const {
+        const std::string all = all_of(diagnostics_.errors());
+        if (!is_v3_) return all;
+        return fmt::format(
+            "{}: seems to be a scene for pbrt-v3; pbrt-v4 converts such scenes: pbrt --upgrade OLD.pbrt > NEW.pbrt\n{}",
+            path_.string(), all);
     }
 
     std::filesystem::path path_;
@@ -99,6 +109,7 @@ class PbrtLoader {
     SceneBuilder builder_;
     SourceLocation end_;
     bool begun_ = false;  // there was a directive
+    bool is_v3_ = false;  // one had a type of pbrt-v3
 };
 
 Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {

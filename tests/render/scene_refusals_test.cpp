@@ -109,6 +109,14 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
     EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("Camera \"realistic\" is not supported"));
     EXPECT_THAT(refusal("Camera \"realistic\"\nWorldBegin"), HasSubstr("; use \"perspective\" with \"lensradius\""));
     EXPECT_THAT(refusal("Film \"rgb\""), HasSubstr("ends before WorldBegin"));
+    // Also where pbrt-v3's types of parameters end the reading.
+    for (const char* rest : {"", "Shape \"trianglemesh\" \"point P\" [ 0 0 0 ]"}) {
+        const std::string message = refusal(std::string("Film \"image\"\nWorldBegin\n") + rest);
+        EXPECT_THAT(message, HasSubstr("room.pbrt: seems to be a scene for pbrt-v3; ")) << rest;
+        EXPECT_THAT(message, HasSubstr("room.pbrt:1:1: Film \"image\" is not supported")) << rest;
+    }
+    EXPECT_THAT(refused_world("Material \"matte\""), HasSubstr("seems to be a scene for pbrt-v3"));
+    EXPECT_THAT(refused_world("Material \"diffused\""), Not(HasSubstr("pbrt-v3")));
     EXPECT_THAT(refusal("Shape \"sphere\"\nWorldBegin"), HasSubstr("must come after WorldBegin"));
 }
 
