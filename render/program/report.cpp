@@ -9,12 +9,36 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/size.h"
+#include "render/scene/shape_counts.h"
 
 namespace latent::render {
 
 namespace {
+
 using Json = nlohmann::ordered_json;
+
+Json json_of(const ShapeCounts& shapes) {
+    return {{"triangles", shapes.triangles}, {"patches", shapes.patches}, {"quadrics", shapes.quadrics}};
 }
+
+std::string to_text(const ShapeCounts& shapes) {
+    std::string out;
+    const auto add = [&out](std::uint64_t count, const char* one, const char* several) {
+        if (count > 0) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", count, count == 1 ? one : several);
+    };
+    add(shapes.triangles, "triangle", "triangles");
+    add(shapes.patches, "curved patch", "curved patches");
+    add(shapes.quadrics, "quadric", "quadrics");
+    return out.empty() ? "no shapes" : out;
+}
+
+std::string to_text(const SceneSize& size) {
+    const std::string stored = "scene: " + to_text(size.stored);
+    if (size.instances == 0) return stored + "\n";
+    return fmt::format("{} in memory; with {}, {}\n", stored, counted(size.instances, "instance"), to_text(size.placed));
+}
+
+}  // namespace
 
 std::string to_text(const RadianceFaults& faults) {
     return fmt::format("{} stored as black: {} NaN, {} infinite, {} negative",
@@ -53,8 +77,13 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
 }
 
 std::string to_text(const Forecast& forecast, const RenderJob& job, bool json) {
+    const SceneSize size = size_of(job.scene.description);
     if (json) {
+        Json scene = json_of(size.stored);
+        scene["instances"] = size.instances;
+        scene["with_instances"] = json_of(size.placed);
         Json out = {{"job", to_hex(job.job.id)},
+                    {"scene", std::move(scene)},
                     {"first_sample", job.range.first},
                     {"end_sample", job.range.end},
                     {"run_samples", job.job.run_samples},
@@ -69,13 +98,13 @@ std::string to_text(const Forecast& forecast, const RenderJob& job, bool json) {
     }
     const std::string free = forecast.free_bytes ? fmt::format("; {} are free", format_size(*forecast.free_bytes)) : "";
     if (forecast.committed == forecast.samples)
-        return forecast.samples == 1 ? "the only sample is already committed\n"
-                                     : fmt::format("all {} samples are already committed\n", forecast.samples);
+        return to_text(size) + (forecast.samples == 1 ? "the only sample is already committed\n"
+                                                      : fmt::format("all {} samples are already committed\n", forecast.samples));
     const std::uint64_t missing = forecast.samples - forecast.committed;
     const std::string which = forecast.committed == 0 ? counted(missing, "sample")
                                                       : fmt::format("{} of {} samples are committed; the other {}",
                                                                     forecast.committed, forecast.samples, missing);
-    return fmt::format("{} would take {}; the finished file would be {}{} (measured on {})\n", which,
+    return fmt::format("{}{} would take {}; the finished file would be {}{} (measured on {})\n", to_text(size), which,
                        format_duration(forecast.seconds), format_size(forecast.bytes), free,
                        counted(forecast.measured_samples, "sample"));
 }

@@ -43,7 +43,7 @@ TEST_F(PreviewTest, APictureIsAllThatItLeavesAndTheNextOneTakesItsPlace) {
         const Outcome outcome = render({"--resolution", "60x60", "--spp", "1", "--preview", "60"});  // done long before
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 30 x 30 pixels, 4 samples per pixel"));
-        EXPECT_THAT(outcome.out, HasSubstr("3600 samples would take"));
+        EXPECT_THAT(outcome.out, HasSubstr("scene: 24 triangles, 1 quadric\n3600 samples would take"));
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
         EXPECT_EQ(png_size("p.preview.png"), (std::pair{30u, 30u}));
     }
@@ -60,6 +60,8 @@ TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
     EXPECT_LE(report["preview"]["width"], 1024);
     EXPECT_EQ(png_size("p.preview.png").first, report["preview"]["width"]);
     EXPECT_LT(report["measured_samples"], report["samples"]);
+    EXPECT_EQ(report["scene"]["triangles"], 24);
+    EXPECT_EQ(report["scene"]["with_instances"], (nlohmann::json{{"triangles", 24}, {"patches", 0}, {"quadrics", 1}}));
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
 }
 
