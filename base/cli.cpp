@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "base/help.h"
+#include "base/near_names.h"
 #include "base/parse.h"
 #include "base/printable.h"
 #include "base/temporary_path.h"
@@ -129,6 +130,20 @@ std::string in_plain_words(const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return what;
     return what.substr(0, what.find(": ")) + (what.ends_with("missing") ? ": a value is missing" : ": given more than once");
 }
+// Of an argument that nobody knows: "unknown argument --preveiw (did you mean --preview?)".
+std::string unknown_argument(const CLI::App& app, const std::string& argument) {
+    std::vector<std::string> names;
+    const auto add_names = [&names](const CLI::App* command) {
+        for (const CLI::Option* option : command->get_options()) {
+            for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+        }
+    };
+    add_names(&app);
+    for (const CLI::App* command : app.get_subcommands()) add_names(command);
+    const std::string near = argument.starts_with("-") ? near_names(argument.substr(0, argument.find('=')), names) : "";
+    return fmt::format("unknown argument {}{}", argument, near.empty() ? "" : fmt::format(" (did you mean {}?)", near));
+}
+
 CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most,
                       const std::string& range) {
     const auto parse = [least, most, range](const std::string& text) -> Result<double> {
@@ -179,8 +194,9 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
         // What is missing may be there, but misspelt: so what was not understood comes first.
         std::vector<std::string> unknown = app.remaining(true);
         std::erase(unknown, "--");
-        const bool misspelt = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError) && !unknown.empty();
-        const std::string what = misspelt ? "unknown argument " + unknown.front() : in_plain_words(error);
+        const auto is = [&error](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
+        const bool misspelt = (is(CLI::ExitCodes::RequiredError) || is(CLI::ExitCodes::ExtrasError)) && !unknown.empty();
+        const std::string what = misspelt ? unknown_argument(app, unknown.front()) : in_plain_words(error);
         fmt::print(stderr, "{}: {}; see --help\n", program(), printable(what));
         return kUsage;
     }

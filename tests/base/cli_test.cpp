@@ -36,5 +36,23 @@ TEST(Cli, AnUnknownChoiceNamesThoseThereAre) {
                 "^tool: --gamut: unknown choice 'foo'; choose from luminance, grey; see --help\n$");
 }
 
+TEST(Cli, AMisspeltOptionIsTheFirstThingSaidWithThoseThatAreNear) {
+    const auto parse_with = [](std::string option) {
+        double seconds = 0;
+        std::string scene;
+        char name[] = "tool", value[] = "3s";
+        char* arguments[] = {name, option.data(), value, nullptr};
+        CLI::App app{"", "tool"};
+        app.add_option("SCENE", scene)->required(option == "--preveiw");
+        add_duration(app, "--preview", seconds, "");
+        ::_exit(parse(app, 3, arguments).value_or(0));
+    };
+    EXPECT_EXIT(parse_with("--preveiw"), ::testing::ExitedWithCode(kUsage),
+                "^tool: unknown argument --preveiw \\(did you mean --preview\\?\\); see --help\n$");
+    EXPECT_EXIT(parse_with("--previews=2s"), ::testing::ExitedWithCode(kUsage),
+                "^tool: unknown argument --previews=2s \\(did you mean --preview\\?\\); see --help\n$");
+    EXPECT_EXIT(parse_with("--zzz"), ::testing::ExitedWithCode(kUsage), "^tool: unknown argument --zzz; see --help\n$");
+}
+
 }  // namespace
 }  // namespace latent::cli
