@@ -6,6 +6,7 @@
 #include "base/terminal.h"
 #include "render/preview/preview.h"
 #include "render/program/command_line.h"
+#include "render/program/forecast.h"
 #include "render/program/loop.h"
 #include "render/program/report.h"
 #include "render/program/stop_signals.h"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) try {
     RenderOptions& options = line.options;
     options.force = common.force;
     settings.output = options.output;
+    if (const Status folder = check_folder(options.output); !folder) return cli::fail(folder.error());
     listen_to_signals(cli::kStopped);
     const Threads threads(common.threads);
     options.threads = threads.count();

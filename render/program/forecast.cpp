@@ -90,6 +90,14 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
     return trial ? forecast(job, options, *trial) : trial.error();
 }
 
+Status check_folder(const std::filesystem::path& output) {
+    const std::filesystem::path folder = folder_of(output);
+    std::error_code error;
+    if (std::filesystem::is_directory(folder, error)) return {};
+    const char* const problem = std::filesystem::exists(folder, error) ? "is not a folder" : "does not exist";
+    return Error{ErrorCode::kIo, fmt::format("{}: {} {}", output.string(), folder.string(), problem)};
+}
+
 std::string too_large(const Forecast& forecast, const std::filesystem::path& output) {
     return fmt::format(
         "{}: needs about {}, but only {} are free in {}; free some space, or render less (--spp, --samples, --shard)",

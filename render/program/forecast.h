@@ -45,6 +45,9 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, co
 // From a trial of `seconds` in the system's folder for temporary files, unless nothing is missing.
 Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop);
 
+// Before the scene is read. Errors: kIo if there is no folder for the output.
+Status check_folder(const std::filesystem::path& output);
+
 // For a forecast that does not fit: what, where, and what to do.
 std::string too_large(const Forecast& forecast, const std::filesystem::path& output);
 

@@ -243,6 +243,18 @@ TEST_F(Resume, MoreShardsThanRunsIsSaidWithAWayToGiveEveryShardWork) {
     EXPECT_THAT(latent::testing::run(command(folder_ / "2.latent", {"--shard", "2/3"})).err, Not(HasSubstr("warning")));
 }
 
+TEST_F(Resume, AnOutputWithoutAFolderIsRefusedBeforeTheSceneIsRead) {
+    std::ofstream(folder_ / "file") << "";
+    for (const Command& more : {Command{}, Command{"--dry-run"}, Command{"--preview", "1"}}) {
+        const Outcome missing = latent::testing::run(command(folder_ / "none/p.latent", more));
+        EXPECT_EQ(missing.status, 1);
+        EXPECT_THAT(missing.err, HasSubstr("none/p.latent: " + (folder_ / "none").string() + " does not exist\n"));
+        const Outcome file = latent::testing::run(command(folder_ / "file/p.latent", more));
+        EXPECT_EQ(file.status, 1);
+        EXPECT_THAT(file.err, HasSubstr((folder_ / "file").string() + " is not a folder\n"));
+    }
+}
+
 // On a disk that holds a tenth of it.
 TEST_F(Resume, APartThatWillNotFitIsRefusedBeforeItBegins) {
     const latent::testing::SmallDisk disk(2 << 20);
