@@ -18,7 +18,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const ShapeCounts& shapes) {
-    return {{"triangles", shapes.triangles}, {"patches", shapes.patches}, {"quadrics", shapes.quadrics}};
+    return {{"triangles", shapes.triangles},
+            {"patches", shapes.patches},
+            {"curve_segments", shapes.curve_segments},
+            {"quadrics", shapes.quadrics}};
 }
 
 std::string to_text(const ShapeCounts& shapes) {
@@ -28,6 +31,7 @@ std::string to_text(const ShapeCounts& shapes) {
     };
     add(shapes.triangles, "triangle", "triangles");
     add(shapes.patches, "curved patch", "curved patches");
+    add(shapes.curve_segments, "curve segment", "curve segments");
     add(shapes.quadrics, "quadric", "quadrics");
     return out.empty() ? "no shapes" : out;
 }

@@ -11,6 +11,8 @@ ShapeCounts count(const std::vector<ShapeDescription>& shapes) {
             out.triangles += shape.mesh->indices.size() / 3;
         } else if (shape.kind == ShapeKind::kBilinear) {
             out.patches += shape.mesh->indices.size() / 4;
+        } else if (shape.kind == ShapeKind::kTube) {
+            out.curve_segments += shape.mesh->indices.size();
         } else {
             ++out.quadrics;
         }
@@ -21,6 +23,7 @@ ShapeCounts count(const std::vector<ShapeDescription>& shapes) {
 void add(ShapeCounts& sum, const ShapeCounts& more) {
     sum.triangles += more.triangles;
     sum.patches += more.patches;
+    sum.curve_segments += more.curve_segments;
     sum.quadrics += more.quadrics;
 }
 

@@ -61,7 +61,8 @@ TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
     EXPECT_EQ(png_size("p.preview.png").first, report["preview"]["width"]);
     EXPECT_LT(report["measured_samples"], report["samples"]);
     EXPECT_EQ(report["scene"]["triangles"], 24);
-    EXPECT_EQ(report["scene"]["with_instances"], (nlohmann::json{{"triangles", 24}, {"patches", 0}, {"quadrics", 1}}));
+    EXPECT_EQ(report["scene"]["with_instances"],
+              (nlohmann::json{{"triangles", 24}, {"patches", 0}, {"curve_segments", 0}, {"quadrics", 1}}));
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"p.preview.png"});
 }
 

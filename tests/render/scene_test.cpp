@@ -45,12 +45,13 @@ TEST(Scene, ProjectScenesLoad) {
 
 TEST(Scene, ItsSizeCountsAnObjectOnceInMemoryAndOncePerInstanceInTheWorld) {
     const std::string patch = "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  2 0.5 0  0.25 1 0  2.25 1.5 ";
-    const std::string object = "ObjectBegin \"o\"\n" + std::string(kTriangle) + patch + "1 ]\nShape \"sphere\"\nObjectEnd\n";
+    const std::string object = "ObjectBegin \"o\"\n" + std::string(kTriangle) + patch + "1 ]\nShape \"sphere\"\n" +
+                               "Shape \"curve\" \"integer degree\" 2 \"point3 P\" [ 0 0 0 1 0 0 2 1 0 3 1 0 4 0 0 ]\nObjectEnd\n";
     const SceneSize size = size_of(world(object + kTriangle + patch + "0 ]\nShape \"disk\"\nShape \"cylinder\"\n" +
                                          "ObjectInstance \"o\"\nTranslate 9 0 0\nObjectInstance \"o\"\n"));
     // A flat patch is two triangles.
-    EXPECT_EQ(size.stored, (ShapeCounts{.triangles = 4, .patches = 1, .quadrics = 3}));
-    EXPECT_EQ(size.placed, (ShapeCounts{.triangles = 5, .patches = 2, .quadrics = 4}));
+    EXPECT_EQ(size.stored, (ShapeCounts{.triangles = 4, .patches = 1, .curve_segments = 2, .quadrics = 3}));
+    EXPECT_EQ(size.placed, (ShapeCounts{.triangles = 5, .patches = 2, .curve_segments = 4, .quadrics = 4}));
     EXPECT_EQ(size.instances, 2u);
 }
 
