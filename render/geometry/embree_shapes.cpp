@@ -21,8 +21,8 @@ bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay
     const PlacedWorld& world = *context.world;
     const PlacedShape& placed = world.shape(on);
     if (placed.hollow && dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0) return true;
+    if (!placed.has_holes()) return false;
     const FloatInput& alpha = placed.shape.alpha;
-    if (!alpha.is_textured() && alpha.value >= 1) return false;
     if (alpha.is_textured() && world.opacity == nullptr) return false;
     const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
     const float share = alpha.is_textured() ? world.opacity->at(alpha, hit, coordinates_at(world, hit)) : alpha.value;

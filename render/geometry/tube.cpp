@@ -57,12 +57,13 @@ double TubePoint::v(const Tube& tube) const {
     return QuadricPart::angle_about_z({dot(n, x), dot(n, cross(d, x)), 0}) / (2 * std::numbers::pi);
 }
 
-// Each step takes the tube for the cone that touches it at u.
+// Each step takes the tube for the cone that touches it at u. Embree's bound on its error depends on the unit: where numbers are
+// large, it takes points beside the tube for hits, from which no steps lead to a crossing.
 std::optional<TubeCrossing> settle(const Tube& tube, const Vec3d& o, const Vec3d& d, double t, double u, double low, double high) {
-    bool leaves = false;
-    for (int i = 0; i < 3; ++i) {
+    constexpr double kBeyond = 1e-4;  // the ends, in u: a hit is on one of two segments, for all that rounding does
+    for (int i = 0; i < 12; ++i) {
         const Station at(tube.axis, u);
-        if (!(at.speed > 0)) break;
+        if (!(at.speed > 0)) return std::nullopt;
         const double widens = (tube.radius_1 - tube.radius_0) / at.speed;
         const Vec3d from = o + d * t - at.p;  // counted from here: nothing cancels
         const double along = dot(from, at.d), speed = dot(d, at.d);
@@ -75,12 +76,14 @@ std::optional<TubeCrossing> settle(const Tube& tube, const Vec3d& o, const Vec3d
         // Of both roots, the one that is nearer to 0.
         const double q = b + std::copysign(std::sqrt(discriminant), b), step = q == 0 ? 0 : -c / q, axial = along + speed * step;
         t += step;
-        u += axial / at.speed;
-        leaves = b > 0;
-        if (!(u > -0.01 && u < 1.01) || std::abs(axial) < 1e-9 * radius) break;
+        const Vec3d bend = bend_at(tube.axis, u), turn = (bend - at.d * dot(at.d, bend)) / at.speed;
+        u += axial / std::max(at.speed - dot(away + across * step, turn), 0.1 * at.speed);
+        if (std::abs(axial) < 1e-6 * radius) {
+            if (!(t > low && t < high && u > -kBeyond && u < 1 + kBeyond)) return std::nullopt;
+            return TubeCrossing{t, std::clamp(u, 0.0, 1.0), b > 0};
+        }
     }
-    if (!(t > low && t < high)) return std::nullopt;
-    return TubeCrossing{t, std::clamp(u, 0.0, 1.0), leaves};
+    return std::nullopt;
 }
 
 }  // namespace latent::render

@@ -31,8 +31,8 @@ struct TubePoint {
     double v(const Tube& tube) const;  // around the axis, from 0 to 1
 };
 
-// The crossing of a ray with the tube that is nearest to t, at about u along the axis. Nothing: the ray does not come closer than
-// the radius, or crosses outside of low < t < high. So a ray that starts on a tube, to float precision, knows on which side.
+// The crossing of a ray with the tube that is nearest to t, at about u along the axis. Nothing: there is none nearby, or it is
+// outside of low < t < high. So a ray that starts on a tube, to float precision, knows on which side.
 struct TubeCrossing {
     double t, u;
     bool leaves;  // from inside
