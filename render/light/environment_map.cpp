@@ -19,6 +19,9 @@ EnvironmentMap::EnvironmentMap(std::shared_ptr<const ImageDescription> image, co
     std::vector<double> weight(std::size_t{image_->width} * image_->height);
     for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = std::max(0.0, luminance(&image_->rgb[3 * i]));
     for (const double w : weight) mean_luminance_ += w / static_cast<double>(weight.size());
+    double square = 0;
+    for (const double w : weight) square += w * w / static_cast<double>(weight.size());
+    if (mean_luminance_ > 0) contrast_ = square / (mean_luminance_ * mean_luminance_);
     pixels_ = PixelDistribution(std::move(weight), image_->width, mean_luminance_);
 }
 

@@ -21,6 +21,8 @@ class EnvironmentMap {
     bool multiply(const Vec3f& w, SampledSpectra& spectra, SampledSpectrum& value) const;
 
     double mean_luminance() const { return mean_luminance_; }
+    // The mean square of luminance over its squared mean: 1 where it is the same everywhere.
+    double contrast() const { return contrast_; }
     double luminous_intensity() const { return 4 * std::numbers::pi * mean_luminance_; }  // integral of luminance over solid angle
     double upper_illuminance() const;  // integral over z > 0 of light space of luminance times cosine
 
@@ -34,7 +36,7 @@ class EnvironmentMap {
     Affinef world_from_light_, light_from_world_;  // rotations
     RgbIlluminant colors_;
     PixelDistribution pixels_;  // by luminance
-    double mean_luminance_ = 0;
+    double mean_luminance_ = 0, contrast_ = 1;
 };
 
 }  // namespace latent::render

@@ -15,6 +15,7 @@ class ImageInfiniteLight {
     const Emission& emission() const { return emission_; }
     // As of a uniform infinite light.
     double extent() const { return std::numbers::pi * ball_.disk_area() * map_->mean_luminance(); }
+    double contrast() const { return map_->contrast(); }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     float pdf_omega(const Vec3f&, const LightSampleContext&, const LightHit& hit) const { return map_->pdf_omega(hit.wi); }
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;

@@ -42,7 +42,9 @@ class Light {
     // `id`: of the light as the scene gives it, which may be many of these.
     template <LightType L>
     Light(std::uint32_t id, const L& light, bool is_hidden = false)
-        : id_(id), infinite_(L::kIsInfinite), delta_(L::kIsDelta), hidden_(is_hidden), light_(light) {}
+        : id_(id), infinite_(L::kIsInfinite), delta_(L::kIsDelta), hidden_(is_hidden), light_(light) {
+        if constexpr (requires { light.contrast(); }) contrast_ = light.contrast();
+    }
 
     // Every triangle of a mesh has the id of its area light: index into SceneDescription::area_lights, or their number plus the
     // index into SceneDescription::lights.
@@ -72,6 +74,9 @@ class Light {
             }
         });
     }
+
+    // Of radiance over all directions: its mean square over its squared mean. Infinity unless it comes from all directions.
+    double contrast() const { return contrast_; }
 
     const Emission& emission() const {
         return visit([](const auto& light) -> const Emission& { return light.emission(); });
@@ -111,6 +116,7 @@ class Light {
  private:
     std::uint32_t id_;
     bool infinite_, delta_, hidden_;
+    double contrast_ = kInfinity;
     AnyLight light_;
 };
 

@@ -15,6 +15,7 @@ class UniformInfiniteLight {
     const Emission& emission() const { return emission_; }
     // Of 4 pi L that crosses each square metre of the scene, a surface receives pi L at most.
     double extent() const { return std::numbers::pi * ball_.disk_area(); }
+    double contrast() const { return 1; }
     bool sample_point(const Vec3f& from, const LightSampleContext& context, Uniform u, Uniform v, LightPoint& out) const;
     float pdf_omega(const Vec3f& from, const LightSampleContext& context, const LightHit& hit) const;
     void sample_ray(Uniform u, Uniform v, Uniform s, Uniform t, LightRay& out) const;

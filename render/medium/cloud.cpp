@@ -17,7 +17,7 @@ Vec3f noise_gradient(const Vec3f& p) {
            kDelta;
 }
 
-float density(const CloudVolume& volume, const Vec3f& p) {
+float cloud_density(const CloudVolume& volume, const Vec3f& p) {
     Vec3f q = p * static_cast<float>(volume.frequency);
     if (volume.wispiness > 0) {
         float weight = 0.05f * static_cast<float>(volume.wispiness), scale = 10;
@@ -33,25 +33,17 @@ float density(const CloudVolume& volume, const Vec3f& p) {
 MajorantGrid majorants_of(const CloudVolume& volume, const Affinef& medium_from_unit) {
     return {{16, 16, 16},
             [](const Vec3f&, const Vec3f&) { return 1.0f; },
-            [&](const Vec3f& p) { return density(volume, medium_from_unit.point(p)); }};
+            [&](const Vec3f& p) { return cloud_density(volume, medium_from_unit.point(p)); }};
 }
 
 }  // namespace
 
 CloudMedium::CloudMedium(const PhaseFunction& phase, const Affined& medium_from_unit, const Affined& unit_from_world,
                          std::uint32_t sigma_t, std::uint32_t sigma_s, const CloudVolume& volume)
-    : HeterogeneousMedium(phase, unit_from_world, sigma_t, majorants_of(volume, Affinef(medium_from_unit))),
-      sigma_t_(sigma_t),
-      sigma_s_(sigma_s),
+    : ScaledMedium(phase, unit_from_world, sigma_t, sigma_s, majorants_of(volume, Affinef(medium_from_unit))),
       medium_from_unit_(medium_from_unit),
       volume_(volume) {}
 
-void CloudMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
-    sigma_t = sample.spectra[sigma_t_] * density(volume_, medium_from_unit_.point(p));
-}
-
-void CloudMedium::scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const {
-    sigma_s = sample.spectra[sigma_s_] * density(volume_, medium_from_unit_.point(p));
-}
+float CloudMedium::density(const Vec3f& p) const { return cloud_density(volume_, medium_from_unit_.point(p)); }
 
 }  // namespace latent::render

@@ -10,18 +10,16 @@ namespace latent::render {
 //   q <- q + w D(l q),   w = wispiness / 20, wispiness / 40;   l = 10, 19.9
 // Five octaves of noise at q and the height make the density, which is within [0, 1]:
 //   clamp(clamp(4.5 (1 - y) density sum of 2^-i noise(1.99^(i-1) q), i = 1 .. 5) + 2 max(0, 1/2 - y))
-class CloudMedium final : public HeterogeneousMedium {
+class CloudMedium final : public ScaledMedium {
  public:
     CloudMedium(const PhaseFunction& phase, const Affined& medium_from_unit, const Affined& unit_from_world, std::uint32_t sigma_t,
                 std::uint32_t sigma_s, const CloudVolume& volume);
 
     bool is_emissive() const override { return false; }
-    void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const override;
-    void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const override;
+    float density(const Vec3f& p) const override;
     bool emission(const Vec3f&, SampleState&, SampledSpectrum&) const override { return false; }
 
  private:
-    std::uint32_t sigma_t_, sigma_s_;
     Affinef medium_from_unit_;
     CloudVolume volume_;
 };

@@ -36,23 +36,13 @@ MajorantGrid UnitGrid::majorants() const {
 
 GridMedium::GridMedium(const PhaseFunction& phase, const Affined& medium_from_unit, const Affined& unit_from_world,
                        std::uint32_t sigma_t, std::uint32_t sigma_s, std::uint32_t emission, const GridVolume& volume)
-    : HeterogeneousMedium(phase, unit_from_world, sigma_t, UnitGrid(volume.density, medium_from_unit).majorants()),
-      sigma_t_(sigma_t),
-      sigma_s_(sigma_s),
+    : ScaledMedium(phase, unit_from_world, sigma_t, sigma_s, UnitGrid(volume.density, medium_from_unit).majorants()),
       emission_(emission),
       density_(volume.density, medium_from_unit),
       temperature_(volume.temperature, medium_from_unit),
       Le_scale_(volume.Le_scale, medium_from_unit),
       temperature_offset_(static_cast<float>(volume.temperature_offset)),
       temperature_scale_(static_cast<float>(volume.temperature_scale)) {}
-
-void GridMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
-    sigma_t = sample.spectra[sigma_t_] * density_(p);
-}
-
-void GridMedium::scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const {
-    sigma_s = sample.spectra[sigma_s_] * density_(p);
-}
 
 bool GridMedium::emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const {
     const float scale = density_(p) * Le_scale_(p);

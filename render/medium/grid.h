@@ -27,18 +27,17 @@ class UnitGrid {
 
 // sigma_t, sigma_s and emission are those spectra of the library times the density at a point. `emission`: sigma_a times the
 // radiance emitted, or times its scale where there are temperatures; kNone: none.
-class GridMedium final : public HeterogeneousMedium {
+class GridMedium final : public ScaledMedium {
  public:
     GridMedium(const PhaseFunction& phase, const Affined& medium_from_unit, const Affined& unit_from_world, std::uint32_t sigma_t,
                std::uint32_t sigma_s, std::uint32_t emission, const GridVolume& volume);
 
     bool is_emissive() const override { return emission_ != kNone; }
-    void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const override;
-    void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const override;
+    float density(const Vec3f& p) const override { return density_(p); }
     bool emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const override;
 
  private:
-    std::uint32_t sigma_t_, sigma_s_, emission_;
+    std::uint32_t emission_;
     UnitGrid density_, temperature_, Le_scale_;
     float temperature_offset_, temperature_scale_;
 };

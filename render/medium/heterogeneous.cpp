@@ -4,20 +4,26 @@
 #include <cmath>
 
 #include "render/math/elementary.h"
+#include "render/medium/extinction.h"
 
 namespace latent::render {
 namespace {
 
-// Of each wavelength in the throughput; even if that is black.
-SampledSpectrum shares(const SampledSpectrum& value, std::uint32_t k) {
-    const float total = mean_over(value, k) * static_cast<float>(k);
-    return spectrum_of([&](std::uint32_t i) { return i >= k ? 0 : total > 0 ? value.v[i] / total : 1 / static_cast<float>(k); });
+// Of each value in the throughput of the k wavelengths; even if that is black.
+template <class Extinction>
+auto shares(const Extinction& extinction, const SampledSpectrum& value) {
+    auto share = extinction.sums(value);
+    const float total = share.sum();
+    if (!(total > 0)) share = extinction.sums(SampledSpectrum(1.0f));
+    const float scale = 1 / (total > 0 ? total : share.sum());
+    return values_of<Extinction::N>([&](std::uint32_t i) { return share.v[i] * scale; });
 }
 
-std::uint32_t index_by(const SampledSpectrum& share, Uniform u, std::uint32_t k) {
+template <std::uint32_t N>
+std::uint32_t index_by(const Values<N>& share, Uniform u) {
     float left = u;
     std::uint32_t last = 0;
-    for (std::uint32_t i = 0; i < k; ++i) {
+    for (std::uint32_t i = 0; i < N; ++i) {
         if (!(share[i] > 0)) continue;
         last = i;
         if (left < share[i]) break;
@@ -26,10 +32,30 @@ std::uint32_t index_by(const SampledSpectrum& share, Uniform u, std::uint32_t k)
     return last;
 }
 
-float mean_by(const SampledSpectrum& share, const SampledSpectrum& value) {
-    float sum = 0;
-    for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) sum += share.v[i] * value.v[i];
-    return sum;
+template <std::uint32_t N>
+float mean_by(const Values<N>& share, const Values<N>& value) {
+    return (share * value).sum();
+}
+
+template <std::uint32_t N>
+Values<N> real_share(const Values<N>& sigma_t, float mu) {
+    return values_of<N>([&](std::uint32_t i) { return std::min(sigma_t.v[i] / mu, 1.0f); });
+}
+template <std::uint32_t N>
+Values<N> rest(const Values<N>& value) {
+    return values_of<N>([&](std::uint32_t i) { return 1 - value.v[i]; });
+}
+
+template <class Extinction, std::uint32_t N>
+MediumStep vertex(const Extinction& extinction, float t, float column, const Values<N>& sigma_t) {
+    const Values<N> transmittance = extinction.model_transmittance(column);
+    return {true, t, extinction.mean(transmittance * sigma_t), extinction.mean(transmittance), column};
+}
+
+template <class Extinction>
+MediumStep passed(const Extinction& extinction, float t, float column) {
+    const float mean = extinction.mean(extinction.model_transmittance(column));
+    return {false, t, mean, mean, column};
 }
 
 // Optical depth to the next tentative collision.
@@ -51,9 +77,17 @@ float HeterogeneousMedium::deepest_cell(const SpectrumLibrary& library) const {
     return static_cast<float>(diagonal) * majorants_.max() * library[reference_sigma_t_].max_value();
 }
 
+template <class F>
+auto HeterogeneousMedium::with_extinction(SampleState& sample, F f) const {
+    if (const ScaledMedium* medium = scaled()) {
+        const SpectrumLevels& levels = sample.spectra.levels(reference_sigma_t_);
+        if (levels.count > 0) return f(ScaledExtinction(*medium, levels, sample));
+    }
+    return f(SampledExtinction(*this, reference_sigma_t_, sample));
+}
+
 template <class Collide>
-float HeterogeneousMedium::track(const UnitLine& line, float end, float u, SampleState& sample, Collide collide) const {
-    const float reference = sample.spectra[reference_sigma_t_].max();
+float HeterogeneousMedium::track(const UnitLine& line, float end, float reference, float u, Collide collide) const {
     float depth = depth_of(u);
     float column = 0;
     const auto visit = [&](float enter, float leave, const MajorantGrid::Cell& cell) {
@@ -88,88 +122,97 @@ float HeterogeneousMedium::track(const UnitLine& line, float end, float u, Sampl
     return column;
 }
 
-MediumStep HeterogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
-                                            SampledSpectrum& value, SampledSpectrum* emitted) const {
-    const SampledSpectrum share = shares(value, sample.k());
-    const std::uint32_t chosen = index_by(share, u_wavelength, sample.k());
-    SampledSpectrum passed_null(1.0f);  // the product of (1 - a)
-    SampledSpectrum sigma_t;
+template <class Extinction>
+MediumStep HeterogeneousMedium::sample_step(Extinction extinction, const Segment& segment, Uniform u_wavelength, Uniform u,
+                                            SampleState& sample, SampledSpectrum& value, SampledSpectrum* emitted) const {
+    constexpr std::uint32_t N = Extinction::N;
+    const Values<N> share = shares(extinction, value);
+    const std::uint32_t chosen = index_by(share, u_wavelength);
+    Values<N> passed_null(1.0f);  // the product of (1 - a)
+    Values<N> sigma_t;
     float scattered_at = kInfinity;
     const UnitLine line = unit_line(segment);
-    const float column = track(line, segment.length, u, sample, [&](float t, const Vec3f& p, float mu) {
+    const float column = track(line, segment.length, extinction.reference_max(), u, [&](float t, const Vec3f& p, float mu) {
         SampledSpectrum light;
-        if (emitted != nullptr && emission(p, sample, light))
-            *emitted += value * passed_null * light * (1 / (mu * mean_by(share, passed_null)));
-        extinction(p, sample, sigma_t);
-        const SampledSpectrum real = spectrum_of([&](std::uint32_t i) { return std::min(sigma_t.v[i] / mu, 1.0f); });
+        if (emitted != nullptr && emission(p, sample, light)) {
+            light *= value;
+            extinction.multiply(passed_null, light);
+            *emitted += light * (1 / (mu * mean_by(share, passed_null)));
+        }
+        sigma_t = extinction.at(p);
+        const Values<N> real = real_share(sigma_t, mu);
         if (sample.random() < real[chosen]) {
-            SampledSpectrum sigma_s;
-            scattering(p, sample, sigma_s);
-            value *= passed_null;
-            value *= sigma_s * (1 / (mu * mean_by(share, passed_null * real)));
+            extinction.multiply(passed_null, value);
+            extinction.multiply_scattering(value);
+            value *= 1 / (mu * mean_by(share, passed_null * real));
             scattered_at = t;
             return kStop;
         }
-        passed_null *= spectrum_of([&](std::uint32_t i) { return 1 - real.v[i]; });
+        passed_null *= rest(real);
         return depth_of(sample.random());
     });
-    if (scattered_at < kInfinity) return vertex(scattered_at, column, sigma_t, sample);
-    value *= passed_null * (1 / mean_by(share, passed_null));
-    return passed(segment.length, column, sample);
+    if (scattered_at < kInfinity) return vertex(extinction, scattered_at, column, sigma_t);
+    extinction.multiply(passed_null, value);
+    value *= 1 / mean_by(share, passed_null);
+    return passed(extinction, segment.length, column);
 }
 
-float HeterogeneousMedium::multiply_transmittance(const UnitLine& line, float end, SampleState& sample,
+MediumStep HeterogeneousMedium::sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
+                                            SampledSpectrum& value, SampledSpectrum* emitted) const {
+    return with_extinction(
+        sample, [&](auto extinction) { return sample_step(extinction, segment, u_wavelength, u, sample, value, emitted); });
+}
+
+template <class Extinction>
+float HeterogeneousMedium::multiply_transmittance(Extinction& extinction, const UnitLine& line, float end, SampleState& sample,
                                                   SampledSpectrum& value) const {
-    SampledSpectrum estimate(1.0f), sigma_t;
+    constexpr std::uint32_t N = Extinction::N;
+    const Values<N> before = extinction.maxima(value);
+    const float little = 0.05f * before.max();
+    Values<N> estimate(1.0f);
     const float u = sample.random();
-    const float column = track(line, end, u, sample, [&](float, const Vec3f& p, float mu) {
-        extinction(p, sample, sigma_t);
-        estimate *= spectrum_of([&](std::uint32_t i) { return 1 - std::min(sigma_t.v[i] / mu, 1.0f); });
+    const float column = track(line, end, extinction.reference_max(), u, [&](float, const Vec3f& p, float mu) {
+        estimate *= rest(real_share(extinction.at(p), mu));
         // What has nearly nothing left is followed one time in four, and then counts four times.
-        if (estimate.max() < 0.05f) estimate *= sample.random() < 0.25f ? 4 : 0;
-        return estimate.is_black() ? kInfinity : depth_of(sample.random());
+        if ((before * estimate).max() < little) {
+            if (!(sample.random() < 0.25f)) return estimate = Values<N>(0.0f), kInfinity;  // the column goes on
+            estimate *= Values<N>(4.0f);
+        }
+        return depth_of(sample.random());
     });
-    value *= estimate;
+    extinction.multiply(estimate, value);
     return column;
 }
 
 MediumStep HeterogeneousMedium::scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const {
-    const UnitLine line = unit_line(segment);
-    const Vec3f p = line.o + line.d * t;
-    SampledSpectrum sigma_t, sigma_s;
-    extinction(p, sample, sigma_t);
-    scattering(p, sample, sigma_s);
-    value *= sigma_s;
-    return vertex(t, multiply_transmittance(line, t, sample, value), sigma_t, sample);
+    return with_extinction(sample, [&](auto extinction) {
+        const UnitLine line = unit_line(segment);
+        const auto sigma_t = extinction.at(line.o + line.d * t);
+        extinction.multiply_scattering(value);
+        return vertex(extinction, t, multiply_transmittance(extinction, line, t, sample, value), sigma_t);
+    });
 }
 
 MediumStep HeterogeneousMedium::multiply_transmittance(const Segment& segment, SampleState& sample, SampledSpectrum& value) const {
-    return passed(segment.length, multiply_transmittance(unit_line(segment), segment.length, sample, value), sample);
-}
-
-namespace {
-
-SampledSpectrum model_transmittance(const SampledSpectrum& reference, float column) {
-    return spectrum_of([&](std::uint32_t i) { return exp_nonpositive(-reference.v[i] * column); });
-}
-
-}  // namespace
-
-MediumStep HeterogeneousMedium::vertex(float t, float column, const SampledSpectrum& sigma_t, SampleState& sample) const {
-    const SampledSpectrum transmittance = model_transmittance(sample.spectra[reference_sigma_t_], column);
-    return {true, t, mean_over(transmittance * sigma_t, sample.k()), mean_over(transmittance, sample.k()), column};
-}
-
-MediumStep HeterogeneousMedium::passed(float t, float column, SampleState& sample) const {
-    const float mean = mean_over(model_transmittance(sample.spectra[reference_sigma_t_], column), sample.k());
-    return {false, t, mean, mean, column};
+    return with_extinction(sample, [&](auto extinction) {
+        const float column = multiply_transmittance(extinction, unit_line(segment), segment.length, sample, value);
+        return passed(extinction, segment.length, column);
+    });
 }
 
 float HeterogeneousMedium::scattering_over_transmittance(const Vec3f& p, float column, SampleState& sample) const {
-    SampledSpectrum sigma_t;
-    extinction(unit_point(p), sample, sigma_t);
-    const MediumStep step = vertex(0, column, sigma_t, sample);
-    return step.density / step.transmittance;
+    return with_extinction(sample, [&](auto extinction) {
+        const MediumStep step = vertex(extinction, 0, column, extinction.at(unit_point(p)));
+        return step.density / step.transmittance;
+    });
+}
+
+void ScaledMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
+    sigma_t = sample.spectra[sigma_t_] * density(p);
+}
+
+void ScaledMedium::scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const {
+    sigma_s = sample.spectra[sigma_s_] * density(p);
 }
 
 }  // namespace latent::render

@@ -7,16 +7,20 @@
 
 namespace latent::render {
 
+class ScaledMedium;
+
 // sigma_t at a point is at most mu = (density bound of the cell) x (largest reference sigma_t of the k wavelengths), one majorant
 // for all wavelengths. Tentative collisions come at rate mu; each is real with probability sigma_t / mu, which differs from
-// wavelength to wavelength. One wavelength, chosen uniformly, decides, and the balance heuristic between the k ways to make the
-// same step weighs it [Miller19]. With a_j the quotient sigma_t / mu at the j-th tentative collision:
+// wavelength to wavelength. One wavelength, chosen by its share of the light, decides, and the balance heuristic between the k
+// ways to make the same step weighs it [Miller19]. With a_j the quotient sigma_t / mu at the j-th tentative collision, and means
+// weighted by the shares:
 //   real at the n-th   value *= (1 - a_1) .. (1 - a_(n-1)) sigma_s / mu  over the mean of (1 - a_1) .. (1 - a_(n-1)) a_n
 //   none real          value *= (1 - a_1) .. (1 - a_n)  over the mean of that
-// Transmittance is the mean of (1 - a_1) .. (1 - a_n), ratio tracking [Novak14].
+// Transmittance is the expectation of (1 - a_1) .. (1 - a_n), ratio tracking [Novak14].
 class HeterogeneousMedium : public Medium {
  public:
     bool is_bounded() const override { return true; }
+    bool is_tracked() const final { return true; }
     float deepest_cell(const SpectrumLibrary& library) const final;
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,
                            SampledSpectrum* emitted) const final;
@@ -49,19 +53,47 @@ class HeterogeneousMedium : public Medium {
         Vec3f o, d;  // d: per metre
     };
     UnitLine unit_line(const Segment& segment) const;
+    // null: sigma_t is not one spectrum times a density.
+    virtual const ScaledMedium* scaled() const { return nullptr; }
+    // f(extinction): in a value for each wavelength, or for each level of the spectrum that is scaled, if it has few.
+    template <class F>
+    auto with_extinction(SampleState& sample, F f) const;
     // Calls collide(t, point, mu) at the tentative collisions before `end`, the first one drawn by `u`. That returns the optical
     // depth to the next one, or kStop. Returns the column up to where it stopped, or up to `end`.
     template <class Collide>
-    float track(const UnitLine& line, float end, float u, SampleState& sample, Collide collide) const;
+    float track(const UnitLine& line, float end, float reference, float u, Collide collide) const;
+    template <class Extinction>
+    MediumStep sample_step(Extinction extinction, const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample,
+                           SampledSpectrum& value, SampledSpectrum* emitted) const;
     // value *= an estimate of the transmittance up to `end`; returns the column.
-    float multiply_transmittance(const UnitLine& line, float end, SampleState& sample, SampledSpectrum& value) const;
-    MediumStep vertex(float t, float column, const SampledSpectrum& sigma_t, SampleState& sample) const;
-    MediumStep passed(float t, float column, SampleState& sample) const;
+    template <class Extinction>
+    float multiply_transmittance(Extinction& extinction, const UnitLine& line, float end, SampleState& sample,
+                                 SampledSpectrum& value) const;
 
     Affined unit_from_world_;
     std::uint32_t reference_sigma_t_;
     MajorantGrid majorants_;
     MajorantGrid::Cell outside_;
+};
+
+// A density scales sigma_t, the reference of the majorants, and sigma_s.
+class ScaledMedium : public HeterogeneousMedium {
+ public:
+    // At a point of the unit cube.
+    virtual float density(const Vec3f& p) const = 0;
+    std::uint32_t sigma_s() const { return sigma_s_; }
+    void extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const final;
+    void scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const final;
+
+ protected:
+    ScaledMedium(const PhaseFunction& phase, const Affined& unit_from_world, std::uint32_t sigma_t, std::uint32_t sigma_s,
+                 MajorantGrid majorants)
+        : HeterogeneousMedium(phase, unit_from_world, sigma_t, std::move(majorants)), sigma_t_(sigma_t), sigma_s_(sigma_s) {}
+
+ private:
+    const ScaledMedium* scaled() const final { return this; }
+
+    std::uint32_t sigma_t_, sigma_s_;
 };
 
 }  // namespace latent::render

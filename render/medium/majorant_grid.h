@@ -59,27 +59,33 @@ void MajorantGrid::traverse(const Vec3f& o, const Vec3f& d, float end, Visit vis
     }
     if (!(t < end)) return;
     float next[3], step_t[3];  // where the line leaves the cell along each axis, and how far it is through a cell
-    std::int64_t cell[3];
-    const std::int64_t stride[3] = {1, size_[0], std::int64_t{size_[0]} * size_[1]};
+    std::int64_t left[3];      // cells to come along each axis
+    std::int64_t stride[3] = {1, size_[0], std::int64_t{size_[0]} * size_[1]};
+    const Cell* cell = cells_.data();
     for (int a = 0; a < 3; ++a) {
         const float n = static_cast<float>(size_[a]);
         const float at = std::clamp((origin[a] + direction[a] * t) * n, 0.0f, n - 1);
-        cell[a] = static_cast<std::int64_t>(at);
+        const auto first = static_cast<std::int64_t>(at);
+        cell += first * stride[a];
+        left[a] = direction[a] > 0 ? std::int64_t{size_[a]} - 1 - first : first;
         step_t[a] = direction[a] == 0 ? kInfinity : 1 / std::abs(direction[a] * n);
-        const float face = static_cast<float>(cell[a] + (direction[a] > 0)) / n;
+        const float face = static_cast<float>(first + (direction[a] > 0)) / n;
         next[a] = direction[a] == 0 ? kInfinity : (face - origin[a]) / direction[a];
+        if (!(direction[a] > 0)) stride[a] = -stride[a];
     }
     while (true) {
-        const int a = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-        const float leave = std::min(next[a], end);
+        // Which axis comes next is hard to foresee: arithmetic, not branches.
+        const bool second = next[1] < next[0];
+        const float nearer = second ? next[1] : next[0];
+        const std::size_t a = next[2] < nearer ? 2 : std::size_t{second};
+        const float face = std::min(nearer, next[2]), leave = std::min(face, end);
         if (leave > t) {
-            if (!visit(t, leave, cells_[static_cast<std::size_t>(cell[0] * stride[0] + cell[1] * stride[1] + cell[2] * stride[2])]))
-                return;
+            if (!visit(t, leave, *cell)) return;
             t = leave;
         }
-        if (!(next[a] < end)) return;
-        cell[a] += direction[a] > 0 ? 1 : -1;
-        if (cell[a] < 0 || cell[a] >= std::int64_t{size_[a]}) return;
+        if (!(face < end) || left[a] == 0) return;
+        --left[a];
+        cell += stride[a];
         next[a] += step_t[a];
     }
 }

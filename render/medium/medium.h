@@ -38,6 +38,8 @@ class Medium {
     // Nothing of it is far away, so light from infinity may come through it.
     virtual bool is_bounded() const = 0;
     virtual bool is_emissive() const = 0;
+    // Varies in space: what passes through it is found in steps, so that a shadow ray takes as long as the path to its next vertex.
+    virtual bool is_tracked() const { return false; }
     // Tracking takes time in proportion to this: the optical depth of a cell between whose bounds on the extinction it steps; else
     // 0.
     virtual float deepest_cell(const SpectrumLibrary&) const { return 0; }

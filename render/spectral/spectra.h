@@ -8,6 +8,7 @@
 
 #include "color/spectrum.h"
 #include "render/spectral/arena.h"
+#include "render/spectral/levels.h"
 #include "render/spectral/sampled_spectrum.h"
 #include "sampledb/data/wavelengths.h"
 
@@ -88,9 +89,19 @@ class SampledSpectra {
         if (spectrum.sample != now_) {
             SampledSpectrum& value = arena_.allocate();
             library_[id].evaluate(wavelengths, value);
-            spectrum = {&value, now_};
+            spectrum = {&value, now_, nullptr};
         }
         return *spectrum.value;
+    }
+    // The different values of that.
+    const SpectrumLevels& levels(std::uint32_t id) {
+        const SampledSpectrum& value = (*this)[id];
+        Evaluated& spectrum = evaluated_[id];
+        if (spectrum.levels == nullptr) {
+            const auto allocate = [this]() -> SampledSpectrum& { return arena_.allocate(); };
+            spectrum.levels = &arena_.store(SpectrumLevels::of(value, wavelengths.k, allocate));
+        }
+        return *spectrum.levels;
     }
     // Room for a value that no spectrum of the scene has, such as a reflectance that varies over a surface. Not initialised.
     SampledSpectrum& allocate() { return arena_.allocate(); }
@@ -103,6 +114,7 @@ class SampledSpectra {
     struct Evaluated {
         const SampledSpectrum* value = nullptr;
         std::uint64_t sample = 0;
+        const SpectrumLevels* levels = nullptr;  // if they were asked for
     };
 
     const SpectrumLibrary& library_;

@@ -14,6 +14,9 @@ float power_heuristic(float a, float b) {
     return 1 / (1 + r * r);
 }
 
+// Light::contrast of what is left to scattering: about half of the directions shine.
+constexpr double kEven = 3;
+
 // One path from the camera, at its last vertex.
 class Path {
  public:
@@ -57,6 +60,7 @@ class Path {
                 if (step_.scattered) {
                     at_ = {segment.o + d_ * step_.t, 0, {}};
                     scattering = medium.phase(at_.p, sample_);
+                    in_tracked_ = medium.is_tracked();
                     return true;
                 }
                 transmittance_ *= step_.density;
@@ -69,18 +73,23 @@ class Path {
             if (!is_interface(hit->material)) {
                 at_ = hit->interaction();
                 interface_ = media_at(*hit);
+                in_tracked_ = false;
                 if (depth_ < max_depth_) scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
                 return true;
             }
         }
     }
 
+    // Light that comes from everywhere alike is found by scattering as well as by a sample of it; in a medium that varies in space
+    // the way there takes as long.
+    bool is_left_to_scattering(const Light& light) const { return in_tracked_ && light.contrast() < kEven; }
+
     // The ray ends on light i: what that emits, weighed against sample_light, which might have come here too.
     void see_light(std::uint32_t i, const LightHit& hit) {
         const Light& light = lights_[i];
         SampledSpectrum value = beta_;
         if (!light.multiply_emission(hit.point(), -d_, sample_.spectra, value)) return;
-        if (!delta_) {
+        if (!delta_ && !is_left_to_scattering(light)) {
             const float light_pdf = lights_.probability(i, at_.p, context_) * light.pdf_omega(at_.p, context_, hit);
             value *= power_heuristic(pdf_ * transmittance_, light_pdf);
         }
@@ -120,6 +129,7 @@ class Path {
         const ChosenLight chosen = lights_.choose(number(Dimension::kLight), at_.p, context);
         if (!(chosen.probability > 0)) return;
         const Light& light = lights_[chosen.light];
+        if (is_left_to_scattering(light)) return;
         LightPoint point;
         if (!light.sample_point(at_.p, context, number(Dimension::kLightU), number(Dimension::kLightV), point)) return;
         const Vec3f wo = -d_;
@@ -188,6 +198,7 @@ class Path {
     std::uint32_t medium_ = kNone;
     std::uint32_t depth_ = 0;  // scattering vertices before this one
     bool dispersed_ = false, delta_ = true;
+    bool in_tracked_ = false;     // the last vertex is in a medium that varies in space
     float eta2_ = 1;              // of all refractions so far
     float pdf_ = 0;               // [1/sr] of d_
     LightSampleContext context_;  // the last vertex, as lights were sampled for it

@@ -110,11 +110,15 @@ TEST(MajorantGrid, CellsLieEndToEndAndBoundTheDensity) {
 }
 
 // A slab, 2 m thick and very wide, whose density grows from 0.5 to 2.5 along z: colours are absorbed very differently.
-class Slab : public ::testing::Test {
+// Its spectra have another value at each wavelength, or three in all, one of which is zero.
+enum class Variety { kMany, kFew };
+class Slab : public ::testing::TestWithParam<Variety> {
  protected:
     static color::Spectrum line(double at_360, double at_830) {
-        return color::Spectrum::from_function([=](double nm) { return at_360 + (at_830 - at_360) * (nm - 360) / 470; },
-                                              color::Outside::kZero);
+        const auto many = [=](double nm) { return at_360 + (at_830 - at_360) * (nm - 360) / 470; };
+        const auto few = [=](double nm) { return nm < 450 ? 0 : nm < 580 ? at_360 : at_830; };
+        return GetParam() == Variety::kMany ? color::Spectrum::from_function(many, color::Outside::kZero)
+                                            : color::Spectrum::from_function(few, color::Outside::kZero);
     }
     Slab() {
         WavelengthSampler(wavelength_density({}), 28).draw(123456789, spectra_.wavelengths);
@@ -150,7 +154,7 @@ struct Sums {
     }
 };
 
-TEST_F(Slab, RatioTrackingHasTheMeanOfTheTransmittance) {
+TEST_P(Slab, RatioTrackingHasTheMeanOfTheTransmittance) {
     const SampledSpectrum& sigma_t = spectra_[sigma_t_];
     constexpr int kCount = 200'000;
     std::array<Sums, 28> sums;
@@ -168,7 +172,7 @@ TEST_F(Slab, RatioTrackingHasTheMeanOfTheTransmittance) {
 }
 
 // Means of the weights: T of what passes; of what is scattered the integral of sigma_s T over the slab, and of t sigma_s T.
-TEST_F(Slab, WeightsAddUpToTransmittanceAndScattering) {
+TEST_P(Slab, WeightsAddUpToTransmittanceAndScattering) {
     const SampledSpectrum &sigma_t = spectra_[sigma_t_], &sigma_s = spectra_[sigma_s_];
     constexpr int kCount = 300'000;
     std::array<Sums, 28> passed, scattered, first_moment;
@@ -201,7 +205,7 @@ TEST_F(Slab, WeightsAddUpToTransmittanceAndScattering) {
 }
 
 // So that a weight is the same whichever end a path was begun at.
-TEST_F(Slab, DensitiesForWeightsAreTheSameBothWays) {
+TEST_P(Slab, DensitiesForWeightsAreTheSameBothWays) {
     Segment back{segment_.o + normalize(segment_.d) * segment_.length, -segment_.d, segment_.length};
     SampledSpectrum value(1.0f);
     const MediumStep there = fog_.scatter_at(segment_, segment_.length, sample_, value),
@@ -210,6 +214,9 @@ TEST_F(Slab, DensitiesForWeightsAreTheSameBothWays) {
     EXPECT_NEAR(fog_.scattering_over_transmittance(back.o, here.column, sample_) * here.transmittance, there.density,
                 1e-5f * there.density);
 }
+
+INSTANTIATE_TEST_SUITE_P(Spectra, Slab, ::testing::Values(Variety::kMany, Variety::kFew),
+                         [](const auto& spectra) { return spectra.param == Variety::kMany ? "Many" : "Few"; });
 
 // A room with a lamp, and something in its middle.
 std::string room(const std::string& inside) {

@@ -206,6 +206,27 @@ TEST(SpectrumLibrary, StoresEqualSpectraOnce) {
     EXPECT_EQ(library.size(), 2u);
 }
 
+TEST(SampledSpectra, LevelsAreTheValuesOfASpectrumThatHasFew) {
+    SpectrumLibrary library;
+    const std::uint32_t few = library.add(samples({400, 500, 501, 700}, {2, 2, 0, 0}), Lookup::kNearestNm);  // 0 before 400 nm, too
+    const std::uint32_t many = library.add(samples({360, 830}, {1, 3}), Lookup::kNearestNm);
+    SampledSpectra spectra(library);
+    const WavelengthSampler sampler(wavelength_density({}), 28);
+    for (std::uint32_t xi = 0; xi < 4000000000u; xi += 99999999u) {
+        sampler.draw(xi, spectra.wavelengths);
+        spectra.start_sample();
+        EXPECT_EQ(spectra.levels(many).count, 0u);
+        const SpectrumLevels& levels = spectra.levels(few);
+        ASSERT_EQ(levels.count, 2u);
+        EXPECT_NEAR(levels.share[0] + levels.share[1], 1, 1e-5);
+        for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) {
+            const float in0 = (*levels.members[0])[i], in1 = (*levels.members[1])[i];
+            EXPECT_EQ(in0 + in1, i < 28 ? 1 : 0);
+            EXPECT_EQ(in0 * levels.value[0] + in1 * levels.value[1], i < 28 ? spectra[few][i] : 0);
+        }
+    }
+}
+
 // Of scene spectra and of values at single points alike, also in a sample that needs more of them than any before.
 TEST(SampledSpectra, ValuesHoldUntilTheNextSample) {
     SpectrumLibrary library;

@@ -1,0 +1,50 @@
+// render/medium/values.h: what differs from wavelength to wavelength in a medium, in as many values as are different.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace latent::render {
+
+// N is a multiple of four. Sums are of four parts, whatever the processor.
+template <std::uint32_t N>
+struct Values {
+    float v[N];
+
+    Values() = default;  // not initialised
+    explicit Values(float value) { std::fill_n(v, N, value); }
+    float operator[](std::uint32_t i) const { return v[i]; }
+
+    Values& operator*=(const Values& b) {
+        for (std::uint32_t i = 0; i < N; ++i) v[i] *= b.v[i];
+        return *this;
+    }
+    float sum() const {
+        float part[4] = {v[0], v[1], v[2], v[3]};
+        for (std::uint32_t i = 4; i < N; i += 4) {
+            for (std::uint32_t j = 0; j < 4; ++j) part[j] += v[i + j];
+        }
+        return (part[0] + part[1]) + (part[2] + part[3]);
+    }
+    float max() const {
+        float part[4] = {v[0], v[1], v[2], v[3]};
+        for (std::uint32_t i = 4; i < N; i += 4) {
+            for (std::uint32_t j = 0; j < 4; ++j) part[j] = part[j] < v[i + j] ? v[i + j] : part[j];
+        }
+        const float a = part[0] < part[1] ? part[1] : part[0], b = part[2] < part[3] ? part[3] : part[2];
+        return a < b ? b : a;
+    }
+};
+
+template <std::uint32_t N, class F>
+Values<N> values_of(F f) {
+    Values<N> out;
+    for (std::uint32_t i = 0; i < N; ++i) out.v[i] = f(i);
+    return out;
+}
+template <std::uint32_t N>
+Values<N> operator*(const Values<N>& a, const Values<N>& b) {
+    return values_of<N>([&](std::uint32_t i) { return a.v[i] * b.v[i]; });
+}
+
+}  // namespace latent::render
