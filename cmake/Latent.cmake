@@ -37,6 +37,18 @@ if(LATENT_WERROR)
   target_compile_options(latent_options INTERFACE -Werror)
 endif()
 
+# latent_unity(TARGET): the preset tidy sets CMAKE_UNITY_BUILD. With it the sources of TARGET are read together, sixteen at a time, and
+# their headers once. So no two sources of a library may define the same name.
+function(latent_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16
+    UNITY_BUILD_CODE_BEFORE_INCLUDE "// NOLINTNEXTLINE(bugprone-suspicious-include)")
+endfunction()
+
+# latent_alone(a.cpp ...): these sources share a translation unit with no other.
+function(latent_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 # latent_library(NAME [SHAREABLE] SOURCES a.cpp ... LINK latent_base ...): the library of one folder. SHAREABLE: fit to be a part of a
 # shared library, which exports none of its names.
 function(latent_library name)
@@ -46,12 +58,14 @@ function(latent_library name)
     set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   endif()
   target_link_libraries(${name} PUBLIC latent_options ${ARG_LINK})
+  latent_unity(${name})
 endfunction()
 
 # latent_tool(VERB LINK latent_merge ...): the executable latent-VERB from main.cpp, which is not worth much of the compiler's time.
 function(latent_tool verb)
   cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
   add_executable(latent-${verb} main.cpp)
+  set_target_properties(latent-${verb} PROPERTIES UNITY_BUILD OFF)
   target_link_libraries(latent-${verb} PRIVATE latent_options latent_cli ${ARG_LINK})
   target_compile_options(latent-${verb} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
@@ -62,6 +76,7 @@ endfunction()
 function(latent_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   target_link_libraries(${name} PRIVATE latent_options ${ARG_LINK} latent_test_paths GTest::gtest_main GTest::gmock)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   gtest_discover_tests(${name} NO_PRETTY_VALUES DISCOVERY_TIMEOUT 600 PROPERTIES TIMEOUT 3600 LABELS ${name})

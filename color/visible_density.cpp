@@ -7,9 +7,9 @@
 namespace latent::color {
 namespace {
 
-constexpr double kSteepness = 0.0072, kCentre = 538;
+constexpr double kSteepness = 0.0072, kMidpoint = 538;
 
-double tanh_at(double lambda_nm) { return std::tanh(kSteepness * (lambda_nm - kCentre)); }
+double tanh_at(double lambda_nm) { return std::tanh(kSteepness * (lambda_nm - kMidpoint)); }
 // The integral of 1/cosh^2 over the range, times the steepness.
 const double kSpan = tanh_at(kLambdaMax) - tanh_at(kLambdaMin);
 
@@ -17,7 +17,7 @@ const double kSpan = tanh_at(kLambdaMax) - tanh_at(kLambdaMin);
 
 double visible_pdf_lambda(double lambda_nm) {
     if (!(lambda_nm >= kLambdaMin && lambda_nm <= kLambdaMax)) return 0;
-    const double c = std::cosh(kSteepness * (lambda_nm - kCentre));
+    const double c = std::cosh(kSteepness * (lambda_nm - kMidpoint));
     return kSteepness / (kSpan * c * c);
 }
 

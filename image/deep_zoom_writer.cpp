@@ -30,10 +30,10 @@ std::string descriptor(int width, int height, const DeepZoomOptions& options) {
         options.png ? "png" : "jpg", options.overlap, options.tile, width, height);
 }
 
-class Writer final : public DeepZoomWriter {
+class PyramidWriter final : public DeepZoomWriter {
  public:
-    Writer(OutputSet outputs, const fs::path& path, const std::vector<PixelFormat>& levels, const ImageTags& tags,
-           const DeepZoomOptions& options)
+    PyramidWriter(OutputSet outputs, const fs::path& path, const std::vector<PixelFormat>& levels, const ImageTags& tags,
+                  const DeepZoomOptions& options)
         : outputs_(std::move(outputs)), path_(path), options_(options), tags_(tags), levels_(levels) {
         tags_.texts.clear();
         for (const PixelFormat& level : levels_)
@@ -138,7 +138,7 @@ Result<std::unique_ptr<DeepZoomWriter>> DeepZoomWriter::create(const fs::path& p
     texts.push_back(descriptor(width, height, options));
     Result<OutputSet> outputs = OutputSet::create(items, options.replace);
     if (!outputs) return outputs.error();
-    auto writer = std::make_unique<Writer>(std::move(*outputs), path, deep_zoom_levels(width, height), tags, options);
+    auto writer = std::make_unique<PyramidWriter>(std::move(*outputs), path, deep_zoom_levels(width, height), tags, options);
     if (Status s = writer->start(items, texts); !s) return s.error();
     return writer;
 }

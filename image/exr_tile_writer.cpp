@@ -26,9 +26,9 @@ constexpr int kHalf = kTile / 2;
 
 int half_up(int n) { return (n + 1) / 2; }
 
-class Writer final : public ExrTileWriter {
+class LevelsWriter final : public ExrTileWriter {
  public:
-    Writer(File& file, const ExrTileSpec& spec, std::uint64_t waiting_memory)
+    LevelsWriter(File& file, const ExrTileSpec& spec, std::uint64_t waiting_memory)
         : spec_(spec),
           channels_(spec.channels.size()),
           stream_(file),
@@ -171,7 +171,7 @@ class Writer final : public ExrTileWriter {
 }  // namespace
 
 Result<std::unique_ptr<ExrTileWriter>> ExrTileWriter::create(File& file, const ExrTileSpec& spec, std::uint64_t waiting_memory) {
-    auto writer = std::make_unique<Writer>(file, spec, waiting_memory);
+    auto writer = std::make_unique<LevelsWriter>(file, spec, waiting_memory);
     if (Status s = writer->open(); !s) return s.error();
     return std::unique_ptr<ExrTileWriter>(std::move(writer));
 }

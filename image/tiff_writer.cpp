@@ -101,11 +101,11 @@ int keep_fault(TIFF*, void* stream, const char*, const char* format, va_list arg
     return 1;
 }
 
-class Writer final : public TiffWriter {
+class DirectoryWriter final : public TiffWriter {
  public:
-    Writer(OutputFile out, const std::vector<PixelFormat>& formats, const ImageTags& tags, const TiffOptions& options)
+    DirectoryWriter(OutputFile out, const std::vector<PixelFormat>& formats, const ImageTags& tags, const TiffOptions& options)
         : out_(std::move(out)), formats_(formats), tags_(tags), options_(options), spooled_(formats.size(), 0) {}
-    ~Writer() override {
+    ~DirectoryWriter() override {
         if (tiff_ != nullptr) TIFFCleanup(tiff_);
     }
 
@@ -256,7 +256,7 @@ class Writer final : public TiffWriter {
 
 Result<std::unique_ptr<TiffWriter>> TiffWriter::create(OutputFile out, const std::vector<PixelFormat>& formats,
                                                        const ImageTags& tags, const TiffOptions& options) {
-    auto writer = std::make_unique<Writer>(std::move(out), formats, tags, options);
+    auto writer = std::make_unique<DirectoryWriter>(std::move(out), formats, tags, options);
     if (Status s = writer->start(); !s) return s.error();
     return writer;
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kCoatF0 = 0.04f;  // index 1.5
 
-float square(float x) { return x * x; }
+float alpha_of(float roughness) { return roughness * roughness; }
 
 Microfacets facets_of(float alpha) {
     const float a = std::max(alpha, MetallicRoughness::kMinAlpha);
@@ -28,11 +28,11 @@ float facets_over_cosines(const Microfacets& facets, const Vec3f& a, const Vec3f
 
 MetallicRoughness::MetallicRoughness(const Values<MetallicRoughness>& v)
     : MetallicRoughness(v.spectrum("base_color"), {.metallic = v.number("metallic"),
-                                                   .alpha = square(v.number("roughness")),
+                                                   .alpha = alpha_of(v.number("roughness")),
                                                    .f0 = v.number("f0"),
                                                    .f90 = v.number("f90"),
                                                    .coat = v.number("coat"),
-                                                   .coat_alpha = square(v.number("coat_roughness"))}) {}
+                                                   .coat_alpha = alpha_of(v.number("coat_roughness"))}) {}
 
 MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Parameters& p)
     : base_(&base),

@@ -29,18 +29,18 @@ float fibres(const Vec3f& a, const Vec3f& b, float alpha) {
     return d / ((1 + lambda(ca, alpha) + lambda(cb, alpha)) * 4 * ca * cb);
 }
 
-// Albedo of the fibres: nodes at the squares of i / (kSize - 1), of mu and of alpha.
-constexpr int kSize = 24;
-class Table {
+// Albedo of the fibres: nodes at the squares of i / (kNodes - 1), of mu and of alpha.
+constexpr int kNodes = 24;
+class FibreAlbedo {
  public:
-    Table() {
-        for (int a = 0; a < kSize; ++a) {
-            for (int i = 0; i < kSize; ++i) at_[a][i] = integral(std::max(node(i), 1e-3f), std::max(node(a), Sheen::kMinAlpha));
+    FibreAlbedo() {
+        for (int a = 0; a < kNodes; ++a) {
+            for (int i = 0; i < kNodes; ++i) at_[a][i] = integral(std::max(node(i), 1e-3f), std::max(node(a), Sheen::kMinAlpha));
         }
     }
     float operator()(float mu, float alpha) const {
-        const float x = std::sqrt(std::min(mu, 1.0f)) * (kSize - 1), y = std::sqrt(alpha) * (kSize - 1);
-        const int i = std::min(static_cast<int>(x), kSize - 2), a = std::min(static_cast<int>(y), kSize - 2);
+        const float x = std::sqrt(std::min(mu, 1.0f)) * (kNodes - 1), y = std::sqrt(alpha) * (kNodes - 1);
+        const int i = std::min(static_cast<int>(x), kNodes - 2), a = std::min(static_cast<int>(y), kNodes - 2);
         const float s = x - static_cast<float>(i), t = y - static_cast<float>(a);
         const auto row = [&](int k) { return at_[k][i] + s * (at_[k][i + 1] - at_[k][i]); };
         return row(a) + t * (row(a + 1) - row(a));
@@ -48,26 +48,26 @@ class Table {
 
  private:
     static float node(int i) {
-        const float root = static_cast<float>(i) / (kSize - 1);
+        const float root = static_cast<float>(i) / (kNodes - 1);
         return root * root;
     }
     // By cosines z = t^2, the middles of strata.
     static float integral(float mu, float alpha) {
-        constexpr int kStrata = 48;
+        constexpr int kSteps = 48;
         const Vec3f wo{std::sqrt(1 - mu * mu), 0, mu};
         double sum = 0;
-        for (int i = 0; i < kStrata * kStrata; ++i) {
-            const float t = (static_cast<float>(i / kStrata) + 0.5f) / kStrata,
-                        turns = (static_cast<float>(i % kStrata) + 0.5f) / kStrata / 2;
+        for (int i = 0; i < kSteps * kSteps; ++i) {
+            const float t = (static_cast<float>(i / kSteps) + 0.5f) / kSteps,
+                        turns = (static_cast<float>(i % kSteps) + 0.5f) / kSteps / 2;
             const float z = t * t;
             sum += static_cast<double>(fibres(wo, direction_at(z, turns), alpha) * z * 2 * t);
         }
-        return static_cast<float>(std::min(sum * static_cast<double>(2 * kPi) / (kStrata * kStrata), 1.0));
+        return static_cast<float>(std::min(sum * static_cast<double>(2 * kPi) / (kSteps * kSteps), 1.0));
     }
-    float at_[kSize][kSize];
+    float at_[kNodes][kNodes];
 };
 float albedo_of_fibres(float mu, float alpha) {
-    static const Table table;
+    static const FibreAlbedo table;
     return table(mu, alpha);
 }
 

@@ -12,7 +12,7 @@ unsigned intervals(const Motion& motion) { return motion.turns() ? 32 : 1; }
 
 // Between two times a point strays from the straight line by an eighth of its bend times the square of the interval; so no point
 // of the object strays further than the worst of its box's corners.
-void bounds_of(const RTCBoundsFunctionArguments* args) {
+void bounds_over_time(const RTCBoundsFunctionArguments* args) {
     const MovingGeometry& moving = *static_cast<const MovingGeometry*>(args->geometryUserPtr);
     const Motion& motion = moving.instance->motion;
     RTCBounds object;
@@ -83,7 +83,7 @@ RTCGeometry new_geometry(RTCDevice device, MovingGeometry& moving) {
     rtcSetGeometryUserPrimitiveCount(geometry, object.lower_x <= object.upper_x ? 1 : 0);
     rtcSetGeometryTimeStepCount(geometry, intervals(moving.instance->motion) + 1);
     rtcSetGeometryUserData(geometry, &moving);
-    rtcSetGeometryBoundsFunction(geometry, bounds_of, nullptr);
+    rtcSetGeometryBoundsFunction(geometry, bounds_over_time, nullptr);
     rtcSetGeometryIntersectFunction(geometry, intersect);
     rtcSetGeometryOccludedFunction(geometry, occluded);
     return geometry;

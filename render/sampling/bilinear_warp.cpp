@@ -36,7 +36,7 @@ Step step_of(float x, std::uint32_t points) {
     return {i, scaled - static_cast<float>(i)};
 }
 
-float mix(float a, float b, float at) { return (1 - at) * a + at * b; }
+float between(float a, float b, float at) { return (1 - at) * a + at * b; }
 
 }  // namespace
 
@@ -83,10 +83,10 @@ Vec2f BilinearWarp::sample(const TableMixture& m, float u, float v) const {
     const std::uint32_t y = cell_below(height_, up, [&](std::uint32_t i) { return below(m, i); });
     const float r0 = row(m, y), r1 = row(m, y + 1);
     const float t = where_ramp_is(r0, r1, (up - below(m, y)) / dy);
-    const float along = u * mix(r0, r1, t);
-    const auto integral = [&](std::uint32_t i) { return mix(in_row(m, i, y), in_row(m, i, y + 1), t); };
+    const float along = u * between(r0, r1, t);
+    const auto integral = [&](std::uint32_t i) { return between(in_row(m, i, y), in_row(m, i, y + 1), t); };
     const std::uint32_t x = cell_below(width_, along, integral);
-    const float c0 = mix(value(m, x, y), value(m, x, y + 1), t), c1 = mix(value(m, x + 1, y), value(m, x + 1, y + 1), t);
+    const float c0 = between(value(m, x, y), value(m, x, y + 1), t), c1 = between(value(m, x + 1, y), value(m, x + 1, y + 1), t);
     const float s = where_ramp_is(c0, c1, (along - integral(x)) / dx);
     return {(static_cast<float>(x) + s) * dx, (static_cast<float>(y) + t) * dy};
 }
@@ -95,16 +95,16 @@ Vec2f BilinearWarp::invert(const TableMixture& m, const Vec2f& place) const {
     const float dx = 1 / static_cast<float>(width_ - 1), dy = 1 / static_cast<float>(height_ - 1);
     const auto [x, s] = step_of(place.x, width_);
     const auto [y, t] = step_of(place.y, height_);
-    const float r0 = row(m, y), r1 = row(m, y + 1), whole = mix(r0, r1, t), all = below(m, height_ - 1);
-    const float c0 = mix(value(m, x, y), value(m, x, y + 1), t), c1 = mix(value(m, x + 1, y), value(m, x + 1, y + 1), t);
-    const float along = mix(in_row(m, x, y), in_row(m, x, y + 1), t) + dx * ramp(c0, c1, s);
+    const float r0 = row(m, y), r1 = row(m, y + 1), whole = between(r0, r1, t), all = below(m, height_ - 1);
+    const float c0 = between(value(m, x, y), value(m, x, y + 1), t), c1 = between(value(m, x + 1, y), value(m, x + 1, y + 1), t);
+    const float along = between(in_row(m, x, y), in_row(m, x, y + 1), t) + dx * ramp(c0, c1, s);
     return {whole > 0 ? along / whole : 0.5f, (below(m, y) + dy * ramp(r0, r1, t)) / all};
 }
 
 float BilinearWarp::density(const TableMixture& m, const Vec2f& place) const {
     const auto [x, s] = step_of(place.x, width_);
     const auto [y, t] = step_of(place.y, height_);
-    return mix(mix(value(m, x, y), value(m, x + 1, y), s), mix(value(m, x, y + 1), value(m, x + 1, y + 1), s), t);
+    return between(between(value(m, x, y), value(m, x + 1, y), s), between(value(m, x, y + 1), value(m, x + 1, y + 1), s), t);
 }
 
 }  // namespace latent::render

@@ -24,12 +24,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
 
-constexpr std::size_t kBlock = 64, kMostBlocks = 32;  // of the sample of a plane
+constexpr std::size_t kPiece = 64, kMostPieces = 32;  // of the sample of a plane
 constexpr std::uint64_t kBit = 256;                   // unit of information: 2^-8 bit
 
 // n log2(n) for the counts of a sample; integers, so that every machine writes the same file.
 constexpr auto kSelfInformation = [] {
-    std::array<std::uint32_t, kBlock * kMostBlocks + 1> table{};
+    std::array<std::uint32_t, kPiece * kMostPieces + 1> table{};
     for (std::uint64_t n = 1; n < table.size(); ++n) {
         const int whole = std::bit_width(n) - 1;
         std::uint64_t x = n << (30 - whole), log = static_cast<std::uint64_t>(whole);  // 1 <= x / 2^30 < 2
@@ -61,13 +61,13 @@ struct PlaneSample {
 };
 
 PlaneSample sample_of(ByteSpan plane) {
-    const std::size_t step = std::max(4 * kBlock, (plane.size() + kMostBlocks - 1) / kMostBlocks);
+    const std::size_t step = std::max(4 * kPiece, (plane.size() + kMostPieces - 1) / kMostPieces);
     std::array<std::array<std::uint16_t, 256>, 4> counts{};  // four, so that equal neighbours do not wait for each other
     PlaneSample sample;
     for (std::size_t at = 0; at < plane.size(); at += step) {
-        const ByteSpan block = plane.subspan(at, std::min(kBlock, plane.size() - at));
-        for (std::size_t i = 0; i < block.size(); ++i) ++counts[i % 4][static_cast<std::uint8_t>(block[i])];
-        sample.size += block.size();
+        const ByteSpan piece = plane.subspan(at, std::min(kPiece, plane.size() - at));
+        for (std::size_t i = 0; i < piece.size(); ++i) ++counts[i % 4][static_cast<std::uint8_t>(piece[i])];
+        sample.size += piece.size();
     }
     sample.information = kSelfInformation[sample.size];
     for (std::size_t value = 0; value < 256; ++value) {

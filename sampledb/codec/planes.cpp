@@ -41,7 +41,7 @@ constexpr Moves kMoves = [] {
     return moves;
 }();
 
-const hn::FixedTag<std::uint8_t, 16> kFour;  // values of four bytes
+const hn::FixedTag<std::uint8_t, 16> kFourBytes;  // values of four bytes
 
 // The bit of row i and, above it, those of the next three, as far as they are in one byte.
 unsigned set_of(ByteSpan bitmap, std::size_t i) { return std::to_integer<unsigned>(bitmap[i / 8]) >> (i % 8) & 15; }
@@ -173,7 +173,7 @@ std::size_t find_nonzero(ByteSpan values, Bytes& bitmap) {
         count += static_cast<std::size_t>(std::popcount(set));
     };
     for (; i + 4 <= n; i += 4) {
-        const auto four = hn::BitCast(d, hn::LoadU(kFour, u8(&values[4 * i])));
+        const auto four = hn::BitCast(d, hn::LoadU(kFourBytes, u8(&values[4 * i])));
         std::array<std::uint8_t, 8> bits;
         hn::StoreMaskBits(d, hn::Ne(four, hn::Zero(d)), bits.data());
         add(bits[0]);
@@ -187,8 +187,9 @@ void close_up(ByteSpan bitmap, std::span<std::uint32_t> values) {
     std::size_t count = 0, i = 0;
     for (; i + 4 <= values.size(); i += 4) {
         const unsigned set = set_of(bitmap, i);
-        const auto four = hn::TableLookupBytesOr0(hn::LoadU(kFour, bytes + 4 * i), hn::LoadU(kFour, kMoves.together[set].data()));
-        hn::StoreU(four, kFour, bytes + 4 * count);
+        const auto four =
+            hn::TableLookupBytesOr0(hn::LoadU(kFourBytes, bytes + 4 * i), hn::LoadU(kFourBytes, kMoves.together[set].data()));
+        hn::StoreU(four, kFourBytes, bytes + 4 * count);
         count += static_cast<std::size_t>(std::popcount(set));
     }
     for (; i < values.size(); ++i) {
@@ -202,8 +203,8 @@ void expand(ByteSpan bitmap, const std::uint32_t* nonzero, std::span<std::byte> 
     std::size_t i = 0;
     for (; i + 4 <= n; i += 4) {
         const unsigned set = set_of(bitmap, i);
-        const auto next = hn::LoadU(kFour, reinterpret_cast<const std::uint8_t*>(nonzero));
-        hn::StoreU(hn::TableLookupBytesOr0(next, hn::LoadU(kFour, kMoves.apart[set].data())), kFour, u8(&values[4 * i]));
+        const auto next = hn::LoadU(kFourBytes, reinterpret_cast<const std::uint8_t*>(nonzero));
+        hn::StoreU(hn::TableLookupBytesOr0(next, hn::LoadU(kFourBytes, kMoves.apart[set].data())), kFourBytes, u8(&values[4 * i]));
         nonzero += std::popcount(set);
     }
     for (; i < n; ++i) {

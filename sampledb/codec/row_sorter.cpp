@@ -11,8 +11,8 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::size_t kBlock = 256;  // rows that are loaded together
-constexpr std::size_t kAhead = 16;   // rows on their way from memory while one is copied
+constexpr std::size_t kBatch = 256;     // rows that are loaded together
+constexpr std::size_t kRowsAhead = 16;  // rows on their way from memory while one is copied
 
 // The leading 8 bits of the Z prefix.
 std::size_t leading_z(std::uint32_t u, std::uint32_t v) {
@@ -101,9 +101,9 @@ void RowSorter::add(const Records& piece) {
     });
     for (std::size_t c = 0; c < came_.extra.size(); ++c) append(piece.extra[c].values, came_.extra[c].values);
 
-    std::array<Row, kBlock> block;
-    for (std::size_t first = 0; first < piece.size(); first += kBlock) {
-        const std::size_t n = std::min(kBlock, piece.size() - first);
+    std::array<Row, kBatch> block;
+    for (std::size_t first = 0; first < piece.size(); first += kBatch) {
+        const std::size_t n = std::min(kBatch, piece.size() - first);
         with_layout(
             [&]<RecordKind kind, bool density>() { load_rows<kind, density>(piece, by_sample, first, std::span(block).first(n)); });
         std::size_t lights = 0;
@@ -193,7 +193,7 @@ void RowSorter::gather_rows(std::span<const std::uint32_t> places, Page& page) c
     }
     bool unit_share = true;
     for (std::size_t i = 0; i < n; ++i) {
-        if (i + kAhead < n) __builtin_prefetch(&rows_[places[i + kAhead]]);
+        if (i + kRowsAhead < n) __builtin_prefetch(&rows_[places[i + kRowsAhead]]);
         const Row& row = rows_[places[i]];
         for_each_column([&](auto column) {
             constexpr auto spec = column.spec;

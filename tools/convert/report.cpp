@@ -9,7 +9,7 @@ namespace latent::convert {
 
 namespace {
 
-std::string text_of(const ExposureReport& r, bool gamut_report) {
+std::string exposure_text(const ExposureReport& r, bool gamut_report) {
     const auto share = [&](std::uint64_t count) {
         return 100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(1, r.print.pixels));
     };
@@ -67,7 +67,7 @@ std::string to_text(const ConvertReport& r) {
         text += fmt::format("{}{} %: {:.3g}", i == 0 ? "" : ", ", kPercentiles[i], r.luminance[i]);
     text += "\n";
     const auto add = [&](const ExposureReport& exposure) {
-        text += fmt::format("sensitivity    {}\n", exposure.sigma) + text_of(exposure, r.gamut_report);
+        text += fmt::format("sensitivity    {}\n", exposure.sigma) + exposure_text(exposure, r.gamut_report);
     };
     add(r);
     for (const ExposureReport& other : r.others) add(other);

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "base/parse.h"
+#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
@@ -78,8 +79,6 @@ void lay_out_footprint(FilterKernel& kernel) {
         kernel.row[k] = first + static_cast<float>(k / side);
     }
 }
-
-Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
 
 }  // namespace
 

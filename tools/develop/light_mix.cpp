@@ -12,6 +12,7 @@
 #include "color/light_name.h"
 #include "color/light_spectrum.h"
 #include "tools/develop/light_setting.h"
+#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
@@ -21,8 +22,6 @@ using color::Spectrum;
 
 constexpr double kLargestWeight = 20;
 constexpr std::uint64_t kMaxCurveFile = 1 << 20;
-
-Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
 
 Result<Spectrum> curve_of_file(const std::string& name) {
     const Result<std::string> text = read_small_file(name, kMaxCurveFile, "a curve");

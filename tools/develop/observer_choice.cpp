@@ -7,14 +7,13 @@
 #include "color/catalogue.h"
 #include "color/named_spectra.h"
 #include "color/observer_file.h"
+#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
 namespace {
 
 constexpr double kLargestFactor = 1e6;
-
-Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
 
 double daylight_exposure(const color::Observer& observer) { return color::xyz_from_spectrum(color::illuminant_d65(), observer).y; }
 

@@ -17,12 +17,11 @@
 #include "tools/develop/preview.h"
 #include "tools/develop/splat.h"
 #include "tools/develop/subset.h"
+#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
 namespace {
-
-Error usage(std::string message) { return Error{ErrorCode::kUsage, std::move(message)}; }
 
 Result<PixelRect> crop_of(const std::optional<PixelRect>& asked, const Size& size) {
     const PixelRect all{0, 0, size.width, size.height};

@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint64_t kMaxSide = 1 << 16;
 constexpr float kTurn = 6.3f;  // a little more than 2 pi
 
-Error corrupt(const std::string& what) { return {ErrorCode::kCorrupt, what}; }
+Error faulty(const std::string& what) { return {ErrorCode::kCorrupt, what}; }
 
 bool are_finite(const std::vector<float>& values) {
     return std::ranges::all_of(values, [](float x) { return std::isfinite(x); });
@@ -34,10 +34,10 @@ class Fields {
         const Result<const Tensor*> field = find(name, TensorType::kFloat32, 1);
         if (!field) return field.error();
         out = (*field)->floats();
-        if (out.empty()) return corrupt(name + ": is empty");
-        if (!are_finite(out)) return corrupt(name + ": values are not finite");
-        if (std::ranges::adjacent_find(out, std::greater_equal<>()) != out.end()) return corrupt(name + ": not ascending");
-        if (out.front() < low || out.back() > high) return corrupt(fmt::format("{}: not within {} to {}", name, low, high));
+        if (out.empty()) return faulty(name + ": is empty");
+        if (!are_finite(out)) return faulty(name + ": values are not finite");
+        if (std::ranges::adjacent_find(out, std::greater_equal<>()) != out.end()) return faulty(name + ": not ascending");
+        if (out.front() < low || out.back() > high) return faulty(fmt::format("{}: not within {} to {}", name, low, high));
         return {};
     }
     // A table for each index into axes of these lengths. Noise may be negative; what was measured is not.
@@ -45,12 +45,12 @@ class Fields {
         const Result<const Tensor*> field = find(name, TensorType::kFloat32, axes.size() + 2);
         if (!field) return field.error();
         const std::vector<std::uint64_t>& shape = (*field)->shape;
-        if (!std::equal(axes.begin(), axes.end(), shape.begin())) return corrupt(name + ": not a table for each direction");
+        if (!std::equal(axes.begin(), axes.end(), shape.begin())) return faulty(name + ": not a table for each direction");
         const std::uint64_t height = shape[axes.size()], width = shape[axes.size() + 1];
         if (height < 2 || width < 2 || height > kMaxSide || width > kMaxSide)
-            return corrupt(fmt::format("{}: tables of {} x {} values", name, width, height));
+            return faulty(fmt::format("{}: tables of {} x {} values", name, width, height));
         out = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), (*field)->floats()};
-        if (!are_finite(out.values)) return corrupt(name + ": values are not finite");
+        if (!are_finite(out.values)) return faulty(name + ": values are not finite");
         for (float& x : out.values) x = std::clamp(x, 0.0f, 1e30f);
         return {};
     }
@@ -59,7 +59,7 @@ class Fields {
         const Result<const Tensor*> field = find("jacobian", TensorType::kUint8, 1);
         if (!field) return field.error();
         const auto bytes = (*field)->bytes;
-        if (bytes.size() != 1) return corrupt("jacobian: not one byte");
+        if (bytes.size() != 1) return faulty("jacobian: not one byte");
         if (bytes[0] != std::byte{1}) return Error{ErrorCode::kUnsupported, "jacobian: is not 1"};
         return {};
     }
@@ -67,10 +67,10 @@ class Fields {
  private:
     Result<const Tensor*> find(const std::string& name, TensorType type, std::size_t dimensions) const {
         const auto field = fields_.find(name);
-        if (field == fields_.end()) return corrupt("it has no field " + name);
+        if (field == fields_.end()) return faulty("it has no field " + name);
         if (field->second.type != type || field->second.shape.size() != dimensions)
-            return corrupt(fmt::format("{}: not {} dimension{} of {}", name, dimensions, dimensions == 1 ? "" : "s",
-                                       type == TensorType::kUint8 ? "uint8" : "float32"));
+            return faulty(fmt::format("{}: not {} dimension{} of {}", name, dimensions, dimensions == 1 ? "" : "s",
+                                      type == TensorType::kUint8 ? "uint8" : "float32"));
         return &field->second;
     }
     const std::map<std::string, Tensor>& fields_;

@@ -17,7 +17,7 @@ constexpr std::string_view kMagic{"tensor_file\0", 12};
 constexpr std::uint32_t kMaxFields = 1024;
 constexpr std::array<std::uint8_t, 12> kTypeSize = {0, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8};
 
-Error truncated() { return {ErrorCode::kTruncated, "the file is truncated"}; }
+Error cut_short() { return {ErrorCode::kTruncated, "the file is truncated"}; }
 
 std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
@@ -27,7 +27,7 @@ Result<std::pair<std::string, Tensor>> read_field(ByteReader& reader, std::span<
     const auto dimensions = reader.get<std::uint16_t>();
     const auto type = reader.get<std::uint8_t>();
     const auto offset = reader.get<std::uint64_t>();
-    if (!reader.ok()) return truncated();
+    if (!reader.ok()) return cut_short();
     if (type == 0 || type >= kTypeSize.size())
         return Error{ErrorCode::kCorrupt, fmt::format("{}: unknown type {}", printable_line(name), type)};
     Tensor tensor{.type = static_cast<TensorType>(type)};
@@ -35,7 +35,7 @@ Result<std::pair<std::string, Tensor>> read_field(ByteReader& reader, std::span<
     bool fits = true;
     for (std::uint16_t d = 0; d < dimensions; ++d) {
         const auto extent = reader.get<std::uint64_t>();
-        if (!reader.ok()) return truncated();
+        if (!reader.ok()) return cut_short();
         tensor.shape.push_back(extent);
         fits = fits && (extent == 0 || size <= file.size() / extent);
         if (fits) size *= extent;
@@ -59,7 +59,7 @@ Result<std::map<std::string, Tensor>> read_tensors(std::span<const std::byte> fi
     if (text_of(reader.take(kMagic.size())) != kMagic) return Error{ErrorCode::kForeign, "not a .bsdf file of the RGL database"};
     const auto major = reader.get<std::uint8_t>(), minor = reader.get<std::uint8_t>();
     const auto count = reader.get<std::uint32_t>();
-    if (!reader.ok()) return truncated();
+    if (!reader.ok()) return cut_short();
     if (major != 1 || minor != 0)
         return Error{ErrorCode::kUnsupported, fmt::format("version {}.{} of tensor files is not supported", major, minor)};
     if (count > kMaxFields) return Error{ErrorCode::kCorrupt, fmt::format("has {} fields, more than {}", count, kMaxFields)};

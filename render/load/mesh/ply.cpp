@@ -13,7 +13,7 @@ namespace latent::render {
 namespace {
 
 enum class Type : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-constexpr std::size_t kSize[] = {1, 1, 2, 2, 4, 4, 4, 8};
+constexpr std::size_t kTypeBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
 std::optional<Type> type_of(std::string_view name) {
     static constexpr struct {
@@ -45,7 +45,7 @@ class Body {
 
     double value(Type type) {
         if (format_ == Format::kAscii) return type == Type::kFloat32 ? static_cast<float>(ascii()) : ascii();
-        const std::size_t size = kSize[static_cast<std::size_t>(type)];
+        const std::size_t size = kTypeBytes[static_cast<std::size_t>(type)];
         if (bytes_.size() < size) return fail();
         char raw[8];
         for (std::size_t i = 0; i < size; ++i) raw[i] = bytes_[format_ == little_format() ? i : size - 1 - i];

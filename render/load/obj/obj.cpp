@@ -31,10 +31,10 @@ struct CornerHash {
 };
 
 // Faces of one material whose corners all have the same attributes become one mesh.
-struct Part {
+struct PartKey {
     std::uint32_t material;
     bool has_uvs, has_normals;
-    auto operator<=>(const Part&) const = default;
+    auto operator<=>(const PartKey&) const = default;
 };
 struct PartMesh {
     LoadedMesh mesh{};
@@ -57,7 +57,7 @@ class ObjReader {
         for (const auto& [what, count] : ignored_)
             diagnostics_.warn(statements_.place(),
                               fmt::format("{} \"{}\" {} ignored", counted(count, "statement"), what, count == 1 ? "was" : "were"));
-        for (const Part& part : order_) {
+        for (const PartKey& part : order_) {
             LoadedShape shape;
             shape.shape.material = part.material;
             shape.shape.area_light = carried_[part.material].area_light;
@@ -156,7 +156,7 @@ class ObjReader {
         if (words.size() > kMostCorners + 1) return statements_.error(fmt::format("f: has more than {} corners", kMostCorners));
         face_.clear();
         places_.clear();
-        Part part{material_, true, true};
+        PartKey part{material_, true, true};
         for (std::size_t i = 1; i < words.size(); ++i) {
             Corner c;
             if (!corner(words[i], c)) return;
@@ -181,7 +181,7 @@ class ObjReader {
     }
 
     // Its number in the part's mesh.
-    std::uint32_t vertex(const Part& part, Corner c) {
+    std::uint32_t vertex(const PartKey& part, Corner c) {
         if (!part.has_uvs) c.vt = kNone;
         if (!part.has_normals) c.vn = kNone;
         LoadedMesh& mesh = current_->mesh;
@@ -210,10 +210,10 @@ class ObjReader {
     };
     std::vector<Carried> carried_;  // of each of these, by its shapes
     std::uint32_t material_ = 0;
-    std::map<Part, PartMesh> parts_;
-    std::vector<Part> order_;  // as they were met
+    std::map<PartKey, PartMesh> parts_;
+    std::vector<PartKey> order_;  // as they were met
     PartMesh* current_ = nullptr;
-    std::optional<Part> current_part_;
+    std::optional<PartKey> current_part_;
     std::map<std::string, std::uint64_t> ignored_;
     std::vector<Corner> face_;
     std::vector<Vec3d> places_;

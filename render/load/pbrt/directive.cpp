@@ -62,19 +62,19 @@ constexpr Grammar kGrammar[] = {
     {.name = "WorldBegin"},
 };
 
-enum class Values { kNumbers, kFlags, kStrings, kNumbersOrStrings };
+enum class ValueKind { kNumbers, kFlags, kStrings, kNumbersOrStrings };
 struct TypeGrammar {
     std::string_view name;
-    Values values;
+    ValueKind values;
 };
 constexpr TypeGrammar kTypes[] = {
-    {"integer", Values::kNumbers},   {"float", Values::kNumbers},
-    {"point2", Values::kNumbers},    {"vector2", Values::kNumbers},
-    {"point3", Values::kNumbers},    {"vector3", Values::kNumbers},
-    {"normal", Values::kNumbers},    {"rgb", Values::kNumbers},
-    {"blackbody", Values::kNumbers}, {"spectrum", Values::kNumbersOrStrings},
-    {"string", Values::kStrings},    {"texture", Values::kStrings},
-    {"bool", Values::kFlags},        {"latent:daylight", Values::kNumbers},
+    {"integer", ValueKind::kNumbers},   {"float", ValueKind::kNumbers},
+    {"point2", ValueKind::kNumbers},    {"vector2", ValueKind::kNumbers},
+    {"point3", ValueKind::kNumbers},    {"vector3", ValueKind::kNumbers},
+    {"normal", ValueKind::kNumbers},    {"rgb", ValueKind::kNumbers},
+    {"blackbody", ValueKind::kNumbers}, {"spectrum", ValueKind::kNumbersOrStrings},
+    {"string", ValueKind::kStrings},    {"texture", ValueKind::kStrings},
+    {"bool", ValueKind::kFlags},        {"latent:daylight", ValueKind::kNumbers},
 };
 
 std::string quote(std::string_view text) { return fmt::format("\"{}\"", text.substr(0, 64)); }
@@ -186,12 +186,12 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
             return ParseError{token.where, fmt::format("{}: {} is not {}", parameter.name, quote(token.text), what)};
         };
         const bool is_string = token.kind == Token::Kind::kString;
-        if (is_string && (type->values == Values::kStrings || type->values == Values::kNumbersOrStrings) &&
+        if (is_string && (type->values == ValueKind::kStrings || type->values == ValueKind::kNumbersOrStrings) &&
             parameter.numbers.empty()) {
             parameter.strings.emplace_back(token.text);
-        } else if (type->values == Values::kStrings) {
+        } else if (type->values == ValueKind::kStrings) {
             return wrong("a quoted string");
-        } else if (type->values == Values::kFlags) {
+        } else if (type->values == ValueKind::kFlags) {
             if (is_string || (token.text != "true" && token.text != "false")) return wrong("true or false");
             parameter.flags.push_back(token.text == "true");
         } else {
@@ -205,7 +205,7 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     };
     auto token = tokens_.next();
     if (!token) return tl::unexpected(token.error());
-    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < Values::kStrings;
+    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < ValueKind::kStrings;
     if (ends_list(*token) || next_parameter) return tl::unexpected(missing(parameter.where, parameter.name, "a value", *token));
     if ((*token)->kind != Token::Kind::kOpen) {
         if ((*token)->kind == Token::Kind::kClose)
