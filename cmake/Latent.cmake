@@ -37,8 +37,8 @@ if(LATENT_WERROR)
   target_compile_options(latent_options INTERFACE -Werror)
 endif()
 
-# latent_unity(TARGET): the preset tidy sets CMAKE_UNITY_BUILD. With it the sources of TARGET are read together, sixteen at a time, and
-# their headers once. So no two sources of a library may define the same name.
+# latent_unity(TARGET): the presets asan, fuzz, tsan and tidy set CMAKE_UNITY_BUILD. With it the sources of TARGET are compiled together,
+# sixteen at a time, and read their headers once. So no two sources of a library may define the same name.
 function(latent_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16
     UNITY_BUILD_CODE_BEFORE_INCLUDE "// NOLINTNEXTLINE(bugprone-suspicious-include)")

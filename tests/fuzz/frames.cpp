@@ -21,7 +21,7 @@ using namespace sampledb;
 namespace {
 
 // One of each kind.
-const std::vector<Job>& jobs() {
+const std::vector<Job>& jobs_of_frames() {
     static const std::vector<Job> all = [] {
         Job xyz = synthetic::make_short_job(), spectral = synthetic::make_short_job(RecordKind::kSpectral), few = spectral,
             explicit_wavelengths = spectral, extra = xyz, rounded = spectral;
@@ -39,7 +39,7 @@ const std::vector<Job>& jobs() {
     }();
     return all;
 }
-const Job& job_of(std::byte choice) { return jobs()[std::to_integer<std::size_t>(choice) % jobs().size()]; }
+const Job& job_of(std::byte choice) { return jobs_of_frames()[std::to_integer<std::size_t>(choice) % jobs_of_frames().size()]; }
 
 synthetic::FileBytes small_file(const Job& job, bool footer = true) {
     return synthetic::make_file(job, std::vector{Coverage(SampleRange{0, 40}), Coverage(SampleRange{4096, 4160})}, footer,
@@ -61,7 +61,7 @@ bool run_header(ByteSpan bytes) {
 
 std::vector<Bytes> header_seeds() {
     std::vector<Bytes> seeds;
-    for (const Job& job : jobs()) {
+    for (const Job& job : jobs_of_frames()) {
         const synthetic::FileBytes file = small_file(job);
         seeds.emplace_back(file.bytes.begin(), file.bytes.begin() + static_cast<std::ptrdiff_t>(file.header_size));
     }
@@ -77,15 +77,15 @@ bool run_footer(ByteSpan bytes) {
     std::uint64_t runs = 0, header_size = kBlock;
     const Result<FileHeader> header = decode_file_header(bytes, &header_size);
     const Status listed =
-        footer->for_each_run(2 * header_size, header ? header->job.id : jobs()[0].id, [&](const RunInfo&) { ++runs; });
+        footer->for_each_run(2 * header_size, header ? header->job.id : jobs_of_frames()[0].id, [&](const RunInfo&) { ++runs; });
     require(!listed || runs == footer->run_count(), "a footer lists as many runs as it says");
     (void)footer->provenance();
     return listed.has_value();
 }
 
-std::vector<Bytes> file_seeds() {
+std::vector<Bytes> footer_seeds() {
     std::vector<Bytes> seeds;
-    for (const Job& job : jobs()) seeds.push_back(small_file(job).bytes);
+    for (const Job& job : jobs_of_frames()) seeds.push_back(small_file(job).bytes);
     return seeds;
 }
 
@@ -108,8 +108,8 @@ void mend_run_behind_choice(Bytes& bytes) {
 
 std::vector<Bytes> run_seeds() {
     std::vector<Bytes> seeds;
-    for (std::size_t i = 0; i < jobs().size(); ++i) {
-        const synthetic::FileBytes file = small_file(jobs()[i]);
+    for (std::size_t i = 0; i < jobs_of_frames().size(); ++i) {
+        const synthetic::FileBytes file = small_file(jobs_of_frames()[i]);
         Bytes seed = {std::byte{static_cast<unsigned char>(i)}};
         seed.insert(seed.end(), file.bytes.begin() + static_cast<std::ptrdiff_t>(file.header_size),
                     file.bytes.begin() + static_cast<std::ptrdiff_t>(file.run_ends[0]));
@@ -159,12 +159,12 @@ bool run_page(ByteSpan bytes) {
 // Every page of a small file.
 std::vector<Bytes> page_seeds() {
     std::vector<Bytes> seeds;
-    for (std::size_t i = 0; i < jobs().size(); ++i) {
-        const synthetic::FileBytes file = small_file(jobs()[i]);
+    for (std::size_t i = 0; i < jobs_of_frames().size(); ++i) {
+        const synthetic::FileBytes file = small_file(jobs_of_frames()[i]);
         const MemorySource source(file.bytes);
         const std::vector<RunInfo> runs = synthetic::runs_of(file);
         for (const RunInfo& run : runs) {
-            const Result<RunIndex> index = read_run_index(source, run, jobs()[i]);
+            const Result<RunIndex> index = read_run_index(source, run, jobs_of_frames()[i]);
             require(index.has_value(), "a made-up file can be read");
             for (const PageInfo& info : index->pages) {
                 const PageFront front = {static_cast<std::uint8_t>(i),
@@ -188,7 +188,7 @@ std::vector<Bytes> page_seeds() {
 }  // namespace
 
 Target header() { return {"header", run_header, mend_header, false, 10000, header_seeds}; }
-Target footer() { return {"footer", run_footer, mend_footer, false, 10000, file_seeds}; }
+Target footer() { return {"footer", run_footer, mend_footer, false, 10000, footer_seeds}; }
 Target run() { return {"run", run_run, mend_run_behind_choice, false, 8000, run_seeds}; }
 Target page() { return {"page", run_page, nullptr, false, 15000, page_seeds}; }
 
