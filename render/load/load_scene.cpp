@@ -37,13 +37,14 @@ class PbrtLoader {
 
     Result<LoadedScene> load() {
         if (const Status read = file(path_, 0); !read) return read.error();
-        builder_.finish(end_);
-        if (!diagnostics_.errors().empty()) return Error{ErrorCode::kUnsupported, errors()};
+        if (!stopped_) builder_.finish(end_);
+        if (!diagnostics_.errors().empty()) return Error{garbled_ ? ErrorCode::kCorrupt : ErrorCode::kUnsupported, errors()};
         scene_.warnings = diagnostics_.warnings();
         return std::move(scene_);
     }
 
  private:
+    // Errors: the file cannot be read, or is none of pbrt's; what is wrong in it goes to the diagnostics.
     Status file(const std::filesystem::path& path, std::size_t depth) {
         const Result<std::string> text = SceneFiles::read_text(path);
         if (!text) return text.error();
@@ -51,47 +52,55 @@ class PbrtLoader {
         const auto index = static_cast<std::uint32_t>(names.size());
         names.push_back(path.string());
         DirectiveReader reader(*text, index);
-        while (true) {
+        while (!stopped_) {
             const auto directive = reader.next();
             if (!begun_ && !(directive && *directive)) {
                 const std::string_view format = foreign_format(*text);
                 if (!format.empty() || directive) return not_pbrt(path, format);
             }
-            if (!directive) return syntax_error(directive.error());
-            if (!*directive) break;
             begun_ = true;
+            if (!directive) {
+                lose(directive.error());
+                stopped_ = is_v3_;  // there would be an error of this kind in every line
+                continue;
+            }
+            if (!*directive) break;
             const Directive& d = **directive;
             end_ = d.where;
             is_v3_ = is_v3_ || (!d.strings.empty() && is_of_pbrt_v3(d.name, d.strings[0]));
-            if (d.name != "Include" && d.name != "Import") {
+            if (d.name == "Include" || d.name == "Import") {
+                include(d, depth);
+            } else {
                 builder_.apply(d);
-                continue;
             }
-            if (depth == kMaxIncludes)
-                return syntax_error({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
-            const bool import = d.name == "Import";
-            if (import && !builder_.in_world()) return syntax_error({d.where, "Import: must come after WorldBegin"});
-            if (import) builder_.begin_import(d.where);
-            const Status included = file(files_.resolve(d.strings[0]), depth + 1);
-            if (!included && included.error().code == ErrorCode::kCorrupt) return included;
-            if (!included) {
-                diagnostics_.error(d.where, included.error().message);
-                builder_.set_incomplete();
-            }
-            if (import) builder_.end_import(d.where);
         }
         return {};
+    }
+
+    void include(const Directive& d, std::size_t depth) {
+        const bool import = d.name == "Import";
+        if (depth == kMaxIncludes) {
+            stopped_ = true;  // it may include itself more than once
+            return lose({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
+        }
+        if (import && !builder_.in_world()) return lose({d.where, "Import: must come after WorldBegin"});
+        if (import) builder_.begin_import(d.where);
+        if (const Status included = file(files_.resolve(d.strings[0]), depth + 1); !included) {
+            diagnostics_.error(d.where, included.error().message);
+            builder_.set_incomplete(d.where);
+        }
+        if (import) builder_.end_import(d.where);
+    }
+
+    void lose(const ParseError& error) {
+        diagnostics_.error(error.where, error.message);
+        builder_.set_incomplete(error.where);
+        garbled_ = true;
     }
 
     static Error not_pbrt(const std::filesystem::path& path, std::string_view format) {
         return {ErrorCode::kForeign, fmt::format("{}: not a scene in a supported format (pbrt-v4, glTF 2.0, OBJ): {}",
                                                  path.string(), format.empty() ? "the file is empty" : format)};
-    }
-
-    // Ends the loading at once; what was found before is reported too.
-    Error syntax_error(const ParseError& error) {
-        diagnostics_.error(error.where, error.message);
-        return {ErrorCode::kCorrupt, errors()};
     }
 
     std::string errors() const {
@@ -108,8 +117,10 @@ class PbrtLoader {
     Diagnostics diagnostics_;
     SceneBuilder builder_;
     SourceLocation end_;
-    bool begun_ = false;  // there was a directive
-    bool is_v3_ = false;  // one had a type of pbrt-v3
+    bool begun_ = false;    // there was a directive, or an error
+    bool is_v3_ = false;    // one had a type of pbrt-v3
+    bool garbled_ = false;  // there was an error of syntax
+    bool stopped_ = false;  // nothing more is read
 };
 
 Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {

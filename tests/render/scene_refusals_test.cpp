@@ -6,6 +6,7 @@
 #include <fstream>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "render/load/list_features.h"
 #include "render/load/pbrt/features.h"
@@ -33,7 +34,7 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"Material \"conducter\"", "Material \"conducter\" is not supported; did you mean conductor"},
              Case{"Material \"diffuse\" \"texture reflectance\" \"t\"", "2:20: spectrum texture \"t\" is not defined anywhere"},
              Case{"Texture \"t\" \"float\" \"constant\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
-                  "\"t\" is a float texture"},
+                  "not defined anywhere; there is a float texture \"t\""},
              Case{"Texture \"t\" \"float\" \"constant\"\nTexture \"t\" \"float\" \"constant\"", "defined before, on line 2"},
              Case{"Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"",
                   "2:1: Texture: is made of itself"},
@@ -142,6 +143,53 @@ TEST(SceneRefusals, AFileOfAnotherFormatIsCalledByItsName) {
 TEST(SceneRefusals, AllErrorsAreToldAtOnce) {
     const std::string message = refused_world("Material \"measured\"\nShape \"curve\"\nLightSource \"projection\"\n");
     for (const char* place : {":2:1: ", ":3:1: ", ":4:1: "}) EXPECT_THAT(message, HasSubstr(std::string("room.pbrt") + place));
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+TEST(SceneRefusals, AMissingIncludeHidesNoOtherError) {
+    const Folder folder;
+    const std::string scene = R"(Include "part.pbrt"
+Texture "a" "spectrum" "imagemap" "string filename" "a.png"
+Texture "b" "float" "imagemap" "string filename" "b.exr" "string filtr" "ewa"
+Material "coateddiffuse" "texture reflectance" "a" "texture roughness" "b"
+Shape "plymesh" "string filename" "m.ply"
+MakeNamedMedium "v" "string type" "nanovdb" "string filename" "v.nvdb"
+Shape "shpere"
+AttributeBegin
+)";
+    const auto errors = [&] {
+        const Result<LoadedScene> loaded = load_scene(folder.write("room.pbrt", scene));
+        return lines_of(loaded ? "" : loaded.error().message);
+    };
+    folder.write("part.pbrt", "WorldBegin\n");
+    const std::vector<std::string> others = errors();
+    EXPECT_EQ(others.size(), 7u);
+    std::filesystem::remove(folder / "part.pbrt");
+    std::vector<std::string> all = errors();
+    ASSERT_THAT(all, ::testing::Contains(HasSubstr("part.pbrt: cannot open")));
+    std::erase_if(all, [](const std::string& line) { return line.find("part.pbrt: ") != line.npos; });
+    EXPECT_EQ(all, others);
+}
+
+TEST(SceneRefusals, NamesThatAMissingIncludeMayDefineAreToldInOneLine) {
+    const auto message = [](const std::string& rest) {
+        return lines_of(refused_world("Include \"part.pbrt\"\n" + rest +
+                                      "CoordSysTransform \"c\"\nNamedMaterial \"gold\"\nMediumInterface \"fog\" \"\"\n"
+                                      "ObjectInstance \"o\"\nShape \"sphere\" \"texture alpha\" \"a\"\n"));
+    };
+    EXPECT_THAT(message(""),
+                ::testing::ElementsAre(HasSubstr("room.pbrt:2:1: "),
+                                       HasSubstr("room.pbrt:2:1: what could not be read here or below may define float "
+                                                 "texture \"a\", material \"gold\", medium \"fog\", object \"o\"")));
+    std::string many;
+    for (int i = 0; i < 100; ++i) many += fmt::format("NamedMaterial \"m{}\"\n", i);
+    EXPECT_THAT(message(many), ::testing::ElementsAre(HasSubstr("part.pbrt"), HasSubstr("\"m15\" and 94 more names")));
 }
 
 // What is listed is read, and nothing else is: the list is part of the message.

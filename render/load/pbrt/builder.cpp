@@ -1,6 +1,7 @@
 #include "render/load/pbrt/builder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -69,10 +70,14 @@ void SceneBuilder::apply(const Directive& d) {
         const std::optional<Affined> start = state_.ctm.start.inverse(), end = state_.ctm.end.inverse();
         if (start && end) transforms_.name("camera", *start, *end);
     }
+    if (lost_ && d.name == "CoordSysTransform" && !transforms_.has(d.strings[0])) return;
     if (transforms_.apply(d, state_.ctm, diagnostics_) || options_.apply(d, in_world_, state_.ctm, state_.outside_medium) ||
         apply_state(d))
         return;
-    if (!in_world_ && d.name != "MakeNamedMedium") return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
+    if (!in_world_ && d.name != "MakeNamedMedium") {
+        if (!lost_) return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
+        begin_world();  // which may be what is lost
+    }
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
     if (d.name == "MakeNamedMedium") return add_medium(d);
     if (d.name == "AreaLightSource") return add_area_light(d);
@@ -91,6 +96,13 @@ void SceneBuilder::apply(const Directive& d) {
     textures_.define(d, state_.attributes.of("texture"), state_.ctm, state_.color_space);  // what is left is Texture
 }
 
+void SceneBuilder::begin_world() {
+    options_.place_camera(state_.ctm, state_.outside_medium);
+    in_world_ = true;
+    state_.ctm = {};
+    transforms_.name("world", {}, {});
+}
+
 bool SceneBuilder::apply_state(const Directive& d) {
     if (d.name == "AttributeBegin" || d.name == "TransformBegin") {
         push(d.name, d.where);
@@ -102,10 +114,7 @@ bool SceneBuilder::apply_state(const Directive& d) {
     } else if (d.name == "WorldBegin" && in_world_) {
         diagnostics_.error(d.where, "WorldBegin: given twice");
     } else if (d.name == "WorldBegin") {
-        options_.place_camera(state_.ctm, state_.outside_medium);
-        in_world_ = true;
-        state_.ctm = {};
-        transforms_.name("world", {}, {});
+        begin_world();
     } else if (d.name == "ReverseOrientation") {
         state_.reverse_orientation = !state_.reverse_orientation;
     } else if (d.name == "NamedMaterial") {
@@ -298,15 +307,31 @@ void SceneBuilder::add_instance(const Directive& d) {
     scene_.instances.push_back({index, ctm.start, std::nullopt, d.where});
 }
 
-void SceneBuilder::finish(const SourceLocation& end) {
-    if (!in_world_ && complete_) diagnostics_.error(end, "the scene ends before WorldBegin");
-    for (const Pushed& open : stack_) diagnostics_.error(open.where, open.by + " has no end");
-    if (complete_) {
-        textures_.finish();
-        materials_.report_undefined("material", diagnostics_);
-        media_.report_undefined("medium", diagnostics_);
-        objects_.report_undefined("object", diagnostics_);
+void SceneBuilder::report(const std::vector<UndefinedName>& undefined) {
+    if (!lost_) {
+        for (const auto& [where, name, hint] : undefined)
+            diagnostics_.error(where, fmt::format("{} is not defined anywhere{}", name, hint));
+        return;
     }
+    if (undefined.empty()) return;
+    constexpr std::size_t kMost = 10;
+    std::vector<std::string> names;
+    for (const UndefinedName& one : undefined) names.push_back(one.name);
+    const std::size_t rest = names.size() - std::min(names.size(), kMost);
+    names.resize(names.size() - rest);
+    diagnostics_.error(*lost_, fmt::format("what could not be read here or below may define {}{}", fmt::join(names, ", "),
+                                           rest > 0 ? fmt::format(" and {} more names", rest) : ""));
+}
+
+void SceneBuilder::finish(const SourceLocation& end) {
+    if (!in_world_ && !lost_) diagnostics_.error(end, "the scene ends before WorldBegin");
+    for (const Pushed& open : stack_) diagnostics_.error(open.where, open.by + " has no end");
+    std::vector<UndefinedName> undefined;
+    textures_.finish(undefined);
+    materials_.add_undefined("material", undefined);
+    media_.add_undefined("medium", undefined);
+    objects_.add_undefined("object", undefined);
+    report(undefined);
     for (const auto& [where, mixed] : mixtures_) {
         for (const std::uint32_t i : mixed) {
             if (uses_[i].is_interface || uses_[i].inside != kNone)

@@ -35,8 +35,10 @@ class SceneBuilder {
     void begin_import(const SourceLocation& where) { push("Import", where); }
     void end_import(const SourceLocation& where) { pop("Import", where); }
     bool in_world() const { return in_world_; }
-    // An include could not be read, and the error is reported: what it would have defined is not missed once more.
-    void set_incomplete() { complete_ = false; }
+    // Something could not be read here, and the error is reported: what it would have defined is not missed once more.
+    void set_incomplete(const SourceLocation& where) {
+        if (!lost_) lost_ = where;
+    }
 
  private:
     struct State {
@@ -56,6 +58,8 @@ class SceneBuilder {
     void push(const std::string& by, const SourceLocation& where);
     void pop(const std::string& by, const SourceLocation& where);
     bool apply_state(const Directive& d);
+    void begin_world();
+    void report(const std::vector<UndefinedName>& undefined);
     std::uint32_t material(const std::string& text, const SourceLocation& where);  // by name
     MaterialDescription read_mixture(const ParameterList& list);
     void add_material(const Directive& d);
@@ -97,7 +101,8 @@ class SceneBuilder {
     std::vector<MaterialUse> uses_;                                        // of each material
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
-    bool in_world_ = false, complete_ = true;
+    std::optional<SourceLocation> lost_;                                   // where something could not be read, first
+    bool in_world_ = false;
 };
 
 }  // namespace latent::render

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+
+#include "base/near_names.h"
 
 namespace latent::render {
 
@@ -86,14 +89,38 @@ const Grammar* grammar_of(const Token& token) {
     return nullptr;
 }
 
+const TypeGrammar* type_of(std::string_view name) {
+    const auto* const found = std::ranges::find(kTypes, name, &TypeGrammar::name);
+    return found == std::end(kTypes) ? nullptr : found;
+}
+
+// "; did you mean Shape?", or nothing, of the names in a table.
+template <class Table>
+std::string near(std::string_view word, const Table& table) {
+    std::vector<std::string> names;
+    for (const auto& row : table) names.emplace_back(row.name);
+    const std::string found = near_names(word, names);
+    return found.empty() ? "" : fmt::format("; did you mean {}?", found);
+}
+
 // Where the next directive begins, or the file ends, nothing more of this one can come.
 bool ends_list(const std::optional<Token>& token) { return !token || grammar_of(*token) != nullptr; }
 
-ParseError missing(const SourceLocation& where, std::string_view of, std::string_view what, const std::optional<Token>& found) {
-    return {where, fmt::format("{}: {} is missing before {}", of, what, found ? quote(found->text) : "the end of the file")};
+// Both words of "type name"; empty where there are not two.
+std::pair<std::string_view, std::string_view> declaration_in(std::string_view text) {
+    const std::size_t type_begin = text.find_first_not_of(" \t"), type_end = text.find_first_of(" \t", type_begin);
+    const std::size_t name_begin = text.find_first_not_of(" \t", type_end), name_end = text.find_first_of(" \t", name_begin);
+    if (name_begin >= text.size() || text.find_first_not_of(" \t", name_end) < text.size()) return {};
+    return {text.substr(type_begin, type_end - type_begin), text.substr(name_begin, name_end - name_begin)};
 }
 
 }  // namespace
+
+ParseError DirectiveReader::missing(const SourceLocation& where, std::string_view of, std::string_view what,
+                                    const std::optional<Token>& found) {
+    if (found) tokens_.unget(*found);
+    return {where, fmt::format("{}: {} is missing before {}", of, what, found ? quote(found->text) : "the end of the file")};
+}
 
 tl::expected<Token, ParseError> DirectiveReader::require(Token::Kind kind, const Directive& of, std::string_view what) {
     const tl::expected<std::optional<Token>, ParseError> token = tokens_.next();
@@ -112,13 +139,26 @@ tl::expected<double, ParseError> DirectiveReader::number(const Directive& of) {
 }
 
 tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
+    while (is_lost_) {
+        const tl::expected<std::optional<Token>, ParseError> token = tokens_.next();
+        if (!token) continue;
+        is_lost_ = !ends_list(*token);
+        if (!is_lost_ && *token) tokens_.unget(**token);
+    }
+    tl::expected<std::optional<Directive>, ParseError> read = directive();
+    is_lost_ = !read;
+    return read;
+}
+
+tl::expected<std::optional<Directive>, ParseError> DirectiveReader::directive() {
     const tl::expected<std::optional<Token>, ParseError> first = tokens_.next();
     if (!first) return tl::unexpected(first.error());
     if (!*first) return std::optional<Directive>{};
     Directive directive{.name = std::string((*first)->text), .where = (*first)->where};
     const Grammar* grammar = grammar_of(**first);
     if (grammar == nullptr)
-        return tl::unexpected(ParseError{directive.where, quote(directive.name) + " is not a directive of pbrt-v4"});
+        return tl::unexpected(
+            ParseError{directive.where, quote(directive.name) + " is not a directive of pbrt-v4" + near(directive.name, kGrammar)});
 
     for (int i = 0; i < grammar->strings; ++i) {
         const auto token = require(Token::Kind::kString, directive, "a quoted name");
@@ -132,10 +172,10 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::next() {
                           ((*token)->kind == Token::Kind::kString || (grammar->word && (*token)->kind == Token::Kind::kWord));
         if (fits) {
             directive.strings.emplace_back((*token)->text);
-        } else if (grammar->word) {
-            return tl::unexpected(ParseError{directive.where, fmt::format("{}: a word must follow", directive.name)});
-        } else if (*token) {
-            tokens_.unget(**token);
+        } else {
+            if (*token) tokens_.unget(**token);
+            if (grammar->word)
+                return tl::unexpected(ParseError{directive.where, fmt::format("{}: a word must follow", directive.name)});
         }
     }
     if (grammar->brackets) {
@@ -168,24 +208,22 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     }
     Parameter parameter{.where = (*declaration)->where};
     const std::string_view text = (*declaration)->text;
-    const std::size_t type_begin = text.find_first_not_of(" \t"), type_end = text.find_first_of(" \t", type_begin);
-    const std::size_t name_begin = text.find_first_not_of(" \t", type_end), name_end = text.find_first_of(" \t", name_begin);
-    if (name_begin >= text.size() || text.find_first_not_of(" \t", name_end) < text.size()) {
+    std::tie(parameter.type, parameter.name) = declaration_in(text);
+    if (parameter.type.empty())
         return tl::unexpected(ParseError{parameter.where, quote(text) + " is not a parameter of the form \"type name\""});
-    }
-    parameter.type = text.substr(type_begin, type_end - type_begin);
-    parameter.name = text.substr(name_begin, name_end - name_begin);
-    const TypeGrammar* type = nullptr;
-    for (const TypeGrammar& t : kTypes) {
-        if (t.name == parameter.type) type = &t;
-    }
-    if (type == nullptr) return tl::unexpected(ParseError{parameter.where, quote(parameter.type) + " is not a parameter type"});
+    const TypeGrammar* const type = type_of(parameter.type);
+    if (type == nullptr)
+        return tl::unexpected(
+            ParseError{parameter.where, quote(parameter.type) + " is not a parameter type" + near(parameter.type, kTypes)});
 
     const auto add = [&](const Token& token) -> std::optional<ParseError> {
         const auto wrong = [&](std::string_view what) {
             return ParseError{token.where, fmt::format("{}: {} is not {}", parameter.name, quote(token.text), what)};
         };
         const bool is_string = token.kind == Token::Kind::kString;
+        if (is_string && type->values < ValueKind::kStrings)
+            return ParseError{token.where, fmt::format("{}: its type is {}, but {} is a string", parameter.name, parameter.type,
+                                                       quote(token.text))};
         if (is_string && (type->values == ValueKind::kStrings || type->values == ValueKind::kNumbersOrStrings) &&
             parameter.numbers.empty()) {
             parameter.strings.emplace_back(token.text);
@@ -205,7 +243,8 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
     };
     auto token = tokens_.next();
     if (!token) return tl::unexpected(token.error());
-    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < ValueKind::kStrings;
+    const bool next_parameter = *token && (*token)->kind == Token::Kind::kString && type->values < ValueKind::kStrings &&
+                                type_of(declaration_in((*token)->text).first) != nullptr;
     if (ends_list(*token) || next_parameter) return tl::unexpected(missing(parameter.where, parameter.name, "a value", *token));
     if ((*token)->kind != Token::Kind::kOpen) {
         if ((*token)->kind == Token::Kind::kClose)

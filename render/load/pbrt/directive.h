@@ -34,16 +34,20 @@ class DirectiveReader {
     // `text` must outlive the reader.
     DirectiveReader(std::string_view text, std::uint32_t file) : tokens_(text, file) {}
 
-    // The next directive; nothing at the end. Any error is one of syntax: nothing after it can be trusted.
+    // The next directive; nothing at the end. Any error is one of syntax: the directive is lost, and the call after that goes on
+    // at the next word that begins one.
     tl::expected<std::optional<Directive>, ParseError> next();
 
  private:
+    tl::expected<std::optional<Directive>, ParseError> directive();
     // What is missing is an error of the directive or parameter, `of`, whose line may be long past.
+    ParseError missing(const SourceLocation& where, std::string_view of, std::string_view what, const std::optional<Token>& found);
     tl::expected<Token, ParseError> require(Token::Kind kind, const Directive& of, std::string_view what);
     tl::expected<double, ParseError> number(const Directive& of);
     tl::expected<std::optional<Parameter>, ParseError> parameter();
 
     Tokenizer tokens_;
+    bool is_lost_ = false;  // after an error
 };
 
 }  // namespace latent::render

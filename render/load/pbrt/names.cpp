@@ -16,9 +16,9 @@ bool Names::define(const std::string& text, std::string_view directive, const So
     return is_first;
 }
 
-void Names::report_undefined(std::string_view what, Diagnostics& diagnostics) const {
+void Names::add_undefined(std::string_view what, std::vector<UndefinedName>& names) const {
     for (const auto& [text, named] : named_) {
-        if (!named.defined) diagnostics.error(named.mentioned, fmt::format("{} \"{}\" is not defined anywhere", what, text));
+        if (!named.defined) names.push_back({named.mentioned, fmt::format("{} \"{}\"", what, text)});
     }
 }
 

@@ -6,11 +6,19 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "render/load/files/diagnostics.h"
 #include "render/scene/source_location.h"
 
 namespace latent::render {
+
+// A name that something uses, and nothing defines.
+struct UndefinedName {
+    SourceLocation where{};  // of its first use
+    std::string name{};      // `material "gold"`
+    std::string hint{};      // "; what might be meant", or nothing
+};
 
 class Names {
  public:
@@ -18,8 +26,8 @@ class Names {
     std::uint32_t mention(const std::string& text, const SourceLocation& where, std::size_t next);
     // Of a name that was mentioned. False, with an error of `directive`, if it is defined already.
     bool define(const std::string& text, std::string_view directive, const SourceLocation& where, Diagnostics& diagnostics);
-    // An error for each that was mentioned alone. `what`: "material".
-    void report_undefined(std::string_view what, Diagnostics& diagnostics) const;
+    // Adds those that were mentioned alone. `what`: "material".
+    void add_undefined(std::string_view what, std::vector<UndefinedName>& names) const;
 
  private:
     struct Named {

@@ -255,7 +255,7 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
     return texture;
 }
 
-void SceneTextures::finish() {
+void SceneTextures::finish(std::vector<UndefinedName>& undefined) {
     for (std::size_t i = 0; i < uses_.size(); ++i) {  // reading one may add to them
         const Use use = uses_[i];
         scene_.textures.emplace_back();
@@ -265,17 +265,17 @@ void SceneTextures::finish() {
         }
         const auto found = definitions_.find({use.is_spectrum, use.name});
         if (found == definitions_.end()) {
+            const auto name = [&](bool is_spectrum) {
+                return fmt::format("{} texture \"{}\"", is_spectrum ? "spectrum" : "float", use.name);
+            };
             const bool other = definitions_.contains({!use.is_spectrum, use.name});
-            diagnostics_.error(
-                use.where,
-                fmt::format(
-                    "{} texture \"{}\" is not defined anywhere{}", use.is_spectrum ? "spectrum" : "float", use.name,
-                    other ? fmt::format("; \"{}\" is a {} texture", use.name, use.is_spectrum ? "float" : "spectrum") : ""));
+            undefined.push_back(
+                {use.where, name(use.is_spectrum), other ? fmt::format("; there is a {}", name(!use.is_spectrum)) : ""});
             continue;
         }
         scene_.textures[i] = read(found->second, use);
     }
-    if (!diagnostics_.errors().empty()) return;
+    if (!diagnostics_.errors().empty() || !undefined.empty()) return;
     for (const auto& [texture, refusal] : check_textures(scene_.textures))
         diagnostics_.error(scene_.textures[texture].location, refusal);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/load/files/scene_files.h"
+#include "render/load/pbrt/names.h"
 #include "render/load/pbrt/parameters.h"
 #include "render/load/pbrt/spectra.h"
 #include "render/load/pbrt/transforms.h"
@@ -42,8 +43,8 @@ class SceneTextures {
     std::uint32_t emission(const ParameterList& list, const std::string& file);
     std::optional<std::uint32_t> find_texture(const ParameterList& list, std::string_view name);  // of numbers
 
-    // After the last directive, unless a part of the scene is missing: reads the textures that were used, and what they use.
-    void finish();
+    // After the last directive: reads the textures that were used, and what they use. Adds those that are not defined.
+    void finish(std::vector<UndefinedName>& undefined);
 
  private:
     struct Definition {

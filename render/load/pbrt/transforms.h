@@ -24,6 +24,7 @@ class Transforms {
     bool apply(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics);
     // A coordinate system that has a name without a directive: "camera", "world".
     void name(const std::string& text, const Affined& start, const Affined& end) { named_[text] = {start, end}; }
+    bool has(const std::string& text) const { return named_.contains(text); }
 
  private:
     // Both at once. False: not a directive of that kind.
