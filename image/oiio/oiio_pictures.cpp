@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/first_error.h"
+#include "image/oiio/intact.h"
 #include "image/oiio/linear_input.h"
 
 namespace latent::image {
@@ -19,26 +20,32 @@ constexpr int kTile = 64;  // of files without tiles
 // So many tiles fit into the cache: each thread holds two beside it, and OpenImageIO ends the process at ten times its limit.
 constexpr std::uint64_t kFewestTiles = 16;
 
-// OpenImageIO's messages name the file, or what it takes for one, and may have several lines.
-Error error_of(const std::string& path, std::string message) {
+// What a file is called: by OpenImageIO, and in messages.
+struct FileName {
+    std::string path, in_messages;
+};
+
+// OpenImageIO's messages name the file, or what it takes for one, may have several lines, and may be empty: `otherwise`.
+Error error_of(const FileName& file, std::string message, std::string_view otherwise = "unknown format") {
     if (const std::size_t end = message.find('\n'); end != std::string::npos) message.resize(end);
-    for (const std::string& name : {"\"" + path + "\"", path}) {
+    for (const std::string& name : {"\"" + file.path + "\"", file.path}) {
         const std::size_t at = message.find(name);
         if (at != std::string::npos) message.replace(at, name.size(), "the file");
     }
     return {ErrorCode::kCorrupt,
-            fmt::format("{}: cannot be read as a picture: {}", path, message.empty() ? "unknown format" : message)};
+            fmt::format("{}: cannot be read as a picture: {}", file.in_messages, message.empty() ? otherwise : message)};
 }
 
-Result<PictureInfo> info_of(const std::string& path, const OIIO::ImageSpec& spec) {
+Result<PictureInfo> info_of(const FileName& file, const OIIO::ImageSpec& spec) {
     PictureInfo info;
     if (spec.width <= 0 || spec.height <= 0 || spec.depth > 1 || spec.deep)
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: not a flat picture", path)};
+        return Error{ErrorCode::kUnsupported, fmt::format("{}: not a flat picture", file.in_messages)};
     info.width = static_cast<std::uint32_t>(spec.full_width);
     info.height = static_cast<std::uint32_t>(spec.full_height);
     info.channels = static_cast<std::uint32_t>(spec.nchannels);
     if (info.channels != 1 && info.channels != 3 && info.channels != 4)
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: has {} channels, not grey, RGB or RGBA", path, info.channels)};
+        return Error{ErrorCode::kUnsupported,
+                     fmt::format("{}: has {} channels, not grey, RGB or RGBA", file.in_messages, info.channels)};
     std::array<float, 8> chromaticities{};
     if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), chromaticities.data()))
         info.chromaticities = chromaticities;
@@ -59,23 +66,25 @@ class OiioPictures final : public Pictures {
     }
     ~OiioPictures() override { OIIO::TextureSystem::destroy(textures_, true); }
 
-    Result<PictureInfo> open(const std::string& path, const PictureEncoding& encoding) override {
+    Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) override {
+        const FileName file{path, in_messages};
+        if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
         const OIIO::ustring name(fmt::format("{}#{}", path, handles_.size()));
         const OIIO::ImageSpec config = LinearInput::configuration(path, encoding);
         cache_->add_file(name, LinearInput::create, &config);
         OIIO::ImageSpec spec;
-        if (!cache_->get_imagespec(name, spec, 0, 0, true)) return error_of(path, cache_->geterror());
-        Result<PictureInfo> info = info_of(path, spec);
+        if (!cache_->get_imagespec(name, spec, 0, 0, true)) return error_of(file, cache_->geterror());
+        Result<PictureInfo> info = info_of(file, spec);
         if (!info) return info;
         info->index = static_cast<std::uint32_t>(handles_.size());
-        Result<Sizes> sizes = sizes_of(name, path);
+        Result<Sizes> sizes = sizes_of(name, file);
         if (!sizes) return sizes.error();
         if (info->channels == 4) {
-            const Result<bool> opaque = is_opaque(path, encoding);
+            const Result<bool> opaque = is_opaque(file, encoding);
             if (!opaque) return opaque.error();
             info->is_opaque = *opaque;
         }
-        handles_.push_back({textures_->get_texture_handle(name), path, static_cast<int>(info->channels), std::move(*sizes)});
+        handles_.push_back({textures_->get_texture_handle(name), file, static_cast<int>(info->channels), std::move(*sizes)});
         return info;
     }
 
@@ -99,23 +108,25 @@ class OiioPictures final : public Pictures {
             return;
         out = {};
         const std::string message = textures_->geterror();
-        if (!error_) error_.set(error_of(handle.path, message));
+        if (!error_) error_.set(error_of(handle.file, message, "a part of it is damaged or missing"));
     }
 
     Status status() const override { return error_ ? error_.status() : Status{}; }
 
     Result<WholePicture> read(const std::string& path, const PictureEncoding& encoding) const override {
+        const FileName file{path, path};
+        if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
         LinearInput input;
         OIIO::ImageSpec spec;
-        if (!input.open(path, spec, LinearInput::configuration(path, encoding))) return error_of(path, input.geterror());
-        const Result<PictureInfo> info = info_of(path, spec);
+        if (!input.open(path, spec, LinearInput::configuration(path, encoding))) return error_of(file, input.geterror());
+        const Result<PictureInfo> info = info_of(file, spec);
         if (!info) return info.error();
         WholePicture picture{*info};
         if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width || spec.height != spec.full_height)
             return Error{ErrorCode::kUnsupported, fmt::format("{}: its data window differs from its display window", path)};
         picture.values.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
         if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.values.data()))
-            return error_of(path, input.geterror());
+            return error_of(file, input.geterror());
         return picture;
     }
 
@@ -123,12 +134,12 @@ class OiioPictures final : public Pictures {
     using Sizes = std::vector<std::array<float, 2>>;
     struct Handle {
         OIIO::TextureSystem::TextureHandle* texture;
-        std::string path;
+        FileName file;
         int channels;
         Sizes sizes;  // in texels: the picture's, and its smaller ones
     };
 
-    Result<Sizes> sizes_of(const OIIO::ustring& name, const std::string& path) const {
+    Result<Sizes> sizes_of(const OIIO::ustring& name, const FileName& file) const {
         int count = 1;
         cache_->get_image_info(name, 0, 0, OIIO::ustring("miplevels"), OIIO::TypeInt, &count);
         Sizes sizes;
@@ -139,7 +150,7 @@ class OiioPictures final : public Pictures {
                     ErrorCode::kUnsupported,
                     fmt::format("{}: a tile of {} x {} pixels takes more than 1/{} of --texture-cache; raise it, or save the "
                                 "picture with smaller tiles",
-                                path, spec.tile_width, spec.tile_height, kFewestTiles)};
+                                file.in_messages, spec.tile_width, spec.tile_height, kFewestTiles)};
             sizes.push_back({static_cast<float>(spec.full_width), static_cast<float>(spec.full_height)});
         }
         return sizes;
@@ -160,7 +171,7 @@ class OiioPictures final : public Pictures {
             (below < last && above > 0 && !add_level(handle, wrap, below + 1, s, t, above, out))) {
             out = {};
             const std::string message = textures_->geterror();
-            if (!error_) error_.set(error_of(handle.path, message));
+            if (!error_) error_.set(error_of(handle.file, message, "a part of it is damaged or missing"));
         }
     }
 
@@ -214,10 +225,10 @@ class OiioPictures final : public Pictures {
     }
 
     // A few rows at a time.
-    static Result<bool> is_opaque(const std::string& path, const PictureEncoding& encoding) {
+    static Result<bool> is_opaque(const FileName& file, const PictureEncoding& encoding) {
         LinearInput input;
         OIIO::ImageSpec spec;
-        if (!input.open(path, spec, LinearInput::configuration(path, encoding))) return error_of(path, input.geterror());
+        if (!input.open(file.path, spec, LinearInput::configuration(file.path, encoding))) return error_of(file, input.geterror());
         const int rows = spec.tile_height > 0 ? spec.tile_height : kTile;
         std::vector<float> values;
         for (int y = spec.y; y < spec.y + spec.height; y += rows) {
@@ -227,7 +238,7 @@ class OiioPictures final : public Pictures {
                 spec.tile_width > 0
                     ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, y, end, 0, 1, 0, 4, OIIO::TypeDesc::FLOAT, values.data())
                     : input.read_scanlines(0, 0, y, end, 0, 0, 4, OIIO::TypeDesc::FLOAT, values.data());
-            if (!read) return error_of(path, input.geterror());
+            if (!read) return error_of(file, input.geterror());
             for (std::size_t i = 3; i < values.size(); i += 4) {
                 if (values[i] != 1) return false;
             }

@@ -54,9 +54,9 @@ void each_field(Of<MappingDescription> auto& mapping, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<PictureDescription> auto& picture, Visit&& visit) {
-    auto& [path, content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert, channel] = picture;
+    auto& [path, name, content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert, channel] = picture;
     visit(content, wrap, filter, max_anisotropy, is_srgb, gamma, scale, invert, channel);
-    visit.label(path);
+    visit.label(path, name);
 }
 
 template <class Visit>

@@ -50,7 +50,8 @@ enum class TextureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa, k
 // A picture, which stays in its file.
 struct PictureDescription {
     std::string path{};
-    Hash128 content{};  // of the file
+    std::string name{};  // in messages: the place where the scene names it, and its path
+    Hash128 content{};   // of the file
     TextureWrap wrap = TextureWrap::kRepeat;
     TextureFilter filter = TextureFilter::kBilinear;
     double max_anisotropy = 8;  // ewa

@@ -50,7 +50,7 @@ struct Textures::Builder {
             }
             out.pictures_ = std::move(*created);
         }
-        at->second = out.pictures_->open(d.path, {d.is_srgb, static_cast<float>(d.gamma)});
+        at->second = out.pictures_->open(d.path, d.name, {d.is_srgb, static_cast<float>(d.gamma)});
         if (!at->second) errors.push_back(at->second.error().message);
         return at->second;
     }
@@ -62,7 +62,7 @@ struct Textures::Builder {
         if (image.info().chromaticities) {
             const Result<color::Matrix3> matrix = color::srgb_from(*image.info().chromaticities);
             if (matrix) to_srgb = *matrix;
-            if (!matrix) errors.push_back(fmt::format("{}: {}", d.picture.path, matrix.error().message));
+            if (!matrix) errors.push_back(matrix.error().at(d.picture.name).message);
         }
         return std::make_unique<SpectrumImage>(image, d.role, to_srgb, colors());
     }

@@ -45,7 +45,7 @@ bool run_picture(ByteSpan bytes) {
     }
     // A cache remembers the names of broken files. Formats but these are known by their first bytes.
     const std::filesystem::path path = as_file(std::to_string(input) + (is_exr ? ".exr" : ".tga"), bytes);
-    const Result<image::PictureInfo> info = pictures->open(path.string(), {});
+    const Result<image::PictureInfo> info = pictures->open(path.string(), path.string(), {});
     if (!info) return false;
     require(info->width > 0 && info->height > 0 && info->channels > 0, "a picture has pixels");
     if (std::uint64_t{info->width} * info->height > kMostPixels) return true;

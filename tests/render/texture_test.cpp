@@ -463,8 +463,8 @@ Shape "plymesh" "string filename" "three.ply"
     ASSERT_FALSE(textures);
     const std::string& message = textures.error().message;
     EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
-    EXPECT_THAT(message, HasSubstr("one.png: cannot be read as a picture"));
-    EXPECT_THAT(message, HasSubstr("two.png: cannot be read as a picture"));
+    EXPECT_THAT(message, ::testing::ContainsRegex("room.pbrt:2:1: [^\n]*one.png: cannot be read as a picture"));
+    EXPECT_THAT(message, ::testing::ContainsRegex("room.pbrt:3:1: [^\n]*two.png: cannot be read as a picture"));
 }
 
 // Libraries make room before they read: for some of these files, more than 10 GB.
@@ -496,7 +496,8 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
     const auto open = [](const std::string& seed) {
         const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
         EXPECT_TRUE(pictures);
-        const Result<image::PictureInfo> info = (*pictures)->open(latent::testing::in_tree("tests/fuzz/seeds/picture/" + seed), {});
+        const Result<image::PictureInfo> info =
+            (*pictures)->open(latent::testing::in_tree("tests/fuzz/seeds/picture/" + seed), seed, {});
         return info ? "" : info.error().message;
     };
     EXPECT_THAT(open("once-broken-attribute.exr"), HasSubstr("an attribute is longer than the file"));
@@ -510,7 +511,42 @@ TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
     load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"bilinear\"");
     at(0.5f, 0.05f);
     ASSERT_FALSE(textures_->status());
-    EXPECT_THAT(textures_->status().error().message, HasSubstr("p.pgm: cannot be read as a picture"));
+    EXPECT_THAT(textures_->status().error().message,
+                ::testing::ContainsRegex("room.pbrt:[0-9]+:1: [^\n]*p.pgm: cannot be read as a picture"));
+}
+
+// Libraries would write to standard error, or make what is missing grey.
+TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
+    const auto message = [&](const std::string& name, const std::string& bytes) {
+        folder_.write(name, bytes);
+        const Result<LoadedScene> scene = load_scene(
+            folder_.write("room.pbrt", "WorldBegin\n\n Texture \"s\" \"spectrum\" \"imagemap\" \"string filename\" \"" + name +
+                                           "\"\nMaterial \"diffuse\" \"texture reflectance\" \"s\"\nShape \"sphere\"\n"));
+        const Result<Textures> textures = Textures::build(scene.value().description, 1 << 20, library_);
+        return textures ? "" : textures.error().message;
+    };
+    const auto is_refused = [&](const std::string& name, const std::string& bytes) {
+        EXPECT_THAT(message(name, bytes), ::testing::MatchesRegex(".*/room.pbrt:3:2: [^\n]*/" + name +
+                                                                  ": cannot be read as a picture: the file is [^\n]*"));
+    };
+    const auto seed = [](const std::string& name) {
+        std::ifstream in(latent::testing::in_tree("tests/fuzz/seeds/picture/" + name), std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    ::testing::internal::CaptureStderr();
+    for (const std::string name : {"a.png", "a.jpg"}) {
+        const std::string whole = seed(name);
+        EXPECT_EQ(message(name, whole), "");
+        EXPECT_EQ(message(name, whole + "more"), "");
+        for (std::size_t size = 9; size < whole.size(); size += 3) is_refused(name, whole.substr(0, size));
+    }
+    std::string png = seed("a.png");
+    for (std::size_t at = png.find("IDAT"); at < png.size(); at += 5) {
+        png[at] ^= 1;
+        is_refused("a.png", png);
+        png[at] ^= 1;
+    }
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(TextureFootprint, IsAQuarterOfAPixelSeenFromTheCamera) {

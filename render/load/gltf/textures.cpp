@@ -119,7 +119,8 @@ const std::optional<PictureDescription>& GltfTextures::picture(std::uint32_t ind
     } else if (const std::optional<std::string> name = file_of_uri(uri.text())) {
         const Result<Hash128> content = document_.files().hash(*name);
         if (!content) uri.error(content.error().message);
-        if (content) entry->second = PictureDescription{.path = document_.files().resolve(*name).string(), .content = *content};
+        const std::string path = document_.files().resolve(*name).string();
+        if (content) entry->second = PictureDescription{.path = path, .name = uri.path() + ": " + path, .content = *content};
     } else {
         uri.error(fmt::format("\"{}\" is not a file; nothing is loaded from a network", uri.text().substr(0, 80)));
     }
@@ -135,7 +136,8 @@ std::optional<PictureDescription> GltfTextures::embedded(const GltfValue& image,
         return std::nullopt;
     }
     embedded_.push_back(std::move(*file));
-    return PictureDescription{.path = fmt::format("/proc/self/fd/{}", embedded_.back().descriptor()), .content = hash128(content)};
+    return PictureDescription{
+        .path = fmt::format("/proc/self/fd/{}", embedded_.back().descriptor()), .name = image.path(), .content = hash128(content)};
 }
 
 }  // namespace latent::render

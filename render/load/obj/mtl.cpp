@@ -145,6 +145,7 @@ std::uint32_t read_map(const Statements& s, bool is_spectrum, const SceneFiles& 
     TextureDescription texture{.kind = TextureKind::kImage, .is_spectrum = is_spectrum};
     texture.picture.is_srgb = is_spectrum;
     texture.picture.path = files.resolve(name).string();
+    texture.picture.name = s.place() + ": " + texture.picture.path;
     texture.picture.content = *content;
     texture.picture.filter = TextureFilter::kTrilinear;
     textures.push_back(std::move(texture));

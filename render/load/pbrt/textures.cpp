@@ -72,6 +72,7 @@ std::uint32_t SceneTextures::use_picture(const ParameterList& list, const std::s
     const Result<Hash128> content = files_.hash(file);
     if (!content) list.error(content.error().message);
     texture.picture.path = files_.resolve(file).string();
+    texture.picture.name = name_of(list, texture.picture);
     texture.picture.content = content.value_or(Hash128{});
     texture.location = list.directive().where;
     uses_.push_back({texture.is_spectrum, texture.role, file, texture.location, std::move(texture)});
@@ -142,6 +143,10 @@ void SceneTextures::read_mapping(const ParameterList& list, const CurrentTransfo
     mapping.texture_from_world = *inverse;
 }
 
+std::string SceneTextures::name_of(const ParameterList& list, const PictureDescription& picture) const {
+    return diagnostics_.place(list.directive().where) + ": " + picture.path;
+}
+
 void SceneTextures::read_picture(const ParameterList& list, PictureDescription& picture) {
     static const std::map<std::string, TextureWrap> kWraps{{"repeat", TextureWrap::kRepeat},
                                                            {"black", TextureWrap::kBlack},
@@ -171,6 +176,7 @@ void SceneTextures::read_picture(const ParameterList& list, PictureDescription& 
     const Result<Hash128> content = files_.hash(*name);
     if (!content) return list.error(content.error().message);
     picture.path = files_.resolve(*name).string();
+    picture.name = name_of(list, picture);
     picture.content = *content;
 }
 

@@ -64,6 +64,7 @@ class SceneTextures {
     std::uint32_t use(const ParameterList& list, const Parameter& p, bool is_spectrum, SpectrumRole role);
     TextureDescription read(const Definition& definition, const Use& use);
     void read_mapping(const ParameterList& list, const CurrentTransform& ctm, bool is_solid, MappingDescription& mapping);
+    std::string name_of(const ParameterList& list, const PictureDescription& picture) const;  // in messages
     void read_picture(const ParameterList& list, PictureDescription& picture);
 
     SceneDescription& scene_;
