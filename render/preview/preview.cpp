@@ -34,7 +34,8 @@ std::filesystem::path preview_path(const RenderOptions& options) {
 }
 
 Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
-    const Result<Trial> trial = render_trial(job, options, seconds, folder_of(options.output), stop);
+    const TrialPlace place{folder_of(options.output), "choose another folder with -o"};
+    const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
     if (!trial) return trial.error();
     const Result<Forecast> expected = forecast(job, options, *trial);
     if (!expected) return expected.error();
@@ -46,7 +47,7 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     picture.dim_fireflies = true;
     picture.threads = options.threads;
     const Result<develop::PictureReport> developed = develop::develop_picture(picture, {});
-    if (!developed) return developed.error();
+    if (!developed) return place.explained(developed.error());
 
     convert::ConvertOptions print;
     print.input = picture.output;

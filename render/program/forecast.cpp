@@ -24,6 +24,10 @@ std::optional<std::uint64_t> free_space(const RenderOptions& options) {
     return error ? space.available : space.available + replaced;
 }
 
+std::string full_name(const std::filesystem::path& folder) {
+    return std::filesystem::absolute(folder / "").lexically_normal().parent_path().string();
+}
+
 std::uint64_t scaled(std::uint64_t bytes, double factor) {
     return static_cast<std::uint64_t>(std::min(static_cast<double>(bytes) * factor, 0x1p63));
 }
@@ -35,18 +39,26 @@ double trial_seconds(const RenderOptions& options) {
     return options.max_seconds > 0 ? std::min(options.max_seconds, kMost) : kMost;
 }
 
-Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const std::filesystem::path& parent,
+Error TrialPlace::explained(const Error& error) const {
+    if (error.code != ErrorCode::kNoSpace) return error;
+    return {error.code, fmt::format("{}: no space left for a trial; free some, or {}", full_name(parent), remedy)};
+}
+
+Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const TrialPlace& place,
                            const std::atomic<bool>& stop) {
-    Trial out{TemporaryPath(parent / (".latent-trial-" + make_nonce())), {}, {}};
+    Trial out{TemporaryPath(place.parent / (".latent-trial-" + make_nonce())), {}, {}};
     const std::filesystem::path& folder = out.folder.path();
     std::error_code error;
-    if (!std::filesystem::create_directory(folder, error))
-        return Error{ErrorCode::kIo, fmt::format("{}: cannot create the folder: {}", folder.string(), error.message())};
+    if (!std::filesystem::create_directory(folder, error)) {
+        const Error refused = error_from_errno(error.value(), full_name(place.parent), "cannot write");
+        if (refused.code == ErrorCode::kNoSpace) return place.explained(refused);
+        return Error{refused.code, fmt::format("{}; {}", refused.message, place.remedy)};
+    }
     RenderOptions trial = options;
     trial.output = folder / "trial.latent";
     trial.max_seconds = seconds;
     Result<RenderReport> report = render(job, trial, stop, {});
-    if (!report) return report.error();
+    if (!report) return place.explained(report.error());
     if (report->samples == 0) return Error{ErrorCode::kStopped, "the trial ended before any sample was finished"};
     out.report = *report;
     out.file = std::filesystem::directory_iterator(folder)->path();  // the part, or an attempt at it
@@ -86,7 +98,7 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
     if (error) return Error{ErrorCode::kIo, "no folder for temporary files; set TMPDIR: " + error.message()};
-    const Result<Trial> trial = render_trial(job, options, seconds, parent, stop);
+    const Result<Trial> trial = render_trial(job, options, seconds, {parent, "set TMPDIR to another folder"}, stop);
     return trial ? forecast(job, options, *trial) : trial.error();
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 #include "base/temporary_path.h"
@@ -37,8 +38,17 @@ struct Trial {
     std::filesystem::path file;
     RenderReport report;
 };
-// Of `seconds`, in a folder in `parent`. Errors: those of `render`, and kStopped if not one sample was finished.
-Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const std::filesystem::path& parent,
+// Where a trial makes its folder, and what to do if that cannot be: "choose another folder with -o".
+struct TrialPlace {
+    std::filesystem::path parent;
+    std::string_view remedy;
+
+    // Of a trial, or of what is made of it: of a full disk, what users can do. They do not know the folder, and nothing in it is
+    // kept.
+    Error explained(const Error& error) const;
+};
+// Of `seconds`. Errors: those of `render`, and kStopped if not one sample was finished.
+Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const TrialPlace& place,
                            const std::atomic<bool>& stop);
 
 Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, const Trial& trial);

@@ -75,6 +75,26 @@ TEST_F(PreviewTest, WhatIsRenderedAlreadyStays) {
     EXPECT_EQ(render({"--preview", "1", "--dry-run"}).status, 2);
 }
 
+// Its samples are in a hidden folder, which is gone with them.
+TEST_F(PreviewTest, AFolderThatTakesNoSamplesIsNamedWithWhatToDo) {
+    const auto preview = [](const std::filesystem::path& folder, const std::string& resolution) {
+        return latent::testing::run({latent::testing::tool("latent-render"), latent::testing::in_tree("scenes/cornell.pbrt"), "-o",
+                                     (folder / "p.latent").string(), "--resolution", resolution, "--preview", "60"});
+    };
+    const Outcome refused = preview("/proc", "60x60");
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_THAT(refused.err,
+                ::testing::MatchesRegex("latent-render: /proc: cannot write: [^\n]*; choose another folder with -o\n"));
+
+    const latent::testing::SmallDisk disk(1 << 20);
+    if (!disk.mounted()) GTEST_SKIP() << "no right to mount a small disk";
+    const Outcome full = preview(disk / "", "1000x1000");
+    EXPECT_EQ(full.status, 1);
+    EXPECT_EQ(full.err, "latent-render: " + (disk / "x").parent_path().string() +
+                            ": no space left for a trial; free some, or choose another folder with -o\n");
+    EXPECT_THAT(disk.names(), ::testing::IsEmpty());
+}
+
 TEST_F(PreviewTest, NeedsNoNameForAFileThatItDoesNotWrite) {
     const std::string scene = latent::testing::in_tree("scenes/cornell.pbrt"), program = latent::testing::tool("latent-render");
     const auto in_folder = [&](const std::string& options) {
