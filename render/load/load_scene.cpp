@@ -40,6 +40,7 @@ class PbrtLoader {
         if (!stopped_) builder_.finish(end_);
         if (!diagnostics_.errors().empty()) return Error{garbled_ ? ErrorCode::kCorrupt : ErrorCode::kUnsupported, errors()};
         scene_.warnings = diagnostics_.warnings();
+        scene_.notes = diagnostics_.notes();
         return std::move(scene_);
     }
 

@@ -14,7 +14,8 @@ namespace latent::render {
 struct LoadedScene {
     SceneDescription description;
     std::vector<File> embedded{};       // pictures that textures find as long as these are open
-    std::vector<std::string> warnings;  // "room.pbrt:3:1: ...": what was ignored; of a pbrt scene, the picture is right without it
+    std::vector<std::string> warnings;  // "room.pbrt:3:1: ...": what was ignored
+    std::vector<std::string> notes;     // the same of what no sample depends on
 };
 
 // Errors: kNotFound, kIo; kCorrupt for a syntax error; kUnsupported if anything was found that would make the picture wrong: the

@@ -164,7 +164,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra);
     if (!scene) return scene.error();
     if (settings.strict && !scene->warnings.empty())
-        return Error{ErrorCode::kUnsupported, fmt::format("{}", fmt::join(scene->warnings, "\n"))};
+        return Error{ErrorCode::kUnsupported,
+                     fmt::format("{}: refused because of --strict\n{}", settings.scene.string(), fmt::join(scene->warnings, "\n"))};
     out->scene = std::move(*scene);
     if (settings.light_groups) {
         Result<std::vector<std::string>> names = group_lights(out->scene.description);
@@ -206,7 +207,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     if (!all) return all.error();
     out->all = *all;
     out->range = shard_of(*all, settings.shard, job.run_samples);
-    out->warnings = out->scene.warnings;
+    out->warnings = out->scene.notes;
+    out->warnings.insert(out->warnings.end(), out->scene.warnings.begin(), out->scene.warnings.end());
     if (runs_of(*all, job.run_samples) < settings.shard.count)
         out->warnings.push_back(too_few_runs(*all, settings.shard, job.run_samples));
     return out;

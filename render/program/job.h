@@ -29,7 +29,7 @@ struct Shard {
 // What the command line says; what it leaves out, the scene decides.
 struct RenderSettings {
     std::filesystem::path scene;
-    bool strict = false;  // warnings about the scene are errors
+    bool strict = false;  // a scene with warnings is refused; notes are not warnings
     std::optional<IntegratorKind> integrator;
     Connections connections = Connections::kOne;
     std::optional<std::uint32_t> max_depth;

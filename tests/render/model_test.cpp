@@ -418,6 +418,16 @@ TEST_F(Models, AllMissingFilesAreNamedAtOnce) {
     EXPECT_THAT(obj, ::testing::Not(HasSubstr("usemtl")));  // what the missing file would have defined is not missed once more
 }
 
+TEST_F(Models, WhatManyThingsUseIsComplainedAboutOnce) {
+    GltfFile file = quad_and_lamp();
+    file.json["accessors"][0]["count"] = 1000000000;
+    const Json primitive = file.json["meshes"][0]["primitives"][0];
+    for (int i = 0; i < 5; ++i) file.json["meshes"][0]["primitives"].push_back(primitive);
+    const std::string message = refusal("room.glb", as_glb(file));
+    EXPECT_THAT(message, HasSubstr("/accessors/0: its 1000000000 items exceed"));
+    EXPECT_EQ(std::ranges::count(message, '\n'), 0) << message;
+}
+
 // A binary file that is cut anywhere is one error, and so is a text.
 TEST_F(Models, TruncatedFilesAreOneError) {
     const std::string glb = as_glb(quad_and_lamp());

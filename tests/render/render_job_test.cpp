@@ -99,17 +99,20 @@ class JobOf : public ::testing::Test {
     Folder folder_;
 };
 
-TEST_F(JobOf, StrictTakesNoSceneOfWhichAnythingIsIgnored) {
+TEST_F(JobOf, StrictTakesNoSceneOfWhichAnythingIsIgnoredThatSamplesMayDependOn) {
     RenderSettings strict = settings();
     strict.strict = true;
     EXPECT_TRUE(prepare(strict));
     folder_.write("room.pbrt", "Sampler \"sobol\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n");
+    EXPECT_EQ(job(strict)->warnings.size(), 1u);
+    folder_.write("room.pbrt", "Sampler \"sobol\"\nIntegrator \"sppm\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n");
     const Result<std::unique_ptr<RenderJob>> refused = prepare(strict);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().message.substr(refused.error().message.find("room.pbrt:")),
-              "room.pbrt:1:1: Sampler is ignored; set the number of samples with --spp or --samples");
+    const std::string room = strict.scene.string();
+    EXPECT_EQ(refused.error().message, room + ": refused because of --strict\n" + room +
+                                           ":2:1: Integrator \"sppm\" is replaced by \"path\", which renders the same picture");
     strict.strict = false;
-    EXPECT_EQ(job(strict)->warnings.size(), 1u);
+    EXPECT_EQ(job(strict)->warnings.size(), 2u);
 }
 
 TEST_F(JobOf, EverySettingThatChangesRecordsOrRunsIsAnotherJob) {

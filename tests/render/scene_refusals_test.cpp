@@ -311,7 +311,9 @@ std::vector<std::string> warnings(const std::string& text, bool replace_integrat
     EXPECT_TRUE(scene) << text << (scene ? "" : scene.error().message);
     std::vector<std::string> out;
     if (!scene) return out;
-    for (const std::string& warning : scene->warnings) out.push_back(warning.substr(warning.find("room.pbrt:") + 10));
+    for (const auto* lines : {&scene->notes, &scene->warnings}) {
+        for (const std::string& line : *lines) out.push_back(line.substr(line.find("room.pbrt:") + 10));
+    }
     return out;
 }
 
@@ -353,6 +355,26 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
         EXPECT_THAT(warnings(std::string(c.options) + "\nWorldBegin\n" + c.world),
                     ::testing::ElementsAre(::testing::StartsWith(c.warning)))
             << c.options << c.world;
+    }
+}
+
+// --strict refuses warnings, and lets notes pass.
+TEST(SceneRefusals, WhatNoSampleDependsOnIsANote) {
+    for (const char* scene :
+         {"Film \"rgb\" \"bool savefp16\" false \"float iso\" 200\nWorldBegin", "Sampler \"halton\"\nWorldBegin",
+          "PixelFilter \"box\" \"float xradius\" 2\nWorldBegin", "Accelerator \"bvh\"\nWorldBegin", "Option \"seed\" 3\nWorldBegin",
+          "Integrator \"path\" \"string lightsampler\" \"bvh\"\nWorldBegin", "WorldBegin\nMaterial \"none\""}) {
+        const Result<LoadedScene> loaded = load(scene);
+        ASSERT_TRUE(loaded) << scene;
+        EXPECT_THAT(loaded->warnings, IsEmpty()) << scene;
+        EXPECT_FALSE(loaded->notes.empty()) << scene;
+    }
+    for (const char* scene : {"Integrator \"sppm\"\nWorldBegin", "Integrator \"path\" \"bool regularize\" true\nWorldBegin",
+                              "Option \"disabletexturefiltering\" true\nWorldBegin", "WorldBegin\nScale 0 1 1\nShape \"sphere\""}) {
+        const Result<LoadedScene> loaded = load(scene);
+        ASSERT_TRUE(loaded) << scene;
+        EXPECT_EQ(loaded->warnings.size(), 1u) << scene;
+        EXPECT_THAT(loaded->notes, IsEmpty()) << scene;
     }
 }
 

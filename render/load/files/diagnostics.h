@@ -3,6 +3,8 @@
 #pragma once
 
 #include <string>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "render/scene/description.h"
@@ -17,12 +19,14 @@ class Diagnostics {
 
     // The picture would be wrong: "room.pbrt:12:3: message".
     void error(const SourceLocation& where, const std::string& message) { error(place(where), message); }
-    // The picture is what it should be, but something was ignored.
+    // Something was ignored: the picture may be another one than was meant.
     void warn(const SourceLocation& where, const std::string& message) { warn(place(where), message); }
+    // Something was ignored that no sample depends on.
+    void note(const SourceLocation& where, const std::string& message) { say(place(where), message, notes_); }
 
     // The same of a place that is not a line and column: "room.gltf: /nodes/3".
-    void error(const std::string& place, const std::string& message) { errors_.push_back(place + ": " + message); }
-    void warn(const std::string& place, const std::string& message) { warnings_.push_back(place + ": " + message); }
+    void error(const std::string& place, const std::string& message) { say(place, message, errors_); }
+    void warn(const std::string& place, const std::string& message) { say(place, message, warnings_); }
 
     // "room.pbrt:12:3".
     std::string place(const SourceLocation& where) const {
@@ -31,10 +35,18 @@ class Diagnostics {
 
     const std::vector<std::string>& errors() const { return errors_; }
     const std::vector<std::string>& warnings() const { return warnings_; }
+    const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+    // Once, however many things use what stands there.
+    void say(const std::string& place, const std::string& message, std::vector<std::string>& lines) {
+        std::string line = place + ": " + message;
+        if (said_.insert(line).second) lines.push_back(std::move(line));
+    }
+
     const std::vector<std::string>& files_;
-    std::vector<std::string> errors_, warnings_;
+    std::vector<std::string> errors_, warnings_, notes_;
+    std::unordered_set<std::string> said_;
 };
 
 }  // namespace latent::render

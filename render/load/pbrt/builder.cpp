@@ -351,7 +351,7 @@ void SceneBuilder::finish(const SourceLocation& end) {
         if (x.texture != y.texture || (!x.is_textured() && x.value != y.value)) {
             diagnostics_.error(where, "S: tangents are not supported for anisotropic materials");
         } else {
-            diagnostics_.warn(where, "S: tangents are ignored: the material is isotropic");
+            diagnostics_.note(where, "S: tangents are ignored: the material is isotropic");
         }
     }
     bool is_translucent = false;

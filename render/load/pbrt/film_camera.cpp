@@ -13,15 +13,15 @@ FilmDescription read_film(const std::string& type, const ParameterList& list) {
     film.width = static_cast<std::uint32_t>(list.integer("xresolution", 1280, 1, 1 << 24));
     film.height = static_cast<std::uint32_t>(list.integer("yresolution", 720, 1, 1 << 24));
     if (type == "spectral") {
-        list.warn("Film \"spectral\" is ignored; for spectra, use latent-develop --spectral-bins");
+        list.note("Film \"spectral\" is ignored; for spectra, use latent-develop --spectral-bins");
     } else if (type == "gbuffer") {
-        list.warn("Film \"gbuffer\" is ignored: only the picture is rendered, without positions, normals or albedo");
+        list.note("Film \"gbuffer\" is ignored: only the picture is rendered, without positions, normals or albedo");
     } else if (type != "rgb") {
         list.error(unsupported("Film", type));
     }
     if (const std::string sensor = list.string("sensor").value_or("cie1931"); sensor != "cie1931")
-        list.warn(fmt::format("Film: sensor \"{}\" is ignored; choose one with latent-develop --observer", sensor));
-    if (list.number("iso", 100) != 100) list.warn("Film: \"iso\" is ignored; set the exposure with latent-convert --sensitivity");
+        list.note(fmt::format("Film: sensor \"{}\" is ignored; choose one with latent-develop --observer", sensor));
+    if (list.number("iso", 100) != 100) list.note("Film: \"iso\" is ignored; set the exposure with latent-convert --sensitivity");
     list.ignore({"filename", "savefp16"}, "-o names the samples, latent-develop writes the picture");
     list.ignore({"pixelbounds", "cropwindow"}, "samples cover the whole film; latent-develop --crop takes a part");
     list.ignore({"maxcomponentvalue", "whitebalance", "nbuckets", "lambdamin", "lambdamax"},
@@ -53,7 +53,7 @@ ShutterDescription read_shutter(const ParameterList& list) {
     ShutterDescription shutter{list.number("shutteropen", 0), list.number("shutterclose", 1)};
     if (shutter.close < shutter.open) list.error("Camera: \"shutterclose\" comes before \"shutteropen\"");
     if (shutter.close - shutter.open != 1)
-        list.warn(
+        list.note(
             "Camera: the time that the shutter is open does not change the exposure; set that with latent-convert --sensitivity");
     return shutter;
 }
@@ -110,7 +110,7 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
                                       kOthers[] = {"simplepath", "simplevolpath", "mlt", "sppm"};
     scene.integrator = type;
     scene.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 5, 0, 1 << 30));
-    list.ignore({"regularize"}, "reflections are not blurred");
+    if (list.flag("regularize", false)) list.warn("Integrator: \"regularize\" is ignored: reflections are not blurred");
     list.ignore({"lightsampler", "visualizestrategies", "visualizeweights"}, "it does not change the picture");
     list.ignore(
         {"samplelights", "samplebsdf", "bootstrapsamples", "chains", "mutationsperpixel", "largestepprobability", "sigma",

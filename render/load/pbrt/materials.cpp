@@ -260,7 +260,7 @@ bool is_interface(std::string_view type) { return type == "interface" || type ==
 std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
                                                  const SceneFiles& files) {
     if (is_interface(type)) {
-        if (type != "interface") list.warn(fmt::format("Material \"{}\": an old name of \"interface\"", type));
+        if (type != "interface") list.note(fmt::format("Material \"{}\": an old name of \"interface\"", type));
         list.report_unused();
         return std::nullopt;
     }

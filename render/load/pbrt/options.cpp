@@ -12,14 +12,8 @@ namespace latent::render {
 namespace {
 
 // Options that change no picture of ours.
-constexpr std::string_view kHarmlessOptions[] = {"disabletexturefiltering",
-                                                 "displacementedgescale",
-                                                 "msereferenceimage",
-                                                 "msereferenceout",
-                                                 "pixelstats",
-                                                 "rendercoordsys",
-                                                 "seed",
-                                                 "wavefront"};
+constexpr std::string_view kHarmlessOptions[] = {
+    "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats", "rendercoordsys", "seed", "wavefront"};
 
 }  // namespace
 
@@ -40,13 +34,15 @@ bool SceneOptions::apply(const Directive& d, bool in_world, const CurrentTransfo
     } else if (d.name == "Integrator") {
         read_integrator(d.strings[0], ParameterList(d, {}, diagnostics_), replace_integrator_, scene_);
     } else if (d.name == "Sampler") {
-        diagnostics_.warn(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
+        diagnostics_.note(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
     } else if (d.name == "PixelFilter") {
-        diagnostics_.warn(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
+        diagnostics_.note(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
     } else if (d.name == "Accelerator") {
-        diagnostics_.warn(d.where, "Accelerator is ignored");
+        diagnostics_.note(d.where, "Accelerator is ignored");
     } else if (std::ranges::find(kHarmlessOptions, d.strings[0]) != std::end(kHarmlessOptions) || d.strings[1] == "false") {
-        diagnostics_.warn(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
+        diagnostics_.note(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
+    } else if (d.strings[0] == "disabletexturefiltering") {
+        diagnostics_.warn(d.where, "Option \"disabletexturefiltering\" is ignored: textures are filtered");
     } else {
         diagnostics_.error(d.where, fmt::format("Option \"{}\" is not supported", d.strings[0]));
     }

@@ -94,7 +94,7 @@ void ParameterList::ignore(std::initializer_list<std::string_view> names, std::s
         list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", p.name);
         if (!first) first = p.where;
     });
-    if (first) diagnostics_.warn(*first, fmt::format("{}: ignored: {}: {}", directive_.name, list, why));
+    if (first) diagnostics_.note(*first, fmt::format("{}: ignored: {}: {}", directive_.name, list, why));
 }
 
 void ParameterList::report_unused() const {

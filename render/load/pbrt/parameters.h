@@ -33,7 +33,7 @@ class ParameterList {
     // All values of an array, in items of `size` numbers; empty if the parameter is not there.
     std::span<const double> array(std::string_view name, std::string_view type, std::size_t size) const;
 
-    // Parameters that change nothing here: named in a warning at the first of them.
+    // Parameters that change no sample: named in a note at the first of them.
     void ignore(std::initializer_list<std::string_view> names, std::string_view why) const;
     // Every parameter that was not read is an error: without it the picture would be wrong, or its name is misspelled.
     void report_unused() const;
@@ -44,6 +44,7 @@ class ParameterList {
         diagnostics_.error(parameter.where, parameter.name + ": " + message);
     }
     void warn(const std::string& message) const { diagnostics_.warn(directive_.where, message); }
+    void note(const std::string& message) const { diagnostics_.note(directive_.where, message); }
 
  private:
     template <class F>
