@@ -24,8 +24,10 @@ void add_arguments(CLI::App& app, CommandLine& line) {
         ->excludes(samples)
         ->type_name("FILE...");
     cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
-    cli::add_parsed(app, "--resolution", line.settings.resolution, parse_resolution,
-                    "image size to which --spp and the filtering of textures refer (default: the scene's); samples have no pixels")
+    cli::add_parsed(
+        app, "--resolution", line.settings.resolution, parse_resolution,
+        "image size to which --spp and the filtering of textures refer (default: the scene's); samples have no pixels, and "
+        "the picture keeps the shape of the scene's film")
         ->type_name("WxH");
     cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", line.settings.integrator,
                                                    {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},

@@ -145,6 +145,18 @@ std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, s
         all.size(), counted(runs, "run"), run_samples, advice);
 }
 
+// Of pixels that have not the shape of the film, to within the rounding of one side; empty if they have.
+std::string other_shape(const Resolution& pixels, const FilmDescription& film) {
+    const double aspect = static_cast<double>(film.width) / film.height;
+    if (std::abs(pixels.width - pixels.height * aspect) < 1 || std::abs(pixels.height - pixels.width / aspect) < 1) return "";
+    const std::uint32_t divisor = std::gcd(film.width, film.height);
+    return fmt::format(
+        "--resolution {}x{}: the picture keeps the shape of the scene's film, {}:{}, neither stretched nor cropped; only the "
+        "number "
+        "of samples and the filtering of textures follow --resolution",
+        pixels.width, pixels.height, film.width / divisor, film.height / divisor);
+}
+
 }  // namespace
 
 sampledb::SampleRange shard_of(const sampledb::SampleRange& all, const Shard& shard, std::uint32_t run_samples) {
@@ -209,6 +221,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     out->range = shard_of(*all, settings.shard, job.run_samples);
     out->warnings = out->scene.notes;
     out->warnings.insert(out->warnings.end(), out->scene.warnings.begin(), out->scene.warnings.end());
+    if (std::string shape = other_shape(out->resolution, description.film); !shape.empty())
+        out->warnings.push_back(std::move(shape));
     if (runs_of(*all, job.run_samples) < settings.shard.count)
         out->warnings.push_back(too_few_runs(*all, settings.shard, job.run_samples));
     return out;

@@ -115,6 +115,23 @@ TEST_F(JobOf, StrictTakesNoSceneOfWhichAnythingIsIgnoredThatSamplesMayDependOn) 
     EXPECT_EQ(job(strict)->warnings.size(), 2u);
 }
 
+TEST_F(JobOf, AResolutionOfAnotherShapeChangesNoShapeAndSaysSo) {
+    const auto at = [&](std::uint32_t width, std::uint32_t height) {
+        RenderSettings other = settings();  // of 64 x 48
+        other.resolution = {width, height};
+        return job(other);
+    };
+    for (const auto& [width, height] : {std::pair{32u, 24u}, {100u, 75u}, {33u, 25u}, {50u, 37u}, {1u, 1u}})
+        EXPECT_TRUE(at(width, height)->warnings.empty()) << width << "x" << height;
+    const auto other = at(96, 24);
+    EXPECT_EQ(other->warnings.size(), 1u);
+    EXPECT_EQ(other->warnings.at(0).substr(0, 80),
+              "--resolution 96x24: the picture keeps the shape of the scene's film, 4:3, neithe");
+    EXPECT_EQ(std::pair(other->job.aspect_width, other->job.aspect_height), (std::pair<std::uint32_t, std::uint32_t>(4, 3)));
+    EXPECT_EQ(other->range.size(), 96 * 24 * 16u);
+    EXPECT_EQ(other->job.id, at(32, 24)->job.id);
+}
+
 TEST_F(JobOf, EverySettingThatChangesRecordsOrRunsIsAnotherJob) {
     const RenderSettings plain = settings();
     std::set<std::string> ids{to_hex(job(plain)->job.id)};
