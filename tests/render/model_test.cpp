@@ -350,6 +350,29 @@ TEST_F(Models, MtlStatementsChooseTheNearestMaterial) {
     EXPECT_TRUE(material("illum 3\nPm 1\nmap_Kd rust.exr\n").spectra.at("base_color").is_textured());
 }
 
+// [Wavefront]: "mtllib filename1 filename2 ...", searched in this order.
+TEST_F(Models, AMaterialIsThatOfTheFirstOfItsLibraries) {
+    folder_.write("a.mtl", "newmtl x\nKd 1 0 0\n");
+    folder_.write("b.mtl", "newmtl x\nKd 0 1 0\nnewmtl y\nKd 0 1 0\n");
+    const auto red = [&](const std::string& library) {  // of x and y
+        const SceneDescription model =
+            described("m.obj", "mtllib " + library + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\nusemtl y\nf 1 2 3\n");
+        const auto is_red = [&](std::size_t i) {
+            const color::Spectrum& kd = model.materials.at(i).spectra.at("reflectance").value;
+            return kd(650) > kd(540);
+        };
+        return std::pair(is_red(1), is_red(2));
+    };
+    EXPECT_EQ(red("a.mtl  b.mtl"), std::pair(true, false));
+    EXPECT_EQ(red("b.mtl a.mtl"), std::pair(false, false));
+    folder_.write("a.mtl b.mtl", "newmtl x\nKd 0 1 0\nnewmtl y\nKd 1 0 0\n");  // a name with a space
+    EXPECT_EQ(red("a.mtl b.mtl"), std::pair(false, true));
+
+    const std::string some = refusal("m.obj", "mtllib a.mtl no.mtl neither.mtl\nusemtl z\nv 0 0 0\nf 1 1 1\n");
+    EXPECT_THAT(some, ::testing::AllOf(HasSubstr("m.obj:1: "), HasSubstr("/no.mtl: cannot open"), HasSubstr("/neither.mtl: ")));
+    EXPECT_THAT(refusal("m.obj", "mtllib no such.mtl\n"), HasSubstr("/no such.mtl: cannot open"));
+}
+
 TEST_F(Models, ObjCornersAreSharedAndPolygonsAreCut) {
     const SceneDescription scene = testing::in_world(described(
         "m.obj",

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <map>
+#include <span>
 #include <unordered_map>
 
 #include "base/size.h"
@@ -84,7 +86,7 @@ class ObjReader {
         } else if (key == "usemtl") {
             use_material(statements_.rest());
         } else if (key == "mtllib") {
-            read_library();
+            read_libraries();
         } else if (key != "o" && key != "g" && key != "s" && key != "mg") {
             ++ignored_[std::string(key.substr(0, 40))];
         }
@@ -95,13 +97,34 @@ class ObjReader {
         normals_.push_back(size > 0 ? Vec3f(n / size) : Vec3f{});
     }
 
-    void read_library() {
-        const std::string name = statements_.rest();
-        const Result<std::string> text = files_.read(name);
-        if (text)
-            return read_mtl(*text, files_.resolve(name).string(), files_, colors_, diagnostics_, materials_, model_.scene.textures);
-        statements_.error(text.error().message);
-        is_complete_ = false;
+    bool is_there(std::string_view name) const {
+        std::error_code unknown;
+        return std::filesystem::exists(files_.resolve(std::string(name)), unknown);
+    }
+
+    // The files of a statement: one whose name may have spaces, or else several.
+    std::vector<std::string> libraries() const {
+        const std::span<const std::string_view> names = std::span(statements_.words()).subspan(1);
+        if (is_there(statements_.rest()) || !std::ranges::any_of(names, [&](std::string_view name) { return is_there(name); }))
+            return {statements_.rest()};
+        return {names.begin(), names.end()};
+    }
+
+    // The first file that defines a material counts.
+    void read_libraries() {
+        MtlMaterials read;
+        for (const std::string& name : libraries()) {
+            const Result<std::string> text = files_.read(name);
+            if (text) {
+                MtlMaterials more;
+                read_mtl(*text, files_.resolve(name).string(), files_, colors_, diagnostics_, more, model_.scene.textures);
+                read.merge(more);
+            } else {
+                statements_.error(text.error().message);
+                is_complete_ = false;
+            }
+        }
+        for (auto& [name, material] : read) materials_.insert_or_assign(name, std::move(material));
     }
 
     void use_material(const std::string& name) {
