@@ -95,6 +95,9 @@ Refusals check_area_light(const ShapeDescription& shape) {
         case ShapeKind::kBilinear:
             break;
     }
+    if (shape.ribbon)
+        return {
+            "an area light on a \"ribbon\" that bends, twists or tapers is not supported; a curve of type \"cylinder\" may emit"};
     return refuse("a patch that is not a parallelogram");
 }
 

@@ -47,6 +47,10 @@ TEST(SceneRefusals, WhatWouldMakeAnotherPictureIsAnErrorWithItsPlace) {
              Case{"LightSource \"point\" \"spectrum I\" [ 900 1 1000 1 ]", "no visible part"},
              Case{"Shape \"cylinder\" \"float phimax\" 361", "phimax: 361 is not between 0 and 360"},
              Case{"Scale 1 2 1\nAreaLightSource \"diffuse\"\nShape \"cylinder\"", "an area light on a cylinder that is stretched"},
+             Case{
+                 "AreaLightSource \"diffuse\"\nShape \"curve\" \"string type\" \"ribbon\" \"point3 P\" [ 0 0 0 1 0 0 1 1 0 1 1 1 ] "
+                 "\"normal N\" [ 0 0 1 1 0 0 ]",
+                 "3:1: an area light on a \"ribbon\" that bends"},
              Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]",
                   "there are 3 vertices"},
              Case{"Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 ]", "into groups of 3"},

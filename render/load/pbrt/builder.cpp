@@ -358,15 +358,16 @@ void SceneBuilder::finish(const SourceLocation& end) {
     const auto resolve = [&](ShapeDescription& shape) {
         const MaterialUse& use = uses_[shape.material];
         if (use.inside != kNone) shape.inside_medium = use.inside, is_translucent = true;
-        shape.ribbon = shape.ribbon && is_hair(scene_.materials, shape.material);  // nothing else has a use for it
         if (use.is_interface) {
             shape.material = kNone;
             if (shape.area_light != kNone)
                 diagnostics_.warn(shape.location, "Shape: the area light is ignored, since \"interface\" does not emit");
             shape.area_light = kNone;
         }
-        if (shape.area_light == kNone) return;
-        for (const std::string& refusal : check_area_light(shape)) diagnostics_.error(shape.location, refusal);
+        if (shape.area_light != kNone) {
+            for (const std::string& refusal : check_area_light(shape)) diagnostics_.error(shape.location, refusal);
+        }
+        shape.ribbon = shape.ribbon && is_hair(scene_.materials, shape.material);  // nothing else has a use for it
     };
     for (LoadedShape& loaded : shapes_) resolve(loaded.shape);
     for (std::vector<LoadedShape>& shapes : object_shapes_) {
