@@ -12,7 +12,7 @@ namespace latent::render {
 
 namespace {
 
-const TraceContext& trace_context(const RTCIntersectContext* context) { return *reinterpret_cast<const TraceContext*>(context); }
+TraceContext& trace_context(RTCIntersectContext* context) { return *reinterpret_cast<TraceContext*>(context); }
 Vec3f direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
 Vec3d point_on(const RTCRay& ray, double t) { return Vec3d(ray.org_x, ray.org_y, ray.org_z) + Vec3d(direction_of(ray)) * t; }
 
@@ -67,7 +67,7 @@ std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t
 }
 
 // The first hit that is not in a hole.
-std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersectContext* context, unsigned shape,
+std::optional<ExactHit> first_solid(const PlacedShape& placed, RTCIntersectContext* context, unsigned shape,
                                     std::uint32_t primitive, RTCRay ray) {
     while (true) {
         const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
@@ -80,7 +80,7 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, const RTCIntersec
 }
 
 // For every ray that comes near: inlined, or the hit would be passed on through memory.
-[[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, const RTCIntersectContext* context,
+[[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, RTCIntersectContext* context,
                                                                 unsigned shape, std::uint32_t primitive, const RTCRay& ray) {
     return placed.is_whole() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
 }
@@ -115,6 +115,15 @@ void filter(const RTCFilterFunctionNArguments* args) {
     if (is_hole(trace_context(args->context), on, ray, ray.tfar)) args->valid[0] = 0;
 }
 
+// Whether the ray has passed this crossing of a tube before: of the same segment, or of its neighbour at their common end.
+bool is_passed(const TraceContext& context, const PassedTube& at) {
+    return std::any_of(context.passed_tubes.begin(), context.passed_tubes.end(), [&](const PassedTube& before) {
+        const std::uint32_t apart = before.segment < at.segment ? at.segment - before.segment : before.segment - at.segment;
+        return before.instance == at.instance && before.shape == at.shape && apart <= 1 && before.leaves == at.leaves &&
+               std::abs(before.t - at.t) <= 1e-6 * at.t;
+    });
+}
+
 // Of tubes: Embree's hit is exact to a few float ulps, which is not enough to tell on which side of its own surface a ray starts or
 // ends.
 void settle_hit(const RTCFilterFunctionNArguments* args) {
@@ -131,7 +140,15 @@ void settle_hit(const RTCFilterFunctionNArguments* args) {
         return;
     }
     hit.u = static_cast<float>(settled->u);
-    if (placed.has_holes()) filter(args);
+    if (!placed.has_holes()) return;
+    TraceContext& context = trace_context(args->context);
+    const PassedTube crossing{context.embree.instID[0], hit.geomID, hit.primID, settled->leaves, settled->t};
+    if (is_passed(context, crossing)) {
+        args->valid[0] = 0;
+        return;
+    }
+    filter(args);
+    if (args->valid[0] == 0) context.passed_tubes.push_back(crossing);
 }
 
 RTCGeometry new_tubes(RTCDevice device, PlacedShape& placed) {

@@ -12,6 +12,12 @@ namespace latent::render {
 struct PassedSurface {
     float t, share;
 };
+// Where a ray passes a tube through a hole.
+struct PassedTube {
+    std::uint32_t instance, shape, segment;
+    bool leaves;
+    double t;
+};
 
 // Of every ray.
 struct TraceContext {
@@ -22,6 +28,7 @@ struct TraceContext {
     // in any order. Neither: a hash decides, as it does for interfaces, behind which there is one medium or the other.
     float* passed = nullptr;
     std::vector<PassedSurface>* passed_each = nullptr;
+    std::vector<PassedTube> passed_tubes{};  // Embree may find a crossing of a tube more than once; it counts once
 };
 
 // `placed` stays where it is.

@@ -159,6 +159,27 @@ TEST(Tubes, ConnectionsEndOnThem) {
     }
 }
 
+// Embree finds some crossings twice, in a straight tube above all.
+TEST(Tubes, WithHolesLetTheirShareOfTheLightPassAtEachCrossing) {
+    for (const char* curve : {kStraight, kBent}) {
+        const Built whole = build(curve), half = build(std::string(curve) + "\"float alpha\" .5\n");
+        Random random;
+        int crossed = 0, wrong = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const Vec3f to{random(-2.5f, 2.5f), random(-.4f, .4f), random(-.4f, .4f)};
+            const Vec3f d = random.direction();
+            const Ray ray{to - d * 8.0f, d};
+            double share = 1;
+            auto hit = whole.geometry->intersect(ray);
+            for (; hit; hit = whole.geometry->intersect(spawn_ray(hit->interaction(), d))) share /= 2;
+            crossed += share < 1 ? 1 : 0;
+            wrong += half.geometry->passed(ray) == static_cast<float>(share) ? 0 : 1;
+        }
+        EXPECT_GT(crossed, 3000);
+        EXPECT_EQ(wrong, 0);
+    }
+}
+
 // In a plane, where a direction that turns the shortest way does not turn about the curve either.
 TEST(Tubes, CoordinatesRunAlongAndAround) {
     const Built scene = build(
