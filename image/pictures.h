@@ -49,8 +49,8 @@ class Pictures {
     static Result<std::unique_ptr<Pictures>> create(std::uint64_t cache_bytes);
     virtual ~Pictures() = default;
 
-    // Messages call it `name`. Errors: kNotFound, kCorrupt, kUnsupported: channels that are no grey or RGB.
-    virtual Result<PictureInfo> open(const std::string& path, const std::string& name, const PictureEncoding& encoding) = 0;
+    // Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported: channels that are no grey or RGB.
+    virtual Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) = 0;
     // The mean about (s, t), t = 0 at the top, over the ellipse with axes d0 and d1. Black if the file cannot be read: see
     // `status`.
     virtual void lookup(std::uint32_t index, const PictureSampling& sampling, float s, float t, const std::array<float, 2>& d0,

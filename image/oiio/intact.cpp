@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -50,23 +51,36 @@ Status check_png(std::ifstream& in) {
     return cut_off();
 }
 
-// Behind the first marker: segments with a length, up to the first scan; the end of the picture comes somewhere after that.
+// The marker that comes next, behind bytes that fill; none at the end of the file.
+std::optional<unsigned char> next_marker(std::ifstream& in) {
+    char c = 0;
+    while (in.get(c) && c == '\xFF') {
+    }
+    if (!in) return std::nullopt;
+    return static_cast<unsigned char>(c);
+}
+
+// Behind the start: segments with a length, up to the first scan; the end of the picture comes somewhere after that.
 Status check_jpeg(std::ifstream& in) {
-    constexpr char kMarker = '\xFF', kScan = '\xDA', kEnd = '\xD9';
-    std::array<char, 4> segment{};
-    do {
-        if (!in.read(segment.data(), segment.size())) return cut_off();
-        if (segment[0] != kMarker) return {};  // which readers may understand, or refuse
-        const std::uint32_t size = big_endian(segment.data()) & 0xFFFF;
-        in.ignore(static_cast<std::streamsize>(std::max(size, 2u)) - 2);
-    } while (segment[1] != kScan);
+    constexpr unsigned char kScan = 0xDA, kEnd = 0xD9;
+    for (std::optional<unsigned char> marker; marker != kScan;) {
+        const int next = in.peek();
+        if (next != 0xFF && next != std::ifstream::traits_type::eof()) return {};  // which readers may understand, or refuse
+        marker = next_marker(in);
+        if (!marker) return cut_off();
+        if (marker == 1 || (*marker >= 0xD0 && *marker <= 0xD8)) continue;  // without a length
+        std::array<char, 4> length{};
+        if (!in.read(&length[2], 2)) return cut_off();
+        in.ignore(static_cast<std::streamsize>(std::max(big_endian(length.data()), 2u)) - 2);
+    }
     std::vector<char> block(kBlock);
-    for (char last = 0; in;) {
+    for (bool behind_marker = false; in;) {
         in.read(block.data(), static_cast<std::streamsize>(block.size()));
-        for (const char c : std::string_view(block.data(), static_cast<std::size_t>(in.gcount()))) {
-            if (last == kMarker && c == kEnd) return {};
-            last = c;
-        }
+        const std::string_view bytes(block.data(), static_cast<std::size_t>(in.gcount()));
+        if (bytes.empty()) break;
+        if (behind_marker && static_cast<unsigned char>(bytes[0]) == kEnd) return {};
+        if (bytes.find("\xFF\xD9") != std::string_view::npos) return {};
+        behind_marker = bytes.back() == '\xFF';
     }
     return cut_off();
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/first_error.h"
 #include "image/oiio/intact.h"
@@ -68,7 +69,10 @@ class OiioPictures final : public Pictures {
 
     Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) override {
         const FileName file{path, in_messages};
-        if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
+        if (!intact_.contains(path)) {
+            if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
+            intact_.insert(path);
+        }
         const OIIO::ustring name(fmt::format("{}#{}", path, handles_.size()));
         const OIIO::ImageSpec config = LinearInput::configuration(path, encoding);
         cache_->add_file(name, LinearInput::create, &config);
@@ -250,6 +254,7 @@ class OiioPictures final : public Pictures {
     OIIO::TextureSystem* textures_;
     OIIO::ImageCache* cache_;
     std::vector<Handle> handles_;
+    std::set<std::string> intact_;  // paths
     mutable FirstError error_;
 };
 

@@ -120,7 +120,7 @@ bool is_passed(const TraceContext& context, const PassedTube& at) {
     return std::any_of(context.passed_tubes.begin(), context.passed_tubes.end(), [&](const PassedTube& before) {
         const std::uint32_t apart = before.segment < at.segment ? at.segment - before.segment : before.segment - at.segment;
         return before.instance == at.instance && before.shape == at.shape && apart <= 1 && before.leaves == at.leaves &&
-               std::abs(before.t - at.t) <= 1e-6 * at.t;
+               std::abs(before.distance - at.distance) <= 1e-3 * at.radius;
     });
 }
 
@@ -132,9 +132,10 @@ void settle_hit(const RTCFilterFunctionNArguments* args) {
     const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     RTCHit& hit = *reinterpret_cast<RTCHit*>(args->hit);
     const Vec3d o(ray.org_x, ray.org_y, ray.org_z), d(direction_of(ray));
+    const Tube tube = tube_of(*placed.shape.mesh, hit.primID);
     const std::optional<TubeCrossing> settled =
-        settle(tube_of(*placed.shape.mesh, hit.primID), o, d, static_cast<double>(ray.tfar), static_cast<double>(hit.u),
-               static_cast<double>(ray.tnear), static_cast<double>(trace_context(args->context).t_max));
+        settle(tube, o, d, static_cast<double>(ray.tfar), static_cast<double>(hit.u), static_cast<double>(ray.tnear),
+               static_cast<double>(trace_context(args->context).t_max));
     if (!settled || (placed.hollow && settled->leaves)) {
         args->valid[0] = 0;
         return;
@@ -142,7 +143,8 @@ void settle_hit(const RTCFilterFunctionNArguments* args) {
     hit.u = static_cast<float>(settled->u);
     if (!placed.has_holes()) return;
     TraceContext& context = trace_context(args->context);
-    const PassedTube crossing{context.embree.instID[0], hit.geomID, hit.primID, settled->leaves, settled->t};
+    const PassedTube crossing{context.embree.instID[0], hit.geomID, hit.primID, settled->leaves, settled->t * length(d),
+                              tube.radius(settled->u)};
     if (is_passed(context, crossing)) {
         args->valid[0] = 0;
         return;

@@ -12,11 +12,11 @@ namespace latent::render {
 struct PassedSurface {
     float t, share;
 };
-// Where a ray passes a tube through a hole.
+// Where a ray passes a tube through a hole. In the space of the tube: the distance from the ray's origin, and the radius.
 struct PassedTube {
     std::uint32_t instance, shape, segment;
     bool leaves;
-    double t;
+    double distance, radius;
 };
 
 // Of every ray.

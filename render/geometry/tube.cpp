@@ -35,7 +35,7 @@ Tube tube_of(const MeshDescription& mesh, std::uint32_t segment) {
 
 TubePoint::TubePoint(const Tube& tube, double near_u, const Vec3d& near) : u(section_of(tube.axis, near_u, near)) {
     const Station at(tube.axis, u);
-    const double widens = tube.radius_1 - tube.radius_0, radius = tube.radius_0 + u * widens;
+    const double widens = tube.radius_1 - tube.radius_0, radius = tube.radius(u);
     d = at.d;
     const Vec3d away = near - at.p, out = away - d * dot(away, d);
     n = length_squared(out) > 0 ? normalize(out) : turned(tube.seam, Station(tube.axis, 0).d, d);
@@ -68,7 +68,7 @@ std::optional<TubeCrossing> settle(const Tube& tube, const Vec3d& o, const Vec3d
         const Vec3d from = o + d * t - at.p;  // counted from here: nothing cancels
         const double along = dot(from, at.d), speed = dot(d, at.d);
         const Vec3d away = from - at.d * along, across = d - at.d * speed;
-        const double radius = tube.radius_0 + u * (tube.radius_1 - tube.radius_0) + widens * along;
+        const double radius = tube.radius(u) + widens * along;
         // |away + s across| = radius + widens speed s: a s^2 + 2 b s + c = 0
         const double a = dot(across, across) - widens * widens * speed * speed, b = dot(away, across) - widens * speed * radius,
                      c = dot(away, away) - radius * radius, discriminant = b * b - a * c;

@@ -13,6 +13,8 @@ struct Tube {
     CubicBezier axis;
     double radius_0, radius_1;
     Vec3d seam;  // unit, square to the axis at its beginning: where v = 0
+
+    double radius(double u) const { return radius_0 + u * (radius_1 - radius_0); }
 };
 Tube tube_of(const MeshDescription& mesh, std::uint32_t segment);
 

@@ -19,7 +19,7 @@ class SampledExtinction {
         : medium_(medium), sample_(sample), reference_(sample.spectra[reference]) {}
 
     // At a point of the unit cube; that point stays the one of multiply_scattering.
-    Values<N> at(const Vec3f& p) {
+    MediumValues<N> at(const Vec3f& p) {
         p_ = p;
         SampledSpectrum sigma_t;
         medium_.extinction(p, sample_, sigma_t);
@@ -33,21 +33,21 @@ class SampledExtinction {
     }
 
     float reference_max() const { return reference_.max(); }
-    Values<N> model_transmittance(float column) const {
+    MediumValues<N> model_transmittance(float column) const {
         return values_of<N>([&](std::uint32_t i) { return exp_nonpositive(-reference_.v[i] * column); });
     }
     // Over the k wavelengths.
-    float mean(const Values<N>& values) const { return sum_of_k(values).sum() / static_cast<float>(sample_.k()); }
+    float mean(const MediumValues<N>& values) const { return sum_of_k(values).sum() / static_cast<float>(sample_.k()); }
     // Of the k wavelengths of a throughput.
-    Values<N> sums(const SampledSpectrum& value) const { return sum_of_k(value); }
-    Values<N> maxima(const SampledSpectrum& value) const { return sum_of_k(value); }
-    void multiply(const Values<N>& factor, SampledSpectrum& value) const {
+    MediumValues<N> sums(const SampledSpectrum& value) const { return sum_of_k(value); }
+    MediumValues<N> maxima(const SampledSpectrum& value) const { return sum_of_k(value); }
+    void multiply(const MediumValues<N>& factor, SampledSpectrum& value) const {
         for (std::uint32_t i = 0; i < N; ++i) value.v[i] *= factor.v[i];
     }
 
  private:
     template <class T>
-    Values<N> sum_of_k(const T& value) const {
+    MediumValues<N> sum_of_k(const T& value) const {
         return values_of<N>([&, k = sample_.k()](std::uint32_t i) { return i < k ? value.v[i] : 0; });
     }
 
@@ -65,26 +65,26 @@ class ScaledExtinction {
     ScaledExtinction(const ScaledMedium& medium, const SpectrumLevels& levels, SampleState& sample)
         : medium_(medium), sample_(sample), levels_(levels) {}
 
-    Values<N> at(const Vec3f& p) {
+    MediumValues<N> at(const Vec3f& p) {
         density_ = medium_.density(p);
         return values_of<N>([&](std::uint32_t i) { return levels_.value[i] * density_; });
     }
     void multiply_scattering(SampledSpectrum& value) const { value *= sample_.spectra[medium_.sigma_s()] * density_; }
 
     float reference_max() const { return *std::max_element(levels_.value, levels_.value + N); }
-    Values<N> model_transmittance(float column) const {
+    MediumValues<N> model_transmittance(float column) const {
         return values_of<N>([&](std::uint32_t i) { return exp_nonpositive(-levels_.value[i] * column); });
     }
-    float mean(const Values<N>& values) const {
+    float mean(const MediumValues<N>& values) const {
         return values_of<N>([&](std::uint32_t i) { return levels_.share[i] * values.v[i]; }).sum();
     }
-    Values<N> sums(const SampledSpectrum& value) const {
-        return each([](const Values<kMaxWavelengths>& own) { return own.sum(); }, value);
+    MediumValues<N> sums(const SampledSpectrum& value) const {
+        return each([](const MediumValues<kMaxWavelengths>& own) { return own.sum(); }, value);
     }
-    Values<N> maxima(const SampledSpectrum& value) const {
-        return each([](const Values<kMaxWavelengths>& own) { return own.max(); }, value);
+    MediumValues<N> maxima(const SampledSpectrum& value) const {
+        return each([](const MediumValues<kMaxWavelengths>& own) { return own.max(); }, value);
     }
-    void multiply(const Values<N>& factor, SampledSpectrum& value) const {
+    void multiply(const MediumValues<N>& factor, SampledSpectrum& value) const {
         if (levels_.count == 1) {
             value *= factor.v[0];
             return;
@@ -97,8 +97,8 @@ class ScaledExtinction {
  private:
     // Of the wavelengths of each level: their values, and zeros.
     template <class F>
-    Values<N> each(F f, const SampledSpectrum& value) const {
-        Values<N> out(0.0f);
+    MediumValues<N> each(F f, const SampledSpectrum& value) const {
+        MediumValues<N> out(0.0f);
         for (std::uint32_t level = 0; level < levels_.count; ++level) {
             const SampledSpectrum& member = *levels_.members[level];
             out.v[level] = f(values_of<kMaxWavelengths>([&](std::uint32_t i) { return member.v[i] * value.v[i]; }));

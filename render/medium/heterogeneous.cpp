@@ -20,7 +20,7 @@ auto shares(const Extinction& extinction, const SampledSpectrum& value) {
 }
 
 template <std::uint32_t N>
-std::uint32_t index_by(const Values<N>& share, Uniform u) {
+std::uint32_t index_by(const MediumValues<N>& share, Uniform u) {
     float left = u;
     std::uint32_t last = 0;
     for (std::uint32_t i = 0; i < N; ++i) {
@@ -33,22 +33,22 @@ std::uint32_t index_by(const Values<N>& share, Uniform u) {
 }
 
 template <std::uint32_t N>
-float mean_by(const Values<N>& share, const Values<N>& value) {
+float mean_by(const MediumValues<N>& share, const MediumValues<N>& value) {
     return (share * value).sum();
 }
 
 template <std::uint32_t N>
-Values<N> real_share(const Values<N>& sigma_t, float mu) {
+MediumValues<N> real_share(const MediumValues<N>& sigma_t, float mu) {
     return values_of<N>([&](std::uint32_t i) { return std::min(sigma_t.v[i] / mu, 1.0f); });
 }
 template <std::uint32_t N>
-Values<N> rest(const Values<N>& value) {
+MediumValues<N> rest(const MediumValues<N>& value) {
     return values_of<N>([&](std::uint32_t i) { return 1 - value.v[i]; });
 }
 
 template <class Extinction, std::uint32_t N>
-MediumStep vertex(const Extinction& extinction, float t, float column, const Values<N>& sigma_t) {
-    const Values<N> transmittance = extinction.model_transmittance(column);
+MediumStep vertex(const Extinction& extinction, float t, float column, const MediumValues<N>& sigma_t) {
+    const MediumValues<N> transmittance = extinction.model_transmittance(column);
     return {true, t, extinction.mean(transmittance * sigma_t), extinction.mean(transmittance), column};
 }
 
@@ -126,10 +126,10 @@ template <class Extinction>
 MediumStep HeterogeneousMedium::sample_step(Extinction extinction, const Segment& segment, Uniform u_wavelength, Uniform u,
                                             SampleState& sample, SampledSpectrum& value, SampledSpectrum* emitted) const {
     constexpr std::uint32_t N = Extinction::N;
-    const Values<N> share = shares(extinction, value);
+    const MediumValues<N> share = shares(extinction, value);
     const std::uint32_t chosen = index_by(share, u_wavelength);
-    Values<N> passed_null(1.0f);  // the product of (1 - a)
-    Values<N> sigma_t;
+    MediumValues<N> passed_null(1.0f);  // the product of (1 - a)
+    MediumValues<N> sigma_t;
     float scattered_at = kInfinity;
     const UnitLine line = unit_line(segment);
     const float column = track(line, segment.length, extinction.reference_max(), u, [&](float t, const Vec3f& p, float mu) {
@@ -140,7 +140,7 @@ MediumStep HeterogeneousMedium::sample_step(Extinction extinction, const Segment
             *emitted += light * (1 / (mu * mean_by(share, passed_null)));
         }
         sigma_t = extinction.at(p);
-        const Values<N> real = real_share(sigma_t, mu);
+        const MediumValues<N> real = real_share(sigma_t, mu);
         if (sample.random() < real[chosen]) {
             extinction.multiply(passed_null, value);
             extinction.multiply_scattering(value);
@@ -167,17 +167,20 @@ template <class Extinction>
 float HeterogeneousMedium::multiply_transmittance(Extinction& extinction, const UnitLine& line, float end, SampleState& sample,
                                                   SampledSpectrum& value) const {
     constexpr std::uint32_t N = Extinction::N;
-    const Values<N> before = extinction.maxima(value);
+    const MediumValues<N> before = extinction.maxima(value);
     const float little = 0.05f * before.max();
-    Values<N> estimate(1.0f);
+    MediumValues<N> estimate(1.0f);
     const float u = sample.random();
     const float column = track(line, end, extinction.reference_max(), u, [&](float, const Vec3f& p, float mu) {
         estimate *= rest(real_share(extinction.at(p), mu));
+        const float most = (before * estimate).max();
+        if (most >= little && most > 0) return depth_of(sample.random());
         // What has nearly nothing left is followed one time in four, and then counts four times.
-        if ((before * estimate).max() < little) {
-            if (!(sample.random() < 0.25f)) return estimate = Values<N>(0.0f), kInfinity;  // the column goes on
-            estimate *= Values<N>(4.0f);
+        if (!(most > 0 && sample.random() < 0.25f)) {
+            estimate = MediumValues<N>(0.0f);
+            return kInfinity;  // the column goes on
         }
+        estimate *= MediumValues<N>(4.0f);
         return depth_of(sample.random());
     });
     extinction.multiply(estimate, value);
@@ -208,7 +211,7 @@ float HeterogeneousMedium::scattering_over_transmittance(const Vec3f& p, float c
 }
 
 void ScaledMedium::extinction(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_t) const {
-    sigma_t = sample.spectra[sigma_t_] * density(p);
+    sigma_t = sample.spectra[reference_sigma_t()] * density(p);
 }
 
 void ScaledMedium::scattering(const Vec3f& p, SampleState& sample, SampledSpectrum& sigma_s) const {

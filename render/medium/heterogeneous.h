@@ -46,6 +46,7 @@ class HeterogeneousMedium : public Medium {
           majorants_(std::move(majorants)),
           outside_(outside) {}
 
+    std::uint32_t reference_sigma_t() const { return reference_sigma_t_; }
     Vec3f unit_point(const Vec3f& p) const { return Vec3f(unit_from_world_.point(Vec3d(p))); }
 
  private:
@@ -88,12 +89,12 @@ class ScaledMedium : public HeterogeneousMedium {
  protected:
     ScaledMedium(const PhaseFunction& phase, const Affined& unit_from_world, std::uint32_t sigma_t, std::uint32_t sigma_s,
                  MajorantGrid majorants)
-        : HeterogeneousMedium(phase, unit_from_world, sigma_t, std::move(majorants)), sigma_t_(sigma_t), sigma_s_(sigma_s) {}
+        : HeterogeneousMedium(phase, unit_from_world, sigma_t, std::move(majorants)), sigma_s_(sigma_s) {}
 
  private:
     const ScaledMedium* scaled() const final { return this; }
 
-    std::uint32_t sigma_t_, sigma_s_;
+    std::uint32_t sigma_s_;
 };
 
 }  // namespace latent::render

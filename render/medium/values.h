@@ -1,4 +1,4 @@
-// render/medium/values.h: what differs from wavelength to wavelength in a medium, in as many values as are different.
+// render/medium/values.h: one value of a medium for each wavelength, or for each level of its spectrum.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@ namespace latent::render {
 
 // N is a multiple of four. Sums are of four parts, whatever the processor.
 template <std::uint32_t N>
-struct Values {
+struct MediumValues {
     float v[N];
 
-    Values() = default;  // not initialised
-    explicit Values(float value) { std::fill_n(v, N, value); }
+    MediumValues() = default;  // not initialised
+    explicit MediumValues(float value) { std::fill_n(v, N, value); }
     float operator[](std::uint32_t i) const { return v[i]; }
 
-    Values& operator*=(const Values& b) {
+    MediumValues& operator*=(const MediumValues& b) {
         for (std::uint32_t i = 0; i < N; ++i) v[i] *= b.v[i];
         return *this;
     }
@@ -37,13 +37,13 @@ struct Values {
 };
 
 template <std::uint32_t N, class F>
-Values<N> values_of(F f) {
-    Values<N> out;
+MediumValues<N> values_of(F f) {
+    MediumValues<N> out;
     for (std::uint32_t i = 0; i < N; ++i) out.v[i] = f(i);
     return out;
 }
 template <std::uint32_t N>
-Values<N> operator*(const Values<N>& a, const Values<N>& b) {
+MediumValues<N> operator*(const MediumValues<N>& a, const MediumValues<N>& b) {
     return values_of<N>([&](std::uint32_t i) { return a.v[i] * b.v[i]; });
 }
 

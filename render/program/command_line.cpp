@@ -74,7 +74,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_duration(app, "--preview", line.preview_seconds,
                       "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
         ->excludes(dry);
-    app.add_flag("--strict", line.settings.strict, "refuse a scene if anything in it that samples may depend on is ignored");
+    app.add_flag("--strict", line.settings.strict, "refuse the scene if anything that may affect its samples is ignored");
     app.add_flag_callback(
         "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },
         "list the supported scene features, and exit");

@@ -25,7 +25,9 @@ std::optional<std::uint64_t> free_space(const RenderOptions& options) {
 }
 
 std::string full_name(const std::filesystem::path& folder) {
-    return std::filesystem::absolute(folder / "").lexically_normal().parent_path().string();
+    std::error_code error;  // there may be no working folder any more
+    const std::filesystem::path full = std::filesystem::absolute(folder / "", error);
+    return error ? folder.string() : full.lexically_normal().parent_path().string();
 }
 
 std::uint64_t scaled(std::uint64_t bytes, double factor) {

@@ -43,8 +43,7 @@ struct TrialPlace {
     std::filesystem::path parent;
     std::string_view remedy;
 
-    // Of a trial, or of what is made of it: of a full disk, what users can do. They do not know the folder, and nothing in it is
-    // kept.
+    // Replaces the error of a full disk, which names a hidden folder, by one that says what to do.
     Error explained(const Error& error) const;
 };
 // Of `seconds`. Errors: those of `render`, and kStopped if not one sample was finished.

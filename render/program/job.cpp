@@ -57,10 +57,11 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 }
 
 // Of fields that few jobs have: no other field is as large.
-constexpr std::uint64_t kAovTag = 0x616f760000000000;    // "aov"
-constexpr std::uint64_t kHolesTag = 0x686f6c6573320000;  // "holes2"
-constexpr std::uint64_t kMediaTag = 0x6d656469610000;    // "media"
-constexpr std::uint64_t kTreeTag = 0x74726565000000;     // "tree": where lights are chosen by place, records differ too
+constexpr std::uint64_t kAovTag = 0x616f760000000000;     // "aov"
+constexpr std::uint64_t kHolesTag = 0x686f6c6573330000;   // "holes3"
+constexpr std::uint64_t kMediaTag = 0x6d656469610000;     // "media"
+constexpr std::uint64_t kVariedTag = 0x7661726965640000;  // "varied"
+constexpr std::uint64_t kTreeTag = 0x74726565000000;      // "tree": where lights are chosen by place, records differ too
 
 // Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
 bool has_holes(const SceneDescription& scene) {
@@ -74,6 +75,13 @@ bool has_holes(const SceneDescription& scene) {
 
 // So do they where paths scatter in media from the 64th vertex on.
 bool has_long_walks(const SceneDescription& scene, std::uint32_t max_depth) { return !scene.media.empty() && max_depth >= 64; }
+
+// And where media vary in space, whose wavelengths of the same extinction are tracked as one.
+bool has_varied_media(const SceneDescription& scene) {
+    return std::ranges::any_of(scene.media, [](const MediumDescription& m) {
+        return m.summed[0] != kNone || !std::holds_alternative<UniformVolume>(m.volume);
+    });
+}
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
 sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, const IntegratorSettings& settings,
@@ -93,6 +101,7 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
     if (settings.aovs.any()) writer.put(kAovTag | settings.aovs.mask());
     if (has_holes(scene)) writer.put(kHolesTag);
     if (has_long_walks(scene, settings.max_depth)) writer.put(kMediaTag);
+    if (has_varied_media(scene)) writer.put(kVariedTag);
     if (integrator.has_light_tree()) writer.put(kTreeTag);
     if (!scene.textures.empty()) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
@@ -145,15 +154,14 @@ std::string too_few_runs(const sampledb::SampleRange& all, const Shard& shard, s
         all.size(), counted(runs, "run"), run_samples, advice);
 }
 
-// Of pixels that have not the shape of the film, to within the rounding of one side; empty if they have.
+// Of pixels that do not have the shape of the film, to within the rounding of one side; empty if they do.
 std::string other_shape(const Resolution& pixels, const FilmDescription& film) {
     const double aspect = static_cast<double>(film.width) / film.height;
     if (std::abs(pixels.width - pixels.height * aspect) < 1 || std::abs(pixels.height - pixels.width / aspect) < 1) return "";
     const std::uint32_t divisor = std::gcd(film.width, film.height);
     return fmt::format(
         "--resolution {}x{}: the picture keeps the shape of the scene's film, {}:{}, neither stretched nor cropped; only the "
-        "number "
-        "of samples and the filtering of textures follow --resolution",
+        "number of samples and the filtering of textures follow --resolution",
         pixels.width, pixels.height, film.width / divisor, film.height / divisor);
 }
 

@@ -26,11 +26,11 @@ std::uint32_t cell_below(std::uint32_t n, float x, F f) {
 }
 
 // Along one side: the point below, and the share of the way to the next.
-struct Step {
+struct LatticeStep {
     std::uint32_t i;
     float at;
 };
-Step step_of(float x, std::uint32_t points) {
+LatticeStep step_of(float x, std::uint32_t points) {
     const float scaled = std::clamp(x, 0.0f, 1.0f) * static_cast<float>(points - 1);
     const std::uint32_t i = std::min(static_cast<std::uint32_t>(scaled), points - 2);
     return {i, scaled - static_cast<float>(i)};

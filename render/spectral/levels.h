@@ -21,26 +21,29 @@ struct SpectrumLevels {
     template <class Allocate>
     static SpectrumLevels of(const SampledSpectrum& spectrum, std::uint32_t k, Allocate allocate) {
         SpectrumLevels levels;
-        std::uint32_t count = 0;
-        SampledSpectrum* members[kMost];
+        std::uint32_t count = 0, level_of[kMaxWavelengths];
         for (std::uint32_t i = 0; i < k; ++i) {
             std::uint32_t level = 0;
             while (level < count && levels.value[level] != spectrum.v[i]) ++level;
-            if (level == count) {
-                if (count == kMost) return levels;
-                levels.value[level] = spectrum.v[i];
-                levels.share[level] = 0;
-                levels.members[level] = members[level] = &allocate();
-                *members[level] = SampledSpectrum(0.0f);
-                ++count;
-            }
-            levels.share[level] += 1 / static_cast<float>(k);
-            members[level]->v[i] = 1;
+            if (level == kMost) return levels;
+            if (level == count) levels.value[count++] = spectrum.v[i];
+            level_of[i] = level;
         }
-        for (std::uint32_t level = count; level < kMost; ++level) {
-            levels.value[level] = levels.value[count - 1];
+        for (std::uint32_t level = 0; level < kMost; ++level) {
             levels.share[level] = 0;
             levels.members[level] = nullptr;
+            if (level >= count) {
+                levels.value[level] = levels.value[count - 1];
+                continue;
+            }
+            SampledSpectrum& members = allocate();
+            members = SampledSpectrum(0.0f);
+            for (std::uint32_t i = 0; i < k; ++i) {
+                if (level_of[i] != level) continue;
+                members.v[i] = 1;
+                levels.share[level] += 1 / static_cast<float>(k);
+            }
+            levels.members[level] = &members;
         }
         levels.count = count;
         return levels;

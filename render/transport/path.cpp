@@ -14,7 +14,7 @@ float power_heuristic(float a, float b) {
     return 1 / (1 + r * r);
 }
 
-// Light::contrast of what is left to scattering: about half of the directions shine.
+// Light::contrast of what is left to scattering. A sky of which a third shines evenly has this one.
 constexpr double kEven = 3;
 
 // One path from the camera, at its last vertex.

@@ -13,7 +13,7 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;  // bytes read at once
+constexpr std::uint64_t kReadPiece = std::uint64_t{1} << 20;  // bytes read at once
 
 }  // namespace
 
@@ -48,9 +48,9 @@ Status FooterReader::check_hashes() const {
 
 Result<std::uint64_t> FooterReader::hash_of(std::uint64_t begin, std::uint64_t size) const {
     Hasher64 hasher;
-    Bytes piece(std::min(size, kPiece));
+    Bytes piece(std::min(size, kReadPiece));
     for (std::uint64_t done = 0; done < size;) {
-        const std::span<std::byte> bytes = std::span(piece).first(std::min(size - done, kPiece));
+        const std::span<std::byte> bytes = std::span(piece).first(std::min(size - done, kReadPiece));
         if (Status s = source_->read(begin + done, bytes); !s) return s.error();
         hasher.update(bytes);
         done += bytes.size();
@@ -64,7 +64,7 @@ Status FooterReader::for_each_run(std::uint64_t begin, const JobId& job, const s
     }
     if (begin > offset()) return corrupt("the footer begins inside the header");
     const std::size_t entry_size = frame_.entry_size();
-    const std::uint64_t at_once = kPiece / entry_size;
+    const std::uint64_t at_once = kReadPiece / entry_size;
     Bytes piece(std::min(run_count(), at_once) * entry_size);
     std::uint64_t reached = begin;
     for (std::uint64_t i = 0; i < run_count();) {

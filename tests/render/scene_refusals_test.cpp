@@ -190,10 +190,15 @@ TEST(SceneRefusals, NamesThatAMissingIncludeMayDefineAreToldInOneLine) {
     EXPECT_THAT(message(""),
                 ::testing::ElementsAre(HasSubstr("room.pbrt:2:1: "),
                                        HasSubstr("room.pbrt:2:1: what could not be read here or below may define float "
-                                                 "texture \"a\", material \"gold\", medium \"fog\", object \"o\"")));
+                                                 "texture \"a\", material \"gold\", medium \"fog\", object \"o\", "
+                                                 "coordinate system \"c\"")));
+    // So is WorldBegin.
+    EXPECT_THAT(
+        lines_of(refusal("Include \"part.pbrt\"\nShape \"sphere\"\nCamera \"perspective\"\nWorldBegin\nShape \"sphere\"\n")),
+        ::testing::ElementsAre(HasSubstr("room.pbrt:1:1: ")));
     std::string many;
     for (int i = 0; i < 100; ++i) many += fmt::format("NamedMaterial \"m{}\"\n", i);
-    EXPECT_THAT(message(many), ::testing::ElementsAre(HasSubstr("part.pbrt"), HasSubstr("\"m15\" and 94 more names")));
+    EXPECT_THAT(message(many), ::testing::ElementsAre(HasSubstr("part.pbrt"), HasSubstr("\"m15\" and 95 more names")));
 }
 
 // What is listed is read, and nothing else is: the list is part of the message.
@@ -367,13 +372,14 @@ TEST(SceneRefusals, WhatNoSampleDependsOnIsANote) {
     for (const char* scene :
          {"Film \"rgb\" \"bool savefp16\" false \"float iso\" 200\nWorldBegin", "Sampler \"halton\"\nWorldBegin",
           "PixelFilter \"box\" \"float xradius\" 2\nWorldBegin", "Accelerator \"bvh\"\nWorldBegin", "Option \"seed\" 3\nWorldBegin",
-          "Integrator \"path\" \"string lightsampler\" \"bvh\"\nWorldBegin", "WorldBegin\nMaterial \"none\""}) {
+          "Integrator \"path\" \"string lightsampler\" \"bvh\"\nWorldBegin", "Integrator \"sppm\"\nWorldBegin",
+          "WorldBegin\nMaterial \"none\""}) {
         const Result<LoadedScene> loaded = load(scene);
         ASSERT_TRUE(loaded) << scene;
         EXPECT_THAT(loaded->warnings, IsEmpty()) << scene;
         EXPECT_FALSE(loaded->notes.empty()) << scene;
     }
-    for (const char* scene : {"Integrator \"sppm\"\nWorldBegin", "Integrator \"path\" \"bool regularize\" true\nWorldBegin",
+    for (const char* scene : {"Integrator \"path\" \"bool regularize\" true\nWorldBegin",
                               "Option \"disabletexturefiltering\" true\nWorldBegin", "WorldBegin\nScale 0 1 1\nShape \"sphere\""}) {
         const Result<LoadedScene> loaded = load(scene);
         ASSERT_TRUE(loaded) << scene;

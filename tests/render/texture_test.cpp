@@ -540,6 +540,8 @@ TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
         EXPECT_EQ(message(name, whole + "more"), "");
         for (std::size_t size = 9; size < whole.size(); size += 3) is_refused(name, whole.substr(0, size));
     }
+    const std::string jpeg = seed("a.jpg");
+    EXPECT_EQ(message("a.jpg", jpeg.substr(0, 2) + "\xFF\xFF" + jpeg.substr(2)), "");  // bytes that fill
     std::string png = seed("a.png");
     for (std::size_t at = png.find("IDAT"); at < png.size(); at += 5) {
         png[at] ^= 1;

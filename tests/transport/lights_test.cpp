@@ -413,6 +413,14 @@ TEST_F(EnvironmentMapTest, DirectionsFollowTheirDensity) {
                               .count = 60'000});
 }
 
+TEST_F(EnvironmentMapTest, ContrastIsOneOverTheShareOfTheSkyThatShinesEvenly) {
+    for (const int lit : {1, 16, 32, 64}) {
+        image_->rgb.assign(8 * 8 * 3, 0.0f);
+        std::fill_n(image_->rgb.begin(), 3 * lit, 2.0f);
+        EXPECT_NEAR(EnvironmentMap(image_, turned_, library_, color::RgbSpectra::kSmooth).contrast(), 64.0 / lit, 1e-9);
+    }
+}
+
 // The spectrum of each pixel, times the illuminant, has the pixel's linear sRGB.
 TEST_F(EnvironmentMapTest, PixelsHaveTheirColour) {
     const EnvironmentMap map(image_, turned_, library_, color::RgbSpectra::kSmooth);

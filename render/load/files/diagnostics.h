@@ -33,20 +33,23 @@ class Diagnostics {
         return files_[where.file] + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
     }
 
-    const std::vector<std::string>& errors() const { return errors_; }
-    const std::vector<std::string>& warnings() const { return warnings_; }
-    const std::vector<std::string>& notes() const { return notes_; }
+    const std::vector<std::string>& errors() const { return errors_.lines; }
+    const std::vector<std::string>& warnings() const { return warnings_.lines; }
+    const std::vector<std::string>& notes() const { return notes_.lines; }
 
  private:
-    // Once, however many things use what stands there.
-    void say(const std::string& place, const std::string& message, std::vector<std::string>& lines) {
+    // Each once, however many things use what stands there.
+    struct Lines {
+        std::vector<std::string> lines;
+        std::unordered_set<std::string> said;
+    };
+    static void say(const std::string& place, const std::string& message, Lines& out) {
         std::string line = place + ": " + message;
-        if (said_.insert(line).second) lines.push_back(std::move(line));
+        if (out.said.insert(line).second) out.lines.push_back(std::move(line));
     }
 
     const std::vector<std::string>& files_;
-    std::vector<std::string> errors_, warnings_, notes_;
-    std::unordered_set<std::string> said_;
+    Lines errors_, warnings_, notes_;
 };
 
 }  // namespace latent::render

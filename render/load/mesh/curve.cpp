@@ -36,14 +36,14 @@ std::uint32_t pieces_of(const CubicBezier& c, double width) {
 }
 
 // A place on the curve, with its direction of unit length.
-struct Station {
+struct Ring {
     Vec3d p, d;
     double u, width;
     std::uint32_t segment;
     bool starts;  // a segment
 };
-std::vector<Station> stations_of(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
-    std::vector<Station> stations;
+std::vector<Ring> rings_of(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
+    std::vector<Ring> rings;
     const double count = static_cast<double>(segments.size());
     Vec3d last{0, 0, 1};
     for (std::uint32_t s = 0; s < segments.size(); ++s) {
@@ -52,10 +52,10 @@ std::vector<Station> stations_of(const std::vector<CubicBezier>& segments, const
             const double u = static_cast<double>(i) / pieces, along = (s + u) / count;
             const Vec3d d = tangent_at(segments[s], u);
             if (length(d) > 0) last = normalize(d);  // else as before
-            stations.push_back({point_on(segments[s], u), last, u, width.w0 + along * (width.w1 - width.w0), s, i == 0});
+            rings.push_back({point_on(segments[s], u), last, u, width.w0 + along * (width.w1 - width.w0), s, i == 0});
         }
     }
-    return stations;
+    return rings;
 }
 
 }  // namespace
@@ -108,16 +108,16 @@ LoadedMesh tube_along(const std::vector<CubicBezier>& segments, const CurveWidth
 // The frame turns with the curve and not about it: each is the one before, reflected twice [Wang08].
 LoadedMesh tube_mesh(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
     LoadedMesh mesh;
-    const std::vector<Station> stations = stations_of(segments, width);
-    Vec3d x = stations.empty() ? Vec3d{} : across(stations.front().d);
-    for (std::size_t i = 0; i < stations.size(); ++i) {
-        const Station& at = stations[i];
+    const std::vector<Ring> rings = rings_of(segments, width);
+    Vec3d x = rings.empty() ? Vec3d{} : across(rings.front().d);
+    for (std::size_t i = 0; i < rings.size(); ++i) {
+        const Ring& at = rings[i];
         if (i > 0) {
             const auto reflect = [](const Vec3d& v, const Vec3d& mirror) {
                 const double squared = dot(mirror, mirror);
                 return squared > 0 ? v - mirror * (2 * dot(mirror, v) / squared) : v;
             };
-            const Vec3d step = at.p - stations[i - 1].p, turned = reflect(stations[i - 1].d, step);
+            const Vec3d step = at.p - rings[i - 1].p, turned = reflect(rings[i - 1].d, step);
             x = reflect(reflect(x, step), at.d - turned);
             x = normalize(x - at.d * dot(x, at.d));
         }
@@ -141,7 +141,7 @@ LoadedMesh tube_mesh(const std::vector<CubicBezier>& segments, const CurveWidth&
 
 LoadedMesh ribbon_along(const std::vector<CubicBezier>& segments, const CurveWidth& width, const std::vector<Vec3d>& normals) {
     LoadedMesh mesh;
-    for (const Station& at : stations_of(segments, width)) {
+    for (const Ring& at : rings_of(segments, width)) {
         const Vec3d side = cross(mix(normals[at.segment], normals[at.segment + 1], at.u), at.d);
         const Vec3d half = (length(side) > 0 ? normalize(side) : across(at.d)) * (0.5 * at.width);
         const auto a = static_cast<std::uint32_t>(mesh.positions.size());

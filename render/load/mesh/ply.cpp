@@ -15,7 +15,7 @@ namespace {
 enum class Type : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 constexpr std::size_t kTypeBytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
 
-std::optional<Type> type_of(std::string_view name) {
+std::optional<Type> ply_type(std::string_view name) {
     static constexpr struct {
         std::string_view name, other;
     } kNames[] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
@@ -157,7 +157,7 @@ Result<Header> parse_header(std::string_view bytes) {
         } else if (line[0] == "property" && !header.elements.empty()) {
             const bool list = line.size() == 5 && line[1] == "list";
             if (!list && line.size() != 3) return wrong();
-            const std::optional<Type> type = type_of(line[list ? 3 : 1]), count = list ? type_of(line[2]) : std::nullopt;
+            const std::optional<Type> type = ply_type(line[list ? 3 : 1]), count = list ? ply_type(line[2]) : std::nullopt;
             if (!type || (list && !count)) return wrong();
             header.elements.back().properties.push_back({line.back(), *type, count});
         } else {

@@ -9,7 +9,7 @@ namespace latent::render {
 
 namespace {
 
-color::Spectrum as_spectrum(const std::function<double(double)>& f) {
+color::Spectrum clamped_spectrum(const std::function<double(double)>& f) {
     return color::Spectrum::from_function(f, color::Outside::kClamped);
 }
 
@@ -27,16 +27,16 @@ color::Spectrum ModelColors::reflectance(const LinearRgb& rgb) const {
     if (kind_ == color::RgbSpectra::kBasis) {
         return color::rgb_basis_spectrum({std::min(rgb[0], 1.0), std::min(rgb[1], 1.0), std::min(rgb[2], 1.0)});
     }
-    return as_spectrum([s = rgb_.reflectance({rgb[0], rgb[1], rgb[2]})](double nm) { return s(static_cast<float>(nm)); });
+    return clamped_spectrum([s = rgb_.reflectance({rgb[0], rgb[1], rgb[2]})](double nm) { return s(static_cast<float>(nm)); });
 }
 
 color::Spectrum ModelColors::emission(const LinearRgb& rgb) const {
-    if (is_grey(rgb)) return as_spectrum([&](double nm) { return rgb[0] * white_(nm); });
+    if (is_grey(rgb)) return clamped_spectrum([&](double nm) { return rgb[0] * white_(nm); });
     if (kind_ == color::RgbSpectra::kBasis) {
         const color::Spectrum s = color::rgb_basis_spectrum({rgb[0], rgb[1], rgb[2]});
-        return as_spectrum([&](double nm) { return s(nm) * white_(nm); });
+        return clamped_spectrum([&](double nm) { return s(nm) * white_(nm); });
     }
-    return as_spectrum(
+    return clamped_spectrum(
         [&, s = rgb_.unbounded({rgb[0], rgb[1], rgb[2]})](double nm) { return s(static_cast<float>(nm)) * white_(nm); });
 }
 

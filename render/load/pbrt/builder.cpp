@@ -70,13 +70,13 @@ void SceneBuilder::apply(const Directive& d) {
         const std::optional<Affined> start = state_.ctm.start.inverse(), end = state_.ctm.end.inverse();
         if (start && end) transforms_.name("camera", *start, *end);
     }
-    if (lost_ && d.name == "CoordSysTransform" && !transforms_.has(d.strings[0])) return;
-    if (transforms_.apply(d, state_.ctm, diagnostics_) || options_.apply(d, in_world_, state_.ctm, state_.outside_medium) ||
-        apply_state(d))
+    if (transforms_.apply(d, state_.ctm, diagnostics_) ||
+        options_.apply(d, in_world_ && !is_world_supposed_, state_.ctm, state_.outside_medium) || apply_state(d))
         return;
     if (!in_world_ && d.name != "MakeNamedMedium") {
         if (!lost_) return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
-        begin_world();  // which may be what is lost
+        begin_world();
+        is_world_supposed_ = true;  // WorldBegin may be what is lost
     }
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
     if (d.name == "MakeNamedMedium") return add_medium(d);
@@ -111,10 +111,11 @@ bool SceneBuilder::apply_state(const Directive& d) {
     } else if (d.name == "ObjectEnd") {
         pop("ObjectBegin", d.where);
         object_ = kNone;
-    } else if (d.name == "WorldBegin" && in_world_) {
+    } else if (d.name == "WorldBegin" && in_world_ && !is_world_supposed_) {
         diagnostics_.error(d.where, "WorldBegin: given twice");
     } else if (d.name == "WorldBegin") {
         begin_world();
+        is_world_supposed_ = false;
     } else if (d.name == "ReverseOrientation") {
         state_.reverse_orientation = !state_.reverse_orientation;
     } else if (d.name == "NamedMaterial") {
@@ -331,6 +332,7 @@ void SceneBuilder::finish(const SourceLocation& end) {
     materials_.add_undefined("material", undefined);
     media_.add_undefined("medium", undefined);
     objects_.add_undefined("object", undefined);
+    transforms_.add_undefined(undefined);
     report(undefined);
     for (const auto& [where, mixed] : mixtures_) {
         for (const std::uint32_t i : mixed) {
@@ -350,6 +352,9 @@ void SceneBuilder::finish(const SourceLocation& end) {
         const FloatInput x = material.number("alpha_x"), y = material.number("alpha_y");
         if (x.texture != y.texture || (!x.is_textured() && x.value != y.value)) {
             diagnostics_.error(where, "S: tangents are not supported for anisotropic materials");
+        } else if (material.measured || material.type == "mix" || material.displacement.is_textured() ||
+                   material.normal_map != kNone) {
+            diagnostics_.warn(where, "S: tangents are ignored: measurements and relief follow u and v");
         } else {
             diagnostics_.note(where, "S: tangents are ignored: the material is isotropic");
         }

@@ -102,7 +102,7 @@ class SceneBuilder {
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
     std::optional<SourceLocation> lost_;                                   // where something could not be read, first
-    bool in_world_ = false;
+    bool in_world_ = false, is_world_supposed_ = false;
 };
 
 }  // namespace latent::render

@@ -118,7 +118,7 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
         "it belongs to another integrator");
     if (replaced) return list.report_unused();
     if (std::ranges::find(kOthers, type) != std::end(kOthers)) {
-        list.warn(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
+        list.note(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
     } else if (std::ranges::find(kOurs, type) == std::end(kOurs)) {
         list.error(unsupported("Integrator", type) + "; choose one with --integrator");
     }

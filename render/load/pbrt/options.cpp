@@ -14,6 +14,14 @@ namespace {
 // Options that change no picture of ours.
 constexpr std::string_view kHarmlessOptions[] = {
     "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats", "rendercoordsys", "seed", "wavefront"};
+// Those that change nothing while they are off.
+constexpr std::string_view kSwitches[] = {"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter",
+                                          "forcediffuse"};
+
+template <std::size_t N>
+bool is_one_of(const std::string_view (&names)[N], const std::string& name) {
+    return std::ranges::find(names, name) != std::end(names);
+}
 
 }  // namespace
 
@@ -39,7 +47,7 @@ bool SceneOptions::apply(const Directive& d, bool in_world, const CurrentTransfo
         diagnostics_.note(d.where, "PixelFilter is ignored; choose a filter with latent-develop --filter");
     } else if (d.name == "Accelerator") {
         diagnostics_.note(d.where, "Accelerator is ignored");
-    } else if (std::ranges::find(kHarmlessOptions, d.strings[0]) != std::end(kHarmlessOptions) || d.strings[1] == "false") {
+    } else if (is_one_of(kHarmlessOptions, d.strings[0]) || (is_one_of(kSwitches, d.strings[0]) && d.strings[1] == "false")) {
         diagnostics_.note(d.where, fmt::format("Option \"{}\" is ignored", d.strings[0]));
     } else if (d.strings[0] == "disabletexturefiltering") {
         diagnostics_.warn(d.where, "Option \"disabletexturefiltering\" is ignored: textures are filtered");

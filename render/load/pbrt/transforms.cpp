@@ -82,7 +82,8 @@ bool Transforms::apply_to_both(const Directive& d, CurrentTransform& ctm, Diagno
     } else if (d.name == "CoordSysTransform") {
         const auto found = named_.find(d.strings[0]);
         if (found == named_.end()) {
-            diagnostics.error(d.where, fmt::format("CoordSysTransform: \"{}\" is not defined", d.strings[0]));
+            undefined_.push_back(
+                {d.where, fmt::format("coordinate system \"{}\"", d.strings[0]), "; it must be defined before it is used"});
         } else {
             ctm.start = found->second.start;
             ctm.end = found->second.end;

@@ -3,9 +3,11 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "render/load/files/diagnostics.h"
 #include "render/load/pbrt/directive.h"
+#include "render/load/pbrt/names.h"
 #include "render/math/vec.h"
 
 namespace latent::render {
@@ -24,13 +26,15 @@ class Transforms {
     bool apply(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics);
     // A coordinate system that has a name without a directive: "camera", "world".
     void name(const std::string& text, const Affined& start, const Affined& end) { named_[text] = {start, end}; }
-    bool has(const std::string& text) const { return named_.contains(text); }
+    // Adds the coordinate systems that directives asked for before they had a name.
+    void add_undefined(std::vector<UndefinedName>& names) const { names.insert(names.end(), undefined_.begin(), undefined_.end()); }
 
  private:
     // Both at once. False: not a directive of that kind.
     bool apply_to_both(const Directive& d, CurrentTransform& ctm, Diagnostics& diagnostics);
 
     std::map<std::string, CurrentTransform> named_;
+    std::vector<UndefinedName> undefined_;
 };
 
 }  // namespace latent::render
