@@ -172,6 +172,7 @@ Progress progress(const CommonOptions& options, std::string verb) {
 }
 
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
+    std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is told of like a full disk
     program_name() = app.get_name();
     occupy_closed_streams();
     std::atexit(flush_stdout_at_exit);

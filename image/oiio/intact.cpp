@@ -1,12 +1,16 @@
 #include "image/oiio/intact.h"
 
 #include <fmt/format.h>
+#include <tiffio.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdarg>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -85,6 +89,33 @@ Status check_jpeg(std::ifstream& in) {
     return cut_off();
 }
 
+int ignore_message(TIFF*, void*, const char*, const char*, va_list) { return 1; }
+
+// Where the strips or tiles of all pictures in the file lie.
+Status check_tiff(const std::string& path) {
+    struct Close {
+        void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+        void operator()(TIFFOpenOptions* options) const { TIFFOpenOptionsFree(options); }
+    };
+    const std::unique_ptr<TIFFOpenOptions, Close> options(TIFFOpenOptionsAlloc());
+    TIFFOpenOptionsSetErrorHandlerExtR(options.get(), ignore_message, nullptr);
+    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_message, nullptr);
+    const std::unique_ptr<TIFF, Close> tiff(TIFFOpenExt(path.c_str(), "r", options.get()));
+    std::error_code error;
+    const std::uint64_t bytes = std::filesystem::file_size(path, error);
+    if (tiff == nullptr || error) return {};  // which readers refuse
+    while (true) {
+        const std::uint32_t pieces = TIFFIsTiled(tiff.get()) ? TIFFNumberOfTiles(tiff.get()) : TIFFNumberOfStrips(tiff.get());
+        if (pieces > bytes) return cut_off();
+        for (std::uint32_t i = 0; i < pieces; ++i) {
+            const std::uint64_t begin = TIFFGetStrileOffset(tiff.get(), i), size = TIFFGetStrileByteCount(tiff.get(), i);
+            if (begin > bytes || size > bytes - begin) return cut_off();
+        }
+        if (TIFFLastDirectory(tiff.get()) != 0) return {};
+        if (TIFFReadDirectory(tiff.get()) == 0) return cut_off();
+    }
+}
+
 }  // namespace
 
 Status check_intact(const std::string& path) {
@@ -93,6 +124,7 @@ Status check_intact(const std::string& path) {
     in.read(front.data(), front.size());
     const std::string_view bytes(front.data(), front.size());
     if (bytes == std::string_view("\x89PNG\r\n\x1a\n")) return check_png(in);
+    if (bytes.starts_with("II") || bytes.starts_with("MM")) return check_tiff(path);
     if (!bytes.starts_with("\xFF\xD8\xFF")) return {};
     in.clear();
     in.seekg(2);

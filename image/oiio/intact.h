@@ -1,5 +1,5 @@
-// image/oiio/intact.h: PNG and JPEG files that were cut off, and PNG files of which a byte has changed. OpenImageIO lets libpng
-// write about these to standard error, and makes the missing part of a JPEG grey.
+// image/oiio/intact.h: PNG, JPEG and TIFF files that were cut off, and PNG files of which a byte has changed. OpenImageIO lets
+// libpng write about these to standard error, and makes the missing part of a JPEG grey, and that of a TIFF black.
 #pragma once
 
 #include <string>

@@ -14,7 +14,8 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::size_t kMaxIncludes = 64;  // one inside another
+constexpr std::size_t kMaxIncludes = 64;        // one inside another
+constexpr std::size_t kMostIncluded = 100'000;  // in all
 
 constexpr std::size_t kBeginning = 65536;  // bytes that a format is recognised by
 
@@ -84,6 +85,10 @@ class PbrtLoader {
             stopped_ = true;  // it may include itself more than once
             return lose({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
         }
+        if (++included_ > kMostIncluded) {
+            stopped_ = true;
+            return lose({d.where, fmt::format("{}: more than {} files are included", d.name, kMostIncluded)});
+        }
         if (import && !builder_.in_world()) return lose({d.where, "Import: must come after WorldBegin"});
         if (import) builder_.begin_import(d.where);
         if (const Status included = file(files_.resolve(d.strings[0]), depth + 1); !included) {
@@ -118,10 +123,11 @@ class PbrtLoader {
     Diagnostics diagnostics_;
     SceneBuilder builder_;
     SourceLocation end_;
-    bool begun_ = false;    // there was a directive, or an error
-    bool is_v3_ = false;    // one had a type of pbrt-v3
-    bool garbled_ = false;  // there was an error of syntax
-    bool stopped_ = false;  // nothing more is read
+    std::size_t included_ = 0;  // files so far
+    bool begun_ = false;        // there was a directive, or an error
+    bool is_v3_ = false;        // one had a type of pbrt-v3
+    bool garbled_ = false;      // there was an error of syntax
+    bool stopped_ = false;      // nothing more is read
 };
 
 Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {

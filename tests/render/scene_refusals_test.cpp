@@ -201,6 +201,32 @@ TEST(SceneRefusals, NamesThatAMissingIncludeMayDefineAreToldInOneLine) {
     EXPECT_THAT(message(many), ::testing::ElementsAre(HasSubstr("part.pbrt"), HasSubstr("\"m15\" and 95 more names")));
 }
 
+TEST(SceneRefusals, WhatGoesOnForeverEnds) {
+    const Folder folder;
+    for (int i = 0; i < 40; ++i) {
+        const std::string next = fmt::format("Include \"{}.pbrt\"\n", i + 1);
+        folder.write(fmt::format("{}.pbrt", i), i < 39 ? next + next : "");
+    }
+    EXPECT_THAT(load_scene(folder / "0.pbrt").error().message, HasSubstr("more than 100000 files are included"));
+    std::string many = "WorldBegin\n", lost = many;
+    for (int i = 0; i < 5000; ++i) many += "AttributeBegin\n";
+    EXPECT_THAT(lines_of(refusal(many)), ::testing::SizeIs(1001));
+    EXPECT_LT(refused_world("Material \"" + std::string(100'000, 'x') + "\"\n").size(), 5000u);
+    // A file that many things use is missed once.
+    for (int i = 0; i < 9; ++i)
+        lost += fmt::format(
+            "Texture \"{}\" \"float\" \"imagemap\" \"string filename\" \"no.png\"\nShape \"sphere\" \"texture alpha\" \"{}\"\n", i,
+            i);
+    EXPECT_THAT(lines_of(refusal(lost)), ::testing::ElementsAre(HasSubstr("room.pbrt:2:1: ")));
+}
+
+TEST(SceneRefusals, AByteOrderMarkAndBackslashesAreNoFaults) {
+    const Folder folder;
+    std::filesystem::create_directory(folder / "in");
+    folder.write("in/part.pbrt", "\xEF\xBB\xBFShape \"sphere\"\n");
+    EXPECT_TRUE(load_scene(folder.write("room.pbrt", "\xEF\xBB\xBFWorldBegin\nInclude \"in\\\\part.pbrt\"\n")));
+}
+
 // What is listed is read, and nothing else is: the list is part of the message.
 TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
     const auto message = [](const PbrtFeature& feature, std::string_view type) {

@@ -540,6 +540,12 @@ TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
         EXPECT_EQ(message(name, whole + "more"), "");
         for (std::size_t size = 9; size < whole.size(); size += 3) is_refused(name, whole.substr(0, size));
     }
+    for (const std::string name : {"a.tif", "grey-tiled.tif", "mips.tif"}) {
+        const std::string whole = seed(name);
+        EXPECT_EQ(message(name, whole), "");
+        for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 50)
+            EXPECT_THAT(message(name, whole.substr(0, size)), HasSubstr("/room.pbrt:3:2: ")) << name << " " << size;
+    }
     const std::string jpeg = seed("a.jpg");
     EXPECT_EQ(message("a.jpg", jpeg.substr(0, 2) + "\xFF\xFF" + jpeg.substr(2)), "");  // bytes that fill
     std::string png = seed("a.png");

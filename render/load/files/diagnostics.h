@@ -24,6 +24,11 @@ class Diagnostics {
     // Something was ignored that no sample depends on.
     void note(const SourceLocation& where, const std::string& message) { say(place(where), message, notes_); }
 
+    // A file cannot be read: said once, at the first place that names it.
+    void unreadable(const SourceLocation& where, const std::string& message) {
+        if (unreadable_.insert(message).second) error(where, message);
+    }
+
     // The same of a place that is not a line and column: "room.gltf: /nodes/3".
     void error(const std::string& place, const std::string& message) { say(place, message, errors_); }
     void warn(const std::string& place, const std::string& message) { say(place, message, warnings_); }
@@ -44,12 +49,17 @@ class Diagnostics {
         std::unordered_set<std::string> said;
     };
     static void say(const std::string& place, const std::string& message, Lines& out) {
+        constexpr std::size_t kMost = 1000, kLongest = 2000;
+        if (out.lines.size() > kMost) return;
+        if (out.lines.size() == kMost) return out.lines.emplace_back("there is more to say, but this is enough"), void();
         std::string line = place + ": " + message;
+        if (line.size() > kLongest) line.replace(kLongest, line.npos, "...");
         if (out.said.insert(line).second) out.lines.push_back(std::move(line));
     }
 
     const std::vector<std::string>& files_;
     Lines errors_, warnings_, notes_;
+    std::unordered_set<std::string> unreadable_;
 };
 
 }  // namespace latent::render

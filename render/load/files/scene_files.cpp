@@ -50,6 +50,14 @@ Result<std::string> unpacked(const std::filesystem::path& path, std::string_view
 
 }  // namespace
 
+std::filesystem::path SceneFiles::resolve(const std::string& name) const {
+    std::error_code unknown;
+    if (name.find('\\') == name.npos || std::filesystem::exists(folder_ / name, unknown)) return folder_ / name;
+    std::string with_slashes = name;
+    std::ranges::replace(with_slashes, '\\', '/');
+    return folder_ / with_slashes;
+}
+
 Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
     const Result<File> file = File::open_read(path);
     if (!file) return file.error();
@@ -57,8 +65,9 @@ Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
     if (!size) return size.error();
     std::string text(*size, '\0');
     if (const Status read = file->read_exact(0, std::as_writable_bytes(std::span(text))); !read) return read.error();
-    if (is_gzip(text)) return unpacked(path, text);
-    return text;
+    Result<std::string> whole = is_gzip(text) ? unpacked(path, text) : std::move(text);
+    if (whole && whole->starts_with("\xEF\xBB\xBF")) whole->erase(0, 3);  // the mark of UTF-8
+    return whole;
 }
 
 Result<Hash128> SceneFiles::hash(const std::string& name) const {

@@ -14,8 +14,9 @@ class SceneFiles {
     // Names in a scene are relative to the folder of its first file.
     explicit SceneFiles(const std::filesystem::path& scene) : folder_(scene.parent_path()) {}
 
-    std::filesystem::path resolve(const std::string& name) const { return folder_ / name; }
-    // The whole content of a regular file, unpacked if it is gzip's. Errors name the file.
+    // Backslashes, as exporters on Windows write, are slashes unless there is a file of that very name.
+    std::filesystem::path resolve(const std::string& name) const;
+    // The whole content of a regular file, unpacked if it is gzip's, without a byte order mark. Errors name the file.
     static Result<std::string> read_text(const std::filesystem::path& path);
     // The same of a file that the scene names.
     Result<std::string> read(const std::string& name) const { return read_text(resolve(name)); }

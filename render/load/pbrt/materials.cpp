@@ -195,7 +195,7 @@ Part measurement() {
         const std::optional<std::string> name = r.list.string("filename");
         if (!name) return r.list.error("filename: is required");
         const Result<std::string> bytes = r.files.read(*name);
-        if (!bytes) return r.list.error(bytes.error().message);
+        if (!bytes) return r.list.unreadable(bytes.error());
         const auto brdf = read_measured_brdf(std::as_bytes(std::span(*bytes)));
         if (!brdf) return r.list.error(fmt::format("{}: {}", *name, brdf.error().message));
         r.material.measured = *brdf;

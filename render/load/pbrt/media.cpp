@@ -148,7 +148,7 @@ void read_nanovdb_grids(const ParameterList& list, const SceneFiles& files, Medi
     read_temperature(list, volume);
     if (!name) return list.error("filename: is required");
     const Result<std::string> bytes = files.read(*name);
-    if (!bytes) return list.error(bytes.error().message);
+    if (!bytes) return list.unreadable(bytes.error());
     const auto file = std::as_bytes(std::span(*bytes));
     const Result<LoadedVolume> loaded = read_nanovdb(file, density);
     if (!loaded) return list.error(fmt::format("{}: {}", *name, loaded.error().message));

@@ -43,6 +43,7 @@ class ParameterList {
     void error(const Parameter& parameter, const std::string& message) const {
         diagnostics_.error(parameter.where, parameter.name + ": " + message);
     }
+    void unreadable(const Error& file) const { diagnostics_.unreadable(directive_.where, file.message); }
     void warn(const std::string& message) const { diagnostics_.warn(directive_.where, message); }
     void note(const std::string& message) const { diagnostics_.note(directive_.where, message); }
 

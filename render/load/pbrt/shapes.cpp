@@ -95,7 +95,7 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     list.ignore({"edgelength"}, "there is no displacement");
     if (!name) return list.error("filename: missing");
     const Result<std::string> bytes = files.read(*name);
-    if (!bytes) return list.error(bytes.error().message);
+    if (!bytes) return list.unreadable(bytes.error());
     Result<PlyMesh> ply = parse_ply(*bytes);
     if (!ply) return list.error(*name + ": " + ply.error().message);
     if (ply->lost_normals > 0)

@@ -70,7 +70,7 @@ std::optional<std::uint32_t> SceneTextures::find_texture(const ParameterList& li
 
 std::uint32_t SceneTextures::use_picture(const ParameterList& list, const std::string& file, TextureDescription texture) {
     const Result<Hash128> content = files_.hash(file);
-    if (!content) list.error(content.error().message);
+    if (!content) list.unreadable(content.error());
     texture.picture.path = files_.resolve(file).string();
     texture.picture.name = name_of(list, texture.picture);
     texture.picture.content = content.value_or(Hash128{});
@@ -174,7 +174,7 @@ void SceneTextures::read_picture(const ParameterList& list, PictureDescription& 
     const std::optional<std::string> name = list.string("filename");
     if (!name) return list.error("filename: missing");
     const Result<Hash128> content = files_.hash(*name);
-    if (!content) return list.error(content.error().message);
+    if (!content) return list.unreadable(content.error());
     picture.path = files_.resolve(*name).string();
     picture.name = name_of(list, picture);
     picture.content = *content;
