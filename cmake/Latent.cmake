@@ -37,7 +37,7 @@ if(LATENT_WERROR)
   target_compile_options(latent_options INTERFACE -Werror)
 endif()
 
-# latent_unity(TARGET): the presets asan, fuzz, tsan and tidy set CMAKE_UNITY_BUILD. With it the sources of TARGET are compiled together,
+# latent_unity(TARGET): the presets asan, fuzz and tidy, whose compiler is clang, set CMAKE_UNITY_BUILD. With it the sources of TARGET are compiled together,
 # sixteen at a time, and read their headers once. So no two sources of a library may define the same name.
 function(latent_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16
