@@ -32,7 +32,7 @@ std::string paragraph(std::string_view name, const Words& words) {
 }  // namespace
 
 std::string list_features() {
-    std::string text = "pbrt-v4 (.pbrt)\n", own_types, parameters;
+    std::string text = "pbrt-v4 (.pbrt)\n", own_types, parameters, replaced;
     const auto is_of_pbrt = [](std::string_view type) { return type != "phong" && !type.starts_with("latent:"); };
     for (const PbrtFeature& feature : pbrt_features()) {
         std::vector<std::string_view> of_pbrt, own;
@@ -40,9 +40,11 @@ std::string list_features() {
         text += paragraph(feature.directive, of_pbrt);
         if (!own.empty()) own_types += paragraph(feature.directive, own);
     }
+    for (const PbrtFeature& feature : pbrt_replacements()) replaced += paragraph(feature.directive, feature.types);
     for (const PbrtFeature& extension : pbrt_extensions()) parameters += paragraph(extension.directive, extension.types);
+    text += "\nreplaced, with a warning: films by rgb, integrators by path\n" + replaced;
     text += "\ntypes beyond pbrt-v4 (docs/scenes.md, \"Extensions\")\n" + own_types;
-    text += "\nparameters beyond pbrt-v4\n" + parameters;
+    text += "\nparameters, and values of parameters, beyond pbrt-v4\n" + parameters;
     text += "\nglTF 2.0 (.gltf, .glb)\n" + paragraph("extensions", known_extensions());
     text += "\nWavefront OBJ (.obj, .mtl)\n";
     text += paragraph("geometry", std::initializer_list<std::string_view>{"v", "vt", "vn", "f", "mtllib", "usemtl"});

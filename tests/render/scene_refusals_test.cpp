@@ -250,7 +250,12 @@ TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
             EXPECT_THAT(message(feature, type), Not(HasSubstr(fmt::format("\"{}\" is not supported", type)))) << feature.directive;
         EXPECT_THAT(message(feature, "nothing"), HasSubstr("\"nothing\" is not supported (")) << feature.directive;
     }
+    for (const PbrtFeature& feature : pbrt_replacements()) {
+        for (const std::string_view type : feature.types)
+            EXPECT_THAT(message(feature, type), Not(HasSubstr(fmt::format("\"{}\" is not supported", type)))) << feature.directive;
+    }
     EXPECT_THAT(list_features(), HasSubstr("  Material        diffuse conductor"));
+    EXPECT_THAT(list_features(), HasSubstr("  Integrator      simplepath simplevolpath mlt sppm\n"));
     EXPECT_THAT(list_features(), HasSubstr("  Material        phong latent:phongtransmission\n"));
     EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
 }

@@ -28,13 +28,21 @@ std::span<const PbrtFeature> pbrt_features() {
     return features;
 }
 
+std::span<const PbrtFeature> pbrt_replacements() {
+    static const PbrtFeature replacements[] = {
+        {"Film", {"gbuffer", "spectral"}},
+        {"Integrator", {"simplepath", "simplevolpath", "mlt", "sppm"}},
+    };
+    return replacements;
+}
+
 std::span<const PbrtFeature> pbrt_extensions() {
     static const PbrtFeature extensions[] = {
         {"Camera", {"latent:focaldistances", "latent:lensshift"}},
-        {"LightSource", {"latent:illuminant"}},
-        {"AreaLightSource", {"latent:exponent", "latent:illuminant"}},
+        {"LightSource", {"name", "latent:illuminant"}},
+        {"AreaLightSource", {"name", "latent:exponent", "latent:illuminant"}},
         {"Material", {"latent:amount", "latent:lobe"}},
-        {"Texture", {"latent:quartic"}},
+        {"Texture", {"filter \"latent:quartic\""}},
         {"Medium", {"latent:media"}},
         {"any spectrum", {"latent:daylight"}},
     };

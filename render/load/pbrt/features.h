@@ -14,6 +14,8 @@ struct PbrtFeature {
     std::vector<std::string_view> types;
 };
 std::span<const PbrtFeature> pbrt_features();
+// Types that are accepted, with a warning, and replaced: Integrator "mlt".
+std::span<const PbrtFeature> pbrt_replacements();
 // What may be said within a directive that pbrt-v4 does not know: parameters, types and values of parameters.
 std::span<const PbrtFeature> pbrt_extensions();
 
