@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "render/spectral/sampled_spectrum.h"
+
 namespace latent::render {
 
 // N is a multiple of four. Sums are of four parts, whatever the processor.
@@ -26,14 +28,7 @@ struct MediumValues {
         }
         return (part[0] + part[1]) + (part[2] + part[3]);
     }
-    float max() const {
-        float part[4] = {v[0], v[1], v[2], v[3]};
-        for (std::uint32_t i = 4; i < N; i += 4) {
-            for (std::uint32_t j = 0; j < 4; ++j) part[j] = part[j] < v[i + j] ? v[i + j] : part[j];
-        }
-        const float a = part[0] < part[1] ? part[1] : part[0], b = part[2] < part[3] ? part[3] : part[2];
-        return a < b ? b : a;
-    }
+    float max() const { return max_of(v); }
 };
 
 template <std::uint32_t N, class F>

@@ -10,6 +10,17 @@ namespace latent::render {
 // they stay finite, and are zero in the weights that end a path, so that they count for nothing.
 inline constexpr std::uint32_t kMaxWavelengths = 32;
 
+// Of four parts, whatever the processor. N is a multiple of four.
+template <std::uint32_t N>
+float max_of(const float (&v)[N]) {
+    float part[4] = {v[0], v[1], v[2], v[3]};
+    for (std::uint32_t i = 4; i < N; i += 4) {
+        for (std::uint32_t j = 0; j < 4; ++j) part[j] = part[j] < v[i + j] ? v[i + j] : part[j];
+    }
+    const float a = part[0] < part[1] ? part[1] : part[0], b = part[2] < part[3] ? part[3] : part[2];
+    return a < b ? b : a;
+}
+
 struct alignas(64) SampledSpectrum {
     float v[kMaxWavelengths];
 
@@ -32,14 +43,7 @@ struct alignas(64) SampledSpectrum {
         for (std::uint32_t i = 0; i < kMaxWavelengths; ++i) v[i] += b.v[i];
         return *this;
     }
-    float max() const {
-        float part[4] = {v[0], v[1], v[2], v[3]};
-        for (std::uint32_t i = 4; i < kMaxWavelengths; i += 4) {
-            for (std::uint32_t j = 0; j < 4; ++j) part[j] = part[j] < v[i + j] ? v[i + j] : part[j];
-        }
-        const float a = part[0] < part[1] ? part[1] : part[0], b = part[2] < part[3] ? part[3] : part[2];
-        return a < b ? b : a;
-    }
+    float max() const { return max_of(v); }
     bool is_black() const { return max() <= 0; }  // what is not a number is not black: it must be counted
 };
 
