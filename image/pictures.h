@@ -57,6 +57,8 @@ class Pictures {
                         const std::array<float, 2>& d1, std::array<float, 4>& out) const = 0;
     // The first error of `lookup`.
     virtual Status status() const = 0;
+    // One line for each file in which `lookup` has met values that are NaN or infinite: they count as 0.
+    virtual std::vector<std::string> warnings() const = 0;
     // All of a picture at once, beside the cache. Errors: those of `open`.
     virtual Result<WholePicture> read(const std::string& path, const PictureEncoding& encoding) const = 0;
 };

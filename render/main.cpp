@@ -11,6 +11,14 @@
 #include "render/program/report.h"
 #include "render/program/stop_signals.h"
 
+namespace {
+
+void warn_of_files(const latent::render::RenderJob& job) {
+    for (const std::string& warning : job.integrator->warnings()) latent::cli::warn(warning);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) try {
     using namespace latent;
     using namespace latent::render;
@@ -41,6 +49,7 @@ int main(int argc, char** argv) try {
     if (line.dry_run) {
         const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), stop_requested);
         if (!expected) return cli::fail(expected.error());
+        warn_of_files(**job);
         if (!expected->fits()) cli::warn(too_large(*expected, options.output));
         cli::print(to_text(*expected, **job, common.json));
         return cli::kDone;
@@ -48,6 +57,7 @@ int main(int argc, char** argv) try {
     if (line.preview_seconds > 0) {
         const Result<Preview> shown = preview(**job, options, line.preview_seconds, stop_requested);
         if (!shown) return cli::fail(shown.error());
+        warn_of_files(**job);
         if (!shown->forecast.fits()) cli::warn(too_large(shown->forecast, options.output));
         cli::print(to_text(*shown, **job, common.json));
         return cli::kDone;
@@ -61,6 +71,7 @@ int main(int argc, char** argv) try {
         render::render(**job, options, stop_requested, options.log ? Progress() : cli::progress(common, "rendering"));
     if (!report) return cli::fail(report.error());
     if (report->faults.total() > 0) cli::warn(to_text(report->faults));
+    warn_of_files(**job);
     const int status = cli::print_report(to_text(*report, **job, common.json), cli::kDone);
     if (report->complete) return status;
     return cli::fail(

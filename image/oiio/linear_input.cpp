@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string_view>
 #include <system_error>
 
@@ -67,16 +68,18 @@ bool has_pixels(const OIIO::ImageSpec& spec) {
 
 }  // namespace
 
-OIIO::ImageSpec LinearInput::configuration(const std::string& path, const PictureEncoding& encoding) {
+OIIO::ImageSpec LinearInput::configuration(const std::string& path, const PictureEncoding& encoding, RefusedValues* refused) {
     OIIO::ImageSpec config;
     config.attribute("latent:path", path);
     config.attribute("latent:srgb", encoding.is_srgb ? 1 : 0);
     config.attribute("latent:gamma", encoding.gamma);
+    config.attribute("latent:refused", OIIO::TypeDesc::PTR, &refused);
     return config;
 }
 
 bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config) {
     encoding_ = {config.get_int_attribute("latent:srgb") != 0, config.get_float_attribute("latent:gamma", 1)};
+    config.getattribute("latent:refused", OIIO::TypeDesc::PTR, &refused_);
     OIIO::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);
     const std::filesystem::path path(std::string(config.get_string_attribute("latent:path")));
@@ -141,13 +144,22 @@ bool LinearInput::seek_subimage(int subimage, int miplevel) {
     return true;
 }
 
-bool LinearInput::finish(bool read, float* values, std::size_t pixels) {
+bool LinearInput::finish(bool read, float* values, std::size_t pixels, int x, int y) {
     if (!read) {
         errorf("%s", file_->geterror());
         return false;
     }
-    if (!is_encoded_) return true;
     const auto channels = static_cast<std::size_t>(m_spec.nchannels);
+    if (refused_ != nullptr && file_->spec().format.is_floating_point()) {
+        std::uint64_t count = 0;
+        for (float& value : std::span(values, pixels * channels)) {
+            if (std::isfinite(value)) continue;
+            value = 0;
+            ++count;
+        }
+        if (count > 0) refused_->add({level_, x, y}, count);
+    }
+    if (!is_encoded_) return true;
     for (std::size_t i = 0; i < pixels * channels; ++i) {
         if (m_spec.alpha_channel >= 0 && i % channels == static_cast<std::size_t>(m_spec.alpha_channel)) continue;
         values[i] = table_.empty() ? linear(values[i], encoding_)
@@ -164,8 +176,8 @@ bool LinearInput::read_native_scanlines(int subimage, int miplevel, int ybegin, 
     const lock_guard one_at_a_time(*this);
     if (!seek_subimage(subimage, miplevel)) return false;
     const bool read = file_->read_scanlines(0, miplevel, ybegin, yend, z, 0, m_spec.nchannels, OIIO::TypeDesc::FLOAT, data);
-    return finish(read, static_cast<float*>(data),
-                  static_cast<std::size_t>(m_spec.width) * static_cast<std::size_t>(yend - ybegin));
+    return finish(read, static_cast<float*>(data), static_cast<std::size_t>(m_spec.width) * static_cast<std::size_t>(yend - ybegin),
+                  0, ybegin);
 }
 
 bool LinearInput::read_native_tile(int subimage, int miplevel, int x, int y, int z, void* data) {
@@ -173,7 +185,7 @@ bool LinearInput::read_native_tile(int subimage, int miplevel, int x, int y, int
     if (!seek_subimage(subimage, miplevel)) return false;
     const bool read = file_->read_tile(x, y, z, OIIO::TypeDesc::FLOAT, data);
     return finish(read, static_cast<float*>(data),
-                  static_cast<std::size_t>(m_spec.tile_width) * static_cast<std::size_t>(m_spec.tile_height));
+                  static_cast<std::size_t>(m_spec.tile_width) * static_cast<std::size_t>(m_spec.tile_height), x, y);
 }
 
 }  // namespace latent::image

@@ -3,7 +3,11 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include <array>
+#include <cstdint>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,11 +15,31 @@
 
 namespace latent::image {
 
+// Values of a file that are NaN or infinite. What is read again is not counted again. Any thread.
+class RefusedValues {
+ public:
+    void add(const std::array<int, 3>& place, std::uint64_t count) {
+        const std::lock_guard lock(mutex_);
+        if (places_.insert(place).second) count_ += count;
+    }
+    std::uint64_t count() const {
+        const std::lock_guard lock(mutex_);
+        return count_;
+    }
+
+ private:
+    mutable std::mutex mutex_;
+    std::set<std::array<int, 3>> places_;
+    std::uint64_t count_ = 0;
+};
+
 // OpenImageIO filters what a file holds, which is not light where integers are encoded. So the cache reads through this.
 class LinearInput final : public OIIO::ImageInput {
  public:
-    // The file and its encoding are attributes of the configuration that the cache passes to `open`.
-    static OIIO::ImageSpec configuration(const std::string& path, const PictureEncoding& encoding);
+    // The file and its encoding are attributes of the configuration that the cache passes to `open`. With `refused`, which outlives
+    // the input, values that are NaN or infinite become 0 and are counted there.
+    static OIIO::ImageSpec configuration(const std::string& path, const PictureEncoding& encoding,
+                                         RefusedValues* refused = nullptr);
     static OIIO::ImageInput* create() { return new LinearInput; }
 
     const char* format_name() const override { return "linear"; }
@@ -32,12 +56,14 @@ class LinearInput final : public OIIO::ImageInput {
 
  private:
     void take_spec();
-    bool finish(bool read, float* values, std::size_t pixels);
+    // Of `pixels` from (x, y) on.
+    bool finish(bool read, float* values, std::size_t pixels, int x, int y);
 
     std::unique_ptr<OIIO::ImageInput> file_;
     int level_ = 0;
     bool is_encoded_ = false;
     PictureEncoding encoding_;
+    RefusedValues* refused_ = nullptr;
     std::vector<float> table_;  // of 8 bits
 };
 

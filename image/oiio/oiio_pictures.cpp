@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/first_error.h"
+#include "base/size.h"
 #include "image/oiio/intact.h"
 #include "image/oiio/linear_input.h"
 
@@ -74,7 +76,7 @@ class OiioPictures final : public Pictures {
             intact_.insert(path);
         }
         const OIIO::ustring name(fmt::format("{}#{}", path, handles_.size()));
-        const OIIO::ImageSpec config = LinearInput::configuration(path, encoding);
+        const OIIO::ImageSpec config = LinearInput::configuration(path, encoding, &refused_[in_messages]);
         cache_->add_file(name, LinearInput::create, &config);
         OIIO::ImageSpec spec;
         if (!cache_->get_imagespec(name, spec, 0, 0, true)) return error_of(file, cache_->geterror());
@@ -116,6 +118,16 @@ class OiioPictures final : public Pictures {
     }
 
     Status status() const override { return error_ ? error_.status() : Status{}; }
+
+    std::vector<std::string> warnings() const override {
+        std::vector<std::string> out;
+        for (const auto& [name, refused] : refused_) {
+            if (const std::uint64_t count = refused.count(); count > 0)
+                out.push_back(fmt::format("{}: {} NaN or infinite, and count as 0", name,
+                                          counted(count, "value") + (count == 1 ? " is" : " are")));
+        }
+        return out;
+    }
 
     Result<WholePicture> read(const std::string& path, const PictureEncoding& encoding) const override {
         const FileName file{path, path};
@@ -254,7 +266,8 @@ class OiioPictures final : public Pictures {
     OIIO::TextureSystem* textures_;
     OIIO::ImageCache* cache_;
     std::vector<Handle> handles_;
-    std::set<std::string> intact_;  // paths
+    std::set<std::string> intact_;                  // paths
+    std::map<std::string, RefusedValues> refused_;  // by names in messages
     mutable FirstError error_;
 };
 

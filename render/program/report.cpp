@@ -68,7 +68,8 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"checkpoints_written", report.written.checkpoints_written},
                           {"nan", report.faults.nan},
                           {"infinite", report.faults.infinite},
-                          {"negative", report.faults.negative}};
+                          {"negative", report.faults.negative},
+                          {"warnings", job.integrator->warnings()}};
         return json_text(out) + "\n";
     }
     std::string rendered =

@@ -1,6 +1,8 @@
 #include "render/texture/image_texture.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace latent::render {
 
@@ -68,8 +70,8 @@ std::array<float, 4> ImageLookup::at(const TexturePoint& point) const {
     pictures_->lookup(info_.index, sampling_, st.x, st.y, {c.dstdx.x, -c.dstdx.y}, {c.dstdy.x, -c.dstdy.y}, out);
     if (info_.channels < 4) out[3] = 1;
     for (float& x : out) {
-        x = invert_ ? 1 - scale_ * x : scale_ * x;
-        x = x > 0 && x < kInfinity ? x : 0;
+        x = invert_ ? std::max(0.0f, 1 - scale_ * x) : scale_ * x;
+        if (!std::isfinite(x)) x = 0;
     }
     return out;
 }
@@ -98,14 +100,14 @@ const SampledSpectrum* SpectrumImage::at(const TexturePoint& point) const {
     const std::array<float, 4> x = image_.at(point);
     SampledSpectrum& out = point.spectra->allocate();
     if (image_.info().channels == 1) {
-        out = SampledSpectrum(role_ == SpectrumRole::kReflectance ? std::min(x[0], 1.0f) : x[0]);
+        out = SampledSpectrum(std::clamp(x[0], 0.0f, role_ == SpectrumRole::kReflectance ? 1 : std::numeric_limits<float>::max()));
         return &out;
     }
     float rgb[3] = {x[0], x[1], x[2]};
     if (convert_) {
-        for (std::size_t i = 0; i < 3; ++i)
-            rgb[i] = std::max(0.0f, matrix_[i][0] * x[0] + matrix_[i][1] * x[1] + matrix_[i][2] * x[2]);
+        for (std::size_t i = 0; i < 3; ++i) rgb[i] = matrix_[i][0] * x[0] + matrix_[i][1] * x[1] + matrix_[i][2] * x[2];
     }
+    for (float& channel : rgb) channel = std::max(channel, 0.0f);
     colors_.evaluate(rgb, role_, *point.spectra, out);
     return &out;
 }

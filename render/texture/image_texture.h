@@ -15,7 +15,7 @@ class ImageLookup {
     ImageLookup(const TextureDescription& description, const image::Pictures& pictures, const image::PictureInfo& info);
 
     const image::PictureInfo& info() const { return info_; }
-    // scale x, or 1 - scale x, of each channel, not below 0. Without a channel for alpha, x = 1 there.
+    // scale x, or max(0, 1 - scale x), of each channel. Without a channel for alpha, x = 1 there.
     std::array<float, 4> at(const TexturePoint& point) const;
 
  private:

@@ -25,6 +25,7 @@ class Textures {
 
     // The first error of a picture that could not be read when it was needed: what has been rendered since is wrong.
     Status status() const { return pictures_ ? pictures_->status() : Status{}; }
+    std::vector<std::string> warnings() const { return pictures_ ? pictures_->warnings() : std::vector<std::string>{}; }
 
     // The parameter that `input` describes. Textures live as long as this.
     FloatSource source(const FloatInput& input) const;

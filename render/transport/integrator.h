@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "render/light/light_choice.h"
@@ -58,6 +59,8 @@ class Integrator {
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
     // An error: what has been traced since the last call without one is wrong. Any thread.
     virtual Status status() const { return {}; }
+    // What the scene's files turned out to hold when they were needed, one line each. Any thread.
+    virtual std::vector<std::string> warnings() const { return {}; }
     // Tests of visibility between two points since this was made; one may go on through interfaces. While nobody traces.
     virtual std::uint64_t shadow_rays() const { return 0; }
 };

@@ -35,6 +35,7 @@ class Transport : public Integrator {
     bool has_light_tree() const final { return world_->lights().has_tree(); }
     std::uint32_t light_paths_per_sample() const override { return 0; }
     Status status() const final { return world_->textures().status(); }
+    std::vector<std::string> warnings() const final { return world_->textures().warnings(); }
     std::uint64_t shadow_rays() const final;
 
  protected:

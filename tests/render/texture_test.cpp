@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <thread>
 
@@ -20,6 +21,7 @@
 namespace latent::render {
 namespace {
 
+using ::testing::ElementsAre;
 using testing::Folder;
 using ::testing::HasSubstr;
 
@@ -72,6 +74,12 @@ Shape "sphere"
     const SampledSpectrum& spectrum_at(float u, float v) {
         point_.uv = {u, v};
         return spectrum_.at(point_);
+    }
+    // A grey picture of floats.
+    void write_floats(const std::string& name, int width, int height, const std::vector<float>& rows_from_the_bottom) const {
+        folder_.write(name, fmt::format("Pf\n{} {}\n-1.0\n", width, height) +
+                                std::string(reinterpret_cast<const char*>(rows_from_the_bottom.data()),
+                                            rows_from_the_bottom.size() * sizeof(float)));
     }
     // A grey picture of 8 bits.
     void write_grey(const std::string& name, int width, int height, const std::vector<int>& values) const {
@@ -513,6 +521,40 @@ TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
     ASSERT_FALSE(textures_->status());
     EXPECT_THAT(textures_->status().error().message,
                 ::testing::ContainsRegex("room.pbrt:[0-9]+:1: [^\n]*p.pgm: cannot be read as a picture"));
+}
+
+TEST_F(TextureTest, AFloatPictureKeepsItsSign) {
+    write_floats("p.pfm", 2, 1, {-0.5f, 1.5f});
+    const auto load = [&](const std::string& parameters) {
+        load_float("\"imagemap\" \"string filename\" \"p.pfm\" \"string filter\" \"point\" " + parameters);
+    };
+    load("");
+    EXPECT_EQ(at(0.25f, 0.5f), -0.5f);
+    EXPECT_EQ(at(0.75f, 0.5f), 1.5f);
+    load("\"float scale\" -2");
+    EXPECT_EQ(at(0.25f, 0.5f), 1);
+    EXPECT_EQ(at(0.75f, 0.5f), -3);
+    load("\"bool invert\" true");
+    EXPECT_EQ(at(0.25f, 0.5f), 1.5f);
+    EXPECT_EQ(at(0.75f, 0.5f), 0);
+    load_spectrum("\"imagemap\" \"string filename\" \"p.pfm\" \"string filter\" \"point\"");
+    for (const float x : spectrum_at(0.25f, 0.5f).v) EXPECT_EQ(x, 0);
+}
+
+TEST_F(TextureTest, ValuesThatAreNoNumberCountAsZeroAndAreCountedOnce) {
+    constexpr int kSide = 300;  // more than the cache holds, so its tiles are read again and again
+    std::vector<float> values(std::size_t{kSide} * kSide, 2.0f);
+    values[0] = std::numeric_limits<float>::quiet_NaN();
+    values[3] = values.back() = std::numeric_limits<float>::infinity();
+    write_floats("p.pfm", kSide, kSide, values);
+    load_float("\"imagemap\" \"string filename\" \"p.pfm\" \"string filter\" \"bilinear\"", 1 << 18);
+    EXPECT_TRUE(textures_->warnings().empty());
+    const float texel = 1.0f / kSide;
+    for (int round = 0; round < 3; ++round) {
+        for (int y = 0; y < kSide; ++y) at(0.5f * texel, (static_cast<float>(y) + 0.5f) * texel);
+    }
+    EXPECT_NEAR(at(1.0f * texel, 0.5f * texel), 1, 1e-4);  // half of it is the texel that is no number
+    EXPECT_THAT(textures_->warnings(), ElementsAre(::testing::EndsWith("p.pfm: 3 values are NaN or infinite, and count as 0")));
 }
 
 // Libraries would write to standard error, or make what is missing grey.
