@@ -105,22 +105,14 @@ LoadedMesh tube_along(const std::vector<CubicBezier>& segments, const CurveWidth
     return tube;
 }
 
-// The frame turns with the curve and not about it: each is the one before, reflected twice [Wang08].
+// The frame turns with the curve and not about it.
 LoadedMesh tube_mesh(const std::vector<CubicBezier>& segments, const CurveWidth& width) {
     LoadedMesh mesh;
     const std::vector<Ring> rings = rings_of(segments, width);
     Vec3d x = rings.empty() ? Vec3d{} : across(rings.front().d);
     for (std::size_t i = 0; i < rings.size(); ++i) {
         const Ring& at = rings[i];
-        if (i > 0) {
-            const auto reflect = [](const Vec3d& v, const Vec3d& mirror) {
-                const double squared = dot(mirror, mirror);
-                return squared > 0 ? v - mirror * (2 * dot(mirror, v) / squared) : v;
-            };
-            const Vec3d step = at.p - rings[i - 1].p, turned = reflect(rings[i - 1].d, step);
-            x = reflect(reflect(x, step), at.d - turned);
-            x = normalize(x - at.d * dot(x, at.d));
-        }
+        if (i > 0) x = turned(x, rings[i - 1].d, at.d);
         const Vec3d y = cross(at.d, x);
         const auto first = static_cast<std::uint32_t>(mesh.positions.size());
         for (std::uint32_t k = 0; k <= kSides; ++k) {  // the seam twice: v is 0 and 1 there

@@ -36,6 +36,12 @@ std::span<const PbrtFeature> pbrt_replacements() {
     return replacements;
 }
 
+bool is_among(std::span<const PbrtFeature> features, std::string_view directive, std::string_view type) {
+    return std::ranges::any_of(features, [&](const PbrtFeature& feature) {
+        return feature.directive == directive && std::ranges::count(feature.types, type) > 0;
+    });
+}
+
 std::span<const PbrtFeature> pbrt_extensions() {
     static const PbrtFeature extensions[] = {
         {"Camera", {"latent:focaldistances", "latent:lensshift"}},

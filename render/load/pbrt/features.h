@@ -14,8 +14,10 @@ struct PbrtFeature {
     std::vector<std::string_view> types;
 };
 std::span<const PbrtFeature> pbrt_features();
-// Types that are accepted, with a warning, and replaced: Integrator "mlt".
+// Types that are accepted, with a note, and replaced: Integrator "mlt".
 std::span<const PbrtFeature> pbrt_replacements();
+// Whether the type of a directive is among them.
+bool is_among(std::span<const PbrtFeature> features, std::string_view directive, std::string_view type);
 // What may be said within a directive that pbrt-v4 does not know: parameters, types and values of parameters.
 std::span<const PbrtFeature> pbrt_extensions();
 

@@ -105,9 +105,6 @@ CameraDescription read_camera(const std::string& type, const ParameterList& list
 }
 
 void read_integrator(const std::string& type, const ParameterList& list, bool replaced, SceneDescription& scene) {
-    // All of these have the same picture as their limit.
-    static constexpr std::string_view kOurs[] = {"path", "volpath", "bdpt"},
-                                      kOthers[] = {"simplepath", "simplevolpath", "mlt", "sppm"};
     scene.integrator = type;
     scene.max_depth = static_cast<std::uint32_t>(list.integer("maxdepth", 5, 0, 1 << 30));
     if (list.flag("regularize", false)) list.warn("Integrator: \"regularize\" is ignored: reflections are not blurred");
@@ -117,9 +114,9 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
          "photonsperiteration", "radius", "seed", "cossample", "maxdistance", "function", "filename", "skipbad", "imagefilename"},
         "it belongs to another integrator");
     if (replaced) return list.report_unused();
-    if (std::ranges::find(kOthers, type) != std::end(kOthers)) {
+    if (is_among(pbrt_replacements(), "Integrator", type)) {  // with the same picture as their limit
         list.note(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
-    } else if (std::ranges::find(kOurs, type) == std::end(kOurs)) {
+    } else if (!is_among(pbrt_features(), "Integrator", type)) {
         list.error(unsupported("Integrator", type) + "; choose one with --integrator");
     }
     list.report_unused();
