@@ -1,4 +1,5 @@
-// render/light/scene_ball.h: the ball that holds the scene and the camera: infinite lights shine on it through disks outside of it.
+// render/light/scene_ball.h: the ball that holds the scene, the camera and the outermost medium: infinite lights shine on it
+// through disks outside of it.
 #pragma once
 
 #include "render/light/light_type.h"

@@ -19,7 +19,7 @@ class ScaledMedium;
 // Transmittance is the expectation of (1 - a_1) .. (1 - a_n), ratio tracking [Novak14].
 class HeterogeneousMedium : public Medium {
  public:
-    bool is_bounded() const override { return true; }
+    std::optional<Box> box() const override { return unit_cube_box(unit_from_world_.inverse().value_or(Affined{})); }
     bool is_tracked() const final { return true; }
     float deepest_cell(const SpectrumLibrary& library) const final;
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,

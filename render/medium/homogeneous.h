@@ -27,7 +27,7 @@ class HomogeneousMedium final : public Medium {
         parts_ = std::move(parts);
     }
 
-    bool is_bounded() const override { return false; }
+    std::optional<Box> box() const override { return std::nullopt; }
     bool is_emissive() const override { return emission_ != kNone; }
     Phase phase(const Vec3f& p, SampleState& sample) const override;
     MediumStep sample_step(const Segment& segment, Uniform u_wavelength, Uniform u, SampleState& sample, SampledSpectrum& value,

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "render/bsdf/phase.h"
 #include "render/medium/march.h"
 #include "render/sampling/sample_state.h"
+#include "render/scene/bounds.h"
 #include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
@@ -35,8 +37,8 @@ class Medium {
     // At a point; valid as long as the sample.
     virtual Phase phase(const Vec3f&, SampleState&) const { return phase_; }
 
-    // Nothing of it is far away, so light from infinity may come through it.
-    virtual bool is_bounded() const = 0;
+    // About all of it, in the world: light from infinity may come through. None: it is everywhere.
+    virtual std::optional<Box> box() const = 0;
     virtual bool is_emissive() const = 0;
     // Varies in space: what passes through it is found in steps, so that a shadow ray takes as long as the path to its next vertex.
     virtual bool is_tracked() const { return false; }

@@ -7,27 +7,20 @@
 
 namespace latent::render {
 
-struct SumMedium::Box {
-    Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-    explicit Box(const std::vector<Part>& parts) {
-        for (const Part& part : parts) {
-            if (!part.varied) continue;
-            const Affined world_from_unit = part.unit_from_world.inverse().value_or(Affined{});
-            for (int corner = 0; corner < 8; ++corner) {
-                const Vec3d p = world_from_unit.point(
-                    {static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1), static_cast<double>(corner >> 2)});
-                low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-                high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-            }
-        }
-    }
-    Affined world_from_unit() const {
-        const Vec3d size = high - low;
-        return {{size.x, 0, 0}, {0, size.y, 0}, {0, 0, size.z}, low};
-    }
-};
-
 namespace {
+
+Box box_of(const std::vector<SumMedium::Part>& parts) {
+    Box box;
+    for (const SumMedium::Part& part : parts) {
+        if (part.varied) box.add(unit_cube_box(part.unit_from_world.inverse().value_or(Affined{})));
+    }
+    return box;
+}
+
+Affined world_from_unit(const Box& box) {
+    const Vec3d size = box.high - box.low;
+    return {{size.x, 0, 0}, {0, size.y, 0}, {0, 0, size.z}, box.low};
+}
 
 // A box of the sum's unit cube in that of a part: the box about its image.
 struct Image {
@@ -44,12 +37,12 @@ struct Image {
 
 constexpr std::uint32_t kCells = 32;  // along each axis
 
-MajorantGrid majorants_of(const std::vector<SumMedium::Part>& parts, const Affined& world_from_unit, MajorantGrid::Cell outside) {
+MajorantGrid majorants_of(const std::vector<SumMedium::Part>& parts, const Affined& world_from_sum, MajorantGrid::Cell outside) {
     const auto max_between = [&](const Vec3f& low, const Vec3f& high) {
         float most = outside.max;
         for (const SumMedium::Part& part : parts) {
             if (!part.varied) continue;
-            const Image image(part.unit_from_world * world_from_unit, low, high);
+            const Image image(part.unit_from_world * world_from_sum, low, high);
             most += part.max_sigma_t * part.varied->majorants().max_between(image.low, image.high);
         }
         return most * (1 + 1e-5f);
@@ -58,7 +51,7 @@ MajorantGrid majorants_of(const std::vector<SumMedium::Part>& parts, const Affin
         float mean = outside.mean;
         for (const SumMedium::Part& part : parts) {
             if (!part.varied) continue;
-            const Vec3f in_part((part.unit_from_world * world_from_unit).point(Vec3d(p)));
+            const Vec3f in_part((part.unit_from_world * world_from_sum).point(Vec3d(p)));
             mean += part.mean_sigma_t * part.varied->majorants().mean_at(in_part);
         }
         return mean;
@@ -78,15 +71,15 @@ MajorantGrid::Cell outside_of(const std::vector<SumMedium::Part>& parts) {
 
 }  // namespace
 
-SumMedium::SumMedium(std::vector<Part> parts, std::uint32_t one) : SumMedium(std::move(parts), one, Box(parts)) {}
+SumMedium::SumMedium(std::vector<Part> parts, std::uint32_t one) : SumMedium(std::move(parts), one, box_of(parts)) {}
 
 SumMedium::SumMedium(std::vector<Part>&& parts, std::uint32_t one, const Box& box)
-    : HeterogeneousMedium(PhaseFunction{}, box.world_from_unit().inverse().value_or(Affined{}), one,
-                          majorants_of(parts, box.world_from_unit(), outside_of(parts)), outside_of(parts)) {
+    : HeterogeneousMedium(PhaseFunction{}, world_from_unit(box).inverse().value_or(Affined{}), one,
+                          majorants_of(parts, world_from_unit(box), outside_of(parts)), outside_of(parts)) {
     for (Part& part : parts) {
         is_bounded_ = is_bounded_ && part.varied;
         is_emissive_ = is_emissive_ || (part.varied ? part.varied->is_emissive() : part.emission != kNone);
-        const Affinef unit_from_sum(part.unit_from_world * box.world_from_unit());
+        const Affinef unit_from_sum(part.unit_from_world * world_from_unit(box));
         parts_.push_back({std::move(part), unit_from_sum});
     }
 }

@@ -22,7 +22,7 @@ class SumMedium final : public HeterogeneousMedium {
     // At most PhaseMixture::kMost parts. `one`: the spectrum that is 1 everywhere.
     SumMedium(std::vector<Part> parts, std::uint32_t one);
 
-    bool is_bounded() const override { return is_bounded_; }
+    std::optional<Box> box() const override { return is_bounded_ ? HeterogeneousMedium::box() : std::nullopt; }
     bool is_emissive() const override { return is_emissive_; }
     Phase phase(const Vec3f& p, SampleState& sample) const override;
 
@@ -31,7 +31,7 @@ class SumMedium final : public HeterogeneousMedium {
     bool emission(const Vec3f& p, SampleState& sample, SampledSpectrum& out) const override;
 
  private:
-    struct Box;  // that all parts lie in which vary
+    // `box`: that all parts lie in which vary.
     SumMedium(std::vector<Part>&& parts, std::uint32_t one, const Box& box);
     // Calls visit(part, p) with p in the unit cube of each part that is there.
     template <class Visit>

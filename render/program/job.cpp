@@ -60,7 +60,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 constexpr std::uint64_t kAovTag = 0x616f760000000000;     // "aov"
 constexpr std::uint64_t kHolesTag = 0x686f6c6573330000;   // "holes3"
 constexpr std::uint64_t kMediaTag = 0x6d656469610000;     // "media"
-constexpr std::uint64_t kVariedTag = 0x7661726965640000;  // "varied"
+constexpr std::uint64_t kVariedTag = 0x7661726965643200;  // "varied2"
 constexpr std::uint64_t kReliefTag = 0x72656c6965660000;  // "relief"
 constexpr std::uint64_t kTreeTag = 0x74726565000000;      // "tree": where lights are chosen by place, records differ too
 

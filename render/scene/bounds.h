@@ -17,6 +17,15 @@ struct Box {
         low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
+    void add(const Box& b) {
+        add(b.low);
+        add(b.high);
+    }
+    // The distance of its farthest point from p.
+    double reach(const Vec3d& p) const {
+        return length(
+            Vec3d(std::max(p.x - low.x, high.x - p.x), std::max(p.y - low.y, high.y - p.y), std::max(p.z - low.z, high.z - p.z)));
+    }
     // Its point that is nearest to p.
     Vec3d nearest(const Vec3d& p) const {
         return {std::clamp(p.x, low.x, high.x), std::clamp(p.y, low.y, high.y), std::clamp(p.z, low.z, high.z)};
@@ -25,6 +34,14 @@ struct Box {
  private:
     static constexpr double kEmpty = std::numeric_limits<double>::infinity();
 };
+
+// About the image of the unit cube.
+inline Box unit_cube_box(const Affined& m) {
+    Box box;
+    for (int corner = 0; corner < 8; ++corner)
+        box.add(m.point({static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1), static_cast<double>(corner >> 2)}));
+    return box;
+}
 
 // About a whole quadric, in the space that it is mapped to: the image of the ball (disk) of radius r reaches r |row of the linear
 // part| along each axis, that of a cylinder its axis further.

@@ -62,8 +62,13 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
 
     if (world->has_media()) world->medium_at_infinity_ = world->find_medium_at_infinity();
 
-    // The disks of infinite lights cover the camera too, so that their light can fall on a lens.
+    // The disks of infinite lights cover the camera too, so that their light can fall on a lens, and the outermost medium.
     float radius = geometry.radius();
+    if (world->medium_at_infinity_ != kNone) {
+        const std::optional<Box> box = world->medium(world->medium_at_infinity_).box();
+        world->is_open_ = box.has_value();
+        if (box) radius = std::max(radius, static_cast<float>(box->reach(Vec3d(geometry.center()))) * (1 + 1e-3f));
+    }
     for (const float time : {0.0f, 1.0f}) {
         const Camera camera_then = world->camera_at(time).value_or(world->camera_);
         radius = std::max(radius, length(camera_then.center() - geometry.center()) + 1e-3f * geometry.radius());

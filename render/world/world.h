@@ -49,7 +49,7 @@ class World {
     bool has_dispersion() const { return has_dispersion_; }
     // What is beyond everything. Light from infinity comes through no medium without end.
     std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
-    bool is_open() const { return medium_at_infinity_ == kNone || medium(medium_at_infinity_).is_bounded(); }
+    bool is_open() const { return is_open_; }
 
     // What the surface at `hit` does to light; valid as long as `spectra` stays at this sample.
     Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
@@ -86,6 +86,7 @@ class World {
     std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<LightSet> lights_;
     std::uint32_t medium_at_infinity_ = kNone;
+    bool is_open_ = true;
     bool has_dispersion_ = false, has_interfaces_ = false;
 };
 

@@ -91,13 +91,36 @@ TEST(Furnace, HoldsWavelengthByWavelength) {
     EXPECT_GT(mean.back(), 1 + 0.1);
 }
 
-// What absorbs nothing cannot be seen before a uniform infinite light: glass, panes, fog; with few wavelengths or many.
+// What absorbs nothing cannot be seen before a uniform infinite light: Y = 1, and the colour is the light's.
+void expect_unseen(const Scene& scene, const char* name) {
+    const color::Xyz white = xyz_from_spectrum(color::illuminant_d65(), color::Observer::cie1931());
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        for (const std::uint32_t k : {4u, 28u, 32u}) {
+            SCOPED_TRACE(fmt::format("{}, {}, {} wavelengths", name, kind == IntegratorKind::kPath ? "path" : "bdpt", k));
+            const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = kUnlimited, .batch = k, .seed = 7}, 40'000);
+            const double expected[3] = {white.x / white.y, 1, white.z / white.y};
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_LT(mean.error[c], 0.02);
+                EXPECT_NEAR(mean.xyz[c], expected[c], 4 * mean.error[c] + 2e-4);
+            }
+        }
+    }
+}
+
+std::string view_from(double distance) {
+    return fmt::format(
+        "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nLookAt 0 0 -{}  0 0 0  0 1 0\nCamera \"perspective\" "
+        "\"float fov\" 40\nWorldBegin\nLightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n",
+        distance);
+}
+
+// Glass, panes, fog; with few wavelengths or many.
 TEST(Furnace, NothingThatAbsorbsNothingShowsBeforeAUniformInfiniteLight) {
     const std::string fog =
         "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0 830 0] \"spectrum sigma_s\" [360 3 "
         "830 1] "
         "\"float g\" 0.4\nMediumInterface \"fog\" \"\"\n";
-    const std::vector<std::pair<std::string, std::string>> cases = {
+    const std::vector<std::pair<const char*, std::string>> cases = {
         {"glass", "Material \"dielectric\" \"float eta\" 1.5\n"},
         {"dispersive glass", "Material \"dielectric\" \"spectrum eta\" \"glass-SF11\"\n"},
         {"pane", "Material \"thindielectric\" \"float eta\" 1.5\n"},
@@ -105,25 +128,25 @@ TEST(Furnace, NothingThatAbsorbsNothingShowsBeforeAUniformInfiniteLight) {
         {"fog", fog + "Material \"interface\"\n"},
         {"fog in glass", fog + "Material \"dielectric\" \"float eta\" 1.5\n"},
     };
-    const color::Xyz white = xyz_from_spectrum(color::illuminant_d65(), color::Observer::cie1931());
-    for (const auto& [name, text] : cases) {
-        const Scene scene = scene_from(
-            "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nLookAt 0 0 -3  0 0 0  0 1 0\nCamera "
-            "\"perspective\" "
-            "\"float fov\" 40\nWorldBegin\nLightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"\n" +
-            text + "Shape \"sphere\"\n");
-        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
-            for (const std::uint32_t k : {4u, 28u, 32u}) {
-                SCOPED_TRACE(fmt::format("{}, {}, {} wavelengths", name, kind == IntegratorKind::kPath ? "path" : "bdpt", k));
-                const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = kUnlimited, .batch = k, .seed = 7}, 40'000);
-                const double expected[3] = {white.x / white.y, 1, white.z / white.y};
-                for (std::size_t c = 0; c < 3; ++c) {
-                    EXPECT_LT(mean.error[c], 0.02);
-                    EXPECT_NEAR(mean.xyz[c], expected[c], 4 * mean.error[c] + 2e-4);
-                }
-            }
-        }
-    }
+    for (const auto& [name, text] : cases) expect_unseen(scene_from(view_from(3) + text + "Shape \"sphere\"\n"), name);
+}
+
+// Nor does fog that reaches far beyond the shapes and the camera, one or several in the same place.
+TEST(Furnace, NorDoesFogThatReachesBeyondTheShapes) {
+    const auto grid = [](const char* name, double low, double high) {
+        return fmt::format(
+            "MakeNamedMedium \"{}\" \"string type\" \"uniformgrid\" \"integer nx\" 1 \"integer ny\" 1 \"integer nz\" 1 \"float "
+            "density\" 1 \"point3 p0\" [{} -2 -2] \"point3 p1\" [{} 2 2] \"spectrum sigma_a\" [360 0 830 0] \"spectrum sigma_s\" "
+            "[360 .5 830 .2]\n",
+            name, low, high);
+    };
+    const std::string inside = "MediumInterface \"\" \"fog\"\n",
+                      glass = "Material \"dielectric\"\nShape \"sphere\" \"float radius\" .1\n";
+    expect_unseen(scene_from(grid("fog", -2, 2) + inside + view_from(0.5) + inside + glass), "one");
+    expect_unseen(scene_from(grid("a", -2, 1) + grid("b", -1, 2) +
+                             "MakeNamedMedium \"fog\" \"string type\" \"latent:sum\" \"string latent:media\" [\"a\" \"b\"]\n" +
+                             inside + view_from(0.5) + inside + glass),
+                  "two");
 }
 
 // A grey floor in z = 0 at the origin under one light: Y = rho / pi E, E the illuminance by `power` or `illuminance` of the scene.

@@ -126,7 +126,7 @@ class Overlap : public ::testing::Test {
 };
 
 TEST_F(Overlap, TransmittanceIsTheProductAndScatteringTheSum) {
-    EXPECT_FALSE(sum_->is_bounded());
+    EXPECT_FALSE(sum_->box());
     constexpr int kCount = 100'000;
     std::array<std::array<double, 3>, 28> sums{}, squares{};
     Numbers u(3);
