@@ -149,7 +149,7 @@ CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, con
     const auto parse = [least, most, range](const std::string& text) -> Result<double> {
         const Result<double> number = parse_number(text);
         if (number && *number >= least && *number <= most) return number;
-        return Error{ErrorCode::kUsage, fmt::format("'{}' is not {}", text, number ? range : "a number")};
+        return usage_error(fmt::format("'{}' is not {}", text, number ? range : "a number"));
     };
     return add_parsed(app, name, value, parse, help)->type_name("X")->default_str(fmt::format("{}", value));
 }
@@ -215,7 +215,7 @@ CLI::Validator ends_in(const std::string& extension) {
 Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t least, std::uint64_t most) {
     const Result<std::uint64_t> count = parse_count(text);
     if (count && (*count < least || *count > most))
-        return Error{ErrorCode::kUsage, fmt::format("'{}' is not between {} and {}", text, least, most)};
+        return usage_error(fmt::format("'{}' is not between {} and {}", text, least, most));
     return count;
 }
 

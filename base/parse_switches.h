@@ -30,7 +30,7 @@ Result<Switches> parse_switches(std::string_view text, const Switch<Switches> (&
             if (name == its_name) switches.*member = found = true;
             names.append(names.empty() ? "" : ",").append(its_name);
         }
-        if (!found) return Error{ErrorCode::kUsage, fmt::format("'{}' is not {} (try {})", name, what, names)};
+        if (!found) return usage_error(fmt::format("'{}' is not {} (try {})", name, what, names));
         if (comma == std::string_view::npos) return switches;
         rest.remove_prefix(comma + 1);
     }

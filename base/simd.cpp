@@ -25,8 +25,7 @@ Result<std::string_view> choose_simd(std::string_view asked, const std::vector<s
     if (asked == "best") return best;
     const auto found = std::ranges::find(offered, asked);
     if (found != offered.end()) return *found;
-    return Error{ErrorCode::kUsage,
-                 fmt::format("--simd {}: not available; this processor supports {}", asked, fmt::join(offered, ", "))};
+    return usage_error(fmt::format("--simd {}: not available; this processor supports {}", asked, fmt::join(offered, ", ")));
 }
 
 }  // namespace latent

@@ -63,7 +63,7 @@ Result<Samples> read(const char* name) {
     const Gathering& gathering = **opened;
     Job job = gathering.job();
     if (job.precision != kFullPrecision)
-        return Error{ErrorCode::kUsage, fmt::format("{}: values of {} bits; render with --precision 23", name, job.precision)};
+        return usage_error(fmt::format("{}: values of {} bits; render with --precision 23", name, job.precision));
     Samples samples;
     samples.job = job.id;
     PageDecoder decoder;

@@ -11,16 +11,14 @@
 
 namespace latent::c {
 
-inline Error usage(std::string message) { return {ErrorCode::kUsage, std::move(message)}; }
-
 // A struct of the caller, whose header may be older (fewer fields: the others are 0) or newer (what is behind must be 0). `least`:
 // its size in the first version. Errors: kUsage, kUnsupported.
 template <class T>
 Result<T> taken(const T* from, std::size_t least, const char* name) {
     static_assert(std::is_trivially_copyable_v<T>);
-    if (from == nullptr) return usage(std::string(name) + " is null");
+    if (from == nullptr) return usage_error(std::string(name) + " is null");
     if (from->size < least || from->size > std::size_t{1} << 16)
-        return usage(std::string(name) + ".size is not the size of the struct");
+        return usage_error(std::string(name) + ".size is not the size of the struct");
     const auto* bytes = reinterpret_cast<const unsigned char*>(from);
     for (std::size_t i = sizeof(T); i < from->size; ++i) {
         if (bytes[i] != 0)
@@ -35,9 +33,9 @@ Result<T> taken(const T* from, std::size_t least, const char* name) {
 template <class T>
 Status give(const T& value, T* to, std::size_t least, const char* name) {
     static_assert(std::is_trivially_copyable_v<T>);
-    if (to == nullptr) return usage(std::string(name) + " is null");
+    if (to == nullptr) return usage_error(std::string(name) + " is null");
     const std::size_t size = to->size;
-    if (size < least || size > std::size_t{1} << 16) return usage(std::string(name) + ".size is not the size of the struct");
+    if (size < least || size > std::size_t{1} << 16) return usage_error(std::string(name) + ".size is not the size of the struct");
     std::memset(to, 0, size);
     std::memcpy(to, &value, std::min(size, sizeof(T)));
     to->size = size;

@@ -43,7 +43,7 @@ Result<Job> job_from(const latent_job* from) {
     if (given.sampler > LATENT_HALTON23) return Error{ErrorCode::kUnsupported, "job: unknown position sampler"};
     job.positions = {static_cast<PositionSampler>(given.sampler), given.shift_u, given.shift_v};
     if (given.knot_count > 0) {
-        if (given.knots == nullptr) return usage("job.knots is null");
+        if (given.knots == nullptr) return usage_error("job.knots is null");
         if (given.knot_count > 4096) return out_of_range("more than 4096 knots");
         std::vector<WavelengthDensity::Knot> knots;
         for (std::size_t i = 0; i < given.knot_count; ++i) knots.push_back({given.knots[i].wavelength, given.knots[i].cumulative});
@@ -52,10 +52,10 @@ Result<Job> job_from(const latent_job* from) {
         job.density = std::move(*density);
     }
     if (given.extra_count > kMaxExtraColumns) return out_of_range("more than 16 extra columns");
-    if (given.extra_count > 0 && given.extra == nullptr) return usage("job.extra is null");
+    if (given.extra_count > 0 && given.extra == nullptr) return usage_error("job.extra is null");
     for (std::size_t i = 0; i < given.extra_count; ++i) {
         const latent_column& column = given.extra[i];
-        if (column.name == nullptr) return usage("the name of an extra column is null");
+        if (column.name == nullptr) return usage_error("the name of an extra column is null");
         if (column.type < LATENT_U8 || column.type > LATENT_F64) return out_of_range("an extra column has an unknown type");
         job.extra.push_back({column.name, static_cast<ColumnType>(column.type)});
     }
@@ -72,11 +72,11 @@ using latent::Result, latent::Status, latent::sampledb::Job;
 latent_status latent_positions(const latent_job* job, const uint64_t* sample, size_t count, uint32_t* u, uint32_t* v,
                                latent_error* error) {
     return latent::c::guarded(error, [&]() -> Status {
-        if (count > 0 && (sample == nullptr || u == nullptr || v == nullptr)) return latent::c::usage("sample, u or v is null");
+        if (count > 0 && (sample == nullptr || u == nullptr || v == nullptr)) return usage_error("sample, u or v is null");
         const Result<Job> made = latent::c::job_from(job);
         if (!made) return made.error();
         if (made->positions.sampler == latent::sampledb::PositionSampler::kNone) {
-            return latent::c::usage("the job has no position sampler");
+            return usage_error("the job has no position sampler");
         }
         latent::sampledb::halton23(std::span(sample, count), made->positions, std::span(u, count), std::span(v, count));
         return {};
@@ -85,10 +85,10 @@ latent_status latent_positions(const latent_job* job, const uint64_t* sample, si
 
 latent_status latent_wavelengths(const latent_job* job, const uint32_t* xi, size_t count, float* lambda_nm, latent_error* error) {
     return latent::c::guarded(error, [&]() -> Status {
-        if (count > 0 && (xi == nullptr || lambda_nm == nullptr)) return latent::c::usage("xi or lambda_nm is null");
+        if (count > 0 && (xi == nullptr || lambda_nm == nullptr)) return usage_error("xi or lambda_nm is null");
         const Result<Job> made = latent::c::job_from(job);
         if (!made) return made.error();
-        if (made->density.empty()) return latent::c::usage("the job has no wavelength density");
+        if (made->density.empty()) return usage_error("the job has no wavelength density");
         for (size_t i = 0; i < count; ++i) made->density.batch(xi[i], std::span(lambda_nm + i * made->batch, made->batch));
         return {};
     });

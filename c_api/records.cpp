@@ -12,7 +12,7 @@ namespace {
 
 template <class T>
 Status copy(const T* from, std::size_t count, const char* name, std::vector<T>& to) {
-    if (count > 0 && from == nullptr) return usage(std::string("records: the column ") + name + " is null");
+    if (count > 0 && from == nullptr) return usage_error(std::string("records: the column ") + name + " is null");
     to.assign(from, from + count);
     return {};
 }
@@ -67,7 +67,7 @@ Result<Records> records_from(const Job& job, const latent_records* records) {
     for (std::size_t i = 0; i < job.extra.size(); ++i) {
         const ExtraColumnSpec& column = job.extra[i];
         to.extra.push_back({column.name, column.type, {}});
-        if (from.count > 0 && from.extra == nullptr) return usage("records: extra is null");
+        if (from.count > 0 && from.extra == nullptr) return usage_error("records: extra is null");
         const auto* bytes = from.count > 0 ? static_cast<const std::byte*>(from.extra[i]) : nullptr;
         if (Status s = copy(bytes, from.count * width(column.type), column.name.c_str(), to.extra.back().values); !s)
             return s.error();

@@ -14,7 +14,7 @@ constexpr Matrix3 kCat16Cones{
 Result<Cones> cones_by_name(std::string_view name) {
     if (name == "bradford") return Cones::kBradford;
     if (name == "cat16") return Cones::kCat16;
-    return Error{ErrorCode::kUsage, fmt::format("unknown adaptation \"{}\"; choose bradford or cat16", name)};
+    return usage_error(fmt::format("unknown adaptation \"{}\"; choose bradford or cat16", name));
 }
 
 Result<Matrix3> adaptation_matrix(Chromaticity from, Chromaticity to, Cones cones) {

@@ -14,7 +14,7 @@ Result<Observer> observer_by_name_or_file(const std::string& name) {
     std::error_code ignored;
     const bool is_file = std::filesystem::exists(name, ignored);
     if (!is_file && name.ends_with(".csv")) return Error{ErrorCode::kNotFound, name + ": no such file"};
-    if (!is_file) return Error{ErrorCode::kUsage, known.error().message};
+    if (!is_file) return usage_error(known.error().message);
     const Result<std::string> text = read_small_file(name, kMost, "a table of response curves");
     if (!text) return text.error();
     Result<Observer> observer = Observer::from_csv(*text, std::filesystem::path(name).filename().string());

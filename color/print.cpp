@@ -15,7 +15,7 @@ Result<Gamut> gamut_by_name(std::string_view name) {
     if (name == "luminance") return Gamut::kLuminance;
     if (name == "grey") return Gamut::kGrey;
     if (name == "clip") return Gamut::kClip;
-    return Error{ErrorCode::kUsage, fmt::format("unknown gamut mapping \"{}\"; choose luminance, grey or clip", name)};
+    return usage_error(fmt::format("unknown gamut mapping \"{}\"; choose luminance, grey or clip", name));
 }
 
 PrintReport& PrintReport::operator+=(const PrintReport& other) {

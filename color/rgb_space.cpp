@@ -62,8 +62,7 @@ Result<RgbSpace> RgbSpace::parse(std::string_view text) {
         const std::vector<double>& v = *numbers;
         return from_primaries(std::string(text), {{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}}, Transfer::srgb());
     }
-    return Error{ErrorCode::kUsage,
-                 fmt::format("\"{}\" is not an RGB space; choose {}or 8 numbers rx,ry,gx,gy,bx,by,wx,wy", text, choices)};
+    return usage_error(fmt::format("\"{}\" is not an RGB space; choose {}or 8 numbers rx,ry,gx,gy,bx,by,wx,wy", text, choices));
 }
 
 std::vector<std::string> RgbSpace::names() {

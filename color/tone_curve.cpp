@@ -60,17 +60,19 @@ Result<ToneCurve> ToneCurve::make(std::string_view name, double contrast, double
     else
         curve.name_.clear();
     if (curve.name_.empty() || (kind.size() < name.size() && curve.kind_ != Kind::kDensity))
-        return Error{ErrorCode::kUsage, fmt::format("'{}' is not a tone curve (choose film, linear, reinhard, filmic, density, "
-                                                    "density:GAMMA,TOE,SHOULDER or none)",
-                                                    name)};
+        return usage_error(
+            fmt::format("'{}' is not a tone curve (choose film, linear, reinhard, filmic, density, "
+                        "density:GAMMA,TOE,SHOULDER or none)",
+                        name));
     if (kind.size() < name.size()) {
         const auto numbers = parse_numbers(name.substr(kind.size() + 1));
         const auto within = [](double v, double least, double most) { return v >= least && v <= most; };
         if (!numbers || numbers->size() != 3 || !within((*numbers)[0], 0.2, 5) || !within((*numbers)[1], 0.05, 3) ||
             !within((*numbers)[2], 0.05, 3))
-            return Error{ErrorCode::kUsage, fmt::format("'{}': gamma must be 0.2 to 5, toe and shoulder 0.05 to 3 (try "
-                                                        "density:1.6,0.4,0.4)",
-                                                        name)};
+            return usage_error(
+                fmt::format("'{}': gamma must be 0.2 to 5, toe and shoulder 0.05 to 3 (try "
+                            "density:1.6,0.4,0.4)",
+                            name));
         curve.gamma_ = (*numbers)[0], curve.toe_ = (*numbers)[1], curve.shoulder_ = (*numbers)[2];
     }
     if (curve.kind_ == Kind::kDensity) {

@@ -93,12 +93,10 @@ Error no_picture(Entries entries, const std::string& layer) {
     constexpr std::size_t kEnough = 12;
     if (const std::set<std::string> layers = layers_of(entries); !layers.empty()) {
         const std::vector<std::string> some(layers.begin(), std::next(layers.begin(), std::min(kEnough, layers.size())));
-        if (!layer.empty())
-            return Error{ErrorCode::kUsage, fmt::format("no layer {}; the file has {}", layer, fmt::join(some, ", "))};
-        return Error{ErrorCode::kUsage,
-                     fmt::format("its colours are in layers; choose one with --layer: {}", fmt::join(some, ", "))};
+        if (!layer.empty()) return usage_error(fmt::format("no layer {}; the file has {}", layer, fmt::join(some, ", ")));
+        return usage_error(fmt::format("its colours are in layers; choose one with --layer: {}", fmt::join(some, ", ")));
     }
-    if (!layer.empty()) return Error{ErrorCode::kUsage, fmt::format("no layer {}; the file has none", layer)};
+    if (!layer.empty()) return usage_error(fmt::format("no layer {}; the file has none", layer));
     std::string names;
     for (std::size_t i = 0; i < std::min(entries.size(), kEnough); ++i)
         names += fmt::format("{}{}", names.empty() ? "" : ", ", entries[i].name.str);

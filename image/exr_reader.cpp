@@ -189,9 +189,8 @@ Status ExrReader::File::find_blocks(int wanted_level) {
         good = exr_get_scanlines_per_chunk(context, 0, &image.block_height) == EXR_ERR_SUCCESS;
     }
     if (good && (wanted_level < 0 || wanted_level >= image.levels)) {
-        return Error{ErrorCode::kUsage,
-                     fmt::format("{}: no mip level {}; the file has {}", path.string(), wanted_level,
-                                 image.levels == 1 ? "level 0 only" : fmt::format("levels 0 to {}", image.levels - 1))};
+        return usage_error(fmt::format("{}: no mip level {}; the file has {}", path.string(), wanted_level,
+                                       image.levels == 1 ? "level 0 only" : fmt::format("levels 0 to {}", image.levels - 1)));
     }
     level = wanted_level;
     if (good && level > 0) {

@@ -52,7 +52,7 @@ class Compressor {
     void write_to(File* file) { file_ = file; }
 
     Status start() {
-        if (format_.sample != SampleType::kU8) return Error{ErrorCode::kUsage, "JPEG holds 8 bits (--bits 8)"};
+        if (format_.sample != SampleType::kU8) return usage_error("JPEG holds 8 bits (--bits 8)");
         if (format_.width > JPEG_MAX_DIMENSION || format_.height > JPEG_MAX_DIMENSION) {
             return Error{ErrorCode::kOutOfRange,
                          fmt::format("a JPEG has at most {} pixels a side, and this picture has {} x {}; use .tif, .png or .dzi",

@@ -70,7 +70,7 @@ void append_chunk(Bytes& out, const char* type, ByteSpan data) {
 
 // The signature and all chunks before the pixels.
 Result<Bytes> head(const PixelFormat& format, const ImageTags& tags) {
-    if (format.sample == SampleType::kF32) return Error{ErrorCode::kUsage, "PNG has 8 or 16 bits, not floats"};
+    if (format.sample == SampleType::kF32) return usage_error("PNG has 8 or 16 bits, not floats");
     Bytes out;
     std::string fault;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &fault, refuse, ignore_warning);

@@ -126,20 +126,19 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
 Result<sampledb::SampleRange> range_of(const RenderSettings& settings, const Resolution& pixels, const sampledb::Job& job) {
     const double count = std::ceil(settings.spp * pixels.width * pixels.height);
     if (!settings.samples && count >= 0x1p62)
-        return Error{ErrorCode::kUsage, fmt::format("--spp {}: too large; a job has fewer than 2^62 samples", settings.spp)};
-    if (!settings.samples && !(count >= 1))
-        return Error{ErrorCode::kUsage, fmt::format("--spp {}: not a number of samples", settings.spp)};
+        return usage_error(fmt::format("--spp {}: too large; a job has fewer than 2^62 samples", settings.spp));
+    if (!settings.samples && !(count >= 1)) return usage_error(fmt::format("--spp {}: not a number of samples", settings.spp));
     sampledb::SampleRange all = settings.samples.value_or(sampledb::SampleRange{0, static_cast<std::uint64_t>(count)});
     if (!settings.more_than.empty()) {
         const Result<std::uint64_t> end = end_of_samples(settings.more_than, settings.output, job);
         if (!end) return end.error();
         if (*end >= all.end)
-            return Error{ErrorCode::kUsage,
-                         fmt::format("--spp {}: makes samples 0:{}, and the files of --more-than go to {}; use a larger --spp",
-                                     settings.spp, all.end, *end)};
+            return usage_error(
+                fmt::format("--spp {}: makes samples 0:{}, and the files of --more-than go to {}; use a larger --spp", settings.spp,
+                            all.end, *end));
         all.first = *end;
     }
-    if (all.empty()) return Error{ErrorCode::kUsage, fmt::format("--samples {}:{}: is empty", all.first, all.end)};
+    if (all.empty()) return usage_error(fmt::format("--samples {}:{}: is empty", all.first, all.end));
     return all;
 }
 
@@ -228,7 +227,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     if (settings.light_groups) job.extra = {{kLightGroupColumn, sampledb::ColumnType::kU8}};
     for (sampledb::ExtraColumnSpec& column : aov_columns(settings.aovs)) job.extra.push_back(std::move(column));
     job.id = job_id(content, description, integrator_options, *out->integrator, job);
-    if (const Status valid = job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
+    if (const Status valid = job.validate(); !valid) return usage_error(valid.error().message);
 
     out->resolution = settings.resolution.value_or(Resolution{description.film.width, description.film.height});
     const Result<sampledb::SampleRange> all = range_of(settings, out->resolution, job);

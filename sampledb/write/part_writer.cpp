@@ -32,9 +32,8 @@ PartWriter::~PartWriter() = default;
 Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options, const Job& job) {
     if (Status s = job.validate(); !s) return s.error();
     if (options.range.size() > kMaxRunsPerFile * job.run_samples) {
-        return Error{ErrorCode::kUsage,
-                     fmt::format("samples {}:{}: more than {} runs of {} samples, the maximum of a part; write several parts",
-                                 options.range.first, options.range.end, kMaxRunsPerFile, job.run_samples)};
+        return usage_error(fmt::format("samples {}:{}: more than {} runs of {} samples, the maximum of a part; write several parts",
+                                       options.range.first, options.range.end, kMaxRunsPerFile, job.run_samples));
     }
     if (options.force) {
         if (Status s = remove_everything(options.path); !s) return s.error();
@@ -95,8 +94,8 @@ Status PartWriter::finish() {
         // Where another writer has published the part, the committer is about to close the window, if it has not yet.
         const Coverage unsubmitted = parts_->window.unsubmitted();
         if (!published_elsewhere() && !parts_->window.closed() && !unsubmitted.empty()) {
-            return Error{ErrorCode::kUsage,
-                         fmt::format("{}: samples {} were not submitted", parts_->options.path.string(), to_string(unsubmitted))};
+            return usage_error(
+                fmt::format("{}: samples {} were not submitted", parts_->options.path.string(), to_string(unsubmitted)));
         }
         parts_->committer->wait();
         if (Status s = parts_->committer->status(); !s) return s;

@@ -75,8 +75,8 @@ Result<BandPlan> plan_bands(const image::ExrImage& image, const Rect& area, cons
     while (!fits(height, 1) && height > 2) height = multiple(2, height / 2);
     if (!fits(height, 1)) {
         const std::size_t needed = fixed + 2 * need.bytes_per_row;
-        return Error{ErrorCode::kUsage, fmt::format("--memory: too small; a picture {} pixels wide needs at least {}M",
-                                                    area.width(), (needed >> 20) + 1)};
+        return usage_error(
+            fmt::format("--memory: too small; a picture {} pixels wide needs at least {}M", area.width(), (needed >> 20) + 1));
     }
     plan.block_step_y = std::min(plan.block_step_y, height);
     plan.band_ends = cuts(area.y0, area.y1, plan.origin_y, height);

@@ -35,10 +35,10 @@ struct ToneChoice {
 Result<ToneChoice> tone_of(const ConvertOptions& options) {
     if (options.tone == "none") {
         if (options.contrast == 1 && options.black == 0) return ToneChoice{color::Tone::kNone, {}};
-        return Error{ErrorCode::kUsage, "--contrast and --black need a tone curve, but --tone is none"};
+        return usage_error("--contrast and --black need a tone curve, but --tone is none");
     }
     const Result<color::ToneCurve> curve = color::ToneCurve::make(options.tone, options.contrast, options.black);
-    if (!curve) return Error{ErrorCode::kUsage, curve.error().message}.at("--tone");
+    if (!curve) return usage_error(curve.error().message).at("--tone");
     return ToneChoice{curve->is_film() ? color::Tone::kFilm : color::Tone::kCurve, *curve};
 }
 
@@ -48,11 +48,11 @@ Status check_outputs(const ConvertOptions& options) {
     for (const std::filesystem::path& path : outputs) {
         std::error_code ignored;
         if (!places.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)).second)
-            return Error{ErrorCode::kUsage, fmt::format("--output {}: given twice", path.string())};
+            return usage_error(fmt::format("--output {}: given twice", path.string()));
     }
     const auto is_deep_zoom = [](const std::filesystem::path& path) { return path.extension() == ".dzi"; };
     if (!options.compare.empty() && std::ranges::none_of(outputs, is_deep_zoom))
-        return Error{ErrorCode::kUsage, "--compare: needs an output that ends in .dzi"};
+        return usage_error("--compare: needs an output that ends in .dzi");
     return {};
 }
 
@@ -114,8 +114,8 @@ Result<int> dpi_of(const ConvertOptions& options, int width) {
     constexpr double kMillimetresPerInch = 25.4, kMost = 65535;
     const double dpi = std::round(width * kMillimetresPerInch / options.paper_width_mm);
     if (dpi >= 1 && dpi <= kMost) return static_cast<int>(dpi);
-    return Error{ErrorCode::kUsage, fmt::format("--paper-width: {} pixels on {} mm are {:.0f} per inch; 1 to {:.0f} are possible",
-                                                width, options.paper_width_mm, dpi, kMost)};
+    return usage_error(fmt::format("--paper-width: {} pixels on {} mm are {:.0f} per inch; 1 to {:.0f} are possible", width,
+                                   options.paper_width_mm, dpi, kMost));
 }
 
 Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
@@ -140,7 +140,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const Result<color::Chromaticity> white = options.white ? chromaticity_of(*options.white, *source) : source->white;
     if (!white) return white.error();
     const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->print_white(), *cones);
-    if (!adaptation && options.white) return Error{ErrorCode::kUsage, adaptation.error().message}.at("--white");
+    if (!adaptation && options.white) return usage_error(adaptation.error().message).at("--white");
     if (!adaptation) return adaptation.error().at(options.input.string());
     color::PrintSettings settings{options.sensitivity, tone->tone, *gamut, *adaptation * source->xyz_from_file, tone->curve};
     const Result<double> sigma = sensitivity_of(options, *source, settings, progress);
@@ -204,9 +204,7 @@ Result<std::vector<double>> parse_stops(std::string_view text) {
     constexpr double kMost = 100;
     constexpr std::size_t kMostPrints = 16;
     const auto numbers = parse_numbers(text);
-    const auto refuse = [&](const char* why) {
-        return Error{ErrorCode::kUsage, fmt::format("'{}': {} (try 1, or -1,0,1)", text, why)};
-    };
+    const auto refuse = [&](const char* why) { return usage_error(fmt::format("'{}': {} (try 1, or -1,0,1)", text, why)); };
     if (!numbers) return refuse("not numbers");
     if (std::ranges::any_of(*numbers, [](double v) { return !(std::abs(v) <= kMost); })) return refuse("stops must be -100 to 100");
     if (numbers->size() > kMostPrints) return refuse("at most 16 prints can be made at once");

@@ -70,7 +70,7 @@ Result<Display> display_from(const std::string& text, const std::optional<std::a
         matrix ? color::RgbSpace::from_matrix(text, *matrix, m, color::Transfer::srgb()) : color::RgbSpace::parse(text);
     if (space && m != nullptr && !matrix)
         space = color::RgbSpace::from_matrix(space->name, space->rgb_from_xyz, m, space->transfer);
-    if (!space) return Error{ErrorCode::kUsage, space.error().message}.at("--profile");  // impossible numbers are wrong usage too
+    if (!space) return usage_error(space.error().message).at("--profile");  // impossible numbers are wrong usage too
     Display display;
     display.space = *space;
     const bool invertible = space->rgb_from_xyz.invertible();
@@ -83,7 +83,7 @@ Result<Display> display_from(const std::string& text, const std::optional<std::a
 
 Status add_proof(const std::string& path, const Rendering& rendering, Display& display) {
     if (display.device || !display.space.rgb_from_xyz.invertible())
-        return Error{ErrorCode::kUsage, "--proof: needs a display with primaries and a known curve, such as --profile srgb"};
+        return usage_error("--proof: needs a display with primaries and a known curve, such as --profile srgb");
     const Result<lcms::Profile> profile = lcms::open_profile(path);
     if (!profile) return profile.error();
     const auto proof = proof_of(profile->get(), display.space, rendering);

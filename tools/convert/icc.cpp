@@ -174,7 +174,7 @@ Result<Display> display_from_icc(const std::string& path, const std::optional<st
         if (Status s = read_matrix(profile->get(), luminance_row, display); !s) return s.error().at(path);
         return display;
     }
-    if (luminance_row) return Error{ErrorCode::kUsage, fmt::format("--luminance-row: {} has no primaries, but tables", path)};
+    if (luminance_row) return usage_error(fmt::format("--luminance-row: {} has no primaries, but tables", path));
     const auto device = cmsIsTag(profile->get(), cmsSigBToA0Tag)
                             ? tables_of(profile->get(), rendering)
                             : Error{ErrorCode::kUnsupported, "is a LUT profile without tables for printing (BToA0)"};

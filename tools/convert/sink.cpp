@@ -190,9 +190,9 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const bool png = type == ".png", tiff = type == ".tif" || type == ".tiff", jpeg = type == ".jpg" || type == ".jpeg";
     if (!png && !tiff && !jpeg && type != ".exr" && type != ".dzi") {
-        return Error{ErrorCode::kUsage, fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", shown_name(path))};
+        return usage_error(fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", shown_name(path)));
     }
-    const auto wrong_bits = [&](const char* why) { return Error{ErrorCode::kUsage, fmt::format("{}: {}", path.string(), why)}; };
+    const auto wrong_bits = [&](const char* why) { return usage_error(fmt::format("{}: {}", path.string(), why)); };
     if (png && options.depth == Depth::kFloat) return wrong_bits("PNG has 8 or 16 bits; use .tif or .exr for floats");
     if (type == ".exr" && options.depth == Depth::k8) return wrong_bits("EXR has floats, or half floats with --bits 16");
     if ((jpeg || type == ".dzi") && (options.depth == Depth::k16 || options.depth == Depth::kFloat))
@@ -203,12 +203,12 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
     if (encoder.channels() == 4 && encoder.sample == SampleType::kF32) return wrong_bits("inks (CMYK) have 8 or 16 bits");
     if (encoder.channels() == 4 && !tiff && !jpeg)
-        return Error{ErrorCode::kUsage,
-                     fmt::format("{}: the profile is one of inks (CMYK), which only .tif and .jpg hold", path.string())};
+        return usage_error(fmt::format("{}: the profile is one of inks (CMYK), which only .tif and .jpg hold", path.string()));
     if (type == ".exr" && display.has_tables())
-        return Error{ErrorCode::kUsage, fmt::format("{}: EXR holds light, not the code values of a profile with tables; use .tif, "
-                                                    ".png, .jpg or .dzi",
-                                                    path.string())};
+        return usage_error(
+            fmt::format("{}: EXR holds light, not the code values of a profile with tables; use .tif, "
+                        ".png, .jpg or .dzi",
+                        path.string()));
     if (type == ".dzi") return deep_zoom_sink(path, picture, display, encoder, options);
 
     Result<OutputFile> out = OutputFile::create(path, options.replace);

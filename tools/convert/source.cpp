@@ -27,8 +27,7 @@ constexpr double kLumensPerWatt = 683;
 Result<Meaning> see_spectra(const ConvertOptions& options, image::ExrReader& reader) {
     const std::vector<double>& nm = reader.image().emitted_nm;
     if (!options.input_space.empty())
-        return Error{ErrorCode::kUsage,
-                     fmt::format("--input-space: {} is printed from its spectrum, which needs none", options.input.string())};
+        return usage_error(fmt::format("--input-space: {} is printed from its spectrum, which needs none", options.input.string()));
     if (nm.size() < 2)
         return Error{ErrorCode::kUnsupported,
                      fmt::format("{}: has a spectrum of a single channel; two or more are needed", options.input.string())};
@@ -62,7 +61,7 @@ Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage
     if (!options.input_space.empty()) {
         xyz = options.input_space == "xyz";
         const Result<color::RgbSpace> space = xyz ? color::RgbSpace::srgb() : color::RgbSpace::parse(options.input_space);
-        if (!space) return Error{ErrorCode::kUsage, space.error().message + "; or xyz"}.at("--input-space");
+        if (!space) return usage_error(space.error().message + "; or xyz").at("--input-space");
         primaries = space->primaries;
     } else if (image.chromaticities) {
         primaries = color::primaries_of(*image.chromaticities);
@@ -87,7 +86,7 @@ Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage
 
 Result<Source> open_source(const ConvertOptions& options) {
     if (is_url(options.input))
-        return Error{ErrorCode::kUsage, shown_name(options.input) + ": a URL, but pictures are read from files; download it first"};
+        return usage_error(shown_name(options.input) + ": a URL, but pictures are read from files; download it first");
     Result<image::ExrReader> reader = image::ExrReader::open(options.input, {options.level, options.layer, true});
     if (!reader && reader.error().code == ErrorCode::kForeign && options.input.extension() == ".latent")
         return Error{ErrorCode::kForeign,
@@ -99,10 +98,10 @@ Result<Source> open_source(const ConvertOptions& options) {
     if (!reader) return reader.error();
     const image::ExrImage& image = reader->image();
     if (!options.observer.empty() && image.emitted_nm.empty())
-        return Error{ErrorCode::kUsage,
-                     fmt::format("--observer: {} has no spectrum (channels S0.<wavelength>nm); choose the observer in "
-                                 "latent-develop, or write a spectrum with its --spectral-bins",
-                                 options.input.string())};
+        return usage_error(
+            fmt::format("--observer: {} has no spectrum (channels S0.<wavelength>nm); choose the observer in "
+                        "latent-develop, or write a spectrum with its --spectral-bins",
+                        options.input.string()));
     const bool spectral = !options.observer.empty() || !image.has_colour;
     Result<Meaning> meaning = spectral ? see_spectra(options, *reader) : read_colour(options, image);
     if (!meaning) return meaning.error();
@@ -110,9 +109,9 @@ Result<Source> open_source(const ConvertOptions& options) {
     image::Rect area = image.data_window;
     if (options.crop) {
         if (options.crop->empty() || !area.contains(*options.crop)) {
-            return Error{ErrorCode::kUsage, fmt::format("{}: has pixels {},{} to {},{}; --crop {},{},{},{} is not inside",
-                                                        options.input.string(), area.x0, area.y0, area.x1, area.y1,
-                                                        options.crop->x0, options.crop->y0, options.crop->x1, options.crop->y1)};
+            return usage_error(fmt::format("{}: has pixels {},{} to {},{}; --crop {},{},{},{} is not inside",
+                                           options.input.string(), area.x0, area.y0, area.x1, area.y1, options.crop->x0,
+                                           options.crop->y0, options.crop->x1, options.crop->y1));
         }
         area = *options.crop;
     }

@@ -80,10 +80,10 @@ Result<OtherPyramid> read_pyramid(const std::filesystem::path& descriptor, const
     if (other.format.empty() || other.tile < 1 || other.overlap < 0 || other_width < 1 || other_height < 1)
         return Error{ErrorCode::kForeign, descriptor.string() + ": not a Deep Zoom descriptor"};
     if (other_width != width || other_height != height)
-        return Error{ErrorCode::kUsage,
-                     fmt::format("{}: has {} x {} pixels, and this print {} x {}; only prints of one size can be "
-                                 "compared",
-                                 descriptor.string(), other_width, other_height, width, height)};
+        return usage_error(
+            fmt::format("{}: has {} x {} pixels, and this print {} x {}; only prints of one size can be "
+                        "compared",
+                        descriptor.string(), other_width, other_height, width, height));
     std::error_code ignored;
     const auto folder_of_file = [&](const std::filesystem::path& file) {
         return std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored).parent_path(), ignored);

@@ -53,10 +53,10 @@ Result<White> parse_white(const std::string& text) {
     if (const auto light = color::named_spectrum("stdillum-" + text)) return White{chromaticity_of_light(*light)};
     const bool temperature = text.size() > 1 && (text.back() == 'K' || text.back() == 'k') && text.find(',') == std::string::npos;
     if (temperature) return white_of_temperature(text);
-    return Error{ErrorCode::kUsage,
-                 fmt::format("'{}' is not a white (try D65, D50, A, E, F1 to F12, 5200K, a chromaticity x,y, or pixels "
-                             "X,Y,WIDTH,HEIGHT)",
-                             text)};
+    return usage_error(
+        fmt::format("'{}' is not a white (try D65, D50, A, E, F1 to F12, 5200K, a chromaticity x,y, or pixels "
+                    "X,Y,WIDTH,HEIGHT)",
+                    text));
 }
 
 // Row by row from the top: the sum, and so the print, does not depend on threads or memory.
@@ -66,8 +66,8 @@ Result<Chromaticity> chromaticity_of(const White& white, const Source& source) {
     const Rect& has = source.reader.image().data_window;
     const std::string where = fmt::format("{},{},{},{}", area.x0, area.y0, area.width(), area.height());
     if (!has.contains(area)) {
-        return Error{ErrorCode::kUsage, fmt::format("{}: has pixels {},{} to {},{}; --white {} is not inside",
-                                                    source.reader.path().string(), has.x0, has.y0, has.x1, has.y1, where)};
+        return usage_error(fmt::format("{}: has pixels {},{} to {},{}; --white {} is not inside", source.reader.path().string(),
+                                       has.x0, has.y0, has.x1, has.y1, where));
     }
     constexpr std::size_t kPixelsAtOnce = std::size_t{1} << 20;
     const std::size_t width = static_cast<std::size_t>(area.width());

@@ -43,8 +43,8 @@ Result<AovColumns> AovColumns::find(const sampledb::Job& job, const Layers& laye
         const auto found = std::ranges::find(job.extra, name, &sampledb::ExtraColumnSpec::name);
         to = static_cast<Place>(found - job.extra.begin());
         if (found == job.extra.end())
-            status = Error{ErrorCode::kUsage,
-                           fmt::format("--layers {0}: the files have no column {1}; render the scene with --aov {0}", layer, name)};
+            status = usage_error(
+                fmt::format("--layers {0}: the files have no column {1}; render the scene with --aov {0}", layer, name));
     };
     const auto place_vector = [&](bool wanted, const char* layer, std::array<Place, 3>& to) {
         for (std::size_t i = 0; i < 3; ++i) place(wanted, layer, fmt::format("{}.{}", layer, "xyz"[i]).c_str(), to[i]);

@@ -150,7 +150,7 @@ void BatchResponse::xyz(std::uint32_t xi, const float* power, float* out) const 
 }
 
 Result<BatchWhite> BatchWhite::make(const sampledb::WavelengthDensity& density, int k, const color::Observer& observer) {
-    const auto refuse = [](const char* why) { return Error{ErrorCode::kUsage, std::string("--estimator ratio: ") + why}; };
+    const auto refuse = [](const char* why) { return usage_error(std::string("--estimator ratio: ") + why); };
     if (density.empty())
         return refuse("needs wavelengths that were drawn from the density of the job; these records store their wavelengths");
     for (const std::array<double, 3>& f : observer.responses()) {

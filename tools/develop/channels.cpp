@@ -46,8 +46,7 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
         light.factor = static_cast<float>(factors[i].factor);
         if (!factors[i].curve) continue;
         if (kind_ == sampledb::RecordKind::kXyz)
-            return Error{ErrorCode::kUsage,
-                         "--light: spectra and filters need spectral records; these hold XYZ, so only factors are possible"};
+            return usage_error("--light: spectra and filters need spectral records; these hold XYZ, so only factors are possible");
         light.curve = factors[i].curve;
         if (bins_ > 0) continue;
         light.own = std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1));
@@ -57,8 +56,7 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
 }
 
 Status Channels::use_ratio() {
-    if (kind_ == sampledb::RecordKind::kXyz)
-        return Error{ErrorCode::kUsage, "--estimator ratio: needs spectral records; these hold XYZ"};
+    if (kind_ == sampledb::RecordKind::kXyz) return usage_error("--estimator ratio: needs spectral records; these hold XYZ");
     Result<BatchWhite> white = BatchWhite::make(density_, batch_, *lights_[0].observer);
     if (!white) return white.error();
     white_ = std::move(*white);
@@ -79,7 +77,7 @@ Result<SpectralBins> parse_spectral_bins(std::string_view text) {
     constexpr int kMost = 470;
     SpectralBins bins;
     const auto refuse = [&](std::string_view what) {
-        return Error{ErrorCode::kUsage, fmt::format("'{}': {} (try 94, or 400:700:10)", text, what)};
+        return usage_error(fmt::format("'{}': {} (try 94, or 400:700:10)", text, what));
     };
     if (text.find(':') == std::string_view::npos) {
         const Result<std::uint64_t> count = parse_count(text);
@@ -105,7 +103,7 @@ Result<SpectralBins> parse_spectral_bins(std::string_view text) {
 
 Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const SpectralBins& bins) {
     if (job.kind != sampledb::RecordKind::kSpectral) {
-        return Error{ErrorCode::kUsage, "--spectral-bins: needs spectral records; these hold XYZ"};
+        return usage_error("--spectral-bins: needs spectral records; these hold XYZ");
     }
     Channels channels;
     channels.kind_ = job.kind;

@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "base/parse.h"
-#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
@@ -87,7 +86,7 @@ Result<Filter> Filter::parse(std::string_view text) {
     const std::string_view numbers = text.substr(std::min(kind.size() + 1, text.size()));
     const std::optional<std::vector<double>> parsed = parse_numbers(numbers);
     if (kind.size() < text.size() && !parsed)
-        return usage(fmt::format("--filter {}: '{}' is not a list of numbers", text, numbers));
+        return usage_error(fmt::format("--filter {}: '{}' is not a list of numbers", text, numbers));
     const std::vector<double> given = kind.size() < text.size() ? *parsed : std::vector<double>{};
     std::array<double, 2> p;
     std::size_t parameters = 2;
@@ -100,11 +99,11 @@ Result<Filter> Filter::parse(std::string_view text) {
     else if (kind == "lanczos" || kind == "box")
         p = {0, 0}, parameters = 0;
     else
-        return usage(
+        return usage_error(
             fmt::format("--filter {}: unknown filter; choose quartic:s,R  mitchell:B,C  mitchell-separable:B,C  "
                         "gaussian:sigma,R  lanczos  box",
                         text));
-    if (given.size() > parameters) return usage(fmt::format("--filter {}: takes {} parameters", text, parameters));
+    if (given.size() > parameters) return usage_error(fmt::format("--filter {}: takes {} parameters", text, parameters));
     std::ranges::copy(given, p.begin());
 
     Filter filter;
@@ -112,13 +111,14 @@ Result<Filter> Filter::parse(std::string_view text) {
     FilterKernel& kernel = filter.kernel_;
     double radius = 2;
     if (kind == "quartic") {
-        if (p[0] <= -9) return usage(fmt::format("--filter {}: s must be above -9, where the filter's integral vanishes", text));
+        if (p[0] <= -9)
+            return usage_error(fmt::format("--filter {}: s must be above -9, where the filter's integral vanishes", text));
         if (p[0] < -7) filter.warning_ = fmt::format("--filter {}: rings strongly; usual values of s are -6 to -3", text);
         radius = p[1];
         kernel.form = FilterKernel::Form::kQuartic;
         kernel.has_negative_lobes = p[0] < -3;
     } else if (kind == "gaussian") {
-        if (!(p[0] > 0)) return usage(fmt::format("--filter {}: sigma must be positive", text));
+        if (!(p[0] > 0)) return usage_error(fmt::format("--filter {}: sigma must be positive", text));
         radius = p[1];
     } else if (kind == "lanczos") {
         radius = 3.2383154841662362;  // the third zero of jinc
@@ -126,7 +126,8 @@ Result<Filter> Filter::parse(std::string_view text) {
         radius = 0.5;
     }
     if (!(radius > 0 && radius <= FilterKernel::kMaxReach)) {
-        return usage(fmt::format("--filter {}: the radius R must be above 0 and at most {} pixels", text, FilterKernel::kMaxReach));
+        return usage_error(
+            fmt::format("--filter {}: the radius R must be above 0 and at most {} pixels", text, FilterKernel::kMaxReach));
     }
     kernel.reach = static_cast<int>(std::ceil(radius));
     if (kind == "quartic") {
@@ -164,7 +165,7 @@ Result<Filter> Filter::parse(std::string_view text) {
                 for (int x = -kernel.reach; x <= kernel.reach; ++x) sum += filter.weight(x - a / 64.0, y - b / 64.0);
             }
             if (!(sum > 1e-3))
-                return usage(
+                return usage_error(
                     fmt::format("--filter {}: too small or too sharp; its weights must have a positive sum "
                                 "around every position",
                                 text));

@@ -43,7 +43,7 @@ std::vector<LightGroup> light_groups_in(std::string_view provenance_json) {
 Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathering) {
     if (std::ranges::find(gathering.job().extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name) ==
         gathering.job().extra.end())
-        return Error{ErrorCode::kUsage, "--light: the files have no light groups; render the scene with --light-groups"};
+        return usage_error("--light: the files have no light groups; render the scene with --light-groups");
     for (const sampledb::SelectedRun& run : gathering.runs()) {
         const std::filesystem::path& path = gathering.files()[run.file];
         const Result<std::shared_ptr<const sampledb::ByteSource>> source = sampledb::open_source(path);

@@ -12,7 +12,6 @@
 #include "color/light_name.h"
 #include "color/light_spectrum.h"
 #include "tools/develop/light_setting.h"
-#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
@@ -36,8 +35,8 @@ Result<Spectrum> curve_of(const std::string& name) {
     if (name.ends_with(".csv") || std::filesystem::exists(name, ignored)) return curve_of_file(name);
     Result<Spectrum> filter = color::lens_filter(name);
     if (!filter)
-        return usage(fmt::format("'{}' is not a factor, a spectrum (6500K, D65, A, E, F1 to F12) or a curve (FILE.csv): {}", name,
-                                 filter.error().message));
+        return usage_error(fmt::format("'{}' is not a factor, a spectrum (6500K, D65, A, E, F1 to F12) or a curve (FILE.csv): {}",
+                                       name, filter.error().message));
     return filter;
 }
 
@@ -68,7 +67,7 @@ Result<Spectrum> replacement(const Spectrum& own, const Spectrum& wanted, const 
         return 0.0;
     });
     if (missing > 0)
-        return usage(
+        return usage_error(
             fmt::format("{}: the lights named {} emit nothing at {:.0f} nm, so their spectrum cannot be replaced; render the scene "
                         "with the new light",
                         setting.spectrum, setting.name, missing));
@@ -86,7 +85,7 @@ Result<GroupFactor> factor_of(const LightGroup& group, const LightSetting& setti
     };
     if (!setting.spectrum.empty()) {
         if (!group.spectrum)
-            return usage(
+            return usage_error(
                 fmt::format("--light {}={}: the lights of this name have different spectra, or the file does not name their "
                             "spectrum; use a factor or a filter",
                             setting.name, setting.spectrum, setting.name));
@@ -120,11 +119,11 @@ Result<std::vector<GroupFactor>> mix_lights(const std::vector<LightGroup>& group
             std::vector<std::string> names;
             for (const LightGroup& group : groups) names.push_back(group.name);
             const std::string near = near_names(setting->name, names);
-            return usage(fmt::format("--light {}: no light has this name{}; choose from {}", text,
-                                     near.empty() ? "" : fmt::format(" (did you mean {}?)", near), names_of(groups)));
+            return usage_error(fmt::format("--light {}: no light has this name{}; choose from {}", text,
+                                           near.empty() ? "" : fmt::format(" (did you mean {}?)", near), names_of(groups)));
         }
         const auto number = static_cast<std::size_t>(found - groups.begin());
-        if (set[number]) return usage(fmt::format("--light {}: {} is given twice", text, setting->name));
+        if (set[number]) return usage_error(fmt::format("--light {}: {} is given twice", text, setting->name));
         set[number] = true;
         const Result<GroupFactor> factor = factor_of(*found, *setting);
         if (!factor) return factor.error();

@@ -26,7 +26,7 @@ std::vector<std::string_view> parts_of(std::string_view text, char separator) {
 Result<LightSetting> parse_light(std::string_view text) {
     const std::size_t equals = text.rfind('=');
     const auto refuse = [&](std::string_view what) {
-        return Error{ErrorCode::kUsage, fmt::format("'{}': {} (try lamp=2.5, or sky=6500K,0.3)", text, what)};
+        return usage_error(fmt::format("'{}': {} (try lamp=2.5, or sky=6500K,0.3)", text, what));
     };
     if (equals == std::string_view::npos || equals == 0) return refuse("not NAME=...");
     LightSetting setting{.name = std::string(text.substr(0, equals))};

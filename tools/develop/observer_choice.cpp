@@ -7,7 +7,6 @@
 #include "color/catalogue.h"
 #include "color/named_spectra.h"
 #include "color/observer_file.h"
-#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
@@ -25,14 +24,14 @@ color::Primaries primaries_of(const color::Matrix3& m, color::Chromaticity white
 
 Status put_filter(const ObserverOptions& options, ChosenObserver& chosen) {
     const Result<color::Spectrum> filter = color::lens_filter(options.lens_filter);
-    if (!filter) return usage("--lens-filter: " + filter.error().message);
+    if (!filter) return usage_error("--lens-filter: " + filter.error().message);
     const double without = daylight_exposure(chosen.observer);
     chosen.filter_factor = options.filter_factor;
     if (options.filter_factor == 0) {
         chosen.filter_factor = without / daylight_exposure(chosen.observer.behind(*filter, options.lens_filter, 1));
         if (!(chosen.filter_factor <= kLargestFactor))
-            return usage(fmt::format("--filter-factor auto: {} has no response to daylight behind {}", chosen.observer.name(),
-                                     options.lens_filter));
+            return usage_error(fmt::format("--filter-factor auto: {} has no response to daylight behind {}", chosen.observer.name(),
+                                           options.lens_filter));
     }
     chosen.observer = chosen.observer.behind(*filter, options.lens_filter, chosen.filter_factor);
     return {};
@@ -45,11 +44,12 @@ Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
     if (!found) return found.error().at("--observer");
     ChosenObserver chosen{.observer = *std::move(found)};
     const bool camera = chosen.observer.kind() == color::ObserverKind::kCamera;
-    if (options.camera_xyz && !camera) return usage(fmt::format("--camera-output xyz: {} is not a camera", chosen.observer.name()));
+    if (options.camera_xyz && !camera)
+        return usage_error(fmt::format("--camera-output xyz: {} is not a camera", chosen.observer.name()));
     if (!options.balanced && (!camera || options.camera_xyz))
-        return usage(fmt::format("--raw-balance none: {}",
-                                 camera ? "goes with --camera-output raw" : chosen.observer.name() + " is not a camera"));
-    if (options.lens_filter.empty() && options.filter_factor != 1) return usage("--filter-factor: needs --lens-filter");
+        return usage_error(fmt::format("--raw-balance none: {}",
+                                       camera ? "goes with --camera-output raw" : chosen.observer.name() + " is not a camera"));
+    if (options.lens_filter.empty() && options.filter_factor != 1) return usage_error("--filter-factor: needs --lens-filter");
     if (camera) {
         const Result<color::CameraFit> fit = color::fit_camera(chosen.observer);
         if (!fit) return fit.error().at(options.name).at("--observer");

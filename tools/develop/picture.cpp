@@ -17,7 +17,6 @@
 #include "tools/develop/preview.h"
 #include "tools/develop/splat.h"
 #include "tools/develop/subset.h"
-#include "tools/develop/usage.h"
 
 namespace latent::develop {
 
@@ -26,8 +25,8 @@ namespace {
 Result<PixelRect> crop_of(const std::optional<PixelRect>& asked, const Size& size) {
     const PixelRect all{0, 0, size.width, size.height};
     if (!asked || intersection(*asked, all) == *asked) return asked.value_or(all);
-    return usage(fmt::format("--crop {},{},{},{}: is not inside the picture of {} x {} pixels", asked->x0, asked->y0, asked->x1,
-                             asked->y1, size.width, size.height));
+    return usage_error(fmt::format("--crop {},{},{},{}: is not inside the picture of {} x {} pixels", asked->x0, asked->y0,
+                                   asked->x1, asked->y1, size.width, size.height));
 }
 
 // Channels of an EXR [Fichet21]: S0.<wavelength>nm, with a decimal comma.
@@ -166,7 +165,7 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     report.filter_factor = chosen->filter_factor;
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
     if (!spectral && !observer.is_cie1931())
-        return usage(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", observer.name()));
+        return usage_error(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", observer.name()));
     Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
                                                                 : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();
@@ -312,16 +311,16 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
     if (width_alone) pixels = {*width_alone, 1};
     const auto possible = [](std::uint64_t side) { return side > 0 && side <= kMaxSide; };
     if (!pixels || !possible(pixels->first) || !possible(pixels->second))
-        return usage(fmt::format("--size {}: give WIDTH or WIDTHxHEIGHT in pixels, at most {} each", text, kMaxSide));
+        return usage_error(fmt::format("--size {}: give WIDTH or WIDTHxHEIGHT in pixels, at most {} each", text, kMaxSide));
     const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
     const auto width = static_cast<std::uint32_t>(pixels->first);
     const double exact = width / aspect;
     const double height = width_alone ? std::max(1.0, std::round(exact)) : static_cast<double>(pixels->second);
     if (height > kMaxSide)
-        return usage(fmt::format("--size {}: the height would be {:.0f} pixels; the maximum is {}", text, height, kMaxSide));
+        return usage_error(fmt::format("--size {}: the height would be {:.0f} pixels; the maximum is {}", text, height, kMaxSide));
     if (std::abs(height - exact) > 0.5 && std::abs(width - height * aspect) > 0.5) {
-        return usage(fmt::format("--size {}: the film's aspect is {}:{}; use {}x{:.0f}", text, job.aspect_width, job.aspect_height,
-                                 width, std::max(1.0, std::round(exact))));
+        return usage_error(fmt::format("--size {}: the film's aspect is {}:{}; use {}x{:.0f}", text, job.aspect_width,
+                                       job.aspect_height, width, std::max(1.0, std::round(exact))));
     }
     return Size{width, static_cast<std::uint32_t>(height)};
 }

@@ -78,7 +78,7 @@ Result<GatherReport> cat_text(const CatOptions& options, const Gathering& gather
 // The header comes last: only then is the number of rows known.
 Result<GatherReport> cat_npy(const CatOptions& options, const Gathering& gathering, RecordSelection selection, std::FILE* out) {
     if (std::fseek(out, 0, SEEK_END) != 0 || std::ftell(out) != 0) {
-        return Error{ErrorCode::kUsage, "--format npy needs a new or empty file as standard output, not a pipe: add > FILE.npy"};
+        return usage_error("--format npy needs a new or empty file as standard output, not a pipe: add > FILE.npy");
     }
     Result<NpyRows> fields = NpyRows::of(gathering.job(), options.columns);
     if (!fields) return fields.error();
@@ -105,7 +105,7 @@ Result<GatherReport> cat_npy(const CatOptions& options, const Gathering& gatheri
 
 Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
     if (!options.columns.empty() && options.format != CatFormat::kNpy) {
-        return Error{ErrorCode::kUsage, "--columns needs --format npy"};
+        return usage_error("--columns needs --format npy");
     }
     GatherOptions gather;
     gather.inputs = options.inputs;

@@ -23,12 +23,12 @@ Result<GenReport> generate(const GenOptions& options, const Progress& progress) 
     const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
     const std::uint64_t every = options.scene.every;
     if (options.records > (~std::uint64_t{0} - options.first) / every)
-        return Error{ErrorCode::kUsage, "--records: exceeds the last sample number"};
+        return usage_error("--records: exceeds the last sample number");
     const SampleRange samples{options.first, options.first + options.records * every};
     GenReport report;
     report.output = options.output;
     report.job = synthetic_job(options.scene);
-    if (const Status valid = report.job.validate(); !valid) return Error{ErrorCode::kUsage, valid.error().message};
+    if (const Status valid = report.job.validate(); !valid) return usage_error(valid.error().message);
     PartOptions part;
     part.path = options.output;
     part.range = samples;

@@ -64,8 +64,7 @@ Result<NpyRows> NpyRows::of(const Job& job, const std::vector<std::string>& name
         if (field == all.end() || std::ranges::find(rows.fields_, name, &Field::name) != rows.fields_.end()) {
             std::string known;
             for (const Field& one : all) known += (known.empty() ? "" : ", ") + one.name;
-            return Error{ErrorCode::kUsage,
-                         fmt::format("--columns: '{}' is not a column, or is given twice; choose from {}", name, known)};
+            return usage_error(fmt::format("--columns: '{}' is not a column, or is given twice; choose from {}", name, known));
         }
         rows.fields_.push_back(*field);
     }
