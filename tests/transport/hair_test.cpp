@@ -253,20 +253,22 @@ TEST(Hair, MelaninSetsTheAbsorption) {
 
 // Absorption from a colour is such that the albedo of much hair is that colour.
 TEST(Hair, AColourIsTheAlbedo) {
-    const Scene scene = scene_from(tuft("cylinder", "\"spectrum reflectance\" [360 .4 830 .4]"));
-    sampledb::Records records;
-    RadianceFaults faults;
-    const std::unique_ptr<Integrator> integrator =
-        scene.integrator({.record = sampledb::RecordKind::kXyz, .seed = 1, .aovs = {.albedo = true, .id = true}});
-    for (std::uint64_t n = 0; n < 500; ++n) integrator->trace(n, records, faults);
-    int hair = 0;
-    for (std::size_t row = 0; row < records.size(); ++row) {
-        const auto material = load_le<std::uint32_t>(records.extra[4].values.data() + 4 * row);
-        if (material == 0 || scene.description.materials[material - 1].type != "hair") continue;
-        ++hair;
-        EXPECT_NEAR(load_le<float>(records.extra[1].values.data() + 4 * row), 0.4f, 1e-3);
+    for (const char* name : {"reflectance", "color"}) {
+        const Scene scene = scene_from(tuft("cylinder", fmt::format("\"spectrum {}\" [360 .4 830 .4]", name)));
+        sampledb::Records records;
+        RadianceFaults faults;
+        const std::unique_ptr<Integrator> integrator =
+            scene.integrator({.record = sampledb::RecordKind::kXyz, .seed = 1, .aovs = {.albedo = true, .id = true}});
+        for (std::uint64_t n = 0; n < 500; ++n) integrator->trace(n, records, faults);
+        int hair = 0;
+        for (std::size_t row = 0; row < records.size(); ++row) {
+            const auto material = load_le<std::uint32_t>(records.extra[4].values.data() + 4 * row);
+            if (material == 0 || scene.description.materials[material - 1].type != "hair") continue;
+            ++hair;
+            EXPECT_NEAR(load_le<float>(records.extra[1].values.data() + 4 * row), 0.4f, 1e-3) << name;
+        }
+        EXPECT_GT(hair, 50);
     }
-    EXPECT_GT(hair, 50);
 }
 
 }  // namespace
