@@ -72,11 +72,11 @@ using latent::Result, latent::Status, latent::sampledb::Job;
 latent_status latent_positions(const latent_job* job, const uint64_t* sample, size_t count, uint32_t* u, uint32_t* v,
                                latent_error* error) {
     return latent::c::guarded(error, [&]() -> Status {
-        if (count > 0 && (sample == nullptr || u == nullptr || v == nullptr)) return usage_error("sample, u or v is null");
+        if (count > 0 && (sample == nullptr || u == nullptr || v == nullptr)) return latent::usage_error("sample, u or v is null");
         const Result<Job> made = latent::c::job_from(job);
         if (!made) return made.error();
         if (made->positions.sampler == latent::sampledb::PositionSampler::kNone) {
-            return usage_error("the job has no position sampler");
+            return latent::usage_error("the job has no position sampler");
         }
         latent::sampledb::halton23(std::span(sample, count), made->positions, std::span(u, count), std::span(v, count));
         return {};
@@ -85,10 +85,10 @@ latent_status latent_positions(const latent_job* job, const uint64_t* sample, si
 
 latent_status latent_wavelengths(const latent_job* job, const uint32_t* xi, size_t count, float* lambda_nm, latent_error* error) {
     return latent::c::guarded(error, [&]() -> Status {
-        if (count > 0 && (xi == nullptr || lambda_nm == nullptr)) return usage_error("xi or lambda_nm is null");
+        if (count > 0 && (xi == nullptr || lambda_nm == nullptr)) return latent::usage_error("xi or lambda_nm is null");
         const Result<Job> made = latent::c::job_from(job);
         if (!made) return made.error();
-        if (made->density.empty()) return usage_error("the job has no wavelength density");
+        if (made->density.empty()) return latent::usage_error("the job has no wavelength density");
         for (size_t i = 0; i < count; ++i) made->density.batch(xi[i], std::span(lambda_nm + i * made->batch, made->batch));
         return {};
     });

@@ -12,14 +12,14 @@ namespace {
 Result<merge::MergeOptions> merge_options(const char* const* paths, size_t count, const char* output,
                                           const latent_merge_options& given) {
     merge::MergeOptions merge;
-    if (paths == nullptr || count == 0) return usage_error("no paths");
+    if (paths == nullptr || count == 0) return latent::usage_error("no paths");
     for (size_t i = 0; i < count; ++i) {
-        if (paths[i] == nullptr) return usage_error("a path is null");
+        if (paths[i] == nullptr) return latent::usage_error("a path is null");
         merge.inputs.emplace_back(paths[i]);
     }
-    if (output == nullptr) return usage_error("output is null");
+    if (output == nullptr) return latent::usage_error("output is null");
     merge.output = output;
-    if (merge.output.extension() != ".latent") return usage_error(std::string(output) + ": the name does not end in .latent");
+    if (merge.output.extension() != ".latent") return latent::usage_error(std::string(output) + ": the name does not end in .latent");
     constexpr std::array kLevels = {sampledb::VerifyLevel::kStored, sampledb::VerifyLevel::kQuick, sampledb::VerifyLevel::kFull};
     if (given.verify >= kLevels.size()) return Error{ErrorCode::kUnsupported, "options.verify is not a level of this version"};
     merge.verify = kLevels[given.verify];
@@ -32,7 +32,7 @@ Result<merge::MergeOptions> merge_options(const char* const* paths, size_t count
     if (given.memory != 0) merge.memory = given.memory;
     if (given.require.first != 0 || given.require.end != 0) {
         merge.require = sampledb::SampleRange{given.require.first, given.require.end};
-        if (merge.require->empty()) return usage_error("options.require is empty");
+        if (merge.require->empty()) return latent::usage_error("options.require is empty");
     }
     if (given.job_low != 0 || given.job_high != 0) merge.job = sampledb::JobId{given.job_low, given.job_high};
     return merge;

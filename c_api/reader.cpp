@@ -70,9 +70,9 @@ Result<RecordSelection> selection_from(const latent_selection& given, uint32_t c
     selection.camera = given.classes != 2;
     selection.light = given.classes != 1;
     if (given.samples.first != 0 || given.samples.end != 0) selection.samples = SampleRange{given.samples.first, given.samples.end};
-    if (selection.samples && selection.samples->empty()) return usage_error("selection.samples is empty");
+    if (selection.samples && selection.samples->empty()) return latent::usage_error("selection.samples is empty");
     if (given.runs.first != 0 || given.runs.end != 0) selection.first_run = given.runs.first, selection.end_run = given.runs.end;
-    if (selection.first_run > selection.end_run) return usage_error("selection.runs ends before it begins");
+    if (selection.first_run > selection.end_run) return latent::usage_error("selection.runs ends before it begins");
     const std::array<double, 4> region = {given.u0, given.v0, given.u1, given.v1};
     if (region != std::array<double, 4>{}) {
         const Result<FilmRegion> film = FilmRegion::from(region);
@@ -87,12 +87,12 @@ Result<RecordSelection> selection_from(const latent_selection& given, uint32_t c
 latent_status latent_reader_open(const char* const* paths, size_t count, const latent_read_options* options, latent_reader** reader,
                                  latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return usage_error("reader is null");
+        if (reader == nullptr) return latent::usage_error("reader is null");
         *reader = nullptr;
-        if (paths == nullptr || count == 0) return usage_error("no paths");
+        if (paths == nullptr || count == 0) return latent::usage_error("no paths");
         GatherOptions gather;
         for (size_t i = 0; i < count; ++i) {
-            if (paths[i] == nullptr) return usage_error("a path is null");
+            if (paths[i] == nullptr) return latent::usage_error("a path is null");
             gather.inputs.emplace_back(paths[i]);
         }
         if (options != nullptr) {
@@ -110,14 +110,14 @@ latent_status latent_reader_open(const char* const* paths, size_t count, const l
 
 latent_status latent_reader_job(const latent_reader* reader, latent_job* job, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return usage_error("reader is null");
+        if (reader == nullptr) return latent::usage_error("reader is null");
         return c::give(reader->job, job, sizeof(latent_job), "job");
     });
 }
 
 latent_status latent_reader_get_info(const latent_reader* reader, latent_reader_info* info, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return usage_error("reader is null");
+        if (reader == nullptr) return latent::usage_error("reader is null");
         latent_reader_info value{};
         value.files = reader->files.size();
         value.runs = reader->gathering->runs().size();
@@ -144,7 +144,7 @@ size_t latent_reader_coverage(const latent_reader* reader, latent_range* ranges,
 
 latent_status latent_reader_run(const latent_reader* reader, uint64_t run, latent_run* info, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return usage_error("reader is null");
+        if (reader == nullptr) return latent::usage_error("reader is null");
         const std::vector<SelectedRun>& runs = reader->gathering->runs();
         if (run >= runs.size()) return Error{ErrorCode::kOutOfRange, "there is no run " + std::to_string(run)};
         const SelectedRun& from = runs[run];
@@ -171,9 +171,9 @@ void latent_reader_close(latent_reader* reader) { delete reader; }
 latent_status latent_cursor_open(const latent_reader* reader, const latent_selection* selection, latent_cursor** cursor,
                                  latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (cursor == nullptr) return usage_error("cursor is null");
+        if (cursor == nullptr) return latent::usage_error("cursor is null");
         *cursor = nullptr;
-        if (reader == nullptr) return usage_error("reader is null");
+        if (reader == nullptr) return latent::usage_error("reader is null");
         latent_selection given{};
         if (selection != nullptr) {
             const Result<latent_selection> known = c::taken(selection, sizeof(latent_selection), "selection");
@@ -190,7 +190,7 @@ latent_status latent_cursor_open(const latent_reader* reader, const latent_selec
 
 latent_status latent_cursor_next(latent_cursor* cursor, latent_records* records, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (cursor == nullptr) return usage_error("cursor is null");
+        if (cursor == nullptr) return latent::usage_error("cursor is null");
         if (const auto fits = c::taken(records, sizeof(latent_records), "records"); !fits) return fits.error();
         const Result<bool> more = cursor->records.next(cursor->page);
         if (!more) return more.error();

@@ -29,7 +29,7 @@ struct latent_writer {
     // Takes a grain off the list of those to come. Errors: kUsage (finished), kOutOfRange (not one of them).
     Status expect(SampleRange grain) {
         const std::lock_guard lock(mutex);
-        if (finished) return usage_error("the part is finished");
+        if (finished) return latent::usage_error("the part is finished");
         if (grain.empty() || !expected.contains(grain) || grain != grain_range(grain.first, range)) {
             return Error{ErrorCode::kOutOfRange, "samples " + std::to_string(grain.first) + ":" + std::to_string(grain.end) +
                                                      " are not a grain that is missing; latent_writer_next hands these out"};
@@ -54,14 +54,14 @@ struct latent_writer {
 namespace {
 
 Result<PartOptions> part_options(const char* path, const latent_write_options* options) {
-    if (path == nullptr) return usage_error("path is null");
+    if (path == nullptr) return latent::usage_error("path is null");
     const Result<latent_write_options> given = c::taken(options, sizeof(latent_write_options), "options");
     if (!given) return given.error();
     PartOptions part;
     part.path = path;
-    if (part.path.extension() != ".latent") return usage_error(std::string(path) + ": the name does not end in .latent");
+    if (part.path.extension() != ".latent") return latent::usage_error(std::string(path) + ": the name does not end in .latent");
     part.range = {given->samples.first, given->samples.end};
-    if (part.range.empty()) return usage_error("options.samples is empty");
+    if (part.range.empty()) return latent::usage_error("options.samples is empty");
     if (!std::isfinite(given->checkpoint_seconds) || given->checkpoint_seconds < 0) {
         return Error{ErrorCode::kOutOfRange, "options.checkpoint_seconds is not a positive number"};
     }
@@ -83,7 +83,7 @@ Result<PartOptions> part_options(const char* path, const latent_write_options* o
 latent_status latent_writer_open(const char* path, const latent_job* job, const latent_write_options* options,
                                  latent_writer** writer, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return usage_error("writer is null");
+        if (writer == nullptr) return latent::usage_error("writer is null");
         *writer = nullptr;
         Result<Job> made = c::job_from(job);
         if (!made) return made.error();
@@ -113,7 +113,7 @@ int latent_writer_next(latent_writer* writer, latent_range* grain) {
 
 latent_status latent_writer_submit(latent_writer* writer, latent_range grain, const latent_records* records, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return usage_error("writer is null");
+        if (writer == nullptr) return latent::usage_error("writer is null");
         const SampleRange range{grain.first, grain.end};
         if (Status s = writer->expect(range); !s) return s;
         const auto checked = [&]() -> Result<Records> {
@@ -138,7 +138,7 @@ latent_status latent_writer_submit(latent_writer* writer, latent_range grain, co
 
 latent_status latent_writer_checkpoint(latent_writer* writer, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return usage_error("writer is null");
+        if (writer == nullptr) return latent::usage_error("writer is null");
         return writer->part->checkpoint();
     });
 }
@@ -149,12 +149,12 @@ void latent_writer_stop(latent_writer* writer) {
 
 latent_status latent_writer_finish(latent_writer* writer, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return usage_error("writer is null");
+        if (writer == nullptr) return latent::usage_error("writer is null");
         {
             const std::lock_guard lock(writer->mutex);
-            if (writer->finished) return usage_error("the part is finished");
+            if (writer->finished) return latent::usage_error("the part is finished");
             if (!writer->expected.empty() && !writer->part->published_elsewhere()) {
-                return usage_error("samples " + to_string(writer->expected) + " were not submitted");
+                return latent::usage_error("samples " + to_string(writer->expected) + " were not submitted");
             }
             writer->finished = true;
         }
@@ -164,7 +164,7 @@ latent_status latent_writer_finish(latent_writer* writer, latent_error* error) {
 
 latent_status latent_writer_get_info(const latent_writer* writer, latent_writer_info* info, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return usage_error("writer is null");
+        if (writer == nullptr) return latent::usage_error("writer is null");
         const WriterCounts counts = writer->part->counts();
         const latent_writer_info value{sizeof value, counts.samples_committed, counts.bytes_written, counts.runs_written,
                                        counts.checkpoints_written};

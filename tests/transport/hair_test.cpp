@@ -3,6 +3,9 @@
 #include <numbers>
 
 #include "base/bytes.h"
+#include "color/named_spectra.h"
+#include "color/observer.h"
+#include "color/rgb_space.h"
 #include "tests/transport/blocks.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/closure_examples.h"
@@ -234,7 +237,8 @@ TEST(Hair, ARibbonThatFacesTheCameraLooksLikeATube) {
     EXPECT_LT(verdict.whole_error, 0.004);
 }
 
-// Melanin absorbs blue light most; twice the melanin absorbs twice as much.
+// Melanin absorbs blue light most; twice the melanin absorbs twice as much. As a reflectance, it would have these colours under D65
+// (pbrt-v4, HairBxDF::SigmaAFromConcentration).
 TEST(Hair, MelaninSetsTheAbsorption) {
     const auto sigma_a = [](const std::string& material) {
         const Scene scene = scene_from(tuft("cylinder", material));
@@ -243,30 +247,61 @@ TEST(Hair, MelaninSetsTheAbsorption) {
         }
         return color::Spectrum();
     };
-    for (const char* melanin : {"eumelanin", "pheomelanin"}) {
+    const color::Spectrum& d65 = color::illuminant_d65();
+    const double white = color::xyz_from_spectrum(d65, color::Observer::cie1931()).y;
+    const std::pair<const char*, std::array<double, 3>> kinds[] = {{"eumelanin", {0.419, 0.697, 1.37}},
+                                                                   {"pheomelanin", {0.187, 0.4, 1.05}}};
+    for (const auto& [melanin, rgb] : kinds) {
         const color::Spectrum one = sigma_a(fmt::format("\"float {}\" 1", melanin)),
                               two = sigma_a(fmt::format("\"float {}\" 2", melanin));
         EXPECT_GT(one(450), 1.5 * one(650));
         for (const double nm : {400, 500, 600, 700}) EXPECT_NEAR(two(nm) / one(nm), 2, 1e-6);
+        const color::Xyz seen = color::xyz_from_spectrum(
+            color::Spectrum::from_function([&](double nm) { return one(nm) * d65(nm); }, color::Outside::kZero),
+            color::Observer::cie1931());
+        const auto found = color::RgbSpace::srgb().rgb_from_xyz * std::array{seen.x / white, seen.y / white, seen.z / white};
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], rgb[c], 2e-3) << melanin << c;
     }
 }
 
-// Absorption from a colour is such that the albedo of much hair is that colour.
-TEST(Hair, AColourIsTheAlbedo) {
-    const Scene scene = scene_from(tuft("cylinder", "\"spectrum reflectance\" [360 .4 830 .4]"));
+// The albedo of the fibres of a tuft, the same wherever it is seen.
+float albedo(const std::string& material) {
+    const Scene scene = scene_from(tuft("cylinder", material));
     sampledb::Records records;
     RadianceFaults faults;
     const std::unique_ptr<Integrator> integrator =
         scene.integrator({.record = sampledb::RecordKind::kXyz, .seed = 1, .aovs = {.albedo = true, .id = true}});
     for (std::uint64_t n = 0; n < 500; ++n) integrator->trace(n, records, faults);
+    float found = 0;
     int hair = 0;
     for (std::size_t row = 0; row < records.size(); ++row) {
-        const auto material = load_le<std::uint32_t>(records.extra[4].values.data() + 4 * row);
-        if (material == 0 || scene.description.materials[material - 1].type != "hair") continue;
-        ++hair;
-        EXPECT_NEAR(load_le<float>(records.extra[1].values.data() + 4 * row), 0.4f, 1e-3);
+        const auto number = load_le<std::uint32_t>(records.extra[4].values.data() + 4 * row);
+        if (number == 0 || scene.description.materials[number - 1].type != "hair") continue;
+        const auto here = load_le<float>(records.extra[1].values.data() + 4 * row);
+        EXPECT_NEAR(here, hair++ == 0 ? here : found, 1e-3);
+        found = here;
     }
     EXPECT_GT(hair, 50);
+    return found;
+}
+
+// exp(-sqrt(sigma_a) s), s = 5.969 - 0.215 b + 2.532 b^2 - 10.73 b^3 + 5.574 b^4 + 0.245 b^5 with b = beta_n [Chiang16 eq. 9].
+TEST(Hair, AbsorptionLeavesTheAlbedoOfMuchHair) {
+    struct Expected {
+        double beta_n, sigma_a, albedo;
+    };
+    for (const auto& [beta_n, sigma_a, expected] :
+         {Expected{0.1, 0.01, 0.5509}, Expected{0.3, 0.04, 0.3080}, Expected{0.7, 0.04, 0.3861}})
+        EXPECT_NEAR(albedo(fmt::format("\"spectrum sigma_a\" [360 {0} 830 {0}] \"float beta_n\" {1}", sigma_a, beta_n)), expected,
+                    1e-3);
+}
+
+// Absorption from a colour is such that the albedo of much hair is that colour.
+TEST(Hair, AColourIsTheAlbedo) {
+    for (const char* name : {"reflectance", "color"}) {
+        for (const double beta_n : {0.1, 0.3, 0.7})
+            EXPECT_NEAR(albedo(fmt::format("\"spectrum {}\" [360 .4 830 .4] \"float beta_n\" {}", name, beta_n)), 0.4f, 1e-3);
+    }
 }
 
 }  // namespace

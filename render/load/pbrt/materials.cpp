@@ -165,12 +165,14 @@ Part albedo() {
     };
 }
 
-// Absorption by "sigma_a", by the colour of much hair, or by what colours hair: two kinds of melanin.
+// Absorption by "sigma_a", by the colour of much hair ("reflectance", or "color" if that is missing), or by what colours hair: two
+// kinds of melanin.
 Part pigment() {
     return [](const Reading& r) {
         const ParameterList& list = r.list;
         const auto sigma_a = r.textures.find_spectrum(list, "sigma_a", SpectrumRole::kUnbounded);
-        const auto color = r.textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
+        auto color = r.textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
+        if (const auto other = r.textures.find_spectrum(list, "color", SpectrumRole::kReflectance); !color) color = other;
         const bool has_melanin = list.find("eumelanin", {"float"}) != nullptr || list.find("pheomelanin", {"float"}) != nullptr;
         const double eumelanin = list.number("eumelanin", has_melanin ? 0 : 1.3, 0, 1e6),
                      pheomelanin = list.number("pheomelanin", 0, 0, 1e6);
