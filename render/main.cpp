@@ -39,6 +39,8 @@ int main(int argc, char** argv) try {
     options.provenance_json = provenance(**job, settings, (*job)->range.size() - missing->size());
     const std::atomic<bool>& stop_requested = commit_on_signals();
     if (line.dry_run) {
+        if (const Status writable = line.has_output && !missing->empty() ? check_writable(options.output) : Status{}; !writable)
+            return cli::fail(writable.error());
         const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), stop_requested);
         if (!expected) return cli::fail(expected.error());
         if (!expected->fits()) cli::warn(too_large(*expected, options.output));
