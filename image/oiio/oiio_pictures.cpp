@@ -33,6 +33,9 @@ Error error_of(const FileName& file, std::string message, std::string_view other
         const std::size_t at = message.find(name);
         if (at != std::string::npos) message.replace(at, name.size(), "the file");
     }
+    if (message.find("end of file") != std::string::npos) message = "the file is cut off";
+    if (message == "Couldn't decode" || message.find("not a WebP") != std::string::npos)
+        message = "the file is damaged: its pixels cannot be decoded";
     return {ErrorCode::kCorrupt,
             fmt::format("{}: cannot be read as a picture: {}", file.in_messages, message.empty() ? otherwise : message)};
 }
