@@ -33,6 +33,7 @@ int main(int argc, char** argv) try {
     Result<std::unique_ptr<RenderJob>> job = Error{};
     threads.run([&] { job = prepare(settings); });
     if (!job) return cli::fail(job.error());
+    for (const std::string& added : (*job)->scene.added) cli::note(added);
     for (const std::string& warning : (*job)->warnings) cli::warn(warning);
     const auto missing = sampledb::PartWriter::find_missing(part_options(**job, options), (*job)->job);
     if (!missing) return cli::fail(missing.error());
