@@ -550,14 +550,13 @@ TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
             EXPECT_THAT(message(name, whole.substr(0, size)), HasSubstr("/room.pbrt:3:2: ")) << name << " " << size;
     }
     const std::string pfm = "PF\n2 3\n-1.0\n" + std::string(2 * 3 * 3 * 4, '\0');
-    constexpr unsigned char kWebp[] = {82,  73, 70, 70,  42, 0, 0,   0,   87,  69,  66,  80,  86,  80,  56, 32, 30,
-                                       0,   0,  0,  80,  1,  0, 157, 1,   42,  16,  0,   16,  0,   0,   0,  0,  37,
-                                       164, 0,  4,  116, 0,  0, 254, 215, 210, 255, 255, 254, 249, 197, 96, 0};
-    const std::string webp(reinterpret_cast<const char*>(kWebp), sizeof kWebp);
+    const std::string webp = seed("a.webp");
     for (const auto& [name, whole] : {std::pair("a.pfm", pfm), std::pair("a.webp", webp)}) {
         EXPECT_EQ(message(name, whole), "");
         for (std::size_t size = 0; size < whole.size(); ++size) is_refused(name, whole.substr(0, size));
     }
+    const std::string gif = seed("a.gif");
+    is_refused("a.gif", gif.substr(0, gif.size() / 2));
     for (const char* sides : {"0 3", "2 -3", "x 3", "2 3 x", "2 3 0"})
         is_refused("a.pfm", "PF\n" + std::string(sides) + "\n" + pfm.substr(7));
     for (std::size_t at : {8, 12, 22}) is_refused("a.webp", webp.substr(0, at) + "?" + webp.substr(at + 1));
