@@ -213,6 +213,7 @@ Status check_intact(const std::string& path) {
     if (failed) return {};
     if (size == 0) return Error{ErrorCode::kCorrupt, "the file is empty"};
     if (bytes == std::string_view("\x89PNG\r\n\x1a\n")) return check_png(in);
+    if (bytes.starts_with("\x89PNG")) return damaged("its signature is not PNG's, as after a transfer in text mode");
     if (bytes.starts_with("II") || bytes.starts_with("MM")) return check_tiff(path);
     in.clear();
     in.seekg(0);

@@ -568,6 +568,7 @@ TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
         is_refused("a.png", png);
         png[at] ^= 1;
     }
+    is_refused("a.png", png.substr(0, 4) + png.substr(5));  // a line ends in "\n" alone
     // Headers that cannot be, with the checksum that they need: of width, height, bits, colour type, compression, filter,
     // interlace.
     for (const auto& [at, value] : {std::pair(16, 255), std::pair(20, 1), std::pair(24, 3), std::pair(25, 5), std::pair(26, 1),
