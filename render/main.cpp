@@ -41,12 +41,15 @@ int main(int argc, char** argv) try {
     Result<std::unique_ptr<RenderJob>> job = Error{};
     threads.run([&] { job = prepare(settings); });
     if (!job) return cli::fail(job.error());
+    for (const std::string& added : (*job)->scene.added) cli::note(added);
     for (const std::string& warning : (*job)->warnings) cli::warn(warning);
     const auto missing = sampledb::PartWriter::find_missing(part_options(**job, options), (*job)->job);
     if (!missing) return cli::fail(missing.error());
     options.provenance_json = provenance(**job, settings, (*job)->range.size() - missing->size());
     const std::atomic<bool>& stop_requested = commit_on_signals();
     if (line.dry_run) {
+        if (const Status writable = line.has_output && !missing->empty() ? check_writable(options.output) : Status{}; !writable)
+            return cli::fail(writable.error());
         const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), stop_requested);
         if (!expected) return cli::fail(expected.error());
         warn_of_files(**job);

@@ -6,14 +6,19 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <cstdarg>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "image/plausible_size.h"
 
 namespace latent::image {
 
@@ -22,6 +27,10 @@ namespace {
 constexpr std::size_t kBlock = std::size_t{1} << 18;
 
 Status cut_off() { return Error{ErrorCode::kCorrupt, "the file is cut off"}; }
+Status cut_off(std::uint64_t bytes, std::uint64_t of) {
+    return Error{ErrorCode::kCorrupt, fmt::format("the file is cut off: {} of {} bytes", bytes, of)};
+}
+Status damaged(std::string_view why) { return Error{ErrorCode::kCorrupt, fmt::format("the file is damaged: {}", why)}; }
 
 std::uint32_t big_endian(const char* bytes) {
     std::uint32_t value = 0;
@@ -29,11 +38,31 @@ std::uint32_t big_endian(const char* bytes) {
     return value;
 }
 
+// The chunk at byte 8, which says what the others hold. What it may say: [PNG 11.2.1], and libpng's own limit of a side.
+Status check_png_header(std::string_view type, std::string_view data) {
+    constexpr std::uint32_t kMostSide = 1'000'000;
+    constexpr std::string_view kDepths[] = {{"\1\2\4\10\20"}, "", "\10\20", "\1\2\4\10", "\10\20", "", "\10\20"};  // by colour type
+    if (type != "IHDR" || data.size() != 13) return damaged("the chunk at byte 8 is not a PNG header");
+    const std::uint32_t width = big_endian(data.data()), height = big_endian(data.data() + 4);
+    const auto depth = static_cast<unsigned char>(data[8]), color = static_cast<unsigned char>(data[9]);
+    if (width == 0 || height == 0 || width > kMostSide || height > kMostSide)
+        return damaged(fmt::format("the PNG header at byte 8 says {} x {} pixels; a side has 1 to {}", width, height, kMostSide));
+    if (color >= std::size(kDepths) || kDepths[color].find(data[8]) == std::string_view::npos)
+        return damaged(
+            fmt::format("the PNG header at byte 8 says {} bits of colour type {}, which PNG does not have", depth, color));
+    if (data[10] != 0 || data[11] != 0 || static_cast<unsigned char>(data[12]) > 1)
+        return damaged(fmt::format("the PNG header at byte 8 says compression {}, filter {}, interlace {}, which PNG does not have",
+                                   static_cast<unsigned char>(data[10]), static_cast<unsigned char>(data[11]),
+                                   static_cast<unsigned char>(data[12])));
+    return {};
+}
+
 // Behind the signature: chunks of length, type, data and a checksum of type and data. Those that a picture can do without may be
 // damaged.
 Status check_png(std::ifstream& in) {
     std::vector<char> block(kBlock);
     std::array<char, 8> head{};
+    bool needs_palette = false, has_palette = false, has_pixels = false;
     for (std::uint64_t begin = head.size(); in.read(head.data(), head.size());) {
         const std::string_view type(&head[4], 4);
         uLong sum = crc32(0, reinterpret_cast<const Bytef*>(type.data()), 4);
@@ -48,8 +77,17 @@ Status check_png(std::ifstream& in) {
         if (!in.read(stored.data(), stored.size())) return cut_off();
         const bool is_critical = type[0] >= 'A' && type[0] <= 'Z';
         if (is_critical && big_endian(stored.data()) != sum)
-            return Error{ErrorCode::kCorrupt, fmt::format("the file is damaged: wrong checksum of the chunk at byte {}", begin)};
-        if (type == "IEND") return {};
+            return damaged(fmt::format("wrong checksum of the chunk at byte {}", begin));
+        if (begin == head.size()) {
+            constexpr char kPalette = 3;
+            const std::string_view header(block.data(), std::min<std::uint64_t>(size, block.size()));
+            if (Status s = check_png_header(type, header); !s) return s;
+            needs_palette = header[9] == kPalette;
+        }
+        has_palette = has_palette || type == "PLTE";
+        has_pixels = has_pixels || type == "IDAT";
+        if (has_pixels && needs_palette && !has_palette) return damaged("there is no palette");
+        if (type == "IEND") return has_pixels ? Status{} : damaged("there are no pixels in it");
         begin += head.size() + size + stored.size();
     }
     return cut_off();
@@ -89,6 +127,53 @@ Status check_jpeg(std::ifstream& in) {
     return cut_off();
 }
 
+// "RIFF", the size of what follows, "WEBP", and a chunk of pixels or of what is beside them.
+Status check_webp(std::ifstream& in, std::uint64_t bytes) {
+    std::array<char, 16> front{};
+    if (!in.read(front.data(), front.size())) return cut_off();
+    const std::string_view text(front.data(), front.size());
+    std::uint64_t size = 8;
+    for (std::size_t i = 0; i < 4; ++i) size += std::uint64_t{static_cast<unsigned char>(front[4 + i])} << (8 * i);
+    if (text.substr(8, 4) != "WEBP") return damaged("it begins as WebP does, but byte 8 is not \"WEBP\"");
+    if (bytes < size) return cut_off(bytes, size);
+    const std::string_view chunk = text.substr(12);
+    if (chunk != "VP8 " && chunk != "VP8L" && chunk != "VP8X") return damaged("the chunk at byte 12 is none of WebP's");
+    return {};
+}
+
+// PFM, and PGM and PPM of bytes: "PF", width, height, and the scale or largest value, each behind white space, and one more of
+// that.
+Status check_pnm(std::ifstream& in, std::uint64_t bytes) {
+    std::string text(kBlock, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    const bool is_float = text[1] == 'F' || text[1] == 'f';
+    std::array<double, 3> numbers{};
+    std::size_t at = 2;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        constexpr std::string_view kSpace = " \t\r\n";
+        for (at = text.find_first_not_of(kSpace, at); at < text.size() && text[at] == '#';)
+            at = text.find_first_not_of(kSpace, text.find('\n', at));
+        if (at >= text.size()) return cut_off();
+        const auto [end, failed] = std::from_chars(text.data() + at, text.data() + text.size(), numbers[i]);
+        const bool is_side = i < 2 && numbers[i] >= 1 && numbers[i] < 0x1p31 && numbers[i] == std::floor(numbers[i]);
+        const bool is_range = i == 2 && (is_float ? numbers[i] != 0 : numbers[i] >= 1 && numbers[i] < 65536);
+        if (failed != std::errc{} || !(is_side || is_range)) {
+            const char* const what = i == 0 ? "width" : i == 1 ? "height" : is_float ? "scale" : "largest value";
+            return damaged(fmt::format("its header gives no {} at byte {}", what, at));
+        }
+        at = static_cast<std::size_t>(end - text.data());
+    }
+    const bool is_colour = text[1] == 'F' || text[1] == '6';
+    const double depth = is_float           ? 4
+                         : numbers[2] > 255 ? 2
+                                            : 1,
+                 size = static_cast<double>(at) + 1 + numbers[0] * numbers[1] * depth * (is_colour ? 3 : 1);
+    const bool is_huge = !is_plausible_size(static_cast<std::uint64_t>(numbers[0]), static_cast<std::uint64_t>(numbers[1]), bytes);
+    if (is_huge || static_cast<double>(bytes) >= size) return {};  // what is huge, the reader refuses
+    return cut_off(bytes, static_cast<std::uint64_t>(size));
+}
+
 int ignore_message(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
 // Where the strips or tiles of all pictures in the file lie.
@@ -123,10 +208,20 @@ Status check_intact(const std::string& path) {
     std::array<char, 8> front{};
     in.read(front.data(), front.size());
     const std::string_view bytes(front.data(), front.size());
+    std::error_code failed;
+    const std::uintmax_t size = std::filesystem::file_size(path, failed);
+    if (failed) return {};
+    if (size == 0) return Error{ErrorCode::kCorrupt, "the file is empty"};
     if (bytes == std::string_view("\x89PNG\r\n\x1a\n")) return check_png(in);
+    if (bytes.starts_with("\x89PNG")) return damaged("its signature is not PNG's, as after a transfer in text mode");
     if (bytes.starts_with("II") || bytes.starts_with("MM")) return check_tiff(path);
-    if (!bytes.starts_with("\xFF\xD8\xFF")) return {};
     in.clear();
+    in.seekg(0);
+    for (const std::string_view pnm : {"PF", "Pf", "P5", "P6"}) {
+        if (bytes.starts_with(pnm)) return check_pnm(in, size);
+    }
+    if (bytes.starts_with("RIFF")) return check_webp(in, size);
+    if (!bytes.starts_with("\xFF\xD8\xFF")) return {};
     in.seekg(2);
     return check_jpeg(in);
 }

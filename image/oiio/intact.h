@@ -1,5 +1,6 @@
-// image/oiio/intact.h: PNG, JPEG and TIFF files that were cut off, and PNG files of which a byte has changed. OpenImageIO lets
-// libpng write about these to standard error, and makes the missing part of a JPEG grey, and that of a TIFF black.
+// image/oiio/intact.h: PNG, JPEG, TIFF, WebP, PFM, PGM and PPM files that were cut off, PNG files of which a byte has changed, and
+// headers that cannot be. OpenImageIO lets libpng write about these to standard error, makes the missing part of a JPEG grey, and
+// that of a TIFF black, and of the others says little.
 #pragma once
 
 #include <string>

@@ -45,9 +45,15 @@ constexpr std::array kMagics = {
     Magic{"BM", "bmp"},
     Magic{"GIF8", "gif"},
     Magic{"DDS ", "dds"},
+    Magic{"RIFF", "webp"},
 };
+// Names whose files always begin with one of these.
+constexpr std::array<std::string_view, 15> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "ppm",
+                                                          "pgm", "pbm", "pnm",  "bmp", "gif",  "dds", "webp"};
+constexpr const char* kMisnamed = "misnamed";
 
-// The format by the first bytes of a file, else by its name. OpenImageIO would try every format that it knows, one after another.
+// The format by the first bytes of a file, else by its name; kMisnamed if these do not fit. OpenImageIO would try every format that
+// it knows, one after another.
 std::string format_of(const std::filesystem::path& path) {
     std::array<char, 4> front{};
     std::ifstream(path, std::ios::binary).read(front.data(), front.size());
@@ -56,7 +62,9 @@ std::string format_of(const std::filesystem::path& path) {
         if (bytes.starts_with(magic.bytes)) return magic.format;
     }
     std::string extension = path.extension().string();
-    return extension.empty() ? extension : extension.substr(1);
+    if (extension.empty()) return extension;
+    extension.erase(0, 1);
+    return std::ranges::find(kExtensions, extension) == kExtensions.end() ? extension : kMisnamed;
 }
 
 // OpenImageIO divides by these.
@@ -99,6 +107,10 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
     }
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
     const std::string format = format_of(path);
+    if (format == kMisnamed) {
+        errorfmt("the file is not what its name says: it does not begin as a picture of that format does");
+        return false;
+    }
     OIIO::ImageSpec file_spec;
     file_ = format.empty() ? nullptr : OIIO::ImageInput::create(format);
     if (!file_ || !file_->open(path.string(), file_spec, hints)) {

@@ -35,6 +35,9 @@ Error error_of(const FileName& file, std::string message, std::string_view other
         const std::size_t at = message.find(name);
         if (at != std::string::npos) message.replace(at, name.size(), "the file");
     }
+    const auto says = [&](std::string_view text) { return message.find(text) != std::string::npos; };
+    if (says("end of file") || (says("asked for") && says("got"))) message = "the file is cut off";
+    if (message == "Couldn't decode" || says("not a WebP")) message = "the file is damaged: its pixels cannot be decoded";
     return {ErrorCode::kCorrupt,
             fmt::format("{}: cannot be read as a picture: {}", file.in_messages, message.empty() ? otherwise : message)};
 }

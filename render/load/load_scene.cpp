@@ -145,7 +145,8 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
     scene.embedded = std::move(model->embedded);
-    complete(std::move(*model), colors.emission({1, 1, 1}), scene.description);
+    for (const std::string& added : complete(std::move(*model), colors.emission({1, 1, 1}), scene.description))
+        scene.added.push_back(fmt::format("{}: {}", path.string(), added));
     scene.description.rgb_spectra = rgb_spectra;
     scene.warnings = diagnostics.warnings();
     return scene;

@@ -16,6 +16,7 @@ struct LoadedScene {
     std::vector<File> embedded{};       // pictures that textures find as long as these are open
     std::vector<std::string> warnings;  // "room.pbrt:3:1: ...": what was ignored
     std::vector<std::string> notes;     // the same of what no sample depends on
+    std::vector<std::string> added;     // "model.obj: has no light; ...": what a model lacked
 };
 
 // Errors: kNotFound, kIo; kCorrupt for a syntax error; kUnsupported if anything was found that would make the picture wrong: the

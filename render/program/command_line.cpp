@@ -81,7 +81,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     app.add_flag("--ignore-space", line.ignore_space, "start even if the file is not expected to fit on the disk");
     app.footer(kBelowOptions);
     app.parse_complete_callback([&line] {
-        if (!line.options.output.empty()) return;
+        line.has_output = !line.options.output.empty();
+        if (line.has_output) return;
         if (!line.dry_run && line.preview_seconds <= 0) throw CLI::RequiredError("--output");
         line.options.output = line.settings.scene.stem() += ".latent";
     });

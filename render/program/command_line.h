@@ -10,6 +10,7 @@ namespace latent::render {
 struct CommandLine {
     RenderSettings settings;
     RenderOptions options;
+    bool has_output = false;  // the command line names one
     bool dry_run = false, ignore_space = false;
     double preview_seconds = 0;  // 0: none
 };

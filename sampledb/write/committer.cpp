@@ -1,5 +1,7 @@
 #include "sampledb/write/committer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -126,7 +128,11 @@ Status Committer::commit(std::vector<GrainPtr> grains, std::uint64_t end, std::u
     Result<Bytes> run = builder_.build(job_, coverage, std::move(pieces), std::move(encoded_));
     if (!run) return run.error();
     encoded_ = std::move(*run);
-    if (Status s = publisher_.append(encoded_); !s) return s;
+    if (const Status s = publisher_.append(encoded_); !s) {
+        const char* const left =
+            committed_.empty() ? "nothing is committed yet" : "committed work is kept: run the same command again to resume";
+        return Error{s.error().code, fmt::format("{}; {}", s.error().message, left)};
+    }
     published_ = publisher_.published_elsewhere();
     {
         const std::lock_guard lock(mutex_);

@@ -24,8 +24,7 @@ Status Publisher::begin(const std::string& provenance_json) {
 }
 
 Status Publisher::append(ByteSpan run) {
-    if (Status s = attempt_->append(run); !s)
-        return Error{s.error().code, s.error().message + "; committed work is kept: run the same command again to resume"};
+    if (Status s = attempt_->append(run); !s) return s;
     if (attempt_->vanished() && !published_elsewhere()) return attempt_->restore();
     return {};
 }

@@ -67,7 +67,7 @@ bool run_obj(ByteSpan bytes) {
 }
 
 bool run_ply(ByteSpan bytes) {
-    const Result<latent::render::PlyMesh> mesh = latent::render::parse_ply(text_of(bytes));
+    const Result<latent::render::PlyMesh> mesh = latent::render::parse_ply(text_of(bytes), "m.ply");
     if (!mesh) return false;
     const auto inside = [&](const std::vector<std::uint32_t>& indices) {
         for (const std::uint32_t i : indices) require(i < mesh->positions.size(), "indices are those of vertices");

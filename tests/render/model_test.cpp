@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "base/json.h"
 #include "render/load/files/scene_files.h"
 #include "render/load/obj/polygon.h"
@@ -416,7 +418,7 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
     GltfFile file = quad_and_lamp();
     file.binary[4 * 4 + 3] = '\x7f', file.binary[4 * 4 + 2] = '\xc0';  // y of vertex 1
     EXPECT_THAT(refusal("room.glb", as_glb(file)), HasSubstr("/accessors/0: item 1 is not finite"));
-    EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\n  \"version\" 2}}"), HasSubstr("room.gltf:2:1"));
+    EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\n  \"version\" 2}}"), HasSubstr("room.gltf:2:13: not valid JSON: "));
 
     EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\"version\": 1e999}}"), HasSubstr("room.gltf: holds a number that exceeds"));
 
@@ -449,6 +451,141 @@ TEST_F(Models, WhatManyThingsUseIsComplainedAboutOnce) {
     const std::string message = refusal("room.glb", as_glb(file));
     EXPECT_THAT(message, HasSubstr("/accessors/0: its 1000000000 items exceed"));
     EXPECT_EQ(std::ranges::count(message, '\n'), 0) << message;
+}
+
+// What exporters write a little wrong is read, with one warning for all of its kind.
+TEST_F(Models, FactorsOutOfRangeAreClampedAndCounted) {
+    const auto with = [&](double base, double metallic, double emission) {
+        GltfFile file = quad_and_lamp();
+        Json& material = file.json["materials"][0];
+        material["pbrMetallicRoughness"] = {{"baseColorFactor", {base, base, .5, 1}}, {"metallicFactor", metallic}};
+        material["emissiveFactor"] = {emission, 0, 0};
+        file.json["materials"] = std::vector<Json>(3, material);
+        Result<LoadedScene> scene = load("room.glb", as_glb(file));
+        EXPECT_TRUE(scene) << scene.error().message;
+        return scene ? std::move(*scene) : LoadedScene{};
+    };
+    const LoadedScene right = with(1, 0, 1), wrong = with(1.5, -0.25, 7);
+    EXPECT_EQ(content_hash(wrong.description), content_hash(right.description));
+    EXPECT_THAT(right.warnings, ::testing::IsEmpty());
+    const std::string material = "room.glb: /materials/0/";
+    EXPECT_THAT(
+        wrong.warnings,
+        ::testing::UnorderedElementsAre(
+            HasSubstr(material + "pbrMetallicRoughness/baseColorFactor: 1.5 is clamped: must be from 0 to 1 (and in 2 other"),
+            HasSubstr(material + "pbrMetallicRoughness/metallicFactor: -0.25 is clamped: must be from 0 to 1 (and in 2"),
+            HasSubstr(material + "emissiveFactor: 7 is clamped: must be from 0 to 1; KHR_materials_emissive_strength")));
+}
+
+TEST_F(Models, MisspeltMembersAreWarnedOfWithTheNameThatWasMeant) {
+    const auto warnings = [&](const std::string& pointer, const Json& value) {
+        GltfFile file = quad_and_lamp();
+        file.json[Json::json_pointer(pointer)] = value;
+        return load("room.glb", as_glb(file)).value().warnings;
+    };
+    const auto is = [](const std::string& pointer, const std::string& meant) {
+        return ::testing::ElementsAre(
+            ::testing::EndsWith("room.glb: " + pointer + ": is not part of glTF 2.0, and is ignored" + meant));
+    };
+    const std::string material = "/materials/0/", pbr = material + "pbrMetallicRoughness/";
+    EXPECT_THAT(warnings(pbr + "baseColourFactor", {1, 0, 0, 1}), is(pbr + "baseColourFactor", "; did you mean baseColorFactor?"));
+    EXPECT_THAT(warnings(material + "emmisiveFactor", {1, 0, 0}),
+                is(material + "emmisiveFactor", "; did you mean emissiveFactor?"));
+    EXPECT_THAT(warnings("/nodes/1/rotaton", {0, 0, 0, 1}), is("/nodes/1/rotaton", "; did you mean rotation?"));
+    EXPECT_THAT(warnings("/nodes/1/zzz", 1), is("/nodes/1/zzz", ""));
+    const std::string attributes = "/meshes/0/primitives/0/attributes/";
+    EXPECT_THAT(warnings(attributes + "TEXCOORD0", 0), is(attributes + "TEXCOORD0", "; did you mean TEXCOORD_0?"));
+    // Neither what applications add, nor what is known and not used.
+    for (const char* quiet : {"/extras", "/materials/0/extras", "/nodes/1/extensions/EXT_unknown", "/meshes/0/extensions/X_y",
+                              "/materials/0/pbrMetallicRoughness/extras", "/meshes/0/primitives/0/attributes/_ID",
+                              "/meshes/0/primitives/0/attributes/JOINTS_3", "/accessors/0/min", "/asset/generator"})
+        EXPECT_THAT(warnings(quiet, Json::object()), ::testing::IsEmpty()) << quiet;
+}
+
+TEST_F(Models, ATextureWithoutCoordinatesIsWarnedOf) {
+    testing::write_exr(folder_ / "wood.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    GltfFile file = quad_and_lamp();
+    const Json uv = file.add_floats({0, 0, 1, 0, 1, 1, 0, 1}, "VEC2");
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = uv;
+    file.json["images"] = {{{"uri", "wood.exr"}}};
+    file.json["textures"] = {{{"source", 0}}};
+    Json& info = file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    const auto warnings = [&] {
+        std::vector<std::string> lines = load("room.glb", as_glb(file)).value().warnings;
+        std::erase_if(lines, [](const std::string& line) { return line.find("TEXCOORD") == line.npos; });
+        return lines;
+    };
+    EXPECT_THAT(warnings(), ::testing::IsEmpty());
+    info["texCoord"] = 3;
+    EXPECT_THAT(warnings(),
+                ::testing::ElementsAre(HasSubstr("/meshes/0/primitives/0/attributes: has no TEXCOORD_3, which the textures")));
+}
+
+// Whatever stands in the place of a member: one line, which begins with the member's place.
+TEST_F(Models, AnythingOfTheWrongKindIsOneError) {
+    const Json values[] = {"word", 0.5, -1, 7, 1e9, true, nullptr, Json::array(), Json::object(), {1, 2}, {{"a", 1}}};
+    const GltfFile whole = quad_and_lamp();
+    const Json flat = whole.json.flatten();
+    std::set<std::string> places = {"/extensionsRequired", "/extensionsUsed", "/scene"};
+    for (const auto& [pointer, unused] : flat.items()) {
+        for (std::size_t end = 0; end != pointer.npos;) {
+            end = pointer.find('/', end + 1);
+            places.insert(pointer.substr(0, end));
+        }
+    }
+    std::size_t refused = 0;
+    std::erase_if(places, [](const std::string& place) { return place.starts_with("/buffers") || place.empty(); });  // as_glb's
+    for (const std::string& place : places) {
+        for (const Json& value : values) {
+            GltfFile file = whole;
+            file.json[Json::json_pointer(place)] = value;
+            const Json empty = Json::array();
+            if (value == empty && place.ends_with("s")) continue;  // no items: all that name one are wrong
+            const Result<LoadedScene> scene = load("room.glb", as_glb(file));
+            if (scene) continue;
+            ++refused;
+            EXPECT_EQ(std::ranges::count(scene.error().message, '\n'), 0) << place << " " << value << "\n" << scene.error().message;
+        }
+    }
+    EXPECT_GT(refused, 300u);
+    GltfFile file = whole;
+    EXPECT_THAT(refusal("room.gltf", "{\"scenes\": []}"), ::testing::EndsWith("room.gltf: has no asset"));
+    file.json["extensionsRequired"] = "KHR_draco_mesh_compression";
+    EXPECT_THAT(refusal("room.glb", as_glb(file)),
+                ::testing::EndsWith("room.glb: /extensionsRequired: must be an array of strings"));
+}
+
+TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
+    const std::string camera = "has no camera; one that shows the whole model is added",
+                      light = "has no light; a white sky of radiance 1 is added";
+    const auto added = [&](const std::string& name, const std::string& text) {
+        const LoadedScene scene = load(name, text).value();
+        EXPECT_THAT(scene.warnings, ::testing::IsEmpty());
+        std::vector<std::string> out;
+        for (const std::string& line : scene.added) out.push_back(line.substr(line.find(": ") + 2));
+        return out;
+    };
+    using Lines = std::vector<std::string>;
+    EXPECT_EQ(added("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), (Lines{camera, light}));
+    GltfFile file = quad_and_lamp();
+    EXPECT_EQ(added("room.glb", as_glb(file)), Lines{});
+    file.json["scenes"][0]["nodes"] = {0, 1};
+    EXPECT_EQ(added("room.glb", as_glb(file)), Lines{light});
+    file.json.erase("cameras");
+    file.json["nodes"][0].erase("camera");
+    EXPECT_EQ(added("room.glb", as_glb(file)), (Lines{camera, light}));
+}
+
+// As an editor counts them; those of a binary file begin with its JSON.
+TEST_F(Models, AFaultOfTheJsonIsSaidWithItsLineAndColumn) {
+    EXPECT_THAT(refusal("room.gltf", "{\n  \"asset\": {\"version\": \"2.0\"},\n  \"nodes\": [1, 2,, 3]\n}\n"),
+                HasSubstr("room.gltf:3:18: not valid JSON: "));
+    EXPECT_THAT(refusal("room.gltf", "{\n  \"asset\": \"two\nlines\"\n}\n"), HasSubstr("room.gltf:2:16: not valid JSON: "));
+    EXPECT_THAT(refusal("room.gltf", "?"), HasSubstr("room.gltf:1:1: not valid JSON"));
+    for (const char* empty : {"", " \n\n"}) EXPECT_THAT(refusal("room.gltf", empty), HasSubstr("room.gltf: the file is empty"));
+    std::string glb = as_glb(quad_and_lamp());
+    glb[20 + 40] = '\x01';
+    EXPECT_THAT(refusal("room.glb", glb), HasSubstr("room.glb: JSON chunk, 1:41: not valid JSON: "));
 }
 
 // A binary file that is cut anywhere is one error, and so is a text.

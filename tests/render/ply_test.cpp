@@ -68,7 +68,7 @@ std::string example(Encoding encoding) {
 
 TEST(Ply, EveryEncodingHoldsTheSameMesh) {
     for (const Encoding encoding : {Encoding::kAscii, Encoding::kLittle, Encoding::kBig}) {
-        const Result<PlyMesh> mesh = parse_ply(example(encoding));
+        const Result<PlyMesh> mesh = parse_ply(example(encoding), "m.ply");
         ASSERT_TRUE(mesh) << name(encoding) << ": " << mesh.error().message;
         ASSERT_EQ(mesh->positions.size(), 5u);
         EXPECT_EQ(mesh->positions[4], Vec3d(2, 0.5, 0.25));
@@ -83,18 +83,18 @@ TEST(Ply, FilesCutAnywhereAreRefused) {
     for (const Encoding encoding : {Encoding::kLittle, Encoding::kBig}) {
         const std::string whole = example(encoding);
         for (std::size_t size = 0; size < whole.size(); ++size)
-            EXPECT_FALSE(parse_ply(std::string_view(whole).substr(0, size))) << size;
+            EXPECT_FALSE(parse_ply(std::string_view(whole).substr(0, size), "m.ply")) << size;
     }
 }
 
 TEST(Ply, BrokenFilesAreRefusedInWords) {
     const std::string vertices = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     const auto message = [](const std::string& text) {
-        const Result<PlyMesh> mesh = parse_ply(text);
+        const Result<PlyMesh> mesh = parse_ply(text, "m.ply");
         return mesh ? std::string("accepted") : mesh.error().message;
     };
     EXPECT_THAT(message("solid stl\n"), HasSubstr("not a PLY file"));
-    EXPECT_THAT(message(vertices + "property frob w\nend_header\n"), HasSubstr("line 7"));
+    EXPECT_THAT(message(vertices + "property frob w\nend_header\n"), HasSubstr("m.ply:7: type \"frob\" is unknown"));
     EXPECT_THAT(
         message(vertices + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 5 0 1 2 0 1\n"),
         HasSubstr("5 sides"));
@@ -105,10 +105,28 @@ TEST(Ply, BrokenFilesAreRefusedInWords) {
         message(vertices + "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 -1\n"),
         HasSubstr("out of range"));
     EXPECT_THAT(message(vertices + "end_header\n0 0 0 1 nan 0 0 1 0\n"), HasSubstr("vertex 1"));
-    EXPECT_THAT(message("ply\nformat ascii 1.0\nelement vertex 99999999999999999999\n"), HasSubstr("line 3"));
+    EXPECT_THAT(message("ply\nformat ascii 1.0\nelement vertex 99999999999999999999\n"), HasSubstr("m.ply:3: "));
     EXPECT_THAT(message("ply\nformat binary_little_endian 1.0\nelement vertex 9999999999999\nproperty float x\nproperty float "
                         "y\nproperty float z\nend_header\n0123"),
-                HasSubstr("vertex 0"));
+                HasSubstr("m.ply: the file ends within vertex 0 of"));
+}
+
+// The same rows with one fault, in lines of their own, after a header of ten.
+TEST(Ply, AFaultInTextIsSaidWithItsLine) {
+    const std::vector<std::string> rows = {"0 0 0", "1 0 0", "0 1 0", "3 0 1 2", "3 2 1 0"};
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        for (const char* fault : {"3 1 x", "3 1 nan", "3 1 1e999", "3 1 9 9", ""}) {
+            if (row < 3 && std::string_view(fault) == "3 1 9 9") continue;  // a vertex, and more values than it has
+            std::string text =
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                "element face 2\nproperty list uchar int vertex_indices\ncomment\nend_header\n";
+            for (std::size_t i = 0; i < row; ++i) text += rows[i] + "\n";
+            text += fault;
+            const Result<PlyMesh> mesh = parse_ply(text, "m.ply");
+            ASSERT_FALSE(mesh) << text;
+            EXPECT_THAT(mesh.error().message, ::testing::StartsWith("m.ply:" + std::to_string(11 + row) + ": ")) << text;
+        }
+    }
 }
 
 TEST(Ply, AnyChangedByteIsReadOrRefused) {
@@ -118,7 +136,7 @@ TEST(Ply, AnyChangedByteIsReadOrRefused) {
         for (int i = 0; i < 3000; ++i) {
             std::string text = whole;
             text[random() % text.size()] = static_cast<char>(random());
-            const Result<PlyMesh> mesh = parse_ply(text);
+            const Result<PlyMesh> mesh = parse_ply(text, "m.ply");
             if (!mesh) continue;
             for (const std::uint32_t index : mesh->triangles) EXPECT_LT(index, mesh->positions.size());
             for (const std::uint32_t index : mesh->quads) EXPECT_LT(index, mesh->positions.size());

@@ -91,7 +91,7 @@ TEST_F(PreviewTest, AFolderThatTakesNoSamplesIsNamedWithWhatToDo) {
     const Outcome full = preview(disk / "", "1000x1000");
     EXPECT_EQ(full.status, 1);
     EXPECT_EQ(full.err, "latent-render: " + (disk / "x").parent_path().string() +
-                            ": no space left for a trial; free some, or choose another folder with -o\n");
+                            ": no space left for the samples of the preview; free some, or choose another folder with -o\n");
     EXPECT_THAT(disk.names(), ::testing::IsEmpty());
 }
 

@@ -255,6 +255,16 @@ TEST_F(Resume, AnOutputWithoutAFolderIsRefusedBeforeTheSceneIsRead) {
     }
 }
 
+// /proc takes no files, not even from root.
+TEST_F(Resume, ADryRunFailsAsTheRenderDoesWhereNothingCanBeWritten) {
+    const Outcome render = latent::testing::run(command("/proc/p.latent")),
+                  dry = latent::testing::run(command("/proc/p.latent", {"--dry-run"}));
+    EXPECT_EQ(render.status, 1);
+    EXPECT_EQ(dry.status, render.status);
+    EXPECT_THAT(dry.err, ::testing::MatchesRegex("latent-render: /proc: cannot write: [^\n]*; choose another folder with -o\n"));
+    EXPECT_THAT(dry.out, IsEmpty());
+}
+
 // On a disk that holds a tenth of it.
 TEST_F(Resume, APartThatWillNotFitIsRefusedBeforeItBegins) {
     const latent::testing::SmallDisk disk(2 << 20);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -443,7 +444,9 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
 }
 
 TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
-    folder_.write("p.pgm", "P5\n64 640\n255\n" + std::string(64 * 70, 'x'));
+    std::string text = "P2\n64 640\n255\n";
+    for (int i = 0; i < 64 * 70; ++i) text += "120\n";
+    folder_.write("p.pgm", text);
     load_float("\"imagemap\" \"string filename\" \"p.pgm\" \"string filter\" \"bilinear\"");
     at(0.5f, 0.05f);
     ASSERT_FALSE(textures_->status());
@@ -516,6 +519,17 @@ TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
         for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 50)
             EXPECT_THAT(message(name, whole.substr(0, size)), HasSubstr("/room.pbrt:3:2: ")) << name << " " << size;
     }
+    const std::string pfm = "PF\n2 3\n-1.0\n" + std::string(2 * 3 * 3 * 4, '\0');
+    const std::string webp = seed("a.webp");
+    for (const auto& [name, whole] : {std::pair("a.pfm", pfm), std::pair("a.webp", webp)}) {
+        EXPECT_EQ(message(name, whole), "");
+        for (std::size_t size = 0; size < whole.size(); ++size) is_refused(name, whole.substr(0, size));
+    }
+    const std::string gif = seed("a.gif");
+    is_refused("a.gif", gif.substr(0, gif.size() / 2));
+    for (const char* sides : {"0 3", "2 -3", "x 3", "2 3 x", "2 3 0"})
+        is_refused("a.pfm", "PF\n" + std::string(sides) + "\n" + pfm.substr(7));
+    for (std::size_t at : {8, 12, 22}) is_refused("a.webp", webp.substr(0, at) + "?" + webp.substr(at + 1));
     const std::string jpeg = seed("a.jpg");
     EXPECT_EQ(message("a.jpg", jpeg.substr(0, 2) + "\xFF\xFF" + jpeg.substr(2)), "");  // bytes that fill
     std::string png = seed("a.png");
@@ -523,6 +537,17 @@ TEST_F(TextureTest, APictureThatIsCutOrChangedAnywhereIsOneErrorWithItsPlace) {
         png[at] ^= 1;
         is_refused("a.png", png);
         png[at] ^= 1;
+    }
+    is_refused("a.png", png.substr(0, 4) + png.substr(5));  // a line ends in "\n" alone
+    // Headers that cannot be, with the checksum that they need: of width, height, bits, colour type, compression, filter,
+    // interlace.
+    for (const auto& [at, value] : {std::pair(16, 255), std::pair(20, 1), std::pair(24, 3), std::pair(25, 5), std::pair(26, 1),
+                                    std::pair(27, 1), std::pair(28, 2), std::pair(15, 88)}) {
+        std::string changed = png;
+        changed[static_cast<std::size_t>(at)] = static_cast<char>(value);
+        const auto sum = static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(&changed[12]), 17));
+        for (std::size_t i = 0; i < 4; ++i) changed[29 + i] = static_cast<char>(sum >> (24 - 8 * i));
+        is_refused("a.png", changed);
     }
     EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }

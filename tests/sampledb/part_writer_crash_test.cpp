@@ -241,6 +241,7 @@ TEST(PartWriterFullDisk, WhatWasCommittedStaysAndTheSameCommandGoesOnWhenThereIs
     EXPECT_NE(full.err.find("a.latent.part."), std::string::npos) << full.err;
     EXPECT_NE(full.err.find("No space left on device"), std::string::npos) << full.err;
     EXPECT_GT(last(full.out, "committed"), 0u);
+    EXPECT_NE(full.err.find("committed work is kept"), std::string::npos) << full.err;
     EXPECT_GE(seen(name).samples, last(full.out, "committed"));
     EXPECT_FALSE(fs::exists(name));
     disk.resize(16 << 20);
@@ -248,6 +249,17 @@ TEST(PartWriterFullDisk, WhatWasCommittedStaysAndTheSameCommandGoesOnWhenThereIs
     const TemporaryFolder other;
     ASSERT_EQ(run(writer(other / "a.latent", setting, 1)).status, 0);
     EXPECT_EQ(seen(name).runs, seen(other / "a.latent").runs);
+}
+
+TEST(PartWriterFullDisk, NothingIsSaidToBeKeptWhereNothingIsCommitted) {
+    const TemporaryFolder folder;
+    const Setting setting{131072, 16384, 1000, 0, false};
+    const FaultOutcome first = run_with_fault(writer(folder / "a.latent", setting, 1), {"write:2+:ENOSPC", folder.path().string()});
+    EXPECT_TRUE(first.happened);
+    EXPECT_EQ(first.status, 1);
+    EXPECT_NE(first.err.find("; nothing is committed yet"), std::string::npos) << first.err;
+    EXPECT_EQ(first.err.find("is kept"), std::string::npos) << first.err;
+    EXPECT_TRUE(folder.names().empty());
 }
 
 }  // namespace

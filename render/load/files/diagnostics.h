@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -33,6 +34,21 @@ class Diagnostics {
     void error(const std::string& place, const std::string& message) { say(place, message, errors_); }
     void warn(const std::string& place, const std::string& message) { say(place, message, warnings_); }
 
+    // A warning that many places may deserve: the first of its kind is said, with how many followed.
+    void warn_of_kind(const std::string& kind, const std::string& place, const std::string& message) {
+        const auto [first, is_new] = kinds_.try_emplace(kind);
+        Kind& of_kind = first->second;
+        if (is_new) {
+            of_kind.line = warnings_.lines.size();
+            warn(place, message);
+            const bool is_said = of_kind.line < warnings_.lines.size() && warnings_.lines[of_kind.line].starts_with(place);
+            if (is_said) of_kind.text = warnings_.lines[of_kind.line];
+        } else if (!of_kind.text.empty()) {
+            const char* const places = ++of_kind.others == 1 ? " other place)" : " other places)";
+            warnings_.lines[of_kind.line] = of_kind.text + " (and in " + std::to_string(of_kind.others) + places;
+        }
+    }
+
     // "room.pbrt:12:3".
     std::string place(const SourceLocation& where) const {
         return files_[where.file] + ":" + std::to_string(where.line) + ":" + std::to_string(where.column);
@@ -57,7 +73,13 @@ class Diagnostics {
         if (out.said.insert(line).second) out.lines.push_back(std::move(line));
     }
 
+    struct Kind {
+        std::size_t line = 0, others = 0;
+        std::string text{};  // of the first
+    };
+
     const std::vector<std::string>& files_;
+    std::unordered_map<std::string, Kind> kinds_;
     Lines errors_, warnings_, notes_;
     std::unordered_set<std::string> unreadable_;
 };

@@ -45,11 +45,10 @@ std::optional<Items> items_of(const GltfDocument& document, const GltfValue& acc
     const std::optional<std::uint32_t> v = view_index.index(document.root()["bufferViews"]);
     if (!v) return std::nullopt;
     const GltfValue view = document.root()["bufferViews"][*v];
-    if (!view["buffer"].exists()) view.error("has no buffer");
     const std::optional<std::uint32_t> b = view["buffer"].index(document.root()["buffers"]);
     if (!b) return std::nullopt;
-    const std::string& bytes = document.buffer(*b);
-    if (bytes.empty()) return std::nullopt;  // an error already
+    if (!document.buffer(*b)) return std::nullopt;  // an error already
+    const std::string& bytes = *document.buffer(*b);
     const std::uint64_t begin = view["byteOffset"].count(0), length = view["byteLength"].count(0),
                         stride = view["byteStride"].count(item);
     if (begin > bytes.size() || length > bytes.size() - begin) {

@@ -7,6 +7,7 @@
 
 #include "base/bytes.h"
 #include "base/json.h"
+#include "render/load/gltf/schema.h"
 
 namespace latent::render {
 
@@ -94,6 +95,32 @@ std::optional<std::string> file_of_uri(std::string_view uri) {
     return name;
 }
 
+namespace {
+
+// Why a text is no JSON, in the words of the library: "unexpected number literal; expected ':'", or nothing.
+std::string reason(std::string_view what) {
+    const std::size_t begin = what.find(" - ");
+    if (begin == what.npos) return "";
+    const std::string_view text = what.substr(begin + 3);
+    return ": " + std::string(text.substr(0, text.find("; last read")));
+}
+
+// Where reading ended: `at` characters were read, the last of which could not follow the others.
+std::string line_and_column(std::string_view text, std::size_t at) {
+    const std::string_view before = text.substr(0, std::max<std::size_t>(at, 1) - 1);
+    const auto line = 1 + std::ranges::count(before, '\n');
+    return fmt::format("{}:{}", line, before.size() - (before.rfind('\n') + 1) + 1);
+}
+
+// Of a .glb: the whole JSON is often one line, and begins behind a header.
+Error not_json(const std::string& name, bool is_binary, std::string_view text, std::size_t at, std::string_view what) {
+    const std::string place = is_binary ? fmt::format("{}: JSON chunk, {}", name, line_and_column(text, at))
+                                        : fmt::format("{}:{}", name, line_and_column(text, at));
+    return {ErrorCode::kCorrupt, fmt::format("{}: not valid JSON{}", place, reason(what))};
+}
+
+}  // namespace
+
 Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, const SceneFiles& files,
                                         Diagnostics& diagnostics) {
     GltfDocument document(name, files, diagnostics);
@@ -105,23 +132,24 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
     }
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (chunks.json.starts_with(kByteOrderMark)) chunks.json.remove_prefix(kByteOrderMark.size());
+    const bool is_binary = bytes.starts_with("glTF");
+    if (chunks.json.find_first_not_of(" \t\r\n") == chunks.json.npos)
+        return Error{ErrorCode::kCorrupt, fmt::format("{}: {} is empty", name, is_binary ? "its JSON chunk" : "the file")};
     const Status is_object = check_json_object(chunks.json, kMostDepth);
     try {
         document.json_ = nlohmann::json::parse(chunks.json);
     } catch (const nlohmann::json::parse_error& e) {
-        const std::string_view before = chunks.json.substr(0, e.byte);
-        const std::size_t line = 1 + static_cast<std::size_t>(std::ranges::count(before, '\n')),
-                          column = before.size() - (before.rfind('\n') + 1);
-        return Error{ErrorCode::kCorrupt, fmt::format("{}:{}:{}: not valid JSON", name, line, column)};
+        return not_json(name, is_binary, chunks.json, e.byte, e.what());
     } catch (const nlohmann::json::out_of_range&) {
         return Error{ErrorCode::kCorrupt, name + ": holds a number that exceeds the range of double precision"};
     }
     if (!is_object) return is_object.error().at(name);
 
-    const std::string version = document.root()["asset"]["version"].text("none");
-    if (!version.starts_with("2."))
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: /asset/version: is {}; only glTF 2.0 is supported", name, version)};
-    document.read_buffers(chunks.binary, chunks.has_binary);
+    const GltfValue version = document.root()["asset"]["version"];
+    if (version.is_text() && !version.text().starts_with("2."))
+        return Error{ErrorCode::kUnsupported, fmt::format("{}: is {}; only glTF 2.0 is supported", version.path(), version.text())};
+    document.is_sound_ = check_gltf(document.root());
+    if (document.is_sound_) document.read_buffers(chunks.binary, chunks.has_binary);
     return document;
 }
 
@@ -158,8 +186,11 @@ void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
             buffer.error("has no uri, and the file has no binary chunk");
         }
         const std::uint64_t declared = buffer["byteLength"].count(0);
-        if (bytes && bytes->size() < declared) buffer.error(fmt::format("is truncated: {} of {} bytes", bytes->size(), declared));
-        buffers_.push_back(std::move(bytes).value_or(""));
+        if (bytes && bytes->size() < declared) {
+            buffer.error(fmt::format("is truncated: {} of {} bytes", bytes->size(), declared));
+            bytes.reset();
+        }
+        buffers_.push_back(std::move(bytes));
     }
 }
 

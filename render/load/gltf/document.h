@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,13 +17,15 @@ namespace latent::render {
 class GltfDocument {
  public:
     // Of the content of a file; `name` begins every message. Errors: kTruncated, kCorrupt, kUnsupported: nothing else can be read.
-    // What is wrong with or missing from its buffers goes to `diagnostics`. `files` and `diagnostics` outlive the document.
+    // What is wrong in it, or with its buffers, goes to `diagnostics`. `files` and `diagnostics` outlive the document.
     static Result<GltfDocument> read(const std::string& bytes, const std::string& name, const SceneFiles& files,
                                      Diagnostics& diagnostics);
 
     GltfValue root() const { return {&json_, name_ + ": ", *diagnostics_}; }
-    // The bytes of /buffers/i; empty if there was an error.
-    const std::string& buffer(std::size_t i) const { return buffers_[i]; }
+    // Whether its members are what they should be (schema.h); else there were errors, and there are no buffers.
+    bool is_sound() const { return is_sound_; }
+    // The bytes of /buffers/i; nothing if there was an error.
+    const std::optional<std::string>& buffer(std::size_t i) const { return buffers_[i]; }
     // What "uri" says, relative to the file: a "data:" URI or a file. Nothing, with an error, if it cannot be read.
     std::optional<std::string> resource(const GltfValue& uri) const;
     const SceneFiles& files() const { return *files_; }
@@ -36,7 +39,8 @@ class GltfDocument {
     const SceneFiles* files_;
     Diagnostics* diagnostics_;
     nlohmann::json json_;
-    std::vector<std::string> buffers_;
+    bool is_sound_ = false;
+    std::vector<std::optional<std::string>> buffers_;
 };
 
 // The file that a relative URI names, its %-escapes resolved. Nothing if it has a scheme, such as "https:".

@@ -56,7 +56,9 @@ class GltfLoader {
         // Meshes in the order of the nodes that place them; those that several nodes place become objects.
         for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
         for (const Placement& p : placements_) place(p);
-        if (!model_.has_camera && root()["cameras"].size() > 0) root()["cameras"].warn("no node of the scene has a camera");
+        model_.has_idle_cameras = !model_.has_camera && root()["cameras"].size() > 0;
+        if (model_.has_idle_cameras)
+            root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
         if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored");
         if (root()["skins"].size() > 0) root()["skins"].warn("skins are ignored: figures are in their rest pose");
         return std::move(model_);
@@ -135,8 +137,8 @@ class GltfLoader {
                 }
             }
         };
+        if (scenes.size() == 0) return scenes.error("there is no scene");
         const std::uint32_t scene = root()["scene"].index(scenes).value_or(0);
-        if (scenes.size() == 0) root()["scenes"].error("there is no scene");
         add(scenes[scene]["nodes"], {});
         while (!open.empty()) {
             const Open next = open.back();
@@ -249,7 +251,8 @@ class GltfLoader {
 
     // What shapes of a material carry.
     struct Used {
-        std::uint32_t area_light = kNone, inside = kNone, uv_set = 0;
+        std::uint32_t area_light = kNone, inside = kNone;
+        std::optional<std::uint32_t> uv_set{};
         FloatInput alpha = 1;
     };
 
@@ -268,6 +271,7 @@ Result<Model> read_gltf(const std::string& bytes, const std::string& name, const
                         Diagnostics& diagnostics) {
     const Result<GltfDocument> document = GltfDocument::read(bytes, name, files, diagnostics);
     if (!document) return document.error();
+    if (!document->is_sound()) return Model{};
     return GltfLoader(*document, colors).load();
 }
 

@@ -25,7 +25,6 @@ void read_camera(const GltfValue& value, const Affined& m, SceneDescription& sce
     if (type == "perspective") {
         const GltfValue perspective = value["perspective"];
         aspect = perspective["aspectRatio"].number(aspect, 1e-3, 1e3);
-        if (!perspective["yfov"].exists()) perspective.error("has no yfov");
         camera.y1 = std::tan(perspective["yfov"].number(1, 1e-4, 3.14) / 2);
         camera.x1 = camera.y1 * aspect;
     } else if (type == "orthographic") {
@@ -51,10 +50,8 @@ void read_camera(const GltfValue& value, const Affined& m, SceneDescription& sce
 
 LightDescription read_light(const GltfValue& value, const Affined& m, const ModelColors& colors) {
     LightDescription light;
-    const std::array<double, 3> rgb = value["color"].numbers(std::array<double, 3>{1, 1, 1});
-    if (std::ranges::min(rgb) < 0) value["color"].error("must not be negative");
-    light.spectrum = colors.emission(rgb);
-    light.scale = value["intensity"].number(1, 0, 1e30);
+    light.spectrum = colors.emission(value["color"].factors(LinearRgb{1, 1, 1}, 0, 1));
+    light.scale = value["intensity"].factor(1, 0, 1e30);
     light.name = value["name"].text();
     const Vec3d towards = -normalize(m.z);
     const std::string type = value["type"].text();
@@ -69,8 +66,8 @@ LightDescription read_light(const GltfValue& value, const Affined& m, const Mode
     if (type != "spot") value["type"].error("must be \"directional\", \"point\" or \"spot\"");
     light.kind = LightKind::kSpot;
     const GltfValue spot = value["spot"];
-    const double inner = spot["innerConeAngle"].number(0, 0, std::numbers::pi / 2),
-                 outer = spot["outerConeAngle"].number(std::numbers::pi / 4, 0, std::numbers::pi / 2);
+    const double inner = spot["innerConeAngle"].factor(0, 0, std::numbers::pi / 2),
+                 outer = spot["outerConeAngle"].factor(std::numbers::pi / 4, 0, std::numbers::pi / 2);
     if (!(inner <= outer) || outer == 0) spot.error("innerConeAngle must be less than outerConeAngle");
     light.cone_degrees = outer * kDegrees;
     light.cone_delta_degrees = (outer - inner) * kDegrees;

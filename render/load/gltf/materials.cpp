@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace latent::render {
 
@@ -14,21 +15,15 @@ constexpr std::string_view kKnownExtensions[] = {
     "KHR_materials_sheen",  "KHR_materials_specular",  "KHR_materials_transmission",      "KHR_materials_unlit",
     "KHR_materials_volume", "KHR_mesh_quantization",   "KHR_texture_transform",           "KHR_xmp_json_ld"};
 
-LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback) {
-    LinearRgb rgb = value.numbers(fallback);
-    for (double& x : rgb) {
-        if (x >= 0) continue;
-        value.error("must not be negative");
-        x = 0;
-    }
-    return rgb;
-}
+constexpr double kAny = std::numeric_limits<double>::max(), kMost = 1e30;
 
-float fraction_of(const GltfValue& value, double fallback) { return static_cast<float>(value.number(fallback, 0, 1)); }
+LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback, double most = 1) { return value.factors(fallback, 0, most); }
+float fraction_of(const GltfValue& value, double fallback) { return static_cast<float>(value.factor(fallback, 0, 1)); }
 
 void read_emission(const GltfValue& material, const ModelColors& colors, GltfTextures& textures, GltfMaterial& out) {
-    const LinearRgb rgb = rgb_of(material["emissiveFactor"], {0, 0, 0});
-    const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0, 1e30);
+    const LinearRgb rgb =
+        material["emissiveFactor"].factors(LinearRgb{0, 0, 0}, 0, 1, "; KHR_materials_emissive_strength makes a surface brighter");
+    const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].factor(1, 0, kMost);
     if (std::ranges::max(rgb) * strength == 0) return;
     AreaLightDescription emission{.spectrum = colors.emission(rgb),
                                   .scale = strength,
@@ -49,7 +44,7 @@ void read_emission(const GltfValue& material, const ModelColors& colors, GltfTex
 // Glass: thin without a thickness, else with a medium inside.
 void read_transmission(const GltfValue& material, const ModelColors& colors, double index, GltfMaterial& out) {
     const GltfValue volume = material.extension("KHR_materials_volume");
-    const bool is_thin = !(volume["thicknessFactor"].number(0, 0, 1e30) > 0);
+    const bool is_thin = !(volume["thicknessFactor"].factor(0, 0, kMost) > 0);
     const float roughness = out.surface.number("roughness").value, alpha = roughness * roughness;
     out.surface = {.type = is_thin ? "thindielectric" : "dielectric",
                    .name = out.surface.name,
@@ -57,7 +52,7 @@ void read_transmission(const GltfValue& material, const ModelColors& colors, dou
     if (is_thin && alpha > 0) material.warn("thin glass is rendered without its roughness");
     if (is_thin) return;
     out.surface.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
-    const double distance = volume["attenuationDistance"].number(0, 0, 1e30);
+    const double distance = volume["attenuationDistance"].factor(0, 0, kMost);
     const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
     if (distance == 0 || std::ranges::min(tint) >= 1) return;
     // What is left after `distance` is the attenuation colour: sigma = -ln(c) / distance.
@@ -103,6 +98,12 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
             info.warn("its texture coordinates are replaced by those of the first texture");
     }
     if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored, since occlusion is computed");
+    const GltfValue specular = material.extension("KHR_materials_specular"), volume = material.extension("KHR_materials_volume");
+    for (const GltfValue& info :
+         {specular["specularTexture"], specular["specularColorTexture"], volume["thicknessTexture"],
+          material.extension("KHR_materials_transmission")["transmissionTexture"], coat["clearcoatNormalTexture"]}) {
+        if (info.exists()) info.warn("is not supported, and is ignored");
+    }
 }
 
 // Where its colour is not black.
@@ -130,7 +131,8 @@ void read_alpha(const GltfValue& material, double factor, GltfTextures& textures
         return material["alphaMode"].warn(fmt::format("\"{}\" is unknown; the material is opaque", mode));
     out.alpha = static_cast<float>(factor);
     out.alpha.texture = textures.number(material["pbrMetallicRoughness"]["baseColorTexture"], PictureChannel::kAlpha, factor);
-    if (mode == "MASK") out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].number(0.5)));
+    if (mode == "MASK")
+        out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].factor(0.5, 0, kAny)));
 }
 
 }  // namespace
@@ -140,7 +142,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     MaterialDescription& surface = out.surface;
     surface.name = material["name"].text();
     const GltfValue pbr = material["pbrMetallicRoughness"];
-    const std::array<double, 4> base = pbr["baseColorFactor"].numbers(std::array<double, 4>{1, 1, 1, 1});
+    const std::array<double, 4> base = pbr["baseColorFactor"].factors(std::array<double, 4>{1, 1, 1, 1}, 0, 1);
     surface.type = "metallicroughness";
     surface.spectra = {{"base_color", colors.reflectance({base[0], base[1], base[2]})}};
     const GltfValue coat = material.extension("KHR_materials_clearcoat");
@@ -154,9 +156,10 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     const GltfValue specular = material.extension("KHR_materials_specular"),
                     transmission = material.extension("KHR_materials_transmission");
     // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
-    const double index = material.extension("KHR_materials_ior")["ior"].number(1.5, 0, 1e3);
-    const double root = (index - 1) / (index + 1), weight = specular["specularFactor"].number(1, 0, 1);
-    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1});
+    const GltfValue ior = material.extension("KHR_materials_ior")["ior"];
+    const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, 1e3);
+    const double root = (index - 1) / (index + 1), weight = specular["specularFactor"].factor(1, 0, 1);
+    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kAny);
     const double bright = std::ranges::max(tint);
     if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
     surface.numbers["f0"] = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
@@ -164,7 +167,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
 
     const SpectrumInput base_color = surface.spectra["base_color"];
     const double transmitted =
-        transmission["transmissionFactor"].number(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
+        transmission["transmissionFactor"].factor(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
     if (transmitted >= 0.5) {
         if (transmitted < 1) transmission.warn("is rendered as glass that transmits everything");
         read_transmission(material, colors, index > 0 ? index : 1.5, out);

@@ -17,7 +17,7 @@ struct GltfMaterial {
     std::optional<AreaLightDescription> emission{};
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
     FloatInput alpha = 1;                       // of its shapes
-    std::uint32_t uv_set = 0;                   // of its textures
+    std::optional<std::uint32_t> uv_set{};      // of its textures, if it has any
 };
 
 // /materials/N; the default material if there is no such value.

@@ -49,7 +49,8 @@ void keep_used_vertices(LoadedMesh& mesh) {
     for (std::uint32_t& i : mesh.indices) i = moved[i];
 }
 
-bool read_vertices(const GltfDocument& document, const GltfValue& attributes, std::uint32_t uv_set, LoadedMesh& mesh) {
+bool read_vertices(const GltfDocument& document, const GltfValue& attributes, std::optional<std::uint32_t> uv_set,
+                   LoadedMesh& mesh) {
     const std::optional<std::vector<float>> p = read_floats(document, attributes["POSITION"], 3);
     if (!p) return false;
     for (std::size_t i = 0; i < p->size(); i += 3) mesh.positions.emplace_back((*p)[i], (*p)[i + 1], (*p)[i + 2]);
@@ -61,8 +62,13 @@ bool read_vertices(const GltfDocument& document, const GltfValue& attributes, st
         attribute.error(fmt::format("has {} items for {} vertices", x->size() / components, mesh.positions.size()));
         return {};
     };
-    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3),
-                             uv = per_vertex(attributes["TEXCOORD_" + std::to_string(uv_set)], 2);
+    const std::string coordinates = "TEXCOORD_" + std::to_string(uv_set.value_or(0));
+    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3), uv = per_vertex(attributes[coordinates], 2);
+    if (uv_set && !attributes[coordinates].exists())
+        attributes.warn_of_kind("without " + coordinates,
+                                fmt::format("has no {}, which the textures of its material use; each triangle shows one half of "
+                                            "their pictures",
+                                            coordinates));
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(n[i], n[i + 1], n[i + 2]);
     for (std::size_t i = 0; i < uv.size(); i += 2) mesh.uvs.push_back({uv[i], 1 - uv[i + 1]});
     if (attributes["COLOR_0"].exists()) attributes["COLOR_0"].warn("colours of vertices are ignored");
@@ -72,7 +78,7 @@ bool read_vertices(const GltfDocument& document, const GltfValue& attributes, st
 }  // namespace
 
 std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
-                                     const std::function<std::uint32_t(std::uint32_t material)>& uv_set_of) {
+                                     const std::function<std::optional<std::uint32_t>(std::uint32_t material)>& uv_set_of) {
     std::vector<GltfPrimitive> out;
     const GltfValue primitives = mesh["primitives"];
     for (std::size_t i = 0; i < primitives.size(); ++i) {

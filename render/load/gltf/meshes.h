@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "render/load/gltf/document.h"
@@ -16,8 +17,9 @@ struct GltfPrimitive {
     std::uint32_t material = kNone;  // index into /materials
 };
 
-// The primitives of /meshes/N that have triangles. `uv_set_of(material)`: which TEXCOORD the textures of a material use.
+// The primitives of /meshes/N that have triangles. `uv_set_of(material)`: which TEXCOORD the textures of a material use, if it has
+// any.
 std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
-                                     const std::function<std::uint32_t(std::uint32_t material)>& uv_set_of);
+                                     const std::function<std::optional<std::uint32_t>(std::uint32_t material)>& uv_set_of);
 
 }  // namespace latent::render

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/load/files/pictures.h"
 #include "render/load/gltf/accessors.h"
 
@@ -35,7 +37,7 @@ void transform(const GltfValue& info, MappingDescription& mapping) {
 
 std::uint32_t uv_set_of(const GltfValue& info) {
     const GltfValue moved = info.extension("KHR_texture_transform")["texCoord"];
-    return static_cast<std::uint32_t>((moved.exists() ? moved : info["texCoord"]).count(0) & 0xFFFF);
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>((moved.exists() ? moved : info["texCoord"]).count(0), 0xFFFFFF));
 }
 
 std::uint32_t GltfTextures::color(const GltfValue& info, double scale) {

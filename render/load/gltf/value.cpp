@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace latent::render {
@@ -40,10 +41,23 @@ double GltfValue::number(double fallback, double low, double high) const {
     return fallback;
 }
 
+void GltfValue::clamp(std::span<double> values, double low, double high, std::string_view advice) const {
+    const auto wrong = std::ranges::find_if(values, [&](double x) { return x < low || x > high; });
+    if (wrong == values.end()) return;
+    const bool bounded = high < std::numeric_limits<double>::max();
+    const std::string range = bounded ? fmt::format("from {} to {}", low, high) : fmt::format("at least {}", low);
+    warn_of_kind("range of " + path_.substr(path_.rfind('/')), fmt::format("{} is clamped: must be {}{}", *wrong, range, advice));
+    for (double& x : values) x = std::clamp(x, low, high);
+}
+
+bool GltfValue::is_count() const {
+    const double x = is_number() ? json_->get<double>() : -1;
+    return x >= 0 && x < 0x1p53 && x == std::floor(x);
+}
+
 std::uint64_t GltfValue::count(std::uint64_t fallback) const {
     if (!exists()) return fallback;
-    const double x = json_->is_number() ? json_->get<double>() : -1;
-    if (x >= 0 && x < 0x1p53 && x == std::floor(x)) return static_cast<std::uint64_t>(x);
+    if (is_count()) return static_cast<std::uint64_t>(json_->get<double>());
     error("must be a non-negative integer");
     return fallback;
 }

@@ -38,10 +38,17 @@ struct Element {
 };
 enum class Format { kAscii, kLittle, kBig };
 
-// Takes values off the body, whatever its encoding. Past the end it returns 0 and clears `ok`.
+struct Header {
+    Format format = Format::kAscii;
+    std::vector<Element> elements;
+    std::size_t size = 0;  // bytes, the line "end_header" included
+};
+
+// Takes values off the body, whatever its encoding. Past the end, and at a word that is no number, it returns 0 and clears `ok`.
 class Body {
  public:
-    Body(std::string_view bytes, Format format) : bytes_(bytes), format_(format) {}
+    Body(std::string_view name, std::string_view file, const Header& header)
+        : name_(name), file_(file), bytes_(file.substr(header.size)), format_(header.format) {}
 
     double value(Type type) {
         if (format_ == Format::kAscii) return type == Type::kFloat32 ? static_cast<float>(ascii()) : ascii();
@@ -71,7 +78,21 @@ class Body {
         return 0;
     }
     bool ok() const { return ok_; }
+    std::string_view name() const { return name_; }
     std::size_t remaining() const { return bytes_.size(); }
+
+    // What is wrong with the value that was taken last, or could not be: "file.ply:12: ", without a line where there are none.
+    Error error(ErrorCode code, std::string_view what) const {
+        if (format_ != Format::kAscii) return {code, fmt::format("{}: {}", name_, what)};
+        const auto line = 1 + std::ranges::count(file_.substr(0, file_.size() - bytes_.size()), '\n');
+        return {code, fmt::format("{}:{}: {}", name_, line, what)};
+    }
+    // Of a row of which a value cannot be taken.
+    Error cut(const Element& element, std::uint64_t row) const {
+        const std::string place = fmt::format("{} {} of {}", element.name, row, element.count);
+        if (bad_word_.empty()) return error(ErrorCode::kTruncated, fmt::format("the file ends within {}", place));
+        return error(ErrorCode::kCorrupt, fmt::format("\"{}\" is not a finite number, in {}", bad_word_, place));
+    }
 
  private:
     static Format little_format() { return std::endian::native == std::endian::little ? Format::kLittle : Format::kBig; }
@@ -82,12 +103,17 @@ class Body {
         return static_cast<double>(value);
     }
     double ascii() {
+        if (!ok_) return 0;
         const std::size_t begin = bytes_.find_first_not_of(" \t\r\n");
         if (begin == std::string_view::npos) return fail();
         bytes_.remove_prefix(begin);
         double value = 0;
         const auto [end, error] = std::from_chars(bytes_.data(), bytes_.data() + bytes_.size(), value);
-        if (error != std::errc{}) return fail();
+        if (error != std::errc{}) {
+            ok_ = false;
+            bad_word_ = bytes_.substr(0, std::min<std::size_t>(bytes_.find_first_of(" \t\r\n"), 40));
+            return 0;
+        }
         bytes_.remove_prefix(static_cast<std::size_t>(end - bytes_.data()));
         return value;
     }
@@ -97,15 +123,10 @@ class Body {
         return 0;
     }
 
-    std::string_view bytes_;
+    std::string_view name_, file_, bytes_;
+    std::string_view bad_word_{};  // that is no number
     Format format_;
     bool ok_ = true;
-};
-
-struct Header {
-    Format format = Format::kAscii;
-    std::vector<Element> elements;
-    std::size_t size = 0;  // bytes, the line "end_header" included
 };
 
 std::vector<std::string_view> words(std::string_view line) {
@@ -118,23 +139,26 @@ std::vector<std::string_view> words(std::string_view line) {
     return out;
 }
 
-Result<Header> parse_header(std::string_view bytes) {
+Result<Header> parse_header(std::string_view name, std::string_view bytes) {
     Header header;
     bool have_format = false;
     for (int number = 1;; ++number) {
+        const auto error = [&](ErrorCode code, std::string_view what) {
+            return Error{code, fmt::format("{}:{}: {}", name, number, what)};
+        };
+        const auto wrong = [&](std::string_view what) { return error(ErrorCode::kCorrupt, what); };
         const std::size_t end = bytes.find('\n', header.size);
         if (end == std::string_view::npos)
-            return Error{number == 1 ? ErrorCode::kForeign : ErrorCode::kTruncated,
-                         number == 1 ? "not a PLY file" : "the header has no end"};
+            return number == 1 ? error(ErrorCode::kForeign, "not a PLY file")
+                               : error(ErrorCode::kTruncated, "the file ends within its header");
         const std::vector<std::string_view> line = words(bytes.substr(header.size, end - header.size));
         header.size = end + 1;
-        const auto wrong = [&] { return Error{ErrorCode::kCorrupt, fmt::format("line {} of the header is invalid", number)}; };
         if (number == 1) {
-            if (line.size() != 1 || line[0] != "ply") return Error{ErrorCode::kForeign, "not a PLY file"};
+            if (line.size() != 1 || line[0] != "ply") return error(ErrorCode::kForeign, "not a PLY file");
         } else if (line.empty() || line[0] == "comment" || line[0] == "obj_info") {
             continue;
         } else if (line[0] == "end_header") {
-            if (!have_format) return wrong();
+            if (!have_format) return wrong("the header has no \"format\"");
             return header;
         } else if (line[0] == "format" && line.size() >= 2) {
             have_format = true;
@@ -145,23 +169,25 @@ Result<Header> parse_header(std::string_view bytes) {
             } else if (line[1] == "binary_big_endian") {
                 header.format = Format::kBig;
             } else {
-                return wrong();
+                return wrong(fmt::format("format \"{}\" is unknown", line[1]));
             }
         } else if (line[0] == "element" && line.size() == 3) {
             Element element{.name = line[1]};
-            const auto [stop, error] = std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
+            const auto [stop, failed] = std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
             const auto is_same = [&](const Element& other) { return other.name == element.name; };
-            if (error != std::errc{} || stop != line[2].data() + line[2].size() || std::ranges::any_of(header.elements, is_same))
-                return wrong();
+            if (failed != std::errc{} || stop != line[2].data() + line[2].size())
+                return wrong(fmt::format("\"{}\" is not a number of elements", line[2]));
+            if (std::ranges::any_of(header.elements, is_same))
+                return wrong(fmt::format("element \"{}\" is declared twice", element.name));
             header.elements.push_back(element);
         } else if (line[0] == "property" && !header.elements.empty()) {
             const bool list = line.size() == 5 && line[1] == "list";
-            if (!list && line.size() != 3) return wrong();
+            if (!list && line.size() != 3) return wrong("must be \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
             const std::optional<Type> type = ply_type(line[list ? 3 : 1]), count = list ? ply_type(line[2]) : std::nullopt;
-            if (!type || (list && !count)) return wrong();
+            if (!type || (list && !count)) return wrong(fmt::format("type \"{}\" is unknown", line[!list ? 1 : count ? 3 : 2]));
             header.elements.back().properties.push_back({line.back(), *type, count});
         } else {
-            return wrong();
+            return wrong(fmt::format("\"{}\" is not part of a PLY header, or is incomplete", line[0].substr(0, 40)));
         }
     }
 }
@@ -177,32 +203,29 @@ std::vector<std::size_t> columns(const Element& element, std::initializer_list<s
     return found.size() == names.size() ? found : std::vector<std::size_t>{};
 }
 
-Error cut(const Element& element, std::uint64_t row) {
-    return {ErrorCode::kTruncated, fmt::format("truncated or invalid in {} {} of {}", element.name, row, element.count)};
-}
-
 Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
     const std::vector<std::size_t> xyz = columns(element, {"x", "y", "z"}), normal = columns(element, {"nx", "ny", "nz"});
     std::vector<std::size_t> uv = columns(element, {"u", "v"});
     if (uv.empty()) uv = columns(element, {"s", "t"});
     if (uv.empty()) uv = columns(element, {"texture_u", "texture_v"});
     if (uv.empty()) uv = columns(element, {"texture_s", "texture_t"});
-    if (xyz.empty()) return Error{ErrorCode::kCorrupt, "vertices lack x, y or z"};
+    if (xyz.empty()) return Error{ErrorCode::kCorrupt, "vertices lack x, y or z"}.at(body.name());
     for (const Property& p : element.properties) {
         if (p.list)
-            return Error{ErrorCode::kUnsupported, fmt::format("vertices with a list property ({}) are not supported", p.name)};
+            return Error{ErrorCode::kUnsupported, fmt::format("vertices with a list property ({}) are not supported", p.name)}.at(
+                body.name());
     }
     std::vector<double> row(element.properties.size());
     for (std::uint64_t i = 0; i < element.count; ++i) {
         for (std::size_t c = 0; c < row.size(); ++c) row[c] = body.value(element.properties[c].type);
-        if (!body.ok()) return cut(element, i);
+        if (!body.ok()) return body.cut(element, i);
         const auto finite = [&](std::size_t c) { return std::isfinite(static_cast<float>(row[c])); };
         if (!normal.empty() && !std::ranges::all_of(normal, finite)) {
             ++mesh.lost_normals;
             for (const std::size_t c : normal) row[c] = 0;
         }
         for (std::size_t c = 0; c < row.size(); ++c) {
-            if (!finite(c)) return Error{ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i)};
+            if (!finite(c)) return body.error(ErrorCode::kCorrupt, fmt::format("vertex {} is not finite", i));
         }
         mesh.positions.emplace_back(row[xyz[0]], row[xyz[1]], row[xyz[2]]);
         if (!normal.empty()) mesh.normals.emplace_back(Vec3d(row[normal[0]], row[normal[1]], row[normal[2]]));
@@ -211,8 +234,8 @@ Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
     return {};
 }
 
-// Any element but the vertices; `faces`: its list of vertex indices counts.
-Status read_rows(const Element& element, bool faces, Body& body, PlyMesh& mesh) {
+// Any element but the vertices; `faces`: its list of indices of so many `vertices` counts.
+Status read_rows(const Element& element, bool faces, std::uint64_t vertices, Body& body, PlyMesh& mesh) {
     for (std::uint64_t i = 0; i < element.count; ++i) {
         for (const Property& p : element.properties) {
             if (!p.list) {
@@ -221,43 +244,42 @@ Status read_rows(const Element& element, bool faces, Body& body, PlyMesh& mesh) 
             }
             const double count = body.value(*p.list);
             const bool wanted = faces && (p.name == "vertex_indices" || p.name == "vertex_index");
-            if (!body.ok() || count < 0 || count > static_cast<double>(body.remaining())) return cut(element, i);
+            if (!body.ok()) return body.cut(element, i);
             if (wanted && count != 3 && count != 4)
-                return Error{ErrorCode::kUnsupported,
-                             fmt::format("face {} has {} sides; only triangles and quads are supported", i, count)};
+                return body.error(ErrorCode::kUnsupported,
+                                  fmt::format("face {} has {} sides; only triangles and quads are supported", i, count));
+            if (!(count >= 0 && count <= static_cast<double>(body.remaining())))
+                return body.error(ErrorCode::kCorrupt,
+                                  fmt::format("{} {} has a list of {} values, which exceeds the file", element.name, i, count));
             std::vector<std::uint32_t>& out = count == 3 ? mesh.triangles : mesh.quads;
             for (double k = 0; k < count && body.ok(); ++k) {
                 const double index = body.value(p.type);
-                if (!wanted) continue;
-                if (!(index >= 0 && index <= 4294967295.0))
-                    return Error{ErrorCode::kCorrupt, fmt::format("face {} has an index out of range", i)};
+                if (!wanted || !body.ok()) continue;
+                if (!(index >= 0 && index < static_cast<double>(vertices) && index <= 4294967295.0))
+                    return body.error(ErrorCode::kCorrupt, fmt::format("index {} of face {} is out of range; there are {} vertices",
+                                                                       index, i, vertices));
                 out.push_back(static_cast<std::uint32_t>(index));
             }
         }
-        if (!body.ok()) return cut(element, i);
+        if (!body.ok()) return body.cut(element, i);
     }
     return {};
 }
 
 }  // namespace
 
-Result<PlyMesh> parse_ply(std::string_view bytes) {
-    const Result<Header> header = parse_header(bytes);
+Result<PlyMesh> parse_ply(std::string_view bytes, std::string_view name) {
+    const Result<Header> header = parse_header(name, bytes);
     if (!header) return header.error();
     PlyMesh mesh;
-    Body body(bytes.substr(header->size), header->format);
+    Body body(name, bytes, *header);
+    const auto vertex = std::ranges::find(header->elements, "vertex", &Element::name);
+    const std::uint64_t vertices = vertex == header->elements.end() || vertex->properties.empty() ? 0 : vertex->count;
     for (const Element& element : header->elements) {
         if (element.properties.empty()) continue;
-        const Status read =
-            element.name == "vertex" ? read_vertices(element, body, mesh) : read_rows(element, element.name == "face", body, mesh);
+        const Status read = element.name == "vertex" ? read_vertices(element, body, mesh)
+                                                     : read_rows(element, element.name == "face", vertices, body, mesh);
         if (!read) return read.error();
-    }
-    for (const std::vector<std::uint32_t>* indices : {&mesh.triangles, &mesh.quads}) {
-        for (std::size_t i = 0; i < indices->size(); ++i) {
-            if ((*indices)[i] >= mesh.positions.size())
-                return Error{ErrorCode::kCorrupt,
-                             fmt::format("index {} is out of range; there are {} vertices", (*indices)[i], mesh.positions.size())};
-        }
     }
     return mesh;
 }

@@ -20,7 +20,7 @@ struct PlyMesh {
 };
 
 // Other elements and properties are skipped. Errors: kForeign (no PLY header), kTruncated, kCorrupt (an index out of range, a
-// position that is not finite), kUnsupported (a face with more than 4 sides); each says where.
-Result<PlyMesh> parse_ply(std::string_view bytes);
+// position that is not finite), kUnsupported (a face with more than 4 sides). Each begins with `name` and, in text, the line.
+Result<PlyMesh> parse_ply(std::string_view bytes, std::string_view name);
 
 }  // namespace latent::render

@@ -40,11 +40,14 @@ CameraDescription framing(const Box& box, const FilmDescription& film) {
 
 }  // namespace
 
-void complete(Model model, const color::Spectrum& white, SceneDescription& scene) {
+std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene) {
     const auto emits = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
+    std::vector<std::string> added;
+    if (!model.has_camera && !model.has_idle_cameras) added.emplace_back("has no camera; one that shows the whole model is added");
     if (!model.has_camera)
         model.scene.camera = framing(box_of(model.shapes, model.objects, model.scene.instances), model.scene.film);
     if (model.scene.lights.empty() && std::ranges::none_of(model.shapes, emits)) {
+        added.emplace_back("has no light; a white sky of radiance 1 is added");
         LightDescription sky;
         sky.kind = LightKind::kInfinite;
         sky.spectrum = white;
@@ -53,6 +56,7 @@ void complete(Model model, const color::Spectrum& white, SceneDescription& scene
     model.scene.files = std::move(scene.files);
     scene = std::move(model.scene);
     place(std::move(model.shapes), std::move(model.objects), scene);
+    return added;
 }
 
 }  // namespace latent::render

@@ -1,6 +1,7 @@
 // render/load/model/model.h: a scene while it is loaded from a format that describes models: glTF, OBJ.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "base/file.h"
@@ -13,13 +14,13 @@ struct Model {
     SceneDescription scene{};                         // without shapes
     std::vector<LoadedShape> shapes{};                // of the world
     std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
-    bool has_camera = false;
+    bool has_camera = false, has_idle_cameras = false;
     std::vector<File> embedded{};  // pictures in the model's own file
 };
 
 // Gives a model what it lacks and a picture needs, then its place (placement.h). Without a camera: one that looks at all of the
 // model, from the front (+z), the right and above, y up. Without a light: a white sky of radiance 1.
-// The scene keeps its list of files.
-void complete(Model model, const color::Spectrum& white, SceneDescription& scene);
+// The scene keeps its list of files. Returns what was added, in words, but for a camera in place of idle ones, which were told.
+std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene);
 
 }  // namespace latent::render

@@ -96,8 +96,8 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (!name) return list.error("filename: missing");
     const Result<std::string> bytes = files.read(*name);
     if (!bytes) return list.unreadable(bytes.error());
-    Result<PlyMesh> ply = parse_ply(*bytes);
-    if (!ply) return list.error(*name + ": " + ply.error().message);
+    Result<PlyMesh> ply = parse_ply(*bytes, *name);
+    if (!ply) return list.error(ply.error().message);
     if (ply->lost_normals > 0)
         list.warn(fmt::format("{}: {} not finite; the faces' own are used there", *name,
                               counted(ply->lost_normals, "normal") + (ply->lost_normals == 1 ? " is" : " are")));
