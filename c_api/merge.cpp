@@ -19,7 +19,8 @@ Result<merge::MergeOptions> merge_options(const char* const* paths, size_t count
     }
     if (output == nullptr) return latent::usage_error("output is null");
     merge.output = output;
-    if (merge.output.extension() != ".latent") return latent::usage_error(std::string(output) + ": the name does not end in .latent");
+    if (merge.output.extension() != ".latent")
+        return latent::usage_error(std::string(output) + ": the name does not end in .latent");
     constexpr std::array kLevels = {sampledb::VerifyLevel::kStored, sampledb::VerifyLevel::kQuick, sampledb::VerifyLevel::kFull};
     if (given.verify >= kLevels.size()) return Error{ErrorCode::kUnsupported, "options.verify is not a level of this version"};
     merge.verify = kLevels[given.verify];

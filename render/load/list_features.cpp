@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/load/gltf/materials.h"
+#include "render/load/gltf/extensions.h"
 #include "render/load/pbrt/features.h"
 
 namespace latent::render {

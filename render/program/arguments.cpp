@@ -5,8 +5,6 @@
 
 namespace latent::render {
 
-namespace {}  // namespace
-
 Result<Shard> parse_shard(std::string_view text) {
     const auto shard = parse_pair(text, '/');
     if (shard && shard->first < shard->second && shard->second <= 1u << 20) return Shard{shard->first, shard->second};

@@ -409,7 +409,8 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
     EXPECT_THAT(broken("/nodes/1/children", {1}), HasSubstr("/nodes/1/children/0: node 1 is reached twice"));
     EXPECT_THAT(broken("/nodes/1/rotation", {0, 0, 0, 0}), HasSubstr("/nodes/1/rotation: is not a rotation"));
     EXPECT_THAT(broken("/nodes/1/matrix", {1, 2, 3}), HasSubstr("/nodes/1/matrix: must be an array of 16 numbers"));
-    EXPECT_THAT(broken("/asset/version", "1.0"), HasSubstr("only glTF 2.0 is supported"));
+    for (const Json& version : {Json("1.0"), Json(1), Json(1.0), Json("")})
+        EXPECT_THAT(broken("/asset/version", version), HasSubstr("only glTF 2.0 is supported")) << version;
     EXPECT_THAT(broken("/extensionsRequired", {"KHR_draco_mesh_compression"}),
                 HasSubstr("/extensionsRequired/0: KHR_draco_mesh_compression is not supported"));
     EXPECT_THAT(broken("/materials/0/pbrMetallicRoughness/metallicFactor", "shiny"), HasSubstr("metallicFactor: must be a"));
@@ -574,6 +575,29 @@ TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     file.json.erase("cameras");
     file.json["nodes"][0].erase("camera");
     EXPECT_EQ(added("room.glb", as_glb(file)), (Lines{camera, light}));
+}
+
+TEST_F(Models, SurfacesThatAreNoBrighterThanTheSkyDoNotReplaceIt) {
+    const auto has_sky = [&](const std::string& name, const std::string& text) {
+        const LoadedScene scene = load(name, text).value();
+        EXPECT_EQ(scene.description.area_lights.size(), 1u);
+        const bool added = !scene.description.lights.empty();
+        EXPECT_EQ(std::ranges::count_if(scene.added, [](const std::string& s) { return s.find("sky") != s.npos; }), added ? 1 : 0);
+        return added;
+    };
+    const auto lit = [&](const char* emission) {
+        folder_.write("m.mtl", std::string("newmtl a\nKe ") + emission + "\n");
+        return has_sky("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    };
+    EXPECT_TRUE(lit("1 1 1"));
+    EXPECT_FALSE(lit("0 0 1.5"));
+    GltfFile file = quad_and_lamp();
+    file.json["scenes"][0]["nodes"] = {0, 1};  // without its point light
+    Json& material = file.json["materials"][0];
+    material["emissiveFactor"] = {1, 0, 0};
+    EXPECT_TRUE(has_sky("room.glb", as_glb(file)));
+    material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 1.5;
+    EXPECT_FALSE(has_sky("room.glb", as_glb(file)));
 }
 
 // As an editor counts them; those of a binary file begin with its JSON.

@@ -7,6 +7,7 @@
 
 #include "base/bytes.h"
 #include "base/json.h"
+#include "render/load/gltf/extensions.h"
 #include "render/load/gltf/schema.h"
 
 namespace latent::render {
@@ -146,9 +147,13 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
     if (!is_object) return is_object.error().at(name);
 
     const GltfValue version = document.root()["asset"]["version"];
-    if (version.is_text() && !version.text().starts_with("2."))
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: is {}; only glTF 2.0 is supported", version.path(), version.text())};
-    document.is_sound_ = check_gltf(document.root());
+    const bool is_number = version.is_number();  // in some files of glTF 1.0
+    if (is_number ? version.number(2) < 2 : version.is_text() && !version.text().starts_with("2."))
+        return Error{ErrorCode::kUnsupported, fmt::format("{}: is {}; only glTF 2.0 is supported", version.path(),
+                                                          is_number                ? fmt::format("{:.1f}", version.number(2))
+                                                          : version.text().empty() ? "empty"
+                                                                                   : version.text())};
+    document.is_sound_ = check_gltf(document.root()) && check_extensions(document.root());
     if (document.is_sound_) document.read_buffers(chunks.binary, chunks.has_binary);
     return document;
 }

@@ -49,7 +49,6 @@ class GltfLoader {
     GltfLoader(const GltfDocument& document, const ModelColors& colors) : document_(document), colors_(colors) {}
 
     Model load() {
-        check_extensions();
         read_materials();
         meshes_.resize(root()["meshes"].size());
         walk_nodes();
@@ -78,20 +77,6 @@ class GltfLoader {
 
     GltfValue root() const { return document_.root(); }
 
-    void check_extensions() {
-        const GltfValue required = root()["extensionsRequired"], used = root()["extensionsUsed"];
-        std::vector<std::string> refused;
-        for (std::size_t i = 0; i < required.size(); ++i) {
-            refused.push_back(required[i].text());
-            if (!is_known_extension(refused.back())) required[i].error(fmt::format("{} is not supported", refused.back()));
-        }
-        for (std::size_t i = 0; i < used.size(); ++i) {
-            const std::string name = used[i].text();
-            if (!is_known_extension(name) && std::ranges::find(refused, name) == refused.end())
-                used[i].warn(fmt::format("{} is not supported, and is ignored", name));
-        }
-    }
-
     // Entry i is /materials/i, the last one the default material.
     void read_materials() {
         const GltfValue materials = root()["materials"];
@@ -102,6 +87,7 @@ class GltfLoader {
             if (material.emission) {
                 used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
                 model_.scene.area_lights.push_back(std::move(*material.emission));
+                model_.radiances.push_back(material.radiance);
             }
             if (material.inside) {
                 used.inside = static_cast<std::uint32_t>(model_.scene.media.size());

@@ -6,14 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "render/load/gltf/extensions.h"
+
 namespace latent::render {
 
 namespace {
-
-constexpr std::string_view kKnownExtensions[] = {
-    "KHR_lights_punctual",  "KHR_materials_clearcoat", "KHR_materials_emissive_strength", "KHR_materials_ior",
-    "KHR_materials_sheen",  "KHR_materials_specular",  "KHR_materials_transmission",      "KHR_materials_unlit",
-    "KHR_materials_volume", "KHR_mesh_quantization",   "KHR_texture_transform",           "KHR_xmp_json_ld"};
 
 constexpr double kAny = std::numeric_limits<double>::max(), kMost = 1e30;
 
@@ -39,6 +36,7 @@ void read_emission(const GltfValue& material, const ModelColors& colors, GltfTex
         emission.mean_luminance = *mean;
     }
     out.emission = std::move(emission);
+    out.radiance = std::ranges::max(rgb) * strength;
 }
 
 // Glass: thin without a thickness, else with a medium inside.
@@ -193,8 +191,5 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     read_emission(material, colors, textures, out);
     return out;
 }
-
-std::span<const std::string_view> known_extensions() { return kKnownExtensions; }
-bool is_known_extension(std::string_view name) { return std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions); }
 
 }  // namespace latent::render

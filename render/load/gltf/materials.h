@@ -3,8 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
-#include <string_view>
 
 #include "render/load/gltf/textures.h"
 #include "render/load/model/colors.h"
@@ -15,6 +13,7 @@ namespace latent::render {
 struct GltfMaterial {
     MaterialDescription surface{};
     std::optional<AreaLightDescription> emission{};
+    double radiance = 0;                        // of its emission: the largest component
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
     FloatInput alpha = 1;                       // of its shapes
     std::optional<std::uint32_t> uv_set{};      // of its textures, if it has any
@@ -22,9 +21,5 @@ struct GltfMaterial {
 
 // /materials/N; the default material if there is no such value.
 GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures);
-
-// Whether the extension is one that the loader reads, or that changes no picture.
-bool is_known_extension(std::string_view name);
-std::span<const std::string_view> known_extensions();
 
 }  // namespace latent::render

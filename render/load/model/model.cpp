@@ -1,5 +1,7 @@
 #include "render/load/model/model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace latent::render {
@@ -41,13 +43,16 @@ CameraDescription framing(const Box& box, const FilmDescription& film) {
 }  // namespace
 
 std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene) {
-    const auto emits = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
+    // Other viewers show surfaces that glow by the light of a sky, too.
+    const auto glows = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
+    const auto is_lamp = [&](const LoadedShape& loaded) { return glows(loaded) && model.radiances[loaded.shape.area_light] > 1; };
     std::vector<std::string> added;
     if (!model.has_camera && !model.has_idle_cameras) added.emplace_back("has no camera; one that shows the whole model is added");
     if (!model.has_camera)
         model.scene.camera = framing(box_of(model.shapes, model.objects, model.scene.instances), model.scene.film);
-    if (model.scene.lights.empty() && std::ranges::none_of(model.shapes, emits)) {
-        added.emplace_back("has no light; a white sky of radiance 1 is added");
+    if (model.scene.lights.empty() && std::ranges::none_of(model.shapes, is_lamp)) {
+        added.emplace_back(fmt::format("has no light{}; a white sky of radiance 1 is added",
+                                       std::ranges::any_of(model.shapes, glows) ? " but surfaces of radiance 1 or less" : ""));
         LightDescription sky;
         sky.kind = LightKind::kInfinite;
         sky.spectrum = white;

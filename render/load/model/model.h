@@ -14,12 +14,13 @@ struct Model {
     SceneDescription scene{};                         // without shapes
     std::vector<LoadedShape> shapes{};                // of the world
     std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
+    std::vector<double> radiances{};                  // of each of scene.area_lights: the largest component
     bool has_camera = false, has_idle_cameras = false;
     std::vector<File> embedded{};  // pictures in the model's own file
 };
 
 // Gives a model what it lacks and a picture needs, then its place (placement.h). Without a camera: one that looks at all of the
-// model, from the front (+z), the right and above, y up. Without a light: a white sky of radiance 1.
+// model, from the front (+z), the right and above, y up. Without a light, or a surface brighter than it: a white sky of radiance 1.
 // The scene keeps its list of files. Returns what was added, in words, but for a camera in place of idle ones, which were told.
 std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene);
 

@@ -90,7 +90,8 @@ MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& di
         out.alpha = static_cast<float>(b.opacity);
         out.alpha.texture = b.opacity_texture;
     }
-    if (std::ranges::max(b.ke) > 0) out.emission = AreaLightDescription{.spectrum = colors.emission(b.ke), .name = b.name};
+    out.radiance = std::ranges::max(b.ke);
+    if (out.radiance > 0) out.emission = AreaLightDescription{.spectrum = colors.emission(b.ke), .name = b.name};
     return out;
 }
 

@@ -16,6 +16,7 @@ namespace latent::render {
 struct MtlMaterial {
     MaterialDescription surface{};
     std::optional<AreaLightDescription> emission{};
+    double radiance = 0;   // of its emission: the largest component
     FloatInput alpha = 1;  // of its shapes
 };
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;

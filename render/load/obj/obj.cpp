@@ -145,6 +145,7 @@ class ObjReader {
         if (!found->second.emission) return;
         carried_.back().area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
         model_.scene.area_lights.push_back(*found->second.emission);
+        model_.radiances.push_back(found->second.radiance);
     }
 
     // "3", "-1" the last one so far; from 0.
