@@ -149,7 +149,7 @@ CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, con
     const auto parse = [least, most, range](const std::string& text) -> Result<double> {
         const Result<double> number = parse_number(text);
         if (number && *number >= least && *number <= most) return number;
-        return usage_error(fmt::format("'{}' is not {}", text, number ? range : "a number"));
+        return is_not(text, number ? range : "a number");
     };
     return add_parsed(app, name, value, parse, help)->type_name("X")->default_str(fmt::format("{}", value));
 }

@@ -64,16 +64,16 @@ std::optional<std::uint64_t> parse_whole(std::string_view text, std::uint64_t ki
 
 }  // namespace
 
-Error not_a(std::string_view text, std::string_view what) { return usage_error(fmt::format("'{}' is not {}", text, what)); }
+Error is_not(std::string_view text, std::string_view what) { return usage_error(fmt::format("'{}' is not {}", text, what)); }
 
 Result<std::uint64_t> parse_count(std::string_view text) {
     if (const auto value = parse_whole(text, 1000)) return *value;
-    return not_a(text, "a count (try 1000000, 1.5M or 64Ki)");
+    return is_not(text, "a count (try 1000000, 1.5M or 64Ki)");
 }
 
 Result<std::uint64_t> parse_size(std::string_view text) {
     if (const auto value = parse_whole(text, 1024)) return *value;
-    return not_a(text, "a size in bytes (try 512M or 1.5G)");
+    return is_not(text, "a size in bytes (try 512M or 1.5G)");
 }
 
 Result<double> parse_number(std::string_view text) {
@@ -81,12 +81,12 @@ Result<double> parse_number(std::string_view text) {
     const std::optional<double> number = take<double>(rest);
     const std::optional<std::uint64_t> unit = unit_value(rest, 1000);
     const double value = number && unit ? *number * static_cast<double>(*unit) : HUGE_VAL;
-    if (!std::isfinite(value)) return not_a(text, "a number");
+    if (!std::isfinite(value)) return is_not(text, "a number");
     return value;
 }
 
 Result<double> parse_duration(std::string_view text) {
-    const Error error = not_a(text, "a time above 0 (try 90s, 10m or 1h30m)");
+    const Error error = is_not(text, "a time above 0 (try 90s, 10m or 1h30m)");
     double seconds = 0, longer = HUGE_VAL;  // the unit before
     for (std::string_view rest = text; !rest.empty() || text.empty();) {
         const std::optional<double> number = rest.starts_with('-') ? std::nullopt : take<double>(rest);
@@ -131,7 +131,7 @@ Result<std::array<std::int32_t, 4>> parse_crop(std::string_view text) {
         std::ranges::transform(*numbers, crop.begin(), [](double x) { return static_cast<std::int32_t>(x); });
         if (crop[0] < crop[2] && crop[1] < crop[3]) return crop;
     }
-    return not_a(text, "a rectangle of pixels X0,Y0,X1,Y1, ends exclusive (try 0,0,512,512)");
+    return is_not(text, "a rectangle of pixels X0,Y0,X1,Y1, ends exclusive (try 0,0,512,512)");
 }
 
 }  // namespace latent

@@ -13,8 +13,8 @@
 
 namespace latent {
 
-// "'x' is not a depth (try 12)": code kUsage.
-Error not_a(std::string_view text, std::string_view what);
+// The error "'x' is not a depth (try 12)", for an argument `text` and `what` it should be. Code kUsage.
+Error is_not(std::string_view text, std::string_view what);
 
 // A count of things: digits, then nothing or a unit: K, M, G, T are powers of 1000, Ki, Mi, Gi, Ti powers of 1024, in either case.
 // With a unit there may be a fraction, and the result is rounded: "1.07G" is 1070000000. Or a power of ten, "1e6", up to 2^53.

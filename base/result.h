@@ -33,7 +33,7 @@ struct Error {
     Error at(std::string_view place) const;
 };
 
-// Of arguments, which end a program with its own exit status.
+// An error in the arguments: programs exit with status 2.
 inline Error usage_error(std::string message) { return {ErrorCode::kUsage, std::move(message)}; }
 
 // In a `catch (...)`: the exception in hand, as where threads end. Out of memory it allocates nothing.

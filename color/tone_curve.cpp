@@ -60,10 +60,7 @@ Result<ToneCurve> ToneCurve::make(std::string_view name, double contrast, double
     else
         curve.name_.clear();
     if (curve.name_.empty() || (kind.size() < name.size() && curve.kind_ != Kind::kDensity))
-        return usage_error(
-            fmt::format("'{}' is not a tone curve (choose film, linear, reinhard, filmic, density, "
-                        "density:GAMMA,TOE,SHOULDER or none)",
-                        name));
+        return is_not(name, "a tone curve (choose film, linear, reinhard, filmic, density, density:GAMMA,TOE,SHOULDER or none)");
     if (kind.size() < name.size()) {
         const auto numbers = parse_numbers(name.substr(kind.size() + 1));
         const auto within = [](double v, double least, double most) { return v >= least && v <= most; };

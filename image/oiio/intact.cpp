@@ -155,9 +155,11 @@ Status check_pnm(std::ifstream& in, std::uint64_t bytes) {
         for (at = text.find_first_not_of(kSpace, at); at < text.size() && text[at] == '#';)
             at = text.find_first_not_of(kSpace, text.find('\n', at));
         if (at >= text.size()) return cut_off();
-        const auto [end, failed] = std::from_chars(text.data() + at, text.data() + text.size(), numbers[i]);
+        const bool has_plus = text[at] == '+';
+        const auto [end, failed] = std::from_chars(text.data() + at + (has_plus ? 1 : 0), text.data() + text.size(), numbers[i]);
         const bool is_side = i < 2 && numbers[i] >= 1 && numbers[i] < 0x1p31 && numbers[i] == std::floor(numbers[i]);
-        const bool is_range = i == 2 && (is_float ? numbers[i] != 0 : numbers[i] >= 1 && numbers[i] < 65536);
+        const bool is_range =
+            i == 2 && (is_float ? numbers[i] != 0 && std::isfinite(numbers[i]) : numbers[i] >= 1 && numbers[i] < 65536);
         if (failed != std::errc{} || !(is_side || is_range)) {
             const char* const what = i == 0 ? "width" : i == 1 ? "height" : is_float ? "scale" : "largest value";
             return damaged(fmt::format("its header gives no {} at byte {}", what, at));
@@ -213,6 +215,7 @@ Status check_intact(const std::string& path) {
     if (failed) return {};
     if (size == 0) return Error{ErrorCode::kCorrupt, "the file is empty"};
     if (bytes == std::string_view("\x89PNG\r\n\x1a\n")) return check_png(in);
+    if (bytes.starts_with("\x89PNG") && size < bytes.size()) return cut_off();
     if (bytes.starts_with("\x89PNG")) return damaged("its signature is not PNG's, as after a transfer in text mode");
     if (bytes.starts_with("II") || bytes.starts_with("MM")) return check_tiff(path);
     in.clear();

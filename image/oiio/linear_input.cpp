@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -50,11 +52,10 @@ constexpr std::array kMagics = {
 // Names whose files always begin with one of these.
 constexpr std::array<std::string_view, 15> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "ppm",
                                                           "pgm", "pbm", "pnm",  "bmp", "gif",  "dds", "webp"};
-constexpr const char* kMisnamed = "misnamed";
 
-// The format by the first bytes of a file, else by its name; kMisnamed if these do not fit. OpenImageIO would try every format that
-// it knows, one after another.
-std::string format_of(const std::filesystem::path& path) {
+// The format by the first bytes of a file, else by its name; none if these do not fit. OpenImageIO would try every format that it
+// knows, one after another.
+std::optional<std::string> format_of(const std::filesystem::path& path) {
     std::array<char, 4> front{};
     std::ifstream(path, std::ios::binary).read(front.data(), front.size());
     const std::string_view bytes(front.data(), front.size());
@@ -64,7 +65,9 @@ std::string format_of(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     if (extension.empty()) return extension;
     extension.erase(0, 1);
-    return std::ranges::find(kExtensions, extension) == kExtensions.end() ? extension : kMisnamed;
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (std::ranges::find(kExtensions, extension) != kExtensions.end()) return std::nullopt;
+    return extension;
 }
 
 // OpenImageIO divides by these.
@@ -106,13 +109,13 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         return false;
     }
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
-    const std::string format = format_of(path);
-    if (format == kMisnamed) {
+    const std::optional<std::string> format = format_of(path);
+    if (!format) {
         errorfmt("the file is not what its name says: it does not begin as a picture of that format does");
         return false;
     }
     OIIO::ImageSpec file_spec;
-    file_ = format.empty() ? nullptr : OIIO::ImageInput::create(format);
+    file_ = format->empty() ? nullptr : OIIO::ImageInput::create(*format);
     if (!file_ || !file_->open(path.string(), file_spec, hints)) {
         errorf("%s", file_ ? file_->geterror() : OIIO::geterror());
         file_.reset();

@@ -28,15 +28,18 @@ struct FileName {
     std::string path, in_messages;
 };
 
-// OpenImageIO's messages name the file, or what it takes for one, may have several lines, and may be empty: `otherwise`.
+// OpenImageIO's messages name the file, or what it takes for one ("PATH#0"), may have several lines, and may be empty: `otherwise`.
 Error error_of(const FileName& file, std::string message, std::string_view otherwise = "unknown format") {
     if (const std::size_t end = message.find('\n'); end != std::string::npos) message.resize(end);
-    for (const std::string& name : {"\"" + file.path + "\"", file.path}) {
-        const std::size_t at = message.find(name);
-        if (at != std::string::npos) message.replace(at, name.size(), "the file");
+    if (std::size_t begin = message.find(file.path); begin != std::string::npos) {
+        std::size_t end = begin + file.path.size();
+        if (message[end] == '#') end = std::min(message.find_first_not_of("0123456789", end + 1), message.size());
+        if (begin > 0 && message[begin - 1] == '"' && message[end] == '"') --begin, ++end;
+        message.replace(begin, end - begin, "the file");
     }
     const auto says = [&](std::string_view text) { return message.find(text) != std::string::npos; };
     if (says("end of file") || (says("asked for") && says("got"))) message = "the file is cut off";
+    if (says("Error reading from")) message = "the file is cut off or damaged";
     if (message == "Couldn't decode" || says("not a WebP")) message = "the file is damaged: its pixels cannot be decoded";
     return {ErrorCode::kCorrupt,
             fmt::format("{}: cannot be read as a picture: {}", file.in_messages, message.empty() ? otherwise : message)};

@@ -37,7 +37,7 @@ class Medium {
     // At a point; valid as long as the sample.
     virtual Phase phase(const Vec3f&, SampleState&) const { return phase_; }
 
-    // About all of it, in the world: light from infinity may come through. None: it is everywhere.
+    // That holds all of it, in the world: light from infinity can enter. None: it fills all space.
     virtual std::optional<Box> box() const = 0;
     virtual bool is_emissive() const = 0;
     // Varies in space: what passes through it is found in steps, so that a shadow ray takes as long as the path to its next vertex.

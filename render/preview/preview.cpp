@@ -34,7 +34,7 @@ std::filesystem::path preview_path(const RenderOptions& options) {
 }
 
 Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
-    const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o"};
+    const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "; give it more time"};
     const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
     if (!trial) return trial.error();
     const Result<Forecast> expected = forecast(job, options, *trial);

@@ -8,7 +8,7 @@ namespace latent::render {
 Result<Shard> parse_shard(std::string_view text) {
     const auto shard = parse_pair(text, '/');
     if (shard && shard->first < shard->second && shard->second <= 1u << 20) return Shard{shard->first, shard->second};
-    return not_a(text, "a shard (try 0/4, 1/4, 2/4 and 3/4)");
+    return is_not(text, "a shard (try 0/4, 1/4, 2/4 and 3/4)");
 }
 
 Result<Resolution> parse_resolution(std::string_view text) {
@@ -16,19 +16,19 @@ Result<Resolution> parse_resolution(std::string_view text) {
     const auto size = parse_pair(text, 'x');
     if (size && size->first > 0 && size->second > 0 && size->first <= kMost && size->second <= kMost)
         return Resolution{static_cast<std::uint32_t>(size->first), static_cast<std::uint32_t>(size->second)};
-    return not_a(text, "a resolution (try 1920x1080)");
+    return is_not(text, "a resolution (try 1920x1080)");
 }
 
 Result<std::uint32_t> parse_depth(std::string_view text) {
     if (text == "unlimited") return kUnlimited;
     const Result<std::uint64_t> depth = parse_count(text);
     if (depth && *depth <= 1u << 30) return static_cast<std::uint32_t>(*depth);
-    return not_a(text, "a depth (try 12 or unlimited)");
+    return is_not(text, "a depth (try 12 or unlimited)");
 }
 
 Result<sampledb::SampleRange> parse_samples(std::string_view text) {
     const Result<sampledb::SampleRange> range = sampledb::parse_sample_range(text);
-    if (range && range->end > std::uint64_t{1} << 62) return not_a(text, "a range of samples below 2^62");
+    if (range && range->end > std::uint64_t{1} << 62) return is_not(text, "a range of samples below 2^62");
     return range;
 }
 

@@ -30,14 +30,6 @@ std::string full_name(const std::filesystem::path& folder) {
     return error ? folder.string() : full.lexically_normal().parent_path().string();
 }
 
-// A new hidden folder, which is gone with the name. Errors: kNoSpace, kIo.
-Result<TemporaryPath> hidden_folder(const std::filesystem::path& parent) {
-    TemporaryPath folder(parent / (".latent-trial-" + make_nonce()));
-    std::error_code error;
-    if (std::filesystem::create_directory(folder.path(), error)) return folder;
-    return error_from_errno(error.value(), full_name(parent), "cannot write");
-}
-
 std::uint64_t scaled(std::uint64_t bytes, double factor) {
     return static_cast<std::uint64_t>(std::min(static_cast<double>(bytes) * factor, 0x1p63));
 }
@@ -57,19 +49,22 @@ Error TrialPlace::explained(const Error& error) const {
 
 Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const TrialPlace& place,
                            const std::atomic<bool>& stop) {
-    Result<TemporaryPath> hidden = hidden_folder(place.parent);
-    if (!hidden && hidden.error().code == ErrorCode::kNoSpace) return place.explained(hidden.error());
-    if (!hidden) return Error{hidden.error().code, fmt::format("{}; {}", hidden.error().message, place.remedy)};
-    Trial out{std::move(*hidden), {}, {}};
+    Trial out{TemporaryPath(place.parent / (".latent-trial-" + make_nonce())), {}, {}};
     const std::filesystem::path& folder = out.folder.path();
+    std::error_code error;
+    if (!std::filesystem::create_directory(folder, error)) {
+        const Error refused = error_from_errno(error.value(), full_name(place.parent), "cannot write");
+        if (refused.code == ErrorCode::kNoSpace) return place.explained(refused);
+        return Error{refused.code, fmt::format("{}; {}", refused.message, place.remedy)};
+    }
     RenderOptions trial = options;
     trial.output = folder / "trial.latent";
     trial.max_seconds = seconds;
     Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return place.explained(report.error());
     if (report->samples == 0)
-        return Error{ErrorCode::kStopped, fmt::format("the {} ended before any sample was finished{}", place.purpose,
-                                                      stop ? "" : "; give it more time")};
+        return Error{ErrorCode::kStopped,
+                     fmt::format("the {} ended before any sample was finished{}", place.purpose, stop ? "" : place.if_too_short)};
     out.report = *report;
     out.file = std::filesystem::directory_iterator(folder)->path();  // the part, or an attempt at it
     return out;
@@ -108,7 +103,8 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
     if (error) return Error{ErrorCode::kIo, "no folder for temporary files; set TMPDIR: " + error.message()};
-    const Result<Trial> trial = render_trial(job, options, seconds, {parent, "dry run", "set TMPDIR to another folder"}, stop);
+    const TrialPlace place{parent, "dry run", "set TMPDIR to another folder", options.max_seconds > 0 ? "; raise --max-time" : ""};
+    const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
     return trial ? forecast(job, options, *trial) : trial.error();
 }
 
@@ -121,9 +117,9 @@ Status check_folder(const std::filesystem::path& output) {
 }
 
 Status check_writable(const std::filesystem::path& output) {
-    const Result<TemporaryPath> hidden = hidden_folder(folder_of(output));
-    if (hidden || hidden.error().code == ErrorCode::kNoSpace) return {};  // how much space there is, the forecast says
-    return Error{hidden.error().code, hidden.error().message + "; choose another folder with -o"};
+    const Result<File> file = File::create_unnamed(full_name(folder_of(output)));
+    if (file || file.error().code == ErrorCode::kNoSpace) return {};  // how much space there is, the forecast says
+    return Error{file.error().code, file.error().message + "; choose another folder with -o"};
 }
 
 std::string too_large(const Forecast& forecast, const std::filesystem::path& output) {

@@ -38,11 +38,13 @@ struct Trial {
     std::filesystem::path file;
     RenderReport report;
 };
-// Where a trial makes its folder, what it is for ("preview"), and what to do if that cannot be: "choose another folder with -o".
+// Where a trial makes its folder, what it is for ("preview"), what to do if that cannot be: "choose another folder with -o", and
+// what if no sample was finished: "; give it more time".
 struct TrialPlace {
     std::filesystem::path parent;
     std::string_view purpose;
     std::string_view remedy;
+    std::string_view if_too_short;
 
     // Replaces the error of a full disk, which names a hidden folder, by one that says what to do.
     Error explained(const Error& error) const;
@@ -58,7 +60,7 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
 // Before the scene is read. Errors: kIo if there is no folder for the output.
 Status check_folder(const std::filesystem::path& output);
 
-// Before a forecast for a file that is to be written. Errors: kIo if nothing can be written to its folder.
+// Before a forecast for a file that is to be written. Errors: kIo if no file can be made in its folder; a full disk is none.
 Status check_writable(const std::filesystem::path& output);
 
 // For a forecast that does not fit: what, where, and what to do.

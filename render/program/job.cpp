@@ -57,12 +57,12 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 }
 
 // Of fields that few jobs have: no other field is as large.
-constexpr std::uint64_t kAovTag = 0x616f760000000000;     // "aov"
-constexpr std::uint64_t kHolesTag = 0x686f6c6573330000;   // "holes3"
-constexpr std::uint64_t kMediaTag = 0x6d656469610000;     // "media"
-constexpr std::uint64_t kVariedTag = 0x7661726965643200;  // "varied2"
-constexpr std::uint64_t kReliefTag = 0x72656c6965660000;  // "relief"
-constexpr std::uint64_t kTreeTag = 0x74726565000000;      // "tree": where lights are chosen by place, records differ too
+constexpr std::uint64_t kAovTag = 0x616f760000000000;       // "aov"
+constexpr std::uint64_t kHolesTag = 0x686f6c6573330000;     // "holes3"
+constexpr std::uint64_t kMediaTag = 0x6d656469610000;       // "media"
+constexpr std::uint64_t kVariedTag = 0x7661726965643200;    // "varied2"
+constexpr std::uint64_t kPicturesTag = 0x7069637475726573;  // "pictures"
+constexpr std::uint64_t kTreeTag = 0x74726565000000;        // "tree": where lights are chosen by place, records differ too
 
 // Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
 bool has_holes(const SceneDescription& scene) {
@@ -84,10 +84,11 @@ bool has_varied_media(const SceneDescription& scene) {
     });
 }
 
-// And where a picture may be the relief of a surface, with valleys below 0.
-bool has_relief_by_picture(const SceneDescription& scene) {
-    return std::ranges::any_of(scene.textures, [](const TextureDescription& t) { return t.kind == TextureKind::kImage; }) &&
-           std::ranges::any_of(scene.materials, [](const MaterialDescription& m) { return m.displacement.is_textured(); });
+// And where textures are pictures, whose values may be negative or no numbers.
+bool has_pictures(const SceneDescription& scene) {
+    return std::ranges::any_of(scene.textures, [](const TextureDescription& t) {
+        return t.kind == TextureKind::kImage || t.kind == TextureKind::kNormalMap;
+    });
 }
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
@@ -109,7 +110,7 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
     if (has_holes(scene)) writer.put(kHolesTag);
     if (has_long_walks(scene, settings.max_depth)) writer.put(kMediaTag);
     if (has_varied_media(scene)) writer.put(kVariedTag);
-    if (has_relief_by_picture(scene)) writer.put(kReliefTag);
+    if (has_pictures(scene)) writer.put(kPicturesTag);
     if (integrator.has_light_tree()) writer.put(kTreeTag);
     if (!scene.textures.empty()) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});

@@ -53,6 +53,8 @@ std::string to_text(const RadianceFaults& faults) {
 std::string to_text(const RenderReport& report, const RenderJob& job, bool json) {
     const double rate = report.seconds > 0 ? static_cast<double>(report.samples) / report.seconds : 0;
     if (json) {
+        std::vector<std::string> warnings = job.warnings;
+        for (std::string& met : job.integrator->warnings()) warnings.push_back(std::move(met));
         const Json out = {{"job", to_hex(job.job.id)},
                           {"first_sample", job.range.first},
                           {"end_sample", job.range.end},
@@ -69,7 +71,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
                           {"nan", report.faults.nan},
                           {"infinite", report.faults.infinite},
                           {"negative", report.faults.negative},
-                          {"warnings", job.integrator->warnings()}};
+                          {"warnings", warnings}};
         return json_text(out) + "\n";
     }
     std::string rendered =

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace latent::render {
 
@@ -100,14 +99,16 @@ const SampledSpectrum* SpectrumImage::at(const TexturePoint& point) const {
     const std::array<float, 4> x = image_.at(point);
     SampledSpectrum& out = point.spectra->allocate();
     if (image_.info().channels == 1) {
-        out = SampledSpectrum(std::clamp(x[0], 0.0f, role_ == SpectrumRole::kReflectance ? 1 : std::numeric_limits<float>::max()));
+        const float grey = std::max(x[0], 0.0f);
+        out = SampledSpectrum(role_ == SpectrumRole::kReflectance ? std::min(grey, 1.0f) : grey);
         return &out;
     }
-    float rgb[3] = {x[0], x[1], x[2]};
+    float rgb[3] = {std::max(x[0], 0.0f), std::max(x[1], 0.0f), std::max(x[2], 0.0f)};
     if (convert_) {
-        for (std::size_t i = 0; i < 3; ++i) rgb[i] = matrix_[i][0] * x[0] + matrix_[i][1] * x[1] + matrix_[i][2] * x[2];
+        const float own[3] = {rgb[0], rgb[1], rgb[2]};
+        for (std::size_t i = 0; i < 3; ++i)
+            rgb[i] = std::max(0.0f, matrix_[i][0] * own[0] + matrix_[i][1] * own[1] + matrix_[i][2] * own[2]);
     }
-    for (float& channel : rgb) channel = std::max(channel, 0.0f);
     colors_.evaluate(rgb, role_, *point.spectra, out);
     return &out;
 }

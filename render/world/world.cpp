@@ -11,15 +11,13 @@ namespace latent::render {
 
 namespace {
 
+constexpr double kFarthest = 1e12;    // [m]: of a medium about the scene; beyond it, directions have too few digits
 constexpr float kDeepestCell = 1e5f;  // mean free paths: a ray may take as many steps in vain
 
-Error too_deep(const SceneDescription& scene, const MediumDescription& medium, float depth) {
+Error refused(const SceneDescription& scene, const MediumDescription& medium, const std::string& why) {
     const SourceLocation& at = medium.location;
-    return Error{
-        ErrorCode::kOutOfRange,
-        fmt::format("{}:{}:{}: medium \"{}\": a cell of its grid is {:.2g} mean free paths wide, more than {:.0f}; lower its "
-                    "scale or its density",
-                    scene.files[at.file], at.line, at.column, medium.name, depth, kDeepestCell)};
+    return Error{ErrorCode::kOutOfRange,
+                 fmt::format("{}:{}:{}: medium \"{}\": {}", scene.files[at.file], at.line, at.column, medium.name, why)};
 }
 
 }  // namespace
@@ -51,7 +49,12 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     for (std::uint32_t i = 0; i < scene.media.size(); ++i) {
         world->media_.push_back(make_medium(scene.media, i, world->library_));
         const float depth = world->media_.back()->deepest_cell(world->library_);
-        if (!(depth <= kDeepestCell)) return too_deep(scene, scene.media[i], depth);
+        if (!(depth <= kDeepestCell))
+            return refused(
+                scene, scene.media[i],
+                fmt::format("a cell of its grid is {:.2g} mean free paths wide, more than {:.0f}; lower its scale or its "
+                            "density",
+                            depth, kDeepestCell));
     }
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
         return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
@@ -62,12 +65,16 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
 
     if (world->has_media()) world->medium_at_infinity_ = world->find_medium_at_infinity();
 
-    // The disks of infinite lights cover the camera too, so that their light can fall on a lens, and the outermost medium.
+    // The disks of infinite lights also cover the camera, so that light can fall on its lens, and the outermost medium.
     float radius = geometry.radius();
     if (world->medium_at_infinity_ != kNone) {
         const std::optional<Box> box = world->medium(world->medium_at_infinity_).box();
         world->is_open_ = box.has_value();
-        if (box) radius = std::max(radius, static_cast<float>(box->reach(Vec3d(geometry.center()))) * (1 + 1e-3f));
+        const double reach = box ? box->reach(Vec3d(geometry.center())) : 0;
+        if (reach > kFarthest)
+            return refused(scene, scene.media[world->medium_at_infinity_],
+                           fmt::format("reaches {:.2g} m from the shapes, more than {:.0g}", reach, kFarthest));
+        radius = std::max(radius, static_cast<float>(reach) * (1 + 1e-3f));
     }
     for (const float time : {0.0f, 1.0f}) {
         const Camera camera_then = world->camera_at(time).value_or(world->camera_);

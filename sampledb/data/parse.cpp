@@ -10,7 +10,7 @@ namespace latent::sampledb {
 Result<SampleRange> parse_sample_range(std::string_view text) {
     const auto ends = parse_pair(text, ':');
     if (ends && ends->first < ends->second) return SampleRange{ends->first, ends->second};
-    return usage_error("'" + std::string(text) + "' is not a range of samples (try 0:1M; A:B means samples A to B-1)");
+    return is_not(text, "a range of samples (try 0:1M; A:B means samples A to B-1)");
 }
 
 Result<JobId> parse_job_id(std::string_view text) {
@@ -20,7 +20,7 @@ Result<JobId> parse_job_id(std::string_view text) {
         return error == std::errc() && end == digits.end();
     };
     if (text.size() != 32 || !parse(text.substr(0, 16), id.high) || !parse(text.substr(16), id.low)) {
-        return usage_error("'" + std::string(text) + "' is not a job id (32 hexadecimal digits)");
+        return is_not(text, "a job id (32 hexadecimal digits)");
     }
     return id;
 }

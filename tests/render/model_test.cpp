@@ -522,7 +522,7 @@ TEST_F(Models, ATextureWithoutCoordinatesIsWarnedOf) {
                 ::testing::ElementsAre(HasSubstr("/meshes/0/primitives/0/attributes: has no TEXCOORD_3, which the textures")));
 }
 
-// Whatever stands in the place of a member: one line, which begins with the member's place.
+// Whatever stands in the place of a member: one line, which names that place if the kind is wrong.
 TEST_F(Models, AnythingOfTheWrongKindIsOneError) {
     const Json values[] = {"word", 0.5, -1, 7, 1e9, true, nullptr, Json::array(), Json::object(), {1, 2}, {{"a", 1}}};
     const GltfFile whole = quad_and_lamp();
@@ -541,11 +541,15 @@ TEST_F(Models, AnythingOfTheWrongKindIsOneError) {
             GltfFile file = whole;
             file.json[Json::json_pointer(place)] = value;
             const Json empty = Json::array();
-            if (value == empty && place.ends_with("s")) continue;  // no items: all that name one are wrong
+            if ((value == empty || value.is_null()) && place.ends_with("s")) continue;  // no items: all that name one are wrong
             const Result<LoadedScene> scene = load("room.glb", as_glb(file));
             if (scene) continue;
             ++refused;
-            EXPECT_EQ(std::ranges::count(scene.error().message, '\n'), 0) << place << " " << value << "\n" << scene.error().message;
+            const std::string& message = scene.error().message;
+            EXPECT_EQ(std::ranges::count(message, '\n'), 0) << place << " " << value << "\n" << message;
+            if (message.find(": must be ") == message.npos) continue;  // of what refers to it, perhaps
+            const std::string at = message.substr(message.find("room.glb: ") + 10), named = at.substr(0, at.find(": "));
+            EXPECT_TRUE(named.starts_with(place) || place.starts_with(named)) << place << ": " << message;
         }
     }
     EXPECT_GT(refused, 300u);
@@ -598,6 +602,27 @@ TEST_F(Models, SurfacesThatAreNoBrighterThanTheSkyDoNotReplaceIt) {
     EXPECT_TRUE(has_sky("room.glb", as_glb(file)));
     material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 1.5;
     EXPECT_FALSE(has_sky("room.glb", as_glb(file)));
+}
+
+// Some exporters write an infinite distance as null.
+TEST_F(Models, NullIsNotThere) {
+    GltfFile file = quad_and_lamp();
+    file.json["nodes"][1]["name"] = nullptr;
+    file.json["materials"][0]["extensions"]["KHR_materials_volume"]["attenuationDistance"] = nullptr;
+    EXPECT_THAT(load("room.glb", as_glb(file)).value().warnings,
+                ::testing::ElementsAre(AllOf(HasSubstr("/attenuationDistance: is null, and is ignored (and in 1 other place)"))));
+}
+
+TEST_F(Models, AValueThatManyNodesUseIsOnePlace) {
+    GltfFile file = quad_and_lamp();
+    file.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = -1;
+    const Json lamp = file.json["nodes"][2];
+    for (int i = 0; i < 3; ++i) {
+        file.json["scenes"][0]["nodes"].push_back(file.json["nodes"].size());
+        file.json["nodes"].push_back(lamp);
+    }
+    EXPECT_THAT(load("room.glb", as_glb(file)).value().warnings,
+                ::testing::ElementsAre(::testing::EndsWith("/intensity: -1 is clamped: must be at least 0")));
 }
 
 // As an editor counts them; those of a binary file begin with its JSON.

@@ -1,9 +1,11 @@
 // Noise: textures and clouds against numbers computed apart from them, in double precision: noise_values.py, which is written from
 // pbrt-v4's formulas. One octave more or less, a roughness of 0.1 or a wispiness of 0.2 more differs by many times the tolerances.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "render/medium/cloud.h"
 #include "render/medium/make_medium.h"
@@ -57,7 +59,7 @@ TEST_F(NoiseTest, FbmIsTheSumOfItsOctaves) {
         expect_values("fbm", c);
 }
 
-TEST_F(NoiseTest, WrinkledIsTheSumOfTheirSizes) {
+TEST_F(NoiseTest, WrinkledIsTheSumOfItsOctavesWithoutSign) {
     for (const Octaves& c :
          {Octaves{8, 0.5, 0, {0.282015, 0.535068, 0.756227}}, Octaves{3, 0.6, 0, {0.362478, 0.600481, 0.811155}},
           Octaves{4, 0.9, 0, {0.728346, 0.972095, 1.35365}}, Octaves{6, 0.7, 0.09, {0.581951, 0.805148, 0.98534}}})
@@ -70,7 +72,7 @@ TEST_F(NoiseTest, WindyIsWavesTimesTheStrengthOfTheWind) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(seen(kPoints[i], 0), values[i], kTolerance) << i;
 }
 
-TEST_F(NoiseTest, WhatIsNotGivenIsEightOctavesOfHalfTheRoughness) {
+TEST_F(NoiseTest, DefaultsAreEightOctavesOfRoughnessOneHalf) {
     for (const char* kind : {"fbm", "wrinkled"}) {
         load_float(fmt::format("\"{}\" \"integer octaves\" 8 \"float roughness\" .5", kind));
         const float given = seen(kPoints[0], 0);

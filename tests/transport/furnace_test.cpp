@@ -131,8 +131,8 @@ TEST(Furnace, NothingThatAbsorbsNothingShowsBeforeAUniformInfiniteLight) {
     for (const auto& [name, text] : cases) expect_unseen(scene_from(view_from(3) + text + "Shape \"sphere\"\n"), name);
 }
 
-// Nor does fog that reaches far beyond the shapes and the camera, one or several in the same place.
-TEST(Furnace, NorDoesFogThatReachesBeyondTheShapes) {
+// Also where it reaches far beyond the shapes and the camera; one or several in the same place.
+TEST(Furnace, FogThatReachesBeyondTheShapesIsUnseen) {
     const auto grid = [](const char* name, double low, double high) {
         return fmt::format(
             "MakeNamedMedium \"{}\" \"string type\" \"uniformgrid\" \"integer nx\" 1 \"integer ny\" 1 \"integer nz\" 1 \"float "

@@ -278,8 +278,9 @@ float albedo(const std::string& material) {
         const auto number = load_le<std::uint32_t>(records.extra[4].values.data() + 4 * row);
         if (number == 0 || scene.description.materials[number - 1].type != "hair") continue;
         const auto here = load_le<float>(records.extra[1].values.data() + 4 * row);
-        EXPECT_NEAR(here, hair++ == 0 ? here : found, 1e-3);
-        found = here;
+        if (hair == 0) found = here;
+        EXPECT_NEAR(here, found, 1e-3);
+        ++hair;
     }
     EXPECT_GT(hair, 50);
     return found;

@@ -14,7 +14,7 @@ namespace {
 Result<std::array<double, 3>> luminances_of(const std::string& text) {
     const auto numbers = parse_numbers(text);
     if (numbers && numbers->size() == 3) return std::array{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-    return usage_error("'" + text + "' is not three luminances (try 0.2126,0.7152,0.0722)");
+    return is_not(text, "three luminances (try 0.2126,0.7152,0.0722)");
 }
 
 }  // namespace

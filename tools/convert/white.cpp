@@ -53,10 +53,7 @@ Result<White> parse_white(const std::string& text) {
     if (const auto light = color::named_spectrum("stdillum-" + text)) return White{chromaticity_of_light(*light)};
     const bool temperature = text.size() > 1 && (text.back() == 'K' || text.back() == 'k') && text.find(',') == std::string::npos;
     if (temperature) return white_of_temperature(text);
-    return usage_error(
-        fmt::format("'{}' is not a white (try D65, D50, A, E, F1 to F12, 5200K, a chromaticity x,y, or pixels "
-                    "X,Y,WIDTH,HEIGHT)",
-                    text));
+    return is_not(text, "a white (try D65, D50, A, E, F1 to F12, 5200K, a chromaticity x,y, or pixels X,Y,WIDTH,HEIGHT)");
 }
 
 // Row by row from the top: the sum, and so the print, does not depend on threads or memory.

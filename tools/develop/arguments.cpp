@@ -83,13 +83,13 @@ Result<double> parse_filter_factor(std::string_view text) {
     if (text == "auto") return 0.0;
     const Result<double> factor = parse_number(text);
     if (factor && *factor > 0) return factor;
-    return usage_error(fmt::format("'{}' is not a filter factor (try none, auto or 8)", text));
+    return is_not(text, "a filter factor (try none, auto or 8)");
 }
 
 Result<double> parse_fraction(std::string_view text) {
     const Result<double> fraction = parse_number(text);
     if (fraction && *fraction > 0 && *fraction <= 1) return fraction;
-    return usage_error(fmt::format("'{}' is not a fraction (try 0.01)", text));
+    return is_not(text, "a fraction (try 0.01)");
 }
 
 void add_arguments(CLI::App& app, PictureOptions& options) {

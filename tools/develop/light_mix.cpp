@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "base/near_names.h"
+#include "base/parse.h"
 #include "base/small_file.h"
 #include "color/catalogue.h"
 #include "color/csv.h"
@@ -35,8 +36,7 @@ Result<Spectrum> curve_of(const std::string& name) {
     if (name.ends_with(".csv") || std::filesystem::exists(name, ignored)) return curve_of_file(name);
     Result<Spectrum> filter = color::lens_filter(name);
     if (!filter)
-        return usage_error(fmt::format("'{}' is not a factor, a spectrum (6500K, D65, A, E, F1 to F12) or a curve (FILE.csv): {}",
-                                       name, filter.error().message));
+        return is_not(name, "a factor, a spectrum (6500K, D65, A, E, F1 to F12) or a curve (FILE.csv): " + filter.error().message);
     return filter;
 }
 

@@ -21,7 +21,7 @@ Result<Aspect> parse_aspect(const std::string& text) {
     const auto sides = parse_pair(text, ':');
     if (sides && sides->first > 0 && sides->second > 0 && sides->first <= kMost && sides->second <= kMost)
         return Aspect{static_cast<std::uint32_t>(sides->first), static_cast<std::uint32_t>(sides->second)};
-    return usage_error(fmt::format("'{}' is not an aspect (try 3:2)", text));
+    return is_not(text, "an aspect (try 3:2)");
 }
 
 // "0.4,0.4,0.6,0.6": a part of the film, not empty.
@@ -31,7 +31,7 @@ Result<std::array<double, 4>> parse_region(const std::string& text) {
         const double u0 = (*numbers)[0], v0 = (*numbers)[1], u1 = (*numbers)[2], v1 = (*numbers)[3];
         if (0 <= u0 && u0 < u1 && u1 <= 1 && 0 <= v0 && v0 < v1 && v1 <= 1) return std::array{u0, v0, u1, v1};
     }
-    return usage_error(fmt::format("'{}' is not a part of the film U0,V0,U1,V1, between 0 and 1 (try 0.4,0.4,0.6,0.6)", text));
+    return is_not(text, "a part of the film U0,V0,U1,V1, between 0 and 1 (try 0.4,0.4,0.6,0.6)");
 }
 
 }  // namespace

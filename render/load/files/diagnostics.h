@@ -38,14 +38,14 @@ class Diagnostics {
     void warn_of_kind(const std::string& kind, const std::string& place, const std::string& message) {
         const auto [first, is_new] = kinds_.try_emplace(kind);
         Kind& of_kind = first->second;
+        if (!of_kind.places.insert(place).second) return;
         if (is_new) {
             of_kind.line = warnings_.lines.size();
-            warn(place, message);
-            const bool is_said = of_kind.line < warnings_.lines.size() && warnings_.lines[of_kind.line].starts_with(place);
-            if (is_said) of_kind.text = warnings_.lines[of_kind.line];
+            if (say(place, message, warnings_)) of_kind.text = warnings_.lines[of_kind.line];
         } else if (!of_kind.text.empty()) {
-            const char* const places = ++of_kind.others == 1 ? " other place)" : " other places)";
-            warnings_.lines[of_kind.line] = of_kind.text + " (and in " + std::to_string(of_kind.others) + places;
+            const std::size_t others = of_kind.places.size() - 1;
+            warnings_.lines[of_kind.line] =
+                of_kind.text + " (and in " + std::to_string(others) + (others == 1 ? " other place)" : " other places)");
         }
     }
 
@@ -64,18 +64,22 @@ class Diagnostics {
         std::vector<std::string> lines;
         std::unordered_set<std::string> said;
     };
-    static void say(const std::string& place, const std::string& message, Lines& out) {
+    // False: it was said before, or too much was.
+    static bool say(const std::string& place, const std::string& message, Lines& out) {
         constexpr std::size_t kMost = 1000, kLongest = 2000;
-        if (out.lines.size() > kMost) return;
-        if (out.lines.size() == kMost) return out.lines.emplace_back("there is more to say, but this is enough"), void();
+        if (out.lines.size() == kMost) out.lines.emplace_back("there is more to say, but this is enough");
+        if (out.lines.size() > kMost) return false;
         std::string line = place + ": " + message;
         if (line.size() > kLongest) line.replace(kLongest, line.npos, "...");
-        if (out.said.insert(line).second) out.lines.push_back(std::move(line));
+        if (!out.said.insert(line).second) return false;
+        out.lines.push_back(std::move(line));
+        return true;
     }
 
     struct Kind {
-        std::size_t line = 0, others = 0;
-        std::string text{};  // of the first
+        std::size_t line = 0;
+        std::string text{};  // of the first; empty if it was not said
+        std::unordered_set<std::string> places{};
     };
 
     const std::vector<std::string>& files_;

@@ -7,8 +7,8 @@
 
 #include "base/bytes.h"
 #include "base/json.h"
+#include "render/load/gltf/check.h"
 #include "render/load/gltf/extensions.h"
-#include "render/load/gltf/schema.h"
 
 namespace latent::render {
 
@@ -120,6 +120,14 @@ Error not_json(const std::string& name, bool is_binary, std::string_view text, s
     return {ErrorCode::kCorrupt, fmt::format("{}: not valid JSON{}", place, reason(what))};
 }
 
+// The version that a file says to have, unless that is 2; files of 1.0 need not say it, but their meshes have names.
+std::string other_version(const GltfValue& root) {
+    const GltfValue version = root["asset"]["version"];
+    if (version.is_number()) return version.number(2) < 2 ? fmt::format("{}", version.number(2)) : "";
+    if (version.is_text()) return version.text().starts_with("2.") ? "" : fmt::format("\"{}\"", version.text());
+    return !version.exists() && root["meshes"].is_object() ? "1.0" : "";
+}
+
 }  // namespace
 
 Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, const SceneFiles& files,
@@ -146,13 +154,8 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
     }
     if (!is_object) return is_object.error().at(name);
 
-    const GltfValue version = document.root()["asset"]["version"];
-    const bool is_number = version.is_number();  // in some files of glTF 1.0
-    if (is_number ? version.number(2) < 2 : version.is_text() && !version.text().starts_with("2."))
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: is {}; only glTF 2.0 is supported", version.path(),
-                                                          is_number                ? fmt::format("{:.1f}", version.number(2))
-                                                          : version.text().empty() ? "empty"
-                                                                                   : version.text())};
+    if (const std::string other = other_version(document.root()); !other.empty())
+        return Error{ErrorCode::kUnsupported, fmt::format("{}: is glTF {}; only glTF 2.0 is supported", name, other)};
     document.is_sound_ = check_gltf(document.root()) && check_extensions(document.root());
     if (document.is_sound_) document.read_buffers(chunks.binary, chunks.has_binary);
     return document;

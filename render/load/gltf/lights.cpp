@@ -51,7 +51,7 @@ void read_camera(const GltfValue& value, const Affined& m, SceneDescription& sce
 LightDescription read_light(const GltfValue& value, const Affined& m, const ModelColors& colors) {
     LightDescription light;
     light.spectrum = colors.emission(value["color"].factors(LinearRgb{1, 1, 1}, 0, 1));
-    light.scale = value["intensity"].factor(1, 0, 1e30);
+    light.scale = value["intensity"].factor(1, 0, GltfValue::kNoLimit);
     light.name = value["name"].text();
     const Vec3d towards = -normalize(m.z);
     const std::string type = value["type"].text();

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 #include "render/load/gltf/extensions.h"
 
@@ -12,7 +12,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr double kAny = std::numeric_limits<double>::max(), kMost = 1e30;
+constexpr double kNoLimit = GltfValue::kNoLimit;
 
 LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback, double most = 1) { return value.factors(fallback, 0, most); }
 float fraction_of(const GltfValue& value, double fallback) { return static_cast<float>(value.factor(fallback, 0, 1)); }
@@ -20,7 +20,7 @@ float fraction_of(const GltfValue& value, double fallback) { return static_cast<
 void read_emission(const GltfValue& material, const ModelColors& colors, GltfTextures& textures, GltfMaterial& out) {
     const LinearRgb rgb =
         material["emissiveFactor"].factors(LinearRgb{0, 0, 0}, 0, 1, "; KHR_materials_emissive_strength makes a surface brighter");
-    const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].factor(1, 0, kMost);
+    const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].factor(1, 0, kNoLimit);
     if (std::ranges::max(rgb) * strength == 0) return;
     AreaLightDescription emission{.spectrum = colors.emission(rgb),
                                   .scale = strength,
@@ -42,7 +42,7 @@ void read_emission(const GltfValue& material, const ModelColors& colors, GltfTex
 // Glass: thin without a thickness, else with a medium inside.
 void read_transmission(const GltfValue& material, const ModelColors& colors, double index, GltfMaterial& out) {
     const GltfValue volume = material.extension("KHR_materials_volume");
-    const bool is_thin = !(volume["thicknessFactor"].factor(0, 0, kMost) > 0);
+    const bool is_thin = !(volume["thicknessFactor"].factor(0, 0, kNoLimit) > 0);
     const float roughness = out.surface.number("roughness").value, alpha = roughness * roughness;
     out.surface = {.type = is_thin ? "thindielectric" : "dielectric",
                    .name = out.surface.name,
@@ -50,7 +50,7 @@ void read_transmission(const GltfValue& material, const ModelColors& colors, dou
     if (is_thin && alpha > 0) material.warn("thin glass is rendered without its roughness");
     if (is_thin) return;
     out.surface.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
-    const double distance = volume["attenuationDistance"].factor(0, 0, kMost);
+    const double distance = volume["attenuationDistance"].factor(0, 0, kNoLimit);
     const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
     if (distance == 0 || std::ranges::min(tint) >= 1) return;
     // What is left after `distance` is the attenuation colour: sigma = -ln(c) / distance.
@@ -78,14 +78,14 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
     read("metallic", rough, PictureChannel::kBlue);
     read("coat", coat["clearcoatTexture"], PictureChannel::kRed);
     read("coat_roughness", coat["clearcoatRoughnessTexture"], PictureChannel::kGreen);
-    const GltfValue all[] = {color,
-                             rough,
-                             coat["clearcoatTexture"],
-                             coat["clearcoatRoughnessTexture"],
-                             sheen["sheenColorTexture"],
-                             sheen["sheenRoughnessTexture"],
-                             material["normalTexture"],
-                             material["emissiveTexture"]};
+    std::vector<GltfValue> all = {color, rough, coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"],
+                                  material["normalTexture"]};
+    const auto is_black = [](const GltfValue& factor) { return std::ranges::max(factor.numbers(LinearRgb{0, 0, 0})) <= 0; };
+    if (!is_black(sheen["sheenColorFactor"])) {
+        all.push_back(sheen["sheenColorTexture"]);
+        all.push_back(sheen["sheenRoughnessTexture"]);
+    }
+    if (!is_black(material["emissiveFactor"])) all.push_back(material["emissiveTexture"]);
     for (const GltfValue& info : all) {
         if (!info.exists()) continue;
         out.uv_set = uv_set_of(info);  // of the first one
@@ -130,7 +130,7 @@ void read_alpha(const GltfValue& material, double factor, GltfTextures& textures
     out.alpha = static_cast<float>(factor);
     out.alpha.texture = textures.number(material["pbrMetallicRoughness"]["baseColorTexture"], PictureChannel::kAlpha, factor);
     if (mode == "MASK")
-        out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].factor(0.5, 0, kAny)));
+        out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].factor(0.5, 0, kNoLimit)));
 }
 
 }  // namespace
@@ -155,9 +155,9 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
                     transmission = material.extension("KHR_materials_transmission");
     // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
     const GltfValue ior = material.extension("KHR_materials_ior")["ior"];
-    const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, 1e3);
+    const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, kNoLimit);
     const double root = (index - 1) / (index + 1), weight = specular["specularFactor"].factor(1, 0, 1);
-    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kAny);
+    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit);
     const double bright = std::ranges::max(tint);
     if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
     surface.numbers["f0"] = static_cast<float>(std::min(root * root * bright, 1.0) * weight);

@@ -1,11 +1,5 @@
 #include "render/load/gltf/schema.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
-#include "base/near_names.h"
-
 namespace latent::render {
 
 namespace {
@@ -167,93 +161,8 @@ constexpr GltfMember kRootMembers[] = {required(object("asset", kAsset)), texts(
                                        objects("textures", kTexture),     object("extensions", kRootExtensions)};
 constexpr GltfObjectType kRoot{kRootMembers};
 
-// Where the items are of another kind altogether, the first of them is named.
-template <class Check>
-bool each(const GltfValue& value, std::string_view what, const Check& check) {
-    if (!value.is_array()) return value.error(fmt::format("must be an array of {}", what)), false;
-    for (std::size_t i = 0; i < value.size(); ++i) {
-        if (!check(value[i])) return false;
-    }
-    return true;
-}
-bool is_text(const GltfValue& value) { return value.is_text() || (value.error("must be a string"), false); }
-bool is_number(const GltfValue& value) { return value.is_number() || (value.error("must be a finite number"), false); }
-bool is_count(const GltfValue& value) { return value.is_count() || (value.error("must be a non-negative integer"), false); }
-
-bool check_object(const GltfValue& value, const GltfObjectType& type);
-
-bool check_objects(const GltfValue& value, const GltfObjectType& type) {
-    const auto is_object = [](const GltfValue& item) { return item.is_object() || (item.error("must be an object"), false); };
-    if (!each(value, "objects", is_object)) return false;
-    bool good = true;
-    for (std::size_t i = 0; i < value.size(); ++i) good = check_object(value[i], type) && good;
-    return good;
-}
-
-bool check_member(const GltfValue& value, const GltfMember& member) {
-    switch (member.holds) {
-        case Holds::kAnything:
-            return true;
-        case Holds::kText:
-            return is_text(value);
-        case Holds::kFlag:
-            return value.is_flag() || (value.error("must be true or false"), false);
-        case Holds::kNumber:
-            return is_number(value);
-        case Holds::kCount:
-            return is_count(value);
-        case Holds::kNumbers:
-            if (value.is_array() && value.size() == member.size) return each(value, "numbers", is_number);
-            return value.error(fmt::format("must be an array of {} numbers", member.size)), false;
-        case Holds::kCounts:
-            return each(value, "indices", is_count);
-        case Holds::kTexts:
-            return each(value, "strings", is_text);
-        case Holds::kObject:
-            return check_object(value, *member.type);
-        case Holds::kObjects:
-            return check_objects(value, *member.type);
-    }
-    return true;
-}
-
-// "baseColourFactor": near to a name that the type knows. Names that begin with '_' are the application's own.
-void warn_of_unknown(const GltfValue& value, std::string_view name, const GltfObjectType& type) {
-    std::vector<std::string> names;
-    for (const GltfMember& member : type.members) names.emplace_back(member.name);
-    const std::string near = near_names(name, names);
-    value.warn_of_kind(
-        fmt::format("{}{}", name, static_cast<const void*>(&type)),
-        fmt::format("is not part of glTF 2.0, and is ignored{}", near.empty() ? "" : fmt::format("; did you mean {}?", near)));
-}
-
-// TEXCOORD_1 is what TEXCOORD_0 is.
-std::string first_of_set(const std::string& name) {
-    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
-    return digits > 1 && digits < name.size() && name[digits - 1] == '_' ? name.substr(0, digits) + "0" : name;
-}
-
-bool check_object(const GltfValue& value, const GltfObjectType& type) {
-    if (!value.is_object()) return value.error("must be an object"), false;
-    bool good = true;
-    for (const std::string& name : value.keys()) {
-        const auto member = std::ranges::find(type.members, first_of_set(name), &GltfMember::name);
-        if (member != type.members.end()) {
-            good = check_member(value[name], *member) && good;
-        } else if (!type.is_open && name != "extras" && name != "extensions" && !name.starts_with('_')) {
-            warn_of_unknown(value[name], name, type);
-        }
-    }
-    std::vector<std::string_view> missing;
-    for (const GltfMember& member : type.members) {
-        if (member.required && !value[member.name].exists()) missing.push_back(member.name);
-    }
-    if (!missing.empty()) value.error(fmt::format("has no {}", fmt::join(missing, ", ")));
-    return good && missing.empty();
-}
-
 }  // namespace
 
-bool check_gltf(const GltfValue& root) { return check_object(root, kRoot); }
+const GltfObjectType& gltf_document() { return kRoot; }
 
 }  // namespace latent::render

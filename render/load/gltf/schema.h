@@ -1,10 +1,9 @@
 // render/load/gltf/schema.h: the members of a glTF document: their names, what they hold, and which must be there [glTF2 5].
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string_view>
-
-#include "render/load/gltf/value.h"
 
 namespace latent::render {
 
@@ -12,7 +11,7 @@ struct GltfObjectType;
 
 struct GltfMember {
     enum class Holds : std::uint8_t {
-        kAnything,  // which is not read
+        kAnything,  // not checked
         kText,
         kFlag,
         kNumber,
@@ -35,9 +34,6 @@ struct GltfObjectType {
     bool is_open = false;  // other members are no surprise: extensions that are not supported
 };
 
-// The whole document: an error for each member that holds something else than it should, or is missing; a warning for each kind of
-// member that nobody knows, with near names. What is not read is not checked: "extras", animations, skins, unknown extensions.
-// Returns false after an error: what follows from it would be told as another one.
-bool check_gltf(const GltfValue& root);
+const GltfObjectType& gltf_document();
 
 }  // namespace latent::render

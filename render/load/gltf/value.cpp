@@ -11,7 +11,7 @@ GltfValue GltfValue::operator[](std::string_view key) const {
     std::string path = path_ + "/" + std::string(key);
     if (json_ == nullptr || !json_->is_object()) return {nullptr, std::move(path), *diagnostics_};
     const auto found = json_->find(key);
-    return {found == json_->end() ? nullptr : &*found, std::move(path), *diagnostics_};
+    return {found == json_->end() || found->is_null() ? nullptr : &*found, std::move(path), *diagnostics_};
 }
 
 GltfValue GltfValue::operator[](std::size_t i) const {
@@ -42,11 +42,13 @@ double GltfValue::number(double fallback, double low, double high) const {
 }
 
 void GltfValue::clamp(std::span<double> values, double low, double high, std::string_view advice) const {
-    const auto wrong = std::ranges::find_if(values, [&](double x) { return x < low || x > high; });
-    if (wrong == values.end()) return;
-    const bool bounded = high < std::numeric_limits<double>::max();
+    const double rounding = 1e-6 * std::max(std::abs(low), high < kNoLimit ? high : 0);  // of exporters that count in float
+    const auto wrong = std::ranges::find_if(values, [&](double x) { return x < low - rounding || x > high + rounding; });
+    const bool bounded = high < kNoLimit;
     const std::string range = bounded ? fmt::format("from {} to {}", low, high) : fmt::format("at least {}", low);
-    warn_of_kind("range of " + path_.substr(path_.rfind('/')), fmt::format("{} is clamped: must be {}{}", *wrong, range, advice));
+    if (wrong != values.end())
+        warn_of_kind("range of " + path_.substr(path_.rfind('/')),
+                     fmt::format("{} is clamped: must be {}{}", *wrong, range, advice));
     for (double& x : values) x = std::clamp(x, low, high);
 }
 

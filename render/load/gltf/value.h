@@ -28,7 +28,7 @@ class GltfValue {
     bool is_flag() const { return exists() && json_->is_boolean(); }
     bool is_number() const { return exists() && json_->is_number(); }
     bool is_count() const;                             // a non-negative integer below 2^53
-    GltfValue operator[](std::string_view key) const;  // of an object
+    GltfValue operator[](std::string_view key) const;  // of an object; null is not there
     GltfValue operator[](std::size_t i) const;         // of an array
     std::size_t size() const { return json_ != nullptr && json_->is_array() ? json_->size() : 0; }
     std::vector<std::string> keys() const;
@@ -52,7 +52,9 @@ class GltfValue {
         }
         return out;
     }
-    // A number, or some, of which those out of range are clamped, with a warning that ends in `advice`.
+    // A number, or some, of which those out of range are clamped, with a warning that ends in `advice`. kNoLimit is the largest
+    // that any scene may have, and no bound of glTF's own.
+    static constexpr double kNoLimit = 1e30;
     double factor(double fallback, double low, double high, std::string_view advice = "") const {
         return factors(std::array{fallback}, low, high, advice)[0];
     }

@@ -139,6 +139,8 @@ std::vector<std::string_view> words(std::string_view line) {
     return out;
 }
 
+std::string_view shortened(std::string_view word) { return word.substr(0, 40); }  // of a file that may hold anything
+
 Result<Header> parse_header(std::string_view name, std::string_view bytes) {
     Header header;
     bool have_format = false;
@@ -169,25 +171,26 @@ Result<Header> parse_header(std::string_view name, std::string_view bytes) {
             } else if (line[1] == "binary_big_endian") {
                 header.format = Format::kBig;
             } else {
-                return wrong(fmt::format("format \"{}\" is unknown", line[1]));
+                return wrong(fmt::format("format \"{}\" is unknown", shortened(line[1])));
             }
         } else if (line[0] == "element" && line.size() == 3) {
             Element element{.name = line[1]};
             const auto [stop, failed] = std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
             const auto is_same = [&](const Element& other) { return other.name == element.name; };
             if (failed != std::errc{} || stop != line[2].data() + line[2].size())
-                return wrong(fmt::format("\"{}\" is not a number of elements", line[2]));
+                return wrong(fmt::format("\"{}\" is not a number of elements", shortened(line[2])));
             if (std::ranges::any_of(header.elements, is_same))
-                return wrong(fmt::format("element \"{}\" is declared twice", element.name));
+                return wrong(fmt::format("element \"{}\" is declared twice", shortened(element.name)));
             header.elements.push_back(element);
         } else if (line[0] == "property" && !header.elements.empty()) {
             const bool list = line.size() == 5 && line[1] == "list";
             if (!list && line.size() != 3) return wrong("must be \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
             const std::optional<Type> type = ply_type(line[list ? 3 : 1]), count = list ? ply_type(line[2]) : std::nullopt;
-            if (!type || (list && !count)) return wrong(fmt::format("type \"{}\" is unknown", line[!list ? 1 : count ? 3 : 2]));
+            if (!type || (list && !count))
+                return wrong(fmt::format("type \"{}\" is unknown", shortened(line[!list ? 1 : count ? 3 : 2])));
             header.elements.back().properties.push_back({line.back(), *type, count});
         } else {
-            return wrong(fmt::format("\"{}\" is not part of a PLY header, or is incomplete", line[0].substr(0, 40)));
+            return wrong(fmt::format("\"{}\" is not part of a PLY header, or has too few words or too many", shortened(line[0])));
         }
     }
 }

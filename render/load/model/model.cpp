@@ -43,7 +43,7 @@ CameraDescription framing(const Box& box, const FilmDescription& film) {
 }  // namespace
 
 std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene) {
-    // Other viewers show surfaces that glow by the light of a sky, too.
+    // Lit windows and displays: other viewers, too, show their model under a sky.
     const auto glows = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
     const auto is_lamp = [&](const LoadedShape& loaded) { return glows(loaded) && model.radiances[loaded.shape.area_light] > 1; };
     std::vector<std::string> added;

@@ -20,7 +20,8 @@ struct Model {
 };
 
 // Gives a model what it lacks and a picture needs, then its place (placement.h). Without a camera: one that looks at all of the
-// model, from the front (+z), the right and above, y up. Without a light, or a surface brighter than it: a white sky of radiance 1.
+// model, from the front (+z), the right and above, y up. Without a light: a white sky of radiance 1; surfaces that are no brighter
+// do not count as lights.
 // The scene keeps its list of files. Returns what was added, in words, but for a camera in place of idle ones, which were told.
 std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene);
 

@@ -114,7 +114,7 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
          "photonsperiteration", "radius", "seed", "cossample", "maxdistance", "function", "filename", "skipbad", "imagefilename"},
         "it belongs to another integrator");
     if (replaced) return list.report_unused();
-    if (is_among(pbrt_replacements(), "Integrator", type)) {  // with the same picture as their limit
+    if (is_among(pbrt_replacements(), "Integrator", type)) {
         list.note(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
     } else if (!is_among(pbrt_features(), "Integrator", type)) {
         list.error(unsupported("Integrator", type) + "; choose one with --integrator");

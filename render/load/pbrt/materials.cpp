@@ -171,8 +171,9 @@ Part pigment() {
     return [](const Reading& r) {
         const ParameterList& list = r.list;
         const auto sigma_a = r.textures.find_spectrum(list, "sigma_a", SpectrumRole::kUnbounded);
-        auto color = r.textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance);
-        if (const auto other = r.textures.find_spectrum(list, "color", SpectrumRole::kReflectance); !color) color = other;
+        const auto reflectance = r.textures.find_spectrum(list, "reflectance", SpectrumRole::kReflectance),
+                   same = r.textures.find_spectrum(list, "color", SpectrumRole::kReflectance),
+                   color = reflectance ? reflectance : same;
         const bool has_melanin = list.find("eumelanin", {"float"}) != nullptr || list.find("pheomelanin", {"float"}) != nullptr;
         const double eumelanin = list.number("eumelanin", has_melanin ? 0 : 1.3, 0, 1e6),
                      pheomelanin = list.number("pheomelanin", 0, 0, 1e6);
