@@ -261,7 +261,8 @@ TEST_F(Resume, ADryRunFailsAsTheRenderDoesWhereNothingCanBeWritten) {
                   dry = latent::testing::run(command("/proc/p.latent", {"--dry-run"}));
     EXPECT_EQ(render.status, 1);
     EXPECT_EQ(dry.status, render.status);
-    EXPECT_THAT(dry.err, ::testing::MatchesRegex("latent-render: /proc: cannot create a temporary file: [^\n]*; choose another folder with -o\n"));
+    EXPECT_THAT(dry.err, ::testing::MatchesRegex(
+                             "latent-render: /proc: cannot create a temporary file: [^\n]*; choose another folder with -o\n"));
     EXPECT_THAT(dry.out, IsEmpty());
 }
 
