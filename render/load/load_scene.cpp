@@ -14,8 +14,8 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::size_t kMaxIncludes = 64;        // one inside another
-constexpr std::size_t kMostIncluded = 100'000;  // in all
+constexpr std::size_t kMaxIncludes = 64;          // one inside another
+constexpr std::size_t kMostIncluded = 1'000'000;  // in all
 
 constexpr std::size_t kBeginning = 65536;  // bytes that a format is recognised by
 

@@ -1,8 +1,30 @@
 #include "render/medium/march.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace latent::render {
+
+namespace {
+
+// Whether the surface, as a plane at the hit, contains p to within what is known of it.
+bool contains(const SurfaceHit& hit, const Vec3f& p) {
+    const Vec3f to = p - hit.p;
+    const float known = hit.error * (std::abs(hit.ng.x) + std::abs(hit.ng.y) + std::abs(hit.ng.z)) + kRayError * length(to);
+    return std::abs(dot(hit.ng, to)) <= known;
+}
+
+}  // namespace
+
+std::optional<SurfaceHit> March::first_hit() {
+    const Vec3f origin = ray_.o;
+    std::optional<SurfaceHit> hit = next_hit();
+    while (hit && !ray_.is_from_surface && contains(*hit, origin)) {
+        ray_.o = spawn_ray(hit->interaction(), ray_.d).o;
+        hit = next_hit();
+    }
+    return hit;
+}
 
 void March::cross() {
     if (segment_.index == 0) end_ = ray_.o + ray_.d;

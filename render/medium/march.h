@@ -57,8 +57,11 @@ class March {
           left_(length),
           metres_per_t_(metres_per_t),
           passed_(passed),
-          hit_(next_hit()),
-          segment_{ray.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
+          hit_(first_hit()),
+          segment_{ray_.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
+
+    // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way.
+    std::optional<SurfaceHit> first_hit();
 
     std::optional<SurfaceHit> next_hit() const {
         return passed_ == nullptr ? geometry_.intersect(ray_) : geometry_.intersect_whole(ray_, *passed_);

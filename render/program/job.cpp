@@ -57,39 +57,7 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
 }
 
 // Of fields that few jobs have: no other field is as large.
-constexpr std::uint64_t kAovTag = 0x616f760000000000;       // "aov"
-constexpr std::uint64_t kHolesTag = 0x686f6c6573330000;     // "holes3"
-constexpr std::uint64_t kMediaTag = 0x6d656469610000;       // "media"
-constexpr std::uint64_t kVariedTag = 0x7661726965643200;    // "varied2"
-constexpr std::uint64_t kPicturesTag = 0x7069637475726573;  // "pictures"
-constexpr std::uint64_t kTreeTag = 0x74726565000000;        // "tree": where lights are chosen by place, records differ too
-
-// Where shadow rays gather what surfaces let pass, records differ from those of the first programs of this epoch.
-bool has_holes(const SceneDescription& scene) {
-    const auto is_partly_there = [](const ShapeDescription& shape) {
-        return shape.alpha.is_textured() || (shape.alpha.value > 0 && shape.alpha.value < 1);
-    };
-    return std::ranges::any_of(scene.shapes, is_partly_there) ||
-           std::ranges::any_of(scene.objects,
-                               [&](const ObjectDescription& o) { return std::ranges::any_of(o.shapes, is_partly_there); });
-}
-
-// So do they where paths scatter in media from the 64th vertex on.
-bool has_long_walks(const SceneDescription& scene, std::uint32_t max_depth) { return !scene.media.empty() && max_depth >= 64; }
-
-// And where media vary in space, whose wavelengths of the same extinction are tracked as one.
-bool has_varied_media(const SceneDescription& scene) {
-    return std::ranges::any_of(scene.media, [](const MediumDescription& m) {
-        return m.summed[0] != kNone || !std::holds_alternative<UniformVolume>(m.volume);
-    });
-}
-
-// And where textures are pictures, whose values may be negative or no numbers.
-bool has_pictures(const SceneDescription& scene) {
-    return std::ranges::any_of(scene.textures, [](const TextureDescription& t) {
-        return t.kind == TextureKind::kImage || t.kind == TextureKind::kNormalMap;
-    });
-}
+constexpr std::uint64_t kAovTag = 0x616f760000000000;  // "aov"
 
 // The hash of everything that decides what a sample number's records are, and how they are cut into runs.
 sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, const IntegratorSettings& settings,
@@ -107,11 +75,6 @@ sampledb::JobId job_id(const Hash128& content, const SceneDescription& scene, co
     }
     if (settings.light_groups.any()) writer.put(std::uint64_t{settings.light_groups.count});
     if (settings.aovs.any()) writer.put(kAovTag | settings.aovs.mask());
-    if (has_holes(scene)) writer.put(kHolesTag);
-    if (has_long_walks(scene, settings.max_depth)) writer.put(kMediaTag);
-    if (has_varied_media(scene)) writer.put(kVariedTag);
-    if (has_pictures(scene)) writer.put(kPicturesTag);
-    if (integrator.has_light_tree()) writer.put(kTreeTag);
     if (!scene.textures.empty()) {  // which are filtered by pixels
         writer.put(std::uint64_t{settings.textures.width});
         writer.put(std::uint64_t{settings.textures.height});

@@ -20,11 +20,13 @@ std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
 }
 
 constexpr std::uint32_t kDeepest = 256;
+constexpr double kMostEvaluated = 10'000;  // textures for one value
 
-// How deep each of `count` things reaches that are made of each other, found from the bottom: each round settles those whose parts
-// are.
+// How deep each of `count` things reaches that are made of each other, and how many it is made of, found from the bottom: each
+// round settles those whose parts are.
 struct Depths {
     std::vector<std::uint32_t> depth;
+    std::vector<double> size;   // itself, and each part as often as it is used
     std::vector<bool> settled;  // else it is made of itself, or of one that is
 };
 template <class PartsOf>
@@ -32,7 +34,7 @@ Depths depths_of(std::size_t count, const PartsOf& parts_of) {
     std::vector<std::vector<std::uint32_t>> users(count);
     std::vector<std::size_t> open(count);
     std::vector<std::uint32_t> ready;
-    Depths out{std::vector<std::uint32_t>(count, 1), std::vector<bool>(count, false)};
+    Depths out{std::vector<std::uint32_t>(count, 1), std::vector<double>(count, 1), std::vector<bool>(count, false)};
     for (std::uint32_t i = 0; i < count; ++i) {
         const std::vector<std::uint32_t> parts = parts_of(i);
         for (const std::uint32_t part : parts) users[part].push_back(i);
@@ -45,6 +47,7 @@ Depths depths_of(std::size_t count, const PartsOf& parts_of) {
         out.settled[i] = true;
         for (const std::uint32_t user : users[i]) {
             out.depth[user] = std::max(out.depth[user], out.depth[i] + 1);
+            out.size[user] += out.size[i];
             if (--open[user] == 0) ready.push_back(user);
         }
     }
@@ -108,6 +111,9 @@ std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vec
         if (!depths.settled[i]) refused.emplace_back(i, "Texture: is made of itself");
         if (depths.depth[i] == kDeepest + 1)
             refused.emplace_back(i, fmt::format("Texture: more than {} textures, one made of the other", kDeepest));
+        const auto is_too_large = [&](std::uint32_t texture) { return depths.size[texture] > kMostEvaluated; };
+        if (is_too_large(i) && std::ranges::none_of(inputs_of(textures[i]), is_too_large))
+            refused.emplace_back(i, fmt::format("Texture: evaluates more than {} textures for one value", kMostEvaluated));
     }
     return refused;
 }

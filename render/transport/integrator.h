@@ -54,8 +54,6 @@ class Integrator {
     virtual void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const = 0;
     // Of the wavelengths, from this scene's lights. Part of the job id; the headers of spectral jobs hold it.
     virtual const sampledb::WavelengthDensity& density() const = 0;
-    // Whether lights are chosen by place, which decides on records. Part of the job id.
-    virtual bool has_light_tree() const { return false; }
     virtual std::uint32_t light_paths_per_sample() const = 0;  // 0: no light image
     // An error: what has been traced since the last call without one is wrong. Any thread.
     virtual Status status() const { return {}; }

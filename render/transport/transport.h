@@ -32,7 +32,6 @@ class Transport : public Integrator {
 
     void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const final;
     const sampledb::WavelengthDensity& density() const final { return density_; }
-    bool has_light_tree() const final { return world_->lights().has_tree(); }
     std::uint32_t light_paths_per_sample() const override { return 0; }
     Status status() const final { return world_->textures().status(); }
     std::vector<std::string> warnings() const final { return world_->textures().warnings(); }

@@ -207,11 +207,17 @@ TEST(SceneRefusals, WhatGoesOnForeverEnds) {
         const std::string next = fmt::format("Include \"{}.pbrt\"\n", i + 1);
         folder.write(fmt::format("{}.pbrt", i), i < 39 ? next + next : "");
     }
-    EXPECT_THAT(load_scene(folder / "0.pbrt").error().message, HasSubstr("more than 100000 files are included"));
+    EXPECT_THAT(load_scene(folder / "0.pbrt").error().message, HasSubstr("more than 1000000 files are included"));
     std::string many = "WorldBegin\n", lost = many;
     for (int i = 0; i < 5000; ++i) many += "AttributeBegin\n";
     EXPECT_THAT(lines_of(refusal(many)), ::testing::SizeIs(1001));
     EXPECT_LT(refused_world("Material \"" + std::string(100'000, 'x') + "\"\n").size(), 5000u);
+    // Each made of the one before twice: 2^40 values for one.
+    std::string twice = "Texture \"0\" \"float\" \"fbm\"\n";
+    for (int i = 1; i < 40; ++i)
+        twice += fmt::format("Texture \"{0}\" \"float\" \"mix\" \"texture tex1\" \"{1}\" \"texture tex2\" \"{1}\"\n", i, i - 1);
+    EXPECT_THAT(refused_world(twice + "Shape \"sphere\" \"texture alpha\" \"39\"\n"),
+                HasSubstr("evaluates more than 10000 textures for one value"));
     // A file that many things use is missed once.
     for (int i = 0; i < 9; ++i)
         lost += fmt::format(

@@ -7,6 +7,7 @@
 #include "tests/transport/chi_square.h"
 #include "tests/transport/lit_floor.h"
 #include "tests/transport/numbers.h"
+#include "tests/transport/picture_mean.h"
 #include "tests/transport/pictures.h"
 
 namespace latent::render::testing {
@@ -455,6 +456,36 @@ TEST_F(EnvironmentMapTest, PixelsHaveTheirColour) {
         const std::array<double, 3> back = color::RgbSpace::srgb().rgb_from_xyz * xyz;
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(back[c], rgb[c], 3e-3 * (rgb[0] + rgb[1] + rgb[2]));
     }
+}
+
+// A lamp, or the camera's lens, in the plane of a floor or ceiling: that surface is not in the way of light.
+TEST(PointsOnSurfaces, PathAndBdptSeeTheSamePicture) {
+    const std::string planes =
+        "Material \"diffuse\" \"spectrum reflectance\" [360 0.6 830 0.5]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-4 0 -4  4 0 -4  4 0 4  -4 0 4] \"integer indices\" [0 2 1 0 3 2]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-4 3 -4  4 3 -4  -4 3 4  4 3 4]\n";
+    const auto expect_equal = [](const Mean& a, const Mean& b) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_NEAR(a.xyz[c], b.xyz[c], 4.5 * std::hypot(a.error[c], b.error[c]));
+            EXPECT_LT(a.error[c] + b.error[c], 0.03 * a.xyz[c]);
+        }
+    };
+    const auto scene = [&](double height, const std::string& light) {
+        return scene_from(
+            fmt::format("LookAt 0 {} -3.5  0 1.2 0  0 1 0\nCamera \"perspective\" \"float fov\" 35\nIntegrator "
+                        "\"path\" \"integer maxdepth\" 5\nWorldBegin\n{}{}",
+                        height, planes, light));
+    };
+    for (const char* light : {"LightSource \"point\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2]\n",
+                              "LightSource \"point\" \"float scale\" 8 \"point3 from\" [0.3 0 0.2]\n",
+                              "LightSource \"spot\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2] \"point3 to\" [0 0 0]\n"})
+        expect_equal(mean_of_picture(scene(2, light), {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
+                     mean_of_picture(scene(2, light), {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
+    // A pinhole on the floor sees what one just above it does.
+    const std::string sky = "LightSource \"infinite\"\n";
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt})
+        expect_equal(mean_of_picture(scene(0, sky), {.kind = kind, .seed = 1}, 40'000),
+                     mean_of_picture(scene(1e-4, sky), {.kind = kind, .seed = 2}, 40'000));
 }
 
 }  // namespace
