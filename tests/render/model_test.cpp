@@ -184,6 +184,19 @@ TEST_F(Models, SparseAndInterleavedAccessorsHoldWhatTheySay) {
     EXPECT_NEAR(scene.shapes.at(0).mesh->positions.at(2).y, 6, 1e-5);
 }
 
+TEST_F(Models, PositionsWithoutDataAreAnErrorThatNamesTheExtensionThatHasThem) {
+    GltfFile file = quad_and_lamp();
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    file.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()].erase("bufferView");
+    EXPECT_THAT(refusal("room.glb", as_glb(file)),
+                ::testing::EndsWith("room.glb: /meshes/0/primitives/0/attributes/POSITION: its accessor has no data"));
+    primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+    file.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+    EXPECT_THAT(refusal("room.glb", as_glb(file)), ::testing::EndsWith("room.glb: /meshes/0/primitives/0/attributes/POSITION: its "
+                                                                       "accessor has no data; KHR_draco_mesh_compression is not "
+                                                                       "supported"));
+}
+
 TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     const auto material = [&](const Json& json) {
         GltfFile file = quad_and_lamp();
