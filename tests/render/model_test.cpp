@@ -7,6 +7,7 @@
 #include "base/json.h"
 #include "render/load/files/scene_files.h"
 #include "render/load/obj/polygon.h"
+#include "render/math/equal_area.h"
 #include "render/scene/content_hash.h"
 #include "tests/render/models.h"
 #include "tests/render/scenes.h"
@@ -183,6 +184,19 @@ TEST_F(Models, SparseAndInterleavedAccessorsHoldWhatTheySay) {
     EXPECT_NEAR(scene.shapes.at(0).mesh->positions.at(2).y, 6, 1e-5);
 }
 
+TEST_F(Models, PositionsWithoutDataAreAnErrorThatNamesTheExtensionThatHasThem) {
+    GltfFile file = quad_and_lamp();
+    Json& primitive = file.json["meshes"][0]["primitives"][0];
+    file.json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()].erase("bufferView");
+    EXPECT_THAT(refusal("room.glb", as_glb(file)),
+                ::testing::EndsWith("room.glb: /meshes/0/primitives/0/attributes/POSITION: its accessor has no data"));
+    primitive["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+    file.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+    EXPECT_THAT(refusal("room.glb", as_glb(file)), ::testing::EndsWith("room.glb: /meshes/0/primitives/0/attributes/POSITION: its "
+                                                                       "accessor has no data; KHR_draco_mesh_compression is not "
+                                                                       "supported"));
+}
+
 TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     const auto material = [&](const Json& json) {
         GltfFile file = quad_and_lamp();
@@ -241,6 +255,23 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     const MediumDescription& inside = glass.media.at(glass.shapes.at(0).inside_medium);
     EXPECT_NEAR(std::exp(-2 * inside.scale * inside.sigma_a(550)), 0.25, 1e-6);  // the attenuation colour after its distance
     EXPECT_EQ(inside.sigma_s(550), 0);
+}
+
+TEST_F(Models, TransmissionByATextureIsNone) {
+    GltfFile file = quad_and_lamp();
+    file.json["textures"] = {{{"source", 0}}};
+    file.json["images"] = {{{"uri", "glass.png"}}};
+    file.json["materials"][0] = {
+        {"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+        {"extensions",
+         {{"KHR_materials_transmission", {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 0}}}}},
+          {"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {.2, .2, .2}}}}}}};
+    const LoadedScene scene = load("room.glb", as_glb(file)).value();
+    EXPECT_EQ(scene.description.materials.at(0).type, "metallicroughness");
+    EXPECT_EQ(scene.description.shapes.at(0).inside_medium, kNone);
+    EXPECT_THAT(scene.warnings, ::testing::ElementsAre(HasSubstr("/materials/0/extensions/KHR_materials_transmission/"
+                                                                 "transmissionTexture: is not supported; the material is "
+                                                                 "opaque")));
 }
 
 // A picture in the file's buffer is the picture beside it.
@@ -562,7 +593,7 @@ TEST_F(Models, AnythingOfTheWrongKindIsOneError) {
 
 TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     const std::string camera = "has no camera; one that shows the whole model is added",
-                      light = "has no light; a white sky of radiance 1 is added";
+                      light = "has no light; a grey sky with a soft light from above is added";
     const auto added = [&](const std::string& name, const std::string& text) {
         const LoadedScene scene = load(name, text).value();
         EXPECT_THAT(scene.warnings, ::testing::IsEmpty());
@@ -579,6 +610,26 @@ TEST_F(Models, WhatAModelLacksIsNotedAndIsNoWarning) {
     file.json.erase("cameras");
     file.json["nodes"][0].erase("camera");
     EXPECT_EQ(added("room.glb", as_glb(file)), (Lines{camera, light}));
+}
+
+TEST_F(Models, TheSkyOfAModelIsBrighterAboveAndBrightestInItsLamp) {
+    const SceneDescription scene = described("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const LightDescription& sky = scene.lights.at(0);
+    EXPECT_EQ(sky.kind, LightKind::kInfinite);
+    ASSERT_TRUE(sky.image);
+    const auto radiance = [&](const Vec3f& d) {
+        const Vec2f p = square_from_sphere(d);
+        const auto index = [](float x, std::uint32_t size) {
+            return std::min(static_cast<std::size_t>(x * size), std::size_t{size} - 1);
+        };
+        const float* rgb = &sky.image->rgb[3 * (index(p.y, sky.image->height) * sky.image->width + index(p.x, sky.image->width))];
+        EXPECT_EQ(rgb[0], rgb[1]);
+        EXPECT_EQ(rgb[0], rgb[2]);
+        return rgb[0];
+    };
+    EXPECT_NEAR(radiance({0, 1, 0}), 1.0135, 0.002);  // 0.6 + 0.4 + 4 exp(20 (0.71554 - 1))
+    EXPECT_NEAR(radiance({0, -1, 0}), 0.2, 0.002);
+    EXPECT_NEAR(radiance(Vec3f(normalize(Vec3d(0.5, 0.8, 0.6)))), 4.8862, 0.005);  // 0.6 + 0.4 0.71554 + 4
 }
 
 TEST_F(Models, SurfacesThatAreNoBrighterThanTheSkyDoNotReplaceIt) {

@@ -97,9 +97,8 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
     }
     if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored, since occlusion is computed");
     const GltfValue specular = material.extension("KHR_materials_specular"), volume = material.extension("KHR_materials_volume");
-    for (const GltfValue& info :
-         {specular["specularTexture"], specular["specularColorTexture"], volume["thicknessTexture"],
-          material.extension("KHR_materials_transmission")["transmissionTexture"], coat["clearcoatNormalTexture"]}) {
+    for (const GltfValue& info : {specular["specularTexture"], specular["specularColorTexture"], volume["thicknessTexture"],
+                                  coat["clearcoatNormalTexture"]}) {
         if (info.exists()) info.warn("is not supported, and is ignored");
     }
 }
@@ -164,8 +163,13 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
     surface.numbers["f90"] = static_cast<float>(weight);
 
     const SpectrumInput base_color = surface.spectra["base_color"];
-    const double transmitted =
+    double transmitted =
         transmission["transmissionFactor"].factor(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
+    // Of most such materials, only a small part is glass.
+    if (const GltfValue texture = transmission["transmissionTexture"]; texture.exists()) {
+        texture.warn("is not supported; the material is opaque");
+        transmitted = 0;
+    }
     if (transmitted >= 0.5) {
         if (transmitted < 1) transmission.warn("is rendered as glass that transmits everything");
         read_transmission(material, colors, index > 0 ? index : 1.5, out);

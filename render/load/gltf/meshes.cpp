@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "render/load/gltf/accessors.h"
+#include "render/load/gltf/extensions.h"
 
 namespace latent::render {
 
@@ -47,6 +48,20 @@ void keep_used_vertices(LoadedMesh& mesh) {
     if (!mesh.normals.empty()) mesh.normals.resize(used);
     if (!mesh.uvs.empty()) mesh.uvs.resize(used);
     for (std::uint32_t& i : mesh.indices) i = moved[i];
+}
+
+// A list of positions without data is one of zeros in glTF, but what exporters mean by it is that the data are in an extension.
+bool has_positions(const GltfDocument& document, const GltfValue& primitive) {
+    const GltfValue position = primitive["attributes"]["POSITION"];
+    const std::optional<std::uint32_t> i = position.index(document.root()["accessors"]);
+    if (!i) return false;
+    const GltfValue accessor = document.root()["accessors"][*i];
+    if (accessor["bufferView"].exists() || accessor["sparse"].exists()) return true;
+    std::vector<std::string> unknown = primitive["extensions"].keys();
+    std::erase_if(unknown, is_known_extension);
+    position.error(unknown.empty() ? "its accessor has no data"
+                                   : fmt::format("its accessor has no data; {} is not supported", fmt::join(unknown, " and ")));
+    return false;
 }
 
 bool read_vertices(const GltfDocument& document, const GltfValue& attributes, std::optional<std::uint32_t> uv_set,
@@ -92,6 +107,7 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
             primitive.error(mode > kFan ? "its mode is unknown" : "has no POSITION");
             continue;
         }
+        if (!has_positions(document, primitive)) continue;
         GltfPrimitive read;
         read.material = primitive["material"].index(document.root()["materials"]).value_or(kNone);
         if (!read_vertices(document, primitive["attributes"], uv_set_of(read.material), read.mesh)) continue;

@@ -12,7 +12,7 @@ namespace latent::render {
 namespace {
 
 constexpr std::uint32_t kNobody = 0xFFFFFFFF;
-constexpr std::size_t kMostTriangles = std::size_t{1} << 30;
+constexpr double kMostTriangles = 1 << 27;  // of some 400 bytes each while they are made
 
 using Triangles = std::vector<std::uint32_t>;  // 3 indices each
 
@@ -190,8 +190,11 @@ Vec3f limit_normal(const std::vector<Vec3d>& p, std::size_t v, std::span<const s
 }  // namespace
 
 Result<LoadedMesh> subdivide(const LoadedMesh& mesh, std::uint32_t levels) {
-    if (levels > 14 || mesh.indices.size() / 3 > kMostTriangles >> (2 * levels))
-        return Error{ErrorCode::kUnsupported, fmt::format("levels: {} make more than {} triangles", levels, kMostTriangles)};
+    const double triangles = std::ldexp(static_cast<double>(mesh.indices.size() / 3), static_cast<int>(2 * levels));
+    if (triangles > kMostTriangles) {
+        return Error{ErrorCode::kUnsupported, fmt::format("levels: {} make {:.0f} triangles; at most {:.0f} are supported", levels,
+                                                          triangles, kMostTriangles)};
+    }
     LoadedMesh out{.positions = mesh.positions, .indices = mesh.indices};
     for (std::uint32_t level = 0; level < levels; ++level) {
         const Result<Edges> edges = Edges::of(out.indices);

@@ -20,8 +20,10 @@ struct Model {
 };
 
 // Gives a model what it lacks and a picture needs, then its place (placement.h). Without a camera: one that looks at all of the
-// model, from the front (+z), the right and above, y up. Without a light: a white sky of radiance 1; surfaces that are no brighter
-// do not count as lights.
+// model, from the front (+z), the right and above, y up. Without a light: a grey sky, whose radiance in
+// the direction d is
+//   0.6 + 0.4 d.y + 4 exp(20 (d . k - 1)),  k = (0.5, 0.8, 0.6) / |(0.5, 0.8, 0.6)|
+// times that of `white`. Surfaces of radiance 1 or less do not count as lights.
 // The scene keeps its list of files. Returns what was added, in words, but for a camera in place of idle ones, which were told.
 std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene);
 
