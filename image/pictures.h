@@ -32,6 +32,7 @@ struct PictureInfo {
     std::uint32_t index = 0;  // for `lookup`
     std::uint32_t width = 0, height = 0;
     std::uint32_t channels = 0;                            // 1: grey, 3: RGB, 4: RGBA, alpha not multiplied in
+    std::uint64_t whole_bytes = 0;                         // decoded with its smaller sizes, if the file has no tiles; else 0
     bool is_opaque = true;                                 // alpha, if there is one, is 1 everywhere
     std::optional<std::array<float, 8>> chromaticities{};  // color/rgb_space.h
 };
@@ -49,6 +50,8 @@ class Pictures {
     static Result<std::unique_ptr<Pictures>> create(std::uint64_t cache_bytes);
     virtual ~Pictures() = default;
 
+    // Changes the limit.
+    virtual void keep(std::uint64_t cache_bytes) = 0;
     // Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported: channels that are no grey or RGB.
     virtual Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) = 0;
     // The mean about (s, t), t = 0 at the top, over the ellipse with axes d0 and d1. Black if the file cannot be read: see

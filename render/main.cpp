@@ -14,7 +14,7 @@
 namespace {
 
 void warn_of_files(const latent::render::RenderJob& job) {
-    for (const std::string& warning : job.integrator->warnings()) latent::cli::warn(warning);
+    for (const std::string& warning : latent::render::later_warnings(job)) latent::cli::warn(warning);
 }
 
 }  // namespace

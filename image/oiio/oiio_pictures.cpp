@@ -66,7 +66,7 @@ class OiioPictures final : public Pictures {
     explicit OiioPictures(std::uint64_t cache_bytes)
         : most_tile_bytes_(std::max(cache_bytes / kFewestTiles, std::uint64_t{kTile} * kTile * 4 * sizeof(float))) {
         textures_ = OIIO::TextureSystem::create(false);
-        textures_->attribute("max_memory_MB", static_cast<float>(static_cast<double>(cache_bytes) / (1 << 20)));
+        OiioPictures::keep(cache_bytes);
         textures_->attribute("autotile", kTile);
         textures_->attribute("automip", 1);
         textures_->attribute("forcefloat", 1);
@@ -74,6 +74,10 @@ class OiioPictures final : public Pictures {
         cache_ = textures_->imagecache();
     }
     ~OiioPictures() override { OIIO::TextureSystem::destroy(textures_, true); }
+
+    void keep(std::uint64_t cache_bytes) override {
+        textures_->attribute("max_memory_MB", static_cast<float>(static_cast<double>(cache_bytes) / (1 << 20)));
+    }
 
     Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) override {
         const FileName file{path, in_messages};
@@ -89,6 +93,7 @@ class OiioPictures final : public Pictures {
         Result<PictureInfo> info = info_of(file, spec);
         if (!info) return info;
         info->index = static_cast<std::uint32_t>(handles_.size());
+        if (spec.tile_width == 0) info->whole_bytes = spec.image_bytes() * 4 / 3;
         Result<Sizes> sizes = sizes_of(name, file);
         if (!sizes) return sizes.error();
         if (info->channels == 4) {

@@ -62,7 +62,10 @@ void add_arguments(CLI::App& app, CommandLine& line) {
         ->default_str("60s");
     cli::add_duration(app, "--max-time", line.options.max_seconds,
                       "time limit; the render stops with exit status 75 and can be resumed");
-    cli::add_size(app, "--texture-cache", line.settings.texture_cache, "memory limit for decoded textures")->default_str("256M");
+    cli::add_size(
+        app, "--texture-cache", line.settings.texture_cache,
+        "memory limit for decoded textures (default: what pictures without tiles need, from 256M to a quarter of the memory)")
+        ->default_str("");
     app.add_option("--simd", line.settings.simd,
                    "instruction set for ray tracing; best is the fastest available up to avx2. Samples are bit-identical only with "
                    "the same set")

@@ -200,11 +200,18 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     out->range = shard_of(*all, settings.shard, job.run_samples);
     out->warnings = out->scene.notes;
     out->warnings.insert(out->warnings.end(), out->scene.warnings.begin(), out->scene.warnings.end());
+    for (std::string& warning : out->integrator->warnings()) out->warnings.push_back(std::move(warning));
     if (std::string shape = other_shape(out->resolution, description.film); !shape.empty())
         out->warnings.push_back(std::move(shape));
     if (runs_of(*all, job.run_samples) < settings.shard.count)
         out->warnings.push_back(too_few_runs(*all, settings.shard, job.run_samples));
     return out;
+}
+
+std::vector<std::string> later_warnings(const RenderJob& job) {
+    std::vector<std::string> all = job.integrator->warnings();
+    std::erase_if(all, [&](const std::string& warning) { return std::ranges::count(job.warnings, warning) > 0; });
+    return all;
 }
 
 }  // namespace latent::render

@@ -36,9 +36,9 @@ struct RenderSettings {
     sampledb::RecordKind record = sampledb::RecordKind::kSpectral;
     std::uint32_t wavelengths = 28;
     std::uint64_t seed = 0;
-    std::uint32_t precision = 9;                             // mantissa bits of stored values; docs/format.md, "Rounding", says why
-    std::uint32_t run_samples = 0;                           // 0: such that a run is near 64 MiB
-    std::uint64_t texture_cache = std::uint64_t{256} << 20;  // bytes of decoded pictures
+    std::uint32_t precision = 9;      // mantissa bits of stored values; docs/format.md, "Rounding", says why
+    std::uint32_t run_samples = 0;    // 0: such that a run is near 64 MiB
+    std::uint64_t texture_cache = 0;  // TextureSettings::cache_bytes
     color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth;  // what the colours of the scene stand for
     bool light_groups = false;                                   // records say whose light they are
     AovSettings aovs{};                                          // records say what is seen
@@ -65,6 +65,9 @@ struct RenderJob {
     std::vector<std::string> light_groups;  // their names, by number; empty: records do not tell lights apart
     std::vector<std::string> warnings;
 };
+
+// What tracing has met in files since `prepare`: those of the integrator's warnings that are not among `job.warnings`.
+std::vector<std::string> later_warnings(const RenderJob& job);
 
 // Errors: those of the scene and of `more_than`; kUsage for a range that is empty or too large, or a SIMD level that this processor
 // does not have.

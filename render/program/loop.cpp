@@ -46,6 +46,10 @@ class Work {
         const std::lock_guard lock(mutex_);
         samples_ += grain.size();
         faults_ += faults;
+        if (warm_seconds_ == 0 && max_seconds_ > 0 && seconds() > 0.5 * max_seconds_) {
+            warm_seconds_ = seconds();
+            warm_samples_ = samples_;
+        }
     }
     double seconds() const { return seconds_since(begin_); }
     FirstError& error() { return error_; }
@@ -54,6 +58,13 @@ class Work {
         return samples_;
     }
     const RadianceFaults& faults() const { return faults_; }
+    // Once all threads are done, at `end` seconds: of each sample. Of a limited time, the second half counts: textures are read
+    // when they are needed first.
+    double seconds_per_sample(double end) const {
+        const bool is_warm = warm_seconds_ > 0 && samples_ > warm_samples_;
+        return is_warm ? (end - warm_seconds_) / static_cast<double>(samples_ - warm_samples_)
+                       : end / static_cast<double>(samples_);
+    }
 
  private:
     sampledb::GrainQueue grains_;
@@ -64,7 +75,8 @@ class Work {
     FirstError error_;
 
     mutable std::mutex mutex_;
-    std::uint64_t samples_ = 0;
+    std::uint64_t samples_ = 0, warm_samples_ = 0;
+    double warm_seconds_ = 0;
     RadianceFaults faults_;
 };
 
@@ -133,6 +145,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
         }
     }
     if (work.error()) return work.error().status().error();
+    const double traced = work.seconds();
 
     RenderReport report;
     report.elsewhere = total > 0 && writer.published_elsewhere();
@@ -142,6 +155,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     tell(options, log, work, writer, true);
     report.samples = work.samples();
     report.seconds = work.seconds();
+    report.seconds_per_sample = report.samples > 0 ? work.seconds_per_sample(traced) : 0;
     report.shadow_rays = job.integrator->shadow_rays() - shadow_rays_before;
     report.faults = work.faults();
     report.written = writer.counts();

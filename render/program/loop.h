@@ -32,6 +32,7 @@ struct RenderReport {
     std::uint64_t samples = 0;    // rendered now
     std::uint64_t committed = 0;  // of the range, earlier work included
     double seconds = 0;
+    double seconds_per_sample = 0;  // once warm: in the second half of options.max_seconds
     std::uint64_t shadow_rays = 0;
     RadianceFaults faults;
     sampledb::WriterCounts written;

@@ -54,7 +54,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
     const double rate = report.seconds > 0 ? static_cast<double>(report.samples) / report.seconds : 0;
     if (json) {
         std::vector<std::string> warnings = job.warnings;
-        for (std::string& met : job.integrator->warnings()) warnings.push_back(std::move(met));
+        for (std::string& met : later_warnings(job)) warnings.push_back(std::move(met));
         const Json out = {{"job", to_hex(job.job.id)},
                           {"first_sample", job.range.first},
                           {"end_sample", job.range.end},

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 
+#include "base/size.h"
 #include "color/to_srgb.h"
 #include "render/texture/combine.h"
 #include "render/texture/procedural.h"
@@ -13,6 +16,10 @@
 namespace latent::render {
 
 // Builds each texture after its inputs, which render/scene/check.h has found to form no circle.
+namespace {
+constexpr std::uint64_t kLeastCache = std::uint64_t{256} << 20;
+}
+
 struct Textures::Builder {
     const SceneDescription& scene;
     std::uint64_t cache_bytes;
@@ -43,7 +50,7 @@ struct Textures::Builder {
         const auto [at, is_new] = opened.try_emplace({d.path, d.is_srgb, d.gamma}, Error{});
         if (!is_new) return at->second;
         if (!out.pictures_) {
-            Result<std::unique_ptr<image::Pictures>> created = image::Pictures::create(cache_bytes);
+            Result<std::unique_ptr<image::Pictures>> created = image::Pictures::create(cache_bytes > 0 ? cache_bytes : kLeastCache);
             if (!created) {
                 if (errors.empty()) errors.push_back(created.error().message);
                 return at->second = created.error();
@@ -118,6 +125,27 @@ struct Textures::Builder {
         }
         return std::make_unique<Constant<Value>>(input(0));
     }
+    // Parts of a file without tiles are read again and again unless all of it is kept.
+    void fit_cache() {
+        std::uint64_t needed = 0;
+        std::size_t count = 0;
+        for (const auto& [key, info] : opened) {
+            needed += info->whole_bytes;
+            count += info->whole_bytes > 0 ? 1 : 0;
+        }
+        if (count == 0) return;
+        needed += needed / 8;  // rows beyond the edges of tiles
+        const std::uint64_t memory =
+            static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+        const std::uint64_t kept =
+            cache_bytes > 0 ? cache_bytes : std::clamp(needed, kLeastCache, std::max(kLeastCache, memory / 4));
+        out.pictures_->keep(kept);
+        if (kept < needed)
+            out.shortage_ = fmt::format(
+                "textures: {} without tiles may need {} when decoded, more than --texture-cache ({}), and are then read again and "
+                "again; raise it, or convert them to tiled files (maketx)",
+                counted(count, "picture"), format_size(needed), format_size(kept));
+    }
     void build(std::uint32_t i) {
         const TextureDescription& d = scene.textures[i];
         if (d.kind == TextureKind::kNormalMap) {
@@ -138,7 +166,17 @@ Result<Textures> Textures::build(const SceneDescription& scene, std::uint64_t ca
     Builder builder{scene, cache_bytes, library, out};
     for (std::uint32_t i = 0; i < scene.textures.size(); ++i) builder.build(i);
     if (!builder.errors.empty()) return Error{ErrorCode::kCorrupt, fmt::format("{}", fmt::join(builder.errors, "\n"))};
+    builder.fit_cache();
     return out;
+}
+
+std::vector<std::string> Textures::warnings() const {
+    std::vector<std::string> all;
+    if (!shortage_.empty()) all.push_back(shortage_);
+    if (pictures_) {
+        for (std::string& met : pictures_->warnings()) all.push_back(std::move(met));
+    }
+    return all;
 }
 
 FloatSource Textures::source(const FloatInput& input) const {

@@ -13,19 +13,21 @@
 namespace latent::render {
 
 struct TextureSettings {
-    std::uint64_t cache_bytes = std::uint64_t{256} << 20;  // of decoded pictures
-    std::uint32_t width = 0, height = 0;                   // pixels that footprints are shares of; 0: the scene's film
+    std::uint64_t cache_bytes = 0;        // of decoded pictures; 0: what those without tiles take, within bounds
+    std::uint32_t width = 0, height = 0;  // pixels that footprints are shares of; 0: the scene's film
 };
 
 class Textures {
  public:
-    // Constant spectra go to `library`; of pictures, at most `cache_bytes` are kept in memory. Errors: those of image::Pictures,
-    // one line for each file.
+    // Constant spectra go to `library`; of pictures, at most `cache_bytes` are kept in memory (0: from 256 MiB to a quarter of the
+    // machine's memory, as much as those need that have no tiles and so are read best as a whole). Errors: those of
+    // image::Pictures, one line for each file.
     static Result<Textures> build(const SceneDescription& scene, std::uint64_t cache_bytes, SpectrumLibrary& library);
 
     // The first error of a picture that could not be read when it was needed: what has been rendered since is wrong.
     Status status() const { return pictures_ ? pictures_->status() : Status{}; }
-    std::vector<std::string> warnings() const { return pictures_ ? pictures_->warnings() : std::vector<std::string>{}; }
+    // From the start: that the cache is small. Then also what `lookup` met in files.
+    std::vector<std::string> warnings() const;
 
     // The parameter that `input` describes. Textures live as long as this.
     FloatSource source(const FloatInput& input) const;
@@ -37,6 +39,7 @@ class Textures {
     struct Builder;
 
     std::unique_ptr<image::Pictures> pictures_;
+    std::string shortage_{};  // of the cache, in words
     // Of each description, one of these.
     std::vector<std::unique_ptr<FloatTexture>> floats_;
     std::vector<std::unique_ptr<SpectrumTexture>> spectra_;

@@ -454,6 +454,19 @@ TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
                 ::testing::ContainsRegex("room.pbrt:[0-9]+:1: [^\n]*p.pgm: cannot be read as a picture"));
 }
 
+// One without tiles is decoded again and again where it does not fit.
+TEST_F(TextureTest, ACacheThatIsTooSmallIsWarnedOf) {
+    write_grey("p.pgm", 400, 300, std::vector<int>(400 * 300, 100));  // 625 KiB as floats, with its smaller sizes
+    const std::string texture = "\"imagemap\" \"string filename\" \"p.pgm\"";
+    load_float(texture, 1 << 19);
+    EXPECT_THAT(textures_->warnings(), ElementsAre(HasSubstr("1 picture without tiles may need 703.1 KiB when decoded, more than "
+                                                             "--texture-cache (512.0 KiB)")));
+    for (const int enough : {1 << 20, 0}) {
+        load_float(texture, enough);
+        EXPECT_TRUE(textures_->warnings().empty()) << enough;
+    }
+}
+
 TEST_F(TextureTest, AFloatPictureKeepsItsSign) {
     write_floats("p.pfm", 2, 1, {-0.5f, 1.5f});
     const auto load = [&](const std::string& parameters) {
@@ -479,13 +492,14 @@ TEST_F(TextureTest, ValuesThatAreNoNumberCountAsZeroAndAreCountedOnce) {
     values[3] = values.back() = std::numeric_limits<float>::infinity();
     write_floats("p.pfm", kSide, kSide, values);
     load_float("\"imagemap\" \"string filename\" \"p.pfm\" \"string filter\" \"bilinear\"", 1 << 18);
-    EXPECT_TRUE(textures_->warnings().empty());
+    EXPECT_THAT(textures_->warnings(), ElementsAre(HasSubstr("more than --texture-cache")));
     const float texel = 1.0f / kSide;
     for (int round = 0; round < 3; ++round) {
         for (int y = 0; y < kSide; ++y) at(0.5f * texel, (static_cast<float>(y) + 0.5f) * texel);
     }
     EXPECT_NEAR(at(1.0f * texel, 0.5f * texel), 1, 1e-4);  // half of it is the texel that is no number
-    EXPECT_THAT(textures_->warnings(), ElementsAre(::testing::EndsWith("p.pfm: 3 values are NaN or infinite, and count as 0")));
+    EXPECT_THAT(textures_->warnings(),
+                ::testing::Contains(::testing::EndsWith("p.pfm: 3 values are NaN or infinite, and count as 0")));
 }
 
 // Libraries would write to standard error, or make what is missing grey.
