@@ -16,10 +16,11 @@ bool contains(const SurfaceHit& hit, const Vec3f& p) {
 
 }  // namespace
 
-std::optional<SurfaceHit> March::first_hit() {
+std::optional<SurfaceHit> March::first_hit(std::uint32_t& medium) {
     const Vec3f origin = ray_.o;
     std::optional<SurfaceHit> hit = next_hit();
     while (hit && !ray_.is_from_surface && contains(*hit, origin)) {
+        medium = media_at(*hit).towards(ray_.d, hit->ng, medium);
         ray_.o = spawn_ray(hit->interaction(), ray_.d).o;
         hit = next_hit();
     }

@@ -57,11 +57,12 @@ class March {
           left_(length),
           metres_per_t_(metres_per_t),
           passed_(passed),
-          hit_(first_hit()),
+          hit_(first_hit(medium)),
           segment_{ray_.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
 
-    // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way.
-    std::optional<SurfaceHit> first_hit();
+    // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the side
+    // that it leads to, in the medium there.
+    std::optional<SurfaceHit> first_hit(std::uint32_t& medium);
 
     std::optional<SurfaceHit> next_hit() const {
         return passed_ == nullptr ? geometry_.intersect(ray_) : geometry_.intersect_whole(ray_, *passed_);
