@@ -60,8 +60,8 @@ class March {
           hit_(first_hit(medium)),
           segment_{ray_.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
 
-    // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the side
-    // that it leads to, in the medium there.
+    // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the
+    // side that it leads to, in the medium there.
     std::optional<SurfaceHit> first_hit(std::uint32_t& medium);
 
     std::optional<SurfaceHit> next_hit() const {
