@@ -94,8 +94,8 @@ TEST(LoopSubdivision, RefusesWhatIsNoSurface) {
     EXPECT_THAT(refusal({0, 1, 2, 1, 0, 3, 0, 1, 4}), HasSubstr("the edge from vertex 0 to 1"));  // three of them
     EXPECT_THAT(refusal({0, 1, 1}), HasSubstr("vertex 1"));
     EXPECT_THAT(refusal({0, 1, 2, 0, 3, 4}), HasSubstr("vertex 0"));  // two fans that share a vertex
-    EXPECT_EQ(refusal({0, 1, 2}, 14), "levels: 14 make 268435456 triangles; at most 134217728 are supported");
-    EXPECT_EQ(refusal({0, 1, 2, 1, 3, 2, 1, 4, 3}, 13), "levels: 13 make 201326592 triangles; at most 134217728 are supported");
+    EXPECT_EQ(refusal({0, 1, 2}, 14), "levels: 14 make 268435456 triangles; at most 16777216 are supported");
+    EXPECT_EQ(refusal({0, 1, 2, 1, 3, 2, 1, 4, 3}, 13), "levels: 13 make 201326592 triangles; at most 16777216 are supported");
     EXPECT_THAT(refusal({0, 1, 2}, 0xFFFF), HasSubstr("levels: 65535 make"));
     EXPECT_EQ(refusal({0, 1, 2}), "");
 }

@@ -12,7 +12,7 @@ namespace latent::render {
 namespace {
 
 constexpr std::uint32_t kNobody = 0xFFFFFFFF;
-constexpr double kMostTriangles = 1 << 27;  // of some 400 bytes each while they are made
+constexpr double kMostTriangles = 1 << 24;  // of some 400 bytes each while they are made
 
 using Triangles = std::vector<std::uint32_t>;  // 3 indices each
 
