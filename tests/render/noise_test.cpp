@@ -118,7 +118,7 @@ TEST_F(NoiseTest, DotsAreRoundAndEachInAPlaceOfItsOwn) {
                                                                                 {-5, -4, -4.99375, -3.98375}}) {
         for (int i = 0; i < 16; ++i) {
             const float turn = static_cast<float>(i) * static_cast<float>(std::numbers::pi) / 8;
-            const auto from_centre = [&](float r) { return at(x + r * std::cos(turn), y + r * std::sin(turn)); };
+            const auto from_centre = [&, x = x, y = y](float r) { return at(x + r * std::cos(turn), y + r * std::sin(turn)); };
             EXPECT_EQ(from_centre(kRadius - kMargin), 1) << s << ' ' << t << ' ' << i;
             EXPECT_EQ(from_centre(kRadius + kMargin), 0) << s << ' ' << t << ' ' << i;
         }
