@@ -1,5 +1,8 @@
 #include "render/geometry/surface.h"
 
+#include <algorithm>
+#include <array>
+
 #include "render/geometry/tube.h"
 
 namespace latent::render {
@@ -8,6 +11,18 @@ namespace {
 
 constexpr float kHalfUlp = 0x1p-24f;     // relative error of a double rounded to float
 constexpr float kPlaneError = 0x1p-21f;  // of Embree's distance to a triangle's plane, per its extent
+
+// Of a point on a surface, computed in double from numbers up to `size`. Near the origin, the point itself is much smaller.
+float exact_error(const Vec3f& p, double size) {
+    constexpr double kDoubleError = 0x1p-48;
+    return 2 * kHalfUlp * max_abs(p) + static_cast<float>(kDoubleError * size);
+}
+
+double max_abs(const std::array<Vec3d, 4>& points) {
+    double size = 0;
+    for (const Vec3d& p : points) size = std::max(size, render::max_abs(p));
+    return size;
+}
 
 SurfaceHit common_hit(const ShapeDescription& shape) {
     SurfaceHit hit{};
@@ -62,7 +77,7 @@ SurfaceHit patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv) {
 
     SurfaceHit hit = common_hit(shape);
     hit.p = Vec3f(patch_point(corners, uv.x, uv.y));
-    hit.error = 2 * kHalfUlp * max_abs(hit.p);
+    hit.error = exact_error(hit.p, max_abs(corners));
     const Vec3d dpdu = patch_dpdu(corners, uv.y), dpdv = patch_dpdv(corners, uv.x), n = cross(dpdu, dpdv);
     hit.ng = Vec3f(n / length(n)) * (shape.flip_normal ? -1.0f : 1.0f);
     hit.ns = hit.ng;
@@ -74,10 +89,11 @@ SurfaceHit patch(const PlacedShape& placed, std::uint32_t primitive, Vec2f uv) {
 
 // `p` is near the surface, and `u` near its place along the axis.
 SurfaceHit tube(const PlacedShape& placed, std::uint32_t segment, float u, const Vec3d& p) {
-    const TubePoint at(tube_of(*placed.shape.mesh, segment), static_cast<double>(u), p);
+    const Tube tube = tube_of(*placed.shape.mesh, segment);
+    const TubePoint at(tube, static_cast<double>(u), p);
     SurfaceHit hit = common_hit(placed.shape);
     hit.p = Vec3f(at.p);
-    hit.error = 2 * kHalfUlp * max_abs(hit.p);
+    hit.error = exact_error(hit.p, max_abs(tube.axis));
     const bool inwards = placed.shape.flip_normal && !placed.hollow;
     hit.ng = Vec3f(at.normal * ((inwards ? -1 : 1) / length(at.normal)));
     hit.ns = hit.ng;
@@ -103,7 +119,7 @@ SurfaceHit quadric(const PlacedShape& placed, const Vec3d& p) {
 
     SurfaceHit hit = common_hit(shape);
     hit.p = Vec3f(shape.to_world.point(on));
-    hit.error = 2 * kHalfUlp * max_abs(hit.p);
+    hit.error = exact_error(hit.p, static_cast<double>(render::max_abs(hit.p)) + render::max_abs(shape.to_world.t));
     n = shape.to_world.normal(n);
     hit.ng = Vec3f(n * ((shape.flip_normal ? -1 : 1) / length(n)));
     hit.ns = hit.ng;

@@ -16,6 +16,22 @@ bool contains(const SurfaceHit& hit, const Vec3f& p) {
 
 }  // namespace
 
+std::uint32_t medium_at_start(const Geometry& geometry, const Ray& ray, std::uint32_t given) {
+    // From a little before the origin to a little behind: from the origin itself a ray meets the surface or not, as it rounds.
+    const float reach = 0x1p-18f * geometry.radius();
+    const Vec3f end = ray.o + ray.d * reach;
+    std::uint32_t medium = given;
+    Ray probe = ray;
+    probe.o = ray.o - ray.d * reach;
+    while ((probe.t_max = dot(end - probe.o, ray.d)) > 0) {
+        const std::optional<SurfaceHit> hit = geometry.intersect(probe);
+        if (!hit) break;
+        medium = media_at(*hit).towards(ray.d, hit->ng, medium);
+        probe.o = spawn_ray(hit->interaction(), ray.d).o;
+    }
+    return medium;
+}
+
 std::optional<SurfaceHit> March::first_hit(std::uint32_t& medium) {
     const Vec3f origin = ray_.o;
     std::optional<SurfaceHit> hit = next_hit();

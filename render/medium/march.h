@@ -26,6 +26,10 @@ struct MediumInterface {
 };
 inline MediumInterface media_at(const SurfaceHit& hit) { return {hit.inside_medium, hit.outside_medium}; }
 
+// The medium that the line along unit ray.d from a light source or a lens at ray.o begins in: `given`, but on an interface the one
+// on the side that ray.d leads to.
+std::uint32_t medium_at_start(const Geometry& geometry, const Ray& ray, std::uint32_t given);
+
 // The part of a line that lies in one medium.
 struct Segment {
     Vec3f o, d;        // from o in direction d, which need not have unit length

@@ -14,6 +14,7 @@
 #include "render/light/light_set.h"
 #include "render/material/material.h"
 #include "render/math/motion.h"
+#include "render/medium/march.h"
 #include "render/medium/medium.h"
 #include "render/sampling/sample_state.h"
 #include "render/scene/description.h"
@@ -57,6 +58,12 @@ class World {
         TexturePoint point;
         point.spectra = &spectra;
         return material.is_textured() ? textured_bsdf(hit, point, kept) : material.bsdf(hit, point, kept);
+    }
+
+    // The medium in which the sample's line along unit d begins that leaves a light source or a lens at o, which was said to be in
+    // `given`.
+    std::uint32_t medium_at_start(const Vec3f& o, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
+        return has_media() ? render::medium_at_start(*geometry_, Ray{o, d}.at_time(sample.time), given) : kNone;
     }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.

@@ -458,34 +458,72 @@ TEST_F(EnvironmentMapTest, PixelsHaveTheirColour) {
     }
 }
 
+const std::string kFloorAndCeiling =
+    "MediumInterface \"\" \"\"\n"
+    "Material \"diffuse\" \"spectrum reflectance\" [360 0.6 830 0.5]\n"
+    "Shape \"trianglemesh\" \"point3 P\" [-4 0 -4  4 0 -4  4 0 4  -4 0 4] \"integer indices\" [0 2 1 0 3 2]\n"
+    "Shape \"bilinearmesh\" \"point3 P\" [-4 3 -4  4 3 -4  -4 3 4  4 3 4]\n";
+
+// `before`: the camera.
+Scene scene_between(double eye_height, const std::string& before, const std::string& world) {
+    return scene_from(
+        fmt::format("{}LookAt 0 {} -3.5  0 1.2 0  0 1 0\nCamera \"perspective\" \"float fov\" 35\nIntegrator "
+                    "\"path\" \"integer maxdepth\" 5\nWorldBegin\n{}{}",
+                    before, eye_height, kFloorAndCeiling, world));
+}
+
+void expect_equal(const Mean& a, const Mean& b) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(a.xyz[c], b.xyz[c], 4.5 * std::hypot(a.error[c], b.error[c]));
+        EXPECT_LT(a.error[c] + b.error[c], 0.03 * a.xyz[c]);
+    }
+}
+
 // A lamp, or the camera's lens, in the plane of a floor or ceiling: that surface is not in the way of light.
 TEST(PointsOnSurfaces, PathAndBdptSeeTheSamePicture) {
-    const std::string planes =
-        "Material \"diffuse\" \"spectrum reflectance\" [360 0.6 830 0.5]\n"
-        "Shape \"trianglemesh\" \"point3 P\" [-4 0 -4  4 0 -4  4 0 4  -4 0 4] \"integer indices\" [0 2 1 0 3 2]\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [-4 3 -4  4 3 -4  -4 3 4  4 3 4]\n";
-    const auto expect_equal = [](const Mean& a, const Mean& b) {
-        for (std::size_t c = 0; c < 3; ++c) {
-            EXPECT_NEAR(a.xyz[c], b.xyz[c], 4.5 * std::hypot(a.error[c], b.error[c]));
-            EXPECT_LT(a.error[c] + b.error[c], 0.03 * a.xyz[c]);
-        }
-    };
-    const auto scene = [&](double height, const std::string& light) {
-        return scene_from(
-            fmt::format("LookAt 0 {} -3.5  0 1.2 0  0 1 0\nCamera \"perspective\" \"float fov\" 35\nIntegrator "
-                        "\"path\" \"integer maxdepth\" 5\nWorldBegin\n{}{}",
-                        height, planes, light));
-    };
     for (const char* light : {"LightSource \"point\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2]\n",
                               "LightSource \"point\" \"float scale\" 8 \"point3 from\" [0.3 0 0.2]\n",
-                              "LightSource \"spot\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2] \"point3 to\" [0 0 0]\n"})
-        expect_equal(mean_of_picture(scene(2, light), {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
-                     mean_of_picture(scene(2, light), {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
+                              "LightSource \"spot\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2] \"point3 to\" [0 0 0]\n"}) {
+        const Scene scene = scene_between(2, "", light);
+        expect_equal(mean_of_picture(scene, {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
+                     mean_of_picture(scene, {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
+    }
     // A pinhole on the floor sees what one just above it does.
     const std::string sky = "LightSource \"infinite\"\n";
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt})
-        expect_equal(mean_of_picture(scene(0, sky), {.kind = kind, .seed = 1}, 40'000),
-                     mean_of_picture(scene(1e-4, sky), {.kind = kind, .seed = 2}, 40'000));
+        expect_equal(mean_of_picture(scene_between(0, "", sky), {.kind = kind, .seed = 1}, 40'000),
+                     mean_of_picture(scene_between(1e-4, "", sky), {.kind = kind, .seed = 2}, 40'000));
+}
+
+// A lamp, or the camera's lens, on an interface between media is on both of its sides, whichever it was given.
+TEST(PointsOnSurfaces, AreInTheMediumOnTheSideThatALineLeadsTo) {
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 0 830 0] \"spectrum sigma_s\" [360 0.7 "
+        "830 0.9]\n";
+    const auto ball = [](double radius) {
+        return fmt::format(
+            "AttributeBegin\nMediumInterface \"fog\" \"\"\nMaterial \"interface\"\nTranslate 0 1.2 0\nShape \"sphere\" \"float "
+            "radius\" {:.17g}\nAttributeEnd\n",
+            radius);
+    };
+    const auto lamp = [](const char* medium) {
+        return fmt::format(
+            "AttributeBegin\nMediumInterface \"\" \"{}\"\nLightSource \"point\" \"float scale\" 8 \"point3 from\" [0 2.1 "
+            "0]\nAttributeEnd\n",
+            medium);
+    };
+    const Mean by_path =
+        mean_of_picture(scene_between(2, "", fog + ball(0.9) + lamp("")), {.kind = IntegratorKind::kPath, .seed = 1}, 160'000);
+    for (const char* medium : {"", "fog"})
+        expect_equal(by_path, mean_of_picture(scene_between(2, "", fog + ball(0.9) + lamp(medium)),
+                                              {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
+    const std::string sky = "LightSource \"infinite\"\n", interface_by_eye = ball(std::hypot(0.8, 3.5));
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        const auto picture = [&](const std::string& before) {
+            return mean_of_picture(scene_between(2, before, interface_by_eye + sky), {.kind = kind, .seed = 1}, 5'000);
+        };
+        EXPECT_EQ(picture(fog).xyz, picture(fog + "MediumInterface \"\" \"fog\"\n").xyz);
+    }
 }
 
 }  // namespace
