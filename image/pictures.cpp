@@ -10,8 +10,12 @@ Result<std::unique_ptr<Pictures>> Pictures::create(std::uint64_t cache_bytes) {
     static void* const module = dlopen("latent_oiio.so", RTLD_NOW | RTLD_LOCAL);
     using Create = Pictures* (*)(std::uint64_t);
     const auto create = module == nullptr ? nullptr : reinterpret_cast<Create>(dlsym(module, "latent_create_pictures"));
-    if (create == nullptr)
-        return Error{ErrorCode::kUnsupported, "pictures cannot be read: the module latent_oiio.so (OpenImageIO) is not installed"};
+    if (create == nullptr) {
+        const char* const reason = dlerror();
+        return Error{ErrorCode::kUnsupported,
+                     fmt::format("pictures cannot be read: the module latent_oiio.so (OpenImageIO) cannot be loaded: {}",
+                                 reason == nullptr ? "it was not built for this version" : reason)};
+    }
     return std::unique_ptr<Pictures>(create(cache_bytes));
 }
 

@@ -46,12 +46,12 @@ struct WholePicture {
 // Any thread may look up; pictures are opened one after the other.
 class Pictures {
  public:
-    // At most `cache_bytes` of decoded tiles are kept. Errors: kUnsupported if OpenImageIO's module is not installed.
+    // At most `cache_bytes` of decoded tiles are kept. Errors: kUnsupported if OpenImageIO's module cannot be loaded.
     static Result<std::unique_ptr<Pictures>> create(std::uint64_t cache_bytes);
     virtual ~Pictures() = default;
 
-    // Changes the limit.
-    virtual void keep(std::uint64_t cache_bytes) = 0;
+    // Another limit. That of a single tile, a sixteenth, stays what it was.
+    virtual void set_cache_bytes(std::uint64_t cache_bytes) = 0;
     // Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported: channels that are no grey or RGB.
     virtual Result<PictureInfo> open(const std::string& path, const std::string& in_messages, const PictureEncoding& encoding) = 0;
     // The mean about (s, t), t = 0 at the top, over the ellipse with axes d0 and d1. Black if the file cannot be read: see

@@ -32,7 +32,7 @@ def output_of(command):
 
 
 def forecast(arguments, output):
-    """What latent-render expects of a render, measured for two seconds. Warnings go to standard error."""
+    """What latent-render expects of a render, measured as by its --dry-run. Warnings go to standard error."""
     command = [path_of("latent-render"), *arguments, "--dry-run", "--json", "--quiet", "-o", str(output)]
     return json.loads(output_of(command))
 

@@ -53,8 +53,8 @@ constexpr std::array kMagics = {
 constexpr std::array<std::string_view, 15> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "ppm",
                                                           "pgm", "pbm", "pnm",  "bmp", "gif",  "dds", "webp"};
 
-// The format by the first bytes of a file, else by its name; none if these do not fit. OpenImageIO would try every format that it
-// knows, one after another.
+// The format by the first bytes of a file, else by its name ("" if that has no extension); none if the name is that of a format
+// whose first bytes these are not. OpenImageIO would try every format that it knows, one after another.
 std::optional<std::string> format_of(const std::filesystem::path& path) {
     std::array<char, 4> front{};
     std::ifstream(path, std::ios::binary).read(front.data(), front.size());

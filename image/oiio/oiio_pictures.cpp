@@ -66,7 +66,7 @@ class OiioPictures final : public Pictures {
     explicit OiioPictures(std::uint64_t cache_bytes)
         : most_tile_bytes_(std::max(cache_bytes / kFewestTiles, std::uint64_t{kTile} * kTile * 4 * sizeof(float))) {
         textures_ = OIIO::TextureSystem::create(false);
-        OiioPictures::keep(cache_bytes);
+        OiioPictures::set_cache_bytes(cache_bytes);
         textures_->attribute("autotile", kTile);
         textures_->attribute("automip", 1);
         textures_->attribute("forcefloat", 1);
@@ -75,7 +75,7 @@ class OiioPictures final : public Pictures {
     }
     ~OiioPictures() override { OIIO::TextureSystem::destroy(textures_, true); }
 
-    void keep(std::uint64_t cache_bytes) override {
+    void set_cache_bytes(std::uint64_t cache_bytes) override {
         textures_->attribute("max_memory_MB", static_cast<float>(static_cast<double>(cache_bytes) / (1 << 20)));
     }
 

@@ -21,7 +21,7 @@ Vec3f offset(const Interaction& from, float error, const Vec3f& w) {
 }  // namespace
 
 Ray spawn_ray(const Interaction& from, const Vec3f& d) {
-    return {offset(from, from.error, d), d, kInfinity, 0, from.ng != Vec3f{}};
+    return {offset(from, from.error, d), d, kInfinity, 0, from.ng == Vec3f{}};
 }
 
 Ray spawn_ray(const Interaction& from, const Interaction& to) {
@@ -29,7 +29,7 @@ Ray spawn_ray(const Interaction& from, const Interaction& to) {
     // Clear of the far surface by what is not known about where the ray meets that, along the normal: so at any angle.
     const Vec3f end = offset(to, to.error + to.error_per_length * max_abs(d), -d);
     // A point without a normal may have been put on a surface all the same.
-    return {begin, end - begin, to.ng == Vec3f{} ? 1 - kRayError : 1, 0, from.ng != Vec3f{}};
+    return {begin, end - begin, to.ng == Vec3f{} ? 1 - kRayError : 1, 0, from.ng == Vec3f{}};
 }
 
 }  // namespace latent::render

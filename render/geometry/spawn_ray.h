@@ -8,10 +8,10 @@ namespace latent::render {
 struct Ray {
     Vec3f o, d;  // d need not have unit length; t counts in lengths of d
     float t_max = kInfinity;
-    float time = 0;  // of all motions: from 0, their start, to 1
-    bool is_from_surface = true;
+    float time = 0;                     // of all motions: from 0, their start, to 1
+    bool may_start_on_surface = false;  // o has no known normal: if a surface contains it, March begins behind that
 
-    Ray at_time(float then) const { return {o, d, t_max, then, is_from_surface}; }
+    Ray at_time(float then) const { return {o, d, t_max, then, may_start_on_surface}; }
 };
 
 // What a ray's float arithmetic adds to the error of a surface that it comes to, per length of the ray: eight half ulps.

@@ -19,28 +19,22 @@ bool contains(const SurfaceHit& hit, const Vec3f& p) {
 std::uint32_t medium_at_start(const Geometry& geometry, const Ray& ray, std::uint32_t given) {
     // From a little before the origin to a little behind: from the origin itself a ray meets the surface or not, as it rounds.
     const float reach = 0x1p-18f * geometry.radius();
-    const Vec3f end = ray.o + ray.d * reach;
+    if (!(reach > 0)) return given;
+    const Ray around{ray.o - ray.d * reach, ray.d * (2 * reach), 1, ray.time};
+    float passed = 1;
     std::uint32_t medium = given;
-    Ray probe = ray;
-    probe.o = ray.o - ray.d * reach;
-    while ((probe.t_max = dot(end - probe.o, ray.d)) > 0) {
-        const std::optional<SurfaceHit> hit = geometry.intersect(probe);
-        if (!hit) break;
-        medium = media_at(*hit).towards(ray.d, hit->ng, medium);
-        probe.o = spawn_ray(hit->interaction(), ray.d).o;
+    for (March march(geometry, around, 2 * reach, given, passed); march.hit(); march.cross()) {
+        const SurfaceHit& hit = *march.hit();
+        if (contains(hit, ray.o)) medium = media_at(hit).towards(ray.d, hit.ng, medium);
     }
     return medium;
 }
 
-std::optional<SurfaceHit> March::first_hit(std::uint32_t& medium) {
-    const Vec3f origin = ray_.o;
-    std::optional<SurfaceHit> hit = next_hit();
-    while (hit && !ray_.is_from_surface && contains(*hit, origin)) {
-        medium = media_at(*hit).towards(ray_.d, hit->ng, medium);
-        ray_.o = spawn_ray(hit->interaction(), ray_.d).o;
-        hit = next_hit();
-    }
-    return hit;
+March::March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed)
+    : geometry_(geometry), ray_(ray), left_(length), metres_per_t_(metres_per_t), passed_(passed), hit_(next_hit()) {
+    segment_ = {ray.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium};
+    while (hit_ && ray.may_start_on_surface && contains(*hit_, ray.o)) cross();
+    segment_.index = 0;
 }
 
 void March::cross() {

@@ -55,18 +55,9 @@ class March {
     void cross();
 
  private:
-    March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed)
-        : geometry_(geometry),
-          ray_(ray),
-          left_(length),
-          metres_per_t_(metres_per_t),
-          passed_(passed),
-          hit_(first_hit(medium)),
-          segment_{ray_.o, ray.d, hit_ ? hit_->t * metres_per_t : length, medium} {}
-
     // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the
     // side that it leads to, in the medium there.
-    std::optional<SurfaceHit> first_hit(std::uint32_t& medium);
+    March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed);
 
     std::optional<SurfaceHit> next_hit() const {
         return passed_ == nullptr ? geometry_.intersect(ray_) : geometry_.intersect_whole(ray_, *passed_);

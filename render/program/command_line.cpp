@@ -71,9 +71,9 @@ void add_arguments(CLI::App& app, CommandLine& line) {
                    "the same set")
         ->capture_default_str()
         ->type_name(fmt::format("best|{}", fmt::join(simd_levels(), "|")));
-    auto* dry =
-        app.add_flag("--dry-run", line.dry_run,
-                     "render for two seconds (or --max-time), then print the expected time and file size, and the free space");
+    auto* dry = app.add_flag("--dry-run", line.dry_run,
+                             "render for two seconds (or --max-time; with pictures as textures, up to four times), then print the "
+                             "expected time and file size, and the free space");
     cli::add_duration(app, "--preview", line.preview_seconds,
                       "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
         ->excludes(dry);

@@ -101,7 +101,8 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, co
     return out;
 }
 
-Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, int most_trials,
+                          const std::atomic<bool>& stop) {
     Forecast out;
     const Result<sampledb::Coverage> missing = begin_forecast(job, options, out);
     if (!missing) return missing.error();
@@ -109,14 +110,16 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
     std::error_code error;
     const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
     if (error) return Error{ErrorCode::kIo, "no folder for temporary files; set TMPDIR: " + error.message()};
-    const TrialPlace place{parent, "dry run", "set TMPDIR to another folder", options.max_seconds > 0 ? "; raise --max-time" : ""};
-    // Pictures are read when they are needed first, which may take longer than a trial: again, while that makes it faster.
-    constexpr int kMostTrials = 4;
+    const TrialPlace place{parent, "dry run", "set TMPDIR to another folder",
+                           options.max_seconds == seconds ? "; raise --max-time" : ""};
     Result<Trial> trial = render_trial(job, options, seconds, place, stop);
-    for (int i = 1; i < kMostTrials && trial && !stop && has_pictures(job.scene.description); ++i) {
-        const double before = trial->report.seconds_per_sample;
-        trial = render_trial(job, options, seconds, place, stop);
-        if (trial && trial->report.seconds_per_sample > 0.7 * before) break;
+    const int most = has_pictures(job.scene.description) ? most_trials : 1;
+    for (int i = 1; i < most && trial && !stop; ++i) {
+        Result<Trial> again = render_trial(job, options, seconds, place, stop);
+        if (!again) break;
+        const bool is_warm = again->report.seconds_per_sample > 0.7 * trial->report.seconds_per_sample;
+        trial = std::move(again);
+        if (is_warm) break;
     }
     return trial ? forecast(job, options, *trial) : trial.error();
 }
@@ -144,7 +147,7 @@ std::string too_large(const Forecast& forecast, const std::filesystem::path& out
 Status check_space(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
     const std::optional<std::uint64_t> free = free_space(options);
     if (!free || job.range.size() <= *free / std::max<std::uint64_t>(job.raw_sample_bytes, 1)) return {};
-    const Result<Forecast> expected = forecast(job, options, kTrialSeconds, stop);
+    const Result<Forecast> expected = forecast(job, options, kTrialSeconds, 1, stop);
     if (!expected || expected->fits()) return {};  // what else is wrong, rendering says
     const double part_of_time = options.max_seconds > 0 ? options.max_seconds / expected->seconds : 1;
     if (part_of_time < 1 && scaled(expected->missing_bytes(), part_of_time) <= *free) return {};

@@ -20,7 +20,7 @@ std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
 }
 
 constexpr std::uint32_t kDeepest = 256;
-constexpr double kMostEvaluated = 10'000;  // textures for one value
+constexpr double kMostEvaluated = 10'000;  // textures for one value, or materials of one mixture
 
 // How deep each of `count` things reaches that are made of each other, and how many it is made of, found from the bottom: each
 // round settles those whose parts are.
@@ -118,7 +118,7 @@ std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vec
     return refused;
 }
 
-std::vector<std::uint32_t> mixtures_of_themselves(const std::vector<MaterialDescription>& materials) {
+std::vector<std::uint32_t> endless_mixtures(const std::vector<MaterialDescription>& materials) {
     const Depths depths = depths_of(materials.size(), [&](std::uint32_t i) {
         std::vector<std::uint32_t> mixed;
         for (const std::uint32_t m : materials[i].mixed) {
@@ -128,7 +128,9 @@ std::vector<std::uint32_t> mixtures_of_themselves(const std::vector<MaterialDesc
     });
     std::vector<std::uint32_t> refused;
     for (std::uint32_t i = 0; i < materials.size(); ++i) {
-        if (!depths.settled[i] || depths.depth[i] == kDeepest + 1) refused.push_back(i);
+        const auto is_too_large = [&](std::uint32_t part) { return part != kNone && depths.size[part] > kMostEvaluated; };
+        const bool is_first_too_large = is_too_large(i) && std::ranges::none_of(materials[i].mixed, is_too_large);
+        if (!depths.settled[i] || depths.depth[i] == kDeepest + 1 || is_first_too_large) refused.push_back(i);
     }
     return refused;
 }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <map>
 #include <optional>
 
+#include "base/memory.h"
 #include "base/size.h"
 #include "color/to_srgb.h"
 #include "render/texture/combine.h"
@@ -15,11 +15,11 @@
 
 namespace latent::render {
 
-// Builds each texture after its inputs, which render/scene/check.h has found to form no circle.
 namespace {
 constexpr std::uint64_t kLeastCache = std::uint64_t{256} << 20;
 }
 
+// Builds each texture after its inputs, which render/scene/check.h has found to form no circle.
 struct Textures::Builder {
     const SceneDescription& scene;
     std::uint64_t cache_bytes;
@@ -135,11 +135,9 @@ struct Textures::Builder {
         }
         if (count == 0) return;
         needed += needed / 8;  // rows beyond the edges of tiles
-        const std::uint64_t memory =
-            static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
         const std::uint64_t kept =
-            cache_bytes > 0 ? cache_bytes : std::clamp(needed, kLeastCache, std::max(kLeastCache, memory / 4));
-        out.pictures_->keep(kept);
+            cache_bytes > 0 ? cache_bytes : std::clamp(needed, kLeastCache, std::max(kLeastCache, usable_memory() / 4));
+        out.pictures_->set_cache_bytes(kept);
         if (kept < needed)
             out.shortage_ = fmt::format(
                 "textures: {} without tiles may need {} when decoded, more than --texture-cache ({}), and are then read again and "

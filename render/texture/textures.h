@@ -20,7 +20,7 @@ struct TextureSettings {
 class Textures {
  public:
     // Constant spectra go to `library`; of pictures, at most `cache_bytes` are kept in memory (0: from 256 MiB to a quarter of the
-    // machine's memory, as much as those need that have no tiles and so are read best as a whole). Errors: those of
+    // memory that the process may use, as much as those need that have no tiles and so are read best as a whole). Errors: those of
     // image::Pictures, one line for each file.
     static Result<Textures> build(const SceneDescription& scene, std::uint64_t cache_bytes, SpectrumLibrary& library);
 

@@ -72,8 +72,9 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         world->is_open_ = box.has_value();
         const double reach = box ? box->reach(Vec3d(geometry.center())) : 0;
         if (reach > kFarthest)
-            return refused(scene, scene.media[world->medium_at_infinity_],
-                           fmt::format("reaches {:.2g} m from the shapes, more than {:.0g}", reach, kFarthest));
+            return refused(
+                scene, scene.media[world->medium_at_infinity_],
+                fmt::format("reaches {:.2g} m from the centre of the shapes, more than {:.0g}; make it smaller", reach, kFarthest));
         radius = std::max(radius, static_cast<float>(reach) * (1 + 1e-3f));
     }
     for (const float time : {0.0f, 1.0f}) {
@@ -112,7 +113,8 @@ Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kep
 
 // Where a straight line from the camera, through everything, ends.
 std::uint32_t World::find_medium_at_infinity() const {
-    March march(*geometry_, {camera_.center(), camera_.axis()}, camera_.medium());
+    const Ray ray{camera_.center(), camera_.axis()};
+    March march(*geometry_, ray, render::medium_at_start(*geometry_, ray, camera_.medium()));
     while (march.hit()) march.cross();
     return march.segment().medium;
 }

@@ -257,7 +257,7 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     EXPECT_EQ(inside.sigma_s(550), 0);
 }
 
-TEST_F(Models, TransmissionByATextureIsNone) {
+TEST_F(Models, AMaterialWithATransmissionTextureIsOpaque) {
     GltfFile file = quad_and_lamp();
     file.json["textures"] = {{{"source", 0}}};
     file.json["images"] = {{{"uri", "glass.png"}}};
@@ -632,7 +632,7 @@ TEST_F(Models, TheSkyOfAModelIsBrighterAboveAndBrightestInItsLamp) {
     EXPECT_NEAR(radiance(Vec3f(normalize(Vec3d(0.5, 0.8, 0.6)))), 4.8862, 0.005);  // 0.6 + 0.4 0.71554 + 4
 }
 
-TEST_F(Models, SurfacesThatAreNoBrighterThanTheSkyDoNotReplaceIt) {
+TEST_F(Models, SurfacesOfRadianceOneOrLessDoNotReplaceTheSky) {
     const auto has_sky = [&](const std::string& name, const std::string& text) {
         const LoadedScene scene = load(name, text).value();
         EXPECT_EQ(scene.description.area_lights.size(), 1u);
@@ -655,10 +655,25 @@ TEST_F(Models, SurfacesThatAreNoBrighterThanTheSkyDoNotReplaceIt) {
     EXPECT_FALSE(has_sky("room.glb", as_glb(file)));
 }
 
+TEST_F(Models, ANodeWithAMatrixHasNothingElse) {
+    GltfFile file = quad_and_lamp();
+    file.json["nodes"][1]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    file.json["nodes"][1]["translation"] = {0, 0, 1};
+    EXPECT_THAT(load("room.glb", as_glb(file)).value().warnings,
+                ::testing::ElementsAre(HasSubstr("/nodes/1/translation: is ignored, since the node has a matrix")));
+}
+
+TEST_F(Models, ThatNeedALaterVersionAreRefused) {
+    GltfFile file = quad_and_lamp();
+    file.json["asset"]["minVersion"] = "2.1";
+    EXPECT_THAT(load("room.glb", as_glb(file)).error().message, HasSubstr("is glTF \"2.1\"; only glTF 2.0 is supported"));
+}
+
 // Some exporters write an infinite distance as null.
 TEST_F(Models, NullIsNotThere) {
     GltfFile file = quad_and_lamp();
     file.json["nodes"][1]["name"] = nullptr;
+    file.json["extras"] = nullptr;  // may be anything
     file.json["materials"][0]["extensions"]["KHR_materials_volume"]["attenuationDistance"] = nullptr;
     EXPECT_THAT(load("room.glb", as_glb(file)).value().warnings,
                 ::testing::ElementsAre(AllOf(HasSubstr("/attenuationDistance: is null, and is ignored (and in 1 other place)"))));

@@ -143,6 +143,11 @@ TEST(Mixture, ChoosesInTheSharesThatItSays) {
     EXPECT_THAT(refused_world("Material \"mix\" \"string materials\" \"a\""), HasSubstr("names of two materials"));
     EXPECT_THAT(refused_world("MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [\"a\" \"a\"]"),
                 HasSubstr("made of itself"));
+    std::string mixtures = "MakeNamedMaterial \"m0\" \"string type\" \"diffuse\"\n";  // the last one of 2^40
+    for (int i = 1; i <= 40; ++i)
+        mixtures += fmt::format("MakeNamedMaterial \"m{}\" \"string type\" \"mix\" \"string materials\" [\"m{}\" \"m{}\"]\n", i,
+                                i - 1, i - 1);
+    EXPECT_THAT(refused_world(mixtures), HasSubstr("or of more than 10,000 materials"));
 }
 
 std::string gzipped(const std::string& text) {

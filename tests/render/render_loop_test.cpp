@@ -200,7 +200,7 @@ TEST(RenderLoop, ADryRunOfWhatWasStoppedCountsTheRestButTheWholePart) {
     ASSERT_TRUE(first && first->committed > 0 && !first->complete);
     fake.stop = false;
     fake.integrator->forget();
-    const Result<Forecast> rest = forecast(fake.job, fake.options, 0.3, fake.stop);
+    const Result<Forecast> rest = forecast(fake.job, fake.options, 0.3, 1, fake.stop);
     ASSERT_TRUE(rest) << rest.error().message;
     EXPECT_EQ(rest->samples, std::uint64_t{1} << 20);
     EXPECT_EQ(rest->committed, first->committed);
@@ -229,7 +229,7 @@ TEST(RenderLoop, SlowGrainsAreGivenUp) {
 
 TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
     Fake fake({0, std::uint64_t{1} << 30}, std::chrono::microseconds(50));
-    const Result<Forecast> estimated = forecast(fake.job, fake.options, 2, fake.stop);
+    const Result<Forecast> estimated = forecast(fake.job, fake.options, 2, 1, fake.stop);
     ASSERT_TRUE(estimated) << estimated.error().message;
     EXPECT_EQ(estimated->samples, std::uint64_t{1} << 30);
     EXPECT_GT(estimated->seconds, 1000);
@@ -239,7 +239,7 @@ TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {
 
 TEST(RenderLoop, AnEmptyShardIsEstimatedAtNothing) {
     Fake fake({8192, 8192});
-    const Result<Forecast> estimated = forecast(fake.job, fake.options, 2, fake.stop);
+    const Result<Forecast> estimated = forecast(fake.job, fake.options, 2, 1, fake.stop);
     ASSERT_TRUE(estimated) << estimated.error().message;
     EXPECT_EQ(estimated->samples, 0u);
     EXPECT_EQ(estimated->bytes, 0u);

@@ -385,7 +385,7 @@ TEST(SceneRefusals, WhatChangesNothingIsAWarning) {
              Case{"Camera \"perspective\" \"float latent:focaldistances\" [ 2 3 ]", "",
                   "1:1: Camera: latent:focaldistances has no effect without lensradius"},
              Case{"Camera \"spherical\" \"float lensradius\" .5", "", "1:20: Camera: ignored: \"lensradius\""},
-             Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is replaced by \"path\""},
+             Case{"Integrator \"sppm\"", "", "1:1: Integrator \"sppm\" is replaced by \"bdpt\""},
              Case{"Integrator \"mlt\"", "", "1:1: Integrator \"mlt\""},
              Case{"Integrator \"simplepath\"", "", "1:1: Integrator \"simplepath\""},
              Case{"Integrator \"simplevolpath\"", "", "1:1: Integrator \"simplevolpath\""},
@@ -430,6 +430,12 @@ TEST(SceneRefusals, IntegratorsThatMakeOurPictureNeedNoWord) {
         EXPECT_THAT(warnings(std::string("Integrator \"") + name + "\" \"integer maxdepth\" 3\nWorldBegin"), IsEmpty()) << name;
     }
     EXPECT_THAT(warnings("Camera \"perspective\" \"float shutteropen\" 2 \"float shutterclose\" 3\nWorldBegin"), IsEmpty());
+}
+
+TEST(SceneRefusals, MediaAreRenderedWherePbrtsPathLeavesThemOut) {
+    const std::string medium = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\nWorldBegin\n";
+    EXPECT_THAT(warnings("Integrator \"path\"\n" + medium), ElementsAre(HasSubstr("2:1: media are rendered")));
+    EXPECT_THAT(warnings("Integrator \"volpath\"\n" + medium), IsEmpty());
 }
 
 TEST(SceneRefusals, IntegratorsOfAnotherPictureAreRefusedUnlessReplaced) {

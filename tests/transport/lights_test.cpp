@@ -464,12 +464,12 @@ const std::string kFloorAndCeiling =
     "Shape \"trianglemesh\" \"point3 P\" [-4 0 -4  4 0 -4  4 0 4  -4 0 4] \"integer indices\" [0 2 1 0 3 2]\n"
     "Shape \"bilinearmesh\" \"point3 P\" [-4 3 -4  4 3 -4  -4 3 4  4 3 4]\n";
 
-// `before`: the camera.
-Scene scene_between(double eye_height, const std::string& before, const std::string& world) {
-    return scene_from(
-        fmt::format("{}LookAt 0 {} -3.5  0 1.2 0  0 1 0\nCamera \"perspective\" \"float fov\" 35\nIntegrator "
-                    "\"path\" \"integer maxdepth\" 5\nWorldBegin\n{}{}",
-                    before, eye_height, kFloorAndCeiling, world));
+const std::string kDown = "LookAt 0 2 -3.5  0 1.2 0  0 1 0\n";
+
+// `view`: the camera's place and medium.
+Scene scene_between(const std::string& view, const std::string& world) {
+    return scene_from(view + "Camera \"perspective\" \"float fov\" 35\nIntegrator \"path\" \"integer maxdepth\" 5\nWorldBegin\n" +
+                      kFloorAndCeiling + world);
 }
 
 void expect_equal(const Mean& a, const Mean& b) {
@@ -484,15 +484,16 @@ TEST(PointsOnSurfaces, PathAndBdptSeeTheSamePicture) {
     for (const char* light : {"LightSource \"point\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2]\n",
                               "LightSource \"point\" \"float scale\" 8 \"point3 from\" [0.3 0 0.2]\n",
                               "LightSource \"spot\" \"float scale\" 8 \"point3 from\" [0.3 3 0.2] \"point3 to\" [0 0 0]\n"}) {
-        const Scene scene = scene_between(2, "", light);
+        const Scene scene = scene_between(kDown, light);
         expect_equal(mean_of_picture(scene, {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
                      mean_of_picture(scene, {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
     }
     // A pinhole on the floor sees what one just above it does.
     const std::string sky = "LightSource \"infinite\"\n";
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt})
-        expect_equal(mean_of_picture(scene_between(0, "", sky), {.kind = kind, .seed = 1}, 40'000),
-                     mean_of_picture(scene_between(1e-4, "", sky), {.kind = kind, .seed = 2}, 40'000));
+        expect_equal(
+            mean_of_picture(scene_between("LookAt 0 0 -3.5  0 1.2 0  0 1 0\n", sky), {.kind = kind, .seed = 1}, 40'000),
+            mean_of_picture(scene_between("LookAt 0 1e-4 -3.5  0 1.2 0  0 1 0\n", sky), {.kind = kind, .seed = 2}, 40'000));
 }
 
 // A lamp, or the camera's lens, on an interface between media is on both of its sides, whichever it was given.
@@ -513,17 +514,41 @@ TEST(PointsOnSurfaces, AreInTheMediumOnTheSideThatALineLeadsTo) {
             medium);
     };
     const Mean by_path =
-        mean_of_picture(scene_between(2, "", fog + ball(0.9) + lamp("")), {.kind = IntegratorKind::kPath, .seed = 1}, 160'000);
+        mean_of_picture(scene_between(kDown, fog + ball(0.9) + lamp("")), {.kind = IntegratorKind::kPath}, 160'000);
     for (const char* medium : {"", "fog"})
-        expect_equal(by_path, mean_of_picture(scene_between(2, "", fog + ball(0.9) + lamp(medium)),
+        expect_equal(by_path, mean_of_picture(scene_between(kDown, fog + ball(0.9) + lamp(medium)),
                                               {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
-    const std::string sky = "LightSource \"infinite\"\n", interface_by_eye = ball(std::hypot(0.8, 3.5));
+
+    const std::string world = ball(std::hypot(0.8, 3.5)) + "LightSource \"infinite\"\n",
+                      in_fog = fog + "MediumInterface \"\" \"fog\"\n";
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
-        const auto picture = [&](const std::string& before) {
-            return mean_of_picture(scene_between(2, before, interface_by_eye + sky), {.kind = kind, .seed = 1}, 5'000);
+        const auto picture = [&](const std::string& view, std::uint64_t seed) {
+            return mean_of_picture(scene_between(view, world), {.kind = kind, .seed = seed}, 20'000);
         };
-        EXPECT_EQ(picture(fog).xyz, picture(fog + "MediumInterface \"\" \"fog\"\n").xyz);
+        const std::string out = "LookAt 0 2 -3.5  0 1.2 -7  0 1 0\n";
+        EXPECT_EQ(picture(fog + kDown, 1).xyz, picture(in_fog + kDown, 1).xyz);
+        EXPECT_EQ(picture(fog + out, 1).xyz, picture(in_fog + out, 1).xyz);
+        expect_equal(picture(fog + kDown, 1), picture(in_fog + "LookAt 0 2 -3.4999  0 1.2 0  0 1 0\n", 2));
+        expect_equal(picture(in_fog + out, 1), picture(fog + "LookAt 0 2 -3.5001  0 1.2 -7  0 1 0\n", 2));
     }
+}
+
+// What is near an interface is not on it, however large the scene is.
+TEST(PointsOnSurfaces, DoNotIncludeThoseNearThem) {
+    const std::string fog =
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 40 830 40]\nMediumInterface \"\" "
+        "\"fog\"\n";
+    const auto picture = [&](double radius) {
+        return mean_of_picture(
+            scene_between(fog + kDown,
+                          fmt::format("LightSource \"infinite\"\nMaterial \"interface\"\nMediumInterface \"fog\" "
+                                      "\"\"\nAttributeBegin\nTranslate 0 2 -3.5\nShape \"sphere\" \"float radius\" "
+                                      "0.02\nAttributeEnd\nMediumInterface \"\" \"\"\nTranslate 0 -1 0\nShape \"disk\" "
+                                      "\"float radius\" {}\n",
+                                      radius)),
+            {.kind = IntegratorKind::kPath}, 1'000);
+    };
+    EXPECT_NEAR(picture(2e5).xyz[1], picture(5).xyz[1], 1e-5);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ bool refused(const GltfValue& value, const std::string& why) {
     return false;
 }
 
-// Where the items are of another kind altogether, the first of them is named.
+// Reports only the first wrong item: if one has the wrong type, usually all have.
 template <class Check>
 bool each(const GltfValue& value, std::string_view what, const Check& check) {
     if (!value.is_array()) return refused(value, fmt::format("must be an array of {}", what));
@@ -91,12 +91,10 @@ bool check_object(const GltfValue& value, const GltfObjectType& type) {
     if (!must_be_object(value)) return false;
     bool good = true;
     for (const std::string& name : value.keys()) {
-        if (!value[name].exists()) {
-            value[name].warn_of_kind("null", "is null, and is ignored");
-            continue;
-        }
         const auto member = std::ranges::find(type.members, first_of_set(name), &GltfMember::name);
-        if (member != type.members.end()) {
+        if (member != type.members.end() && !value[name].exists()) {
+            value[name].warn_of_kind("null", "is null, and is ignored");
+        } else if (member != type.members.end()) {
             good = check_member(value[name], *member) && good;
         } else if (!type.is_open && name != "extras" && name != "extensions" && !name.starts_with('_')) {
             warn_of_unknown(value[name], name, type);

@@ -120,9 +120,10 @@ Error not_json(const std::string& name, bool is_binary, std::string_view text, s
     return {ErrorCode::kCorrupt, fmt::format("{}: not valid JSON{}", place, reason(what))};
 }
 
-// The version that a file says to have, unless that is 2; files of 1.0 need not say it, but their meshes have names.
+// The version that a file claims, if that is not 2; else empty. Files of 1.0 may claim none, but their `meshes` is an object.
 std::string other_version(const GltfValue& root) {
-    const GltfValue version = root["asset"]["version"];
+    const GltfValue version = root["asset"]["version"], least = root["asset"]["minVersion"];
+    if (least.is_text() && least.text() != "2.0") return fmt::format("\"{}\"", least.text());
     if (version.is_number()) return version.number(2) < 2 ? fmt::format("{}", version.number(2)) : "";
     if (version.is_text()) return version.text().starts_with("2.") ? "" : fmt::format("\"{}\"", version.text());
     return !version.exists() && root["meshes"].is_object() ? "1.0" : "";

@@ -28,6 +28,9 @@ Affined local_transform(const GltfValue& node) {
         const std::array<double, 16> m =
             node["matrix"].numbers(std::array<double, 16>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
         if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) node["matrix"].error("must be affine");
+        for (const char* name : {"translation", "rotation", "scale"}) {
+            if (node[name].exists()) node[name].warn("is ignored, since the node has a matrix");
+        }
         return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
     }
     const std::array<double, 3> t = node["translation"].numbers(std::array<double, 3>{}),

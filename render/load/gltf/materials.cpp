@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "render/load/gltf/extensions.h"
@@ -63,8 +64,7 @@ void read_transmission(const GltfValue& material, const ModelColors& colors, dou
 // Where a texture gives a value, the factor scales the texture.
 void read_textures(const GltfValue& material, const std::array<double, 4>& base, GltfTextures& textures, GltfMaterial& out) {
     const GltfValue pbr = material["pbrMetallicRoughness"], color = pbr["baseColorTexture"],
-                    rough = pbr["metallicRoughnessTexture"], coat = material.extension("KHR_materials_clearcoat"),
-                    sheen = material.extension("KHR_materials_sheen");
+                    rough = pbr["metallicRoughnessTexture"], coat = material.extension("KHR_materials_clearcoat");
     const double brightest = std::max({base[0], base[1], base[2]});
     if (color.exists() && (base[0] != brightest || base[1] != brightest || base[2] != brightest))
         pbr["baseColorFactor"].warn("only its brightest component scales the texture");
@@ -78,29 +78,22 @@ void read_textures(const GltfValue& material, const std::array<double, 4>& base,
     read("metallic", rough, PictureChannel::kBlue);
     read("coat", coat["clearcoatTexture"], PictureChannel::kRed);
     read("coat_roughness", coat["clearcoatRoughnessTexture"], PictureChannel::kGreen);
-    std::vector<GltfValue> all = {color, rough, coat["clearcoatTexture"], coat["clearcoatRoughnessTexture"],
-                                  material["normalTexture"]};
-    const auto is_black = [](const GltfValue& factor) { return std::ranges::max(factor.numbers(LinearRgb{0, 0, 0})) <= 0; };
-    if (!is_black(sheen["sheenColorFactor"])) {
-        all.push_back(sheen["sheenColorTexture"]);
-        all.push_back(sheen["sheenRoughnessTexture"]);
-    }
-    if (!is_black(material["emissiveFactor"])) all.push_back(material["emissiveTexture"]);
-    for (const GltfValue& info : all) {
-        if (!info.exists()) continue;
-        out.uv_set = uv_set_of(info);  // of the first one
-        break;
-    }
-    for (const GltfValue& info : all) {
-        if (info.exists() && uv_set_of(info) != out.uv_set)
-            info.warn("its texture coordinates are replaced by those of the first texture");
-    }
     if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored, since occlusion is computed");
     const GltfValue specular = material.extension("KHR_materials_specular"), volume = material.extension("KHR_materials_volume");
     for (const GltfValue& info : {specular["specularTexture"], specular["specularColorTexture"], volume["thicknessTexture"],
                                   coat["clearcoatNormalTexture"]}) {
         if (info.exists()) info.warn("is not supported, and is ignored");
     }
+}
+
+// The first texture's, for all of them.
+std::optional<std::uint32_t> read_uv_set(const GltfTextures& textures) {
+    if (textures.used().empty()) return std::nullopt;
+    const std::uint32_t set = uv_set_of(textures.used().front());
+    for (const GltfValue& info : textures.used()) {
+        if (uv_set_of(info) != set) info.warn("its texture coordinates are replaced by those of the first texture");
+    }
+    return set;
 }
 
 // Where its colour is not black.
@@ -135,6 +128,7 @@ void read_alpha(const GltfValue& material, double factor, GltfTextures& textures
 }  // namespace
 
 GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures) {
+    textures.begin_material();
     GltfMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = material["name"].text();
@@ -193,6 +187,7 @@ GltfMaterial read_material(const GltfValue& material, const ModelColors& colors,
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
     }
     read_emission(material, colors, textures, out);
+    out.uv_set = read_uv_set(textures);
     return out;
 }
 

@@ -148,7 +148,7 @@ constexpr GltfObjectType kNode{kNodeMembers};
 constexpr GltfMember kSceneMembers[] = {any("name"), counts("nodes")};
 constexpr GltfObjectType kScene{kSceneMembers};
 
-constexpr GltfMember kAssetMembers[] = {any("copyright"), any("generator"), required(text("version")), any("minVersion")};
+constexpr GltfMember kAssetMembers[] = {any("copyright"), any("generator"), required(text("version")), text("minVersion")};
 constexpr GltfObjectType kAsset{kAssetMembers};
 constexpr GltfMember kRootMembers[] = {required(object("asset", kAsset)), texts("extensionsUsed"),
                                        texts("extensionsRequired"),       objects("accessors", kAccessor),

@@ -105,6 +105,7 @@ std::optional<TextureDescription> GltfTextures::read(const GltfValue& info, doub
     if (const auto sampler = texture["sampler"].index(document_.root()["samplers"]))
         out.picture.wrap = wrap_of(document_.root()["samplers"][*sampler]);
     transform(info, out.mapping);
+    if (std::ranges::find(used_, info.path(), &GltfValue::path) == used_.end()) used_.push_back(info);
     return out;
 }
 

@@ -20,6 +20,11 @@ class GltfTextures {
     GltfTextures(const GltfDocument& document, std::vector<TextureDescription>& textures)
         : document_(document), textures_(textures) {}
 
+    // Those of the materials that are read from now on are noted in `used`.
+    void begin_material() { used_.clear(); }
+    // The textureInfos since then that became textures, in their order.
+    const std::vector<GltfValue>& used() const { return used_; }
+
     // A textureInfo of a material, times `scale`: the index of the texture that it becomes. kNone if there is none, if it is
     // scaled to nothing, or with an error. Colours are encoded like sRGB's, numbers are linear.
     std::uint32_t color(const GltfValue& info, double scale);
@@ -43,6 +48,7 @@ class GltfTextures {
     std::vector<TextureDescription>& textures_;
     std::map<std::uint32_t, std::optional<PictureDescription>> pictures_;  // by index of /images
     std::vector<File> embedded_;
+    std::vector<GltfValue> used_;
 };
 
 // Which TEXCOORD a textureInfo uses.

@@ -44,11 +44,13 @@ double GltfValue::number(double fallback, double low, double high) const {
 void GltfValue::clamp(std::span<double> values, double low, double high, std::string_view advice) const {
     const double rounding = 1e-6 * std::max(std::abs(low), high < kNoLimit ? high : 0);  // of exporters that count in float
     const auto wrong = std::ranges::find_if(values, [&](double x) { return x < low - rounding || x > high + rounding; });
-    const bool bounded = high < kNoLimit;
-    const std::string range = bounded ? fmt::format("from {} to {}", low, high) : fmt::format("at least {}", low);
-    if (wrong != values.end())
+    if (wrong != values.end()) {
+        const std::string range = high < kNoLimit ? fmt::format("from {} to {}", low, high)
+                                  : *wrong > high ? fmt::format("at most {}", high)
+                                                  : fmt::format("at least {}", low);
         warn_of_kind("range of " + path_.substr(path_.rfind('/')),
                      fmt::format("{} is clamped: must be {}{}", *wrong, range, advice));
+    }
     for (double& x : values) x = std::clamp(x, low, high);
 }
 

@@ -52,8 +52,8 @@ class GltfValue {
         }
         return out;
     }
-    // A number, or some, of which those out of range are clamped, with a warning that ends in `advice`. kNoLimit is the largest
-    // that any scene may have, and no bound of glTF's own.
+    // A number, or some, of which those out of range are clamped, with a warning that ends in `advice`. kNoLimit: for factors
+    // that glTF does not bound from above; the largest number that a scene may have.
     static constexpr double kNoLimit = 1e30;
     double factor(double fallback, double low, double high, std::string_view advice = "") const {
         return factors(std::array{fallback}, low, high, advice)[0];

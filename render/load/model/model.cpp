@@ -44,8 +44,7 @@ CameraDescription framing(const Box& box, const FilmDescription& film) {
     return camera;
 }
 
-// Of the world, whose y is up. In front of it, white things, mirrors and boxes can be seen: what is lit is brighter than what is
-// behind it, and no two sides are equal.
+// From unit direction d, y up: docs/scenes.md, "Formats". Not uniform, so that white things and mirrors stand out.
 float sky_radiance(const Vec3f& d) {
     static const Vec3f lamp = Vec3f(normalize(Vec3d(0.5, 0.8, 0.6)));
     return 0.6f + 0.4f * d.y + 4 * exp_nonpositive(std::min(20 * (dot(d, lamp) - 1), 0.0f));

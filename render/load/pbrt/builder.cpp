@@ -341,8 +341,9 @@ void SceneBuilder::finish(const SourceLocation& end) {
         }
     }
     if (diagnostics_.errors().empty()) {
-        for (const std::uint32_t i : mixtures_of_themselves(scene_.materials))
-            diagnostics_.error(scene_.materials[i].location, "Material \"mix\": is made of itself, or more than 256 deep");
+        for (const std::uint32_t i : endless_mixtures(scene_.materials))
+            diagnostics_.error(scene_.materials[i].location,
+                               "Material \"mix\": is made of itself, more than 256 deep, or of more than 10,000 materials");
     }
     for (const std::uint32_t i : sums_of_too_many(scene_.media))
         diagnostics_.error(scene_.media[i].location, fmt::format("medium \"{}\": is a sum of itself, or of more than {} media",
@@ -359,6 +360,9 @@ void SceneBuilder::finish(const SourceLocation& end) {
             diagnostics_.note(where, "S: tangents are ignored: the material is isotropic");
         }
     }
+    if (!scene_.media.empty() && scene_.integrator == "path")
+        diagnostics_.note(scene_.media.front().location,
+                          "media are rendered, which the integrators \"path\" and \"simplepath\" of pbrt-v4 leave out");
     bool is_translucent = false;
     const auto resolve = [&](ShapeDescription& shape) {
         const MaterialUse& use = uses_[shape.material];

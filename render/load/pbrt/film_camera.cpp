@@ -115,7 +115,10 @@ void read_integrator(const std::string& type, const ParameterList& list, bool re
         "it belongs to another integrator");
     if (replaced) return list.report_unused();
     if (is_among(pbrt_replacements(), "Integrator", type)) {
-        list.note(fmt::format("Integrator \"{}\" is replaced by \"path\", which renders the same picture", type));
+        const bool finds_caustics = type == "mlt" || type == "sppm";
+        scene.integrator = finds_caustics ? "bdpt" : "path";
+        list.note(fmt::format("Integrator \"{}\" is replaced by \"{}\"{}", type, scene.integrator,
+                              finds_caustics ? ", which finds fewer caustics: those behind glass or water stay noisy" : ""));
     } else if (!is_among(pbrt_features(), "Integrator", type)) {
         list.error(unsupported("Integrator", type) + "; choose one with --integrator");
     }
