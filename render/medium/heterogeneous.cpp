@@ -190,7 +190,10 @@ float HeterogeneousMedium::multiply_transmittance(Extinction& extinction, const 
 MediumStep HeterogeneousMedium::scatter_at(const Segment& segment, float t, SampleState& sample, SampledSpectrum& value) const {
     return with_extinction(sample, [&](auto extinction) {
         const UnitLine line = unit_line(segment);
-        const auto sigma_t = extinction.at(line.o + line.d * t);
+        const Vec3f p = line.o + line.d * t;
+        const bool is_empty = is_empty_at(p);
+        if (is_empty) value = SampledSpectrum(0.0f);
+        const auto sigma_t = is_empty ? decltype(extinction.at(p))(0.0f) : extinction.at(p);
         extinction.multiply_scattering(value);
         return vertex(extinction, t, multiply_transmittance(extinction, line, t, sample, value), sigma_t);
     });

@@ -48,8 +48,11 @@ class HeterogeneousMedium : public Medium {
 
     std::uint32_t reference_sigma_t() const { return reference_sigma_t_; }
     Vec3f unit_point(const Vec3f& p) const { return Vec3f(unit_from_world_.point(Vec3d(p))); }
+    static bool is_in_unit_cube(const Vec3f& q) { return std::min({q.x, q.y, q.z}) >= 0 && std::max({q.x, q.y, q.z}) <= 1; }
 
  private:
+    // Coefficients mean nothing there.
+    bool is_empty_at(const Vec3f& q) const { return outside_.max == 0 && !is_in_unit_cube(q); }
     struct UnitLine {
         Vec3f o, d;  // d: per metre
     };

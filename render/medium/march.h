@@ -53,6 +53,10 @@ class March {
     bool meets_interface() const { return hit_ && is_interface(hit_->material); }
     // Goes on behind that surface, whatever it is made of.
     void cross();
+    // For a line whose medium is a guess: the surface that it meets first knows better.
+    void begin_in_medium_before_hit() {
+        if (hit_) segment_.medium = media_at(*hit_).towards(-ray_.d, hit_->ng, segment_.medium);
+    }
 
  private:
     // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the

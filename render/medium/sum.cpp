@@ -92,7 +92,7 @@ void SumMedium::each_at(const Vec3f& p, Visit visit) const {
             continue;
         }
         const Vec3f q = placed.unit_from_sum.point(p);
-        if (std::min({q.x, q.y, q.z}) >= 0 && std::max({q.x, q.y, q.z}) <= 1) visit(placed.part, q);
+        if (is_in_unit_cube(q)) visit(placed.part, q);
     }
 }
 

@@ -116,6 +116,7 @@ class Path {
         if (!lights_[i].sample_point(at.p, {}, {}, {}, point)) return;
         SampledSpectrum value = beta_;
         const float walk_pdf = medium.scatter_at(segment_, t, sample_, value).density;
+        if (value.is_black()) return;
         LineOfSight line;
         if (!receive(at, medium.phase(at.p, sample_), lights_[i], point, medium_, value, line)) return;
         const float power = lights_.probability(i), place = lights_.probability(i, at.p, {});

@@ -69,7 +69,6 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
     float radius = geometry.radius();
     if (world->medium_at_infinity_ != kNone) {
         const std::optional<Box> box = world->medium(world->medium_at_infinity_).box();
-        world->is_open_ = box.has_value();
         const double reach = box ? box->reach(Vec3d(geometry.center())) : 0;
         if (reach > kFarthest)
             return refused(

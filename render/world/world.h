@@ -48,9 +48,9 @@ class World {
     const Medium& medium(std::uint32_t i) const { return *media_[i]; }
     bool has_media() const { return !media_.empty(); }
     bool has_dispersion() const { return has_dispersion_; }
-    // What is beyond everything. Light from infinity comes through no medium without end.
+    // What is beyond everything, where no surface says otherwise. Light from infinity comes through no medium without end.
     std::uint32_t medium_at_infinity() const { return medium_at_infinity_; }
-    bool is_open() const { return is_open_; }
+    bool is_endless(std::uint32_t medium) const { return medium != kNone && !media_[medium]->box(); }
 
     // What the surface at `hit` does to light; valid as long as `spectra` stays at this sample.
     Bsdf bsdf(const SurfaceHit& hit, SampledSpectra& spectra, std::uint32_t kept) const {
@@ -93,7 +93,6 @@ class World {
     std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<LightSet> lights_;
     std::uint32_t medium_at_infinity_ = kNone;
-    bool is_open_ = true;
     bool has_dispersion_ = false, has_interfaces_ = false;
 };
 

@@ -340,6 +340,25 @@ TEST(GridMedium, PathAndBdptAgreeOnACloud) {
     expect_path_and_bdpt_agree(scene, 4096, 4096);
 }
 
+// Also where the surfaces that bound it leave room around its box.
+TEST(GridMedium, IsEmptyOutsideItsBox) {
+    const std::string around =
+        "\"point3 p0\" [-.3 -.3 -.3] \"point3 p1\" [.3 .3 .3] \"rgb sigma_s\" [2 3 4] \"rgb sigma_a\" [.5 .3 .1] ";
+    for (const std::string& kind : {"\"cloud\" \"float density\" 4 " + around,
+                                    "\"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 \"float density\" [" +
+                                        repeated("2 ", 8) + "] " + around}) {
+        const Scene scene = scene_from(
+            "LookAt 0 -3 .8  0 0 .2  0 0 1\nCamera \"perspective\" \"float fov\" 30\nIntegrator \"volpath\" \"integer maxdepth\" "
+            "2\n"
+            "WorldBegin\nLightSource \"point\" \"point3 from\" [.9 -.6 .5]\n" +
+            ball_of("MakeNamedMedium \"m\" \"string type\" " + kind + "\n"));
+        const Mean path = mean_of_picture(scene, {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
+                   bdpt = mean_of_picture(scene, {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000);
+        EXPECT_NEAR(path.xyz[1], bdpt.xyz[1], 4.5 * std::hypot(path.error[1], bdpt.error[1]));
+        EXPECT_LT(path.error[1] + bdpt.error[1], 0.05 * bdpt.xyz[1]);
+    }
+}
+
 TEST(CloudMedium, PathAndBdptAgreeOnACloudOfNoise) {
     const std::string medium =
         "AttributeBegin\nTranslate -.6 -.6 -.6\nRotate 90 1 0 0\nScale 1.2 1.2 -1.2\nMakeNamedMedium \"m\" \"string type\" "

@@ -533,6 +533,23 @@ TEST(PointsOnSurfaces, AreInTheMediumOnTheSideThatALineLeadsTo) {
     }
 }
 
+// Whose walls, as they are no interfaces, say nothing of the vacuum outside.
+TEST(Furnace, BdptSeesTheSkyThroughTheWindowOfAFoggyRoom) {
+    const Scene scene = scene_from(
+        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"spectrum sigma_a\" [360 .02 830 .01] \"spectrum sigma_s\" [360 "
+        ".1 830 "
+        ".2]\nMediumInterface \"\" \"fog\"\nLookAt 0 0 -1.9  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 60\nIntegrator "
+        "\"volpath\" \"integer maxdepth\" 4\nWorldBegin\nMediumInterface \"\" \"\"\nLightSource \"infinite\"\n"
+        "Material \"diffuse\" \"spectrum reflectance\" [360 .7 830 .6]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -2  1 -1 -2  1 1 -2  -1 1 -2  -1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer "
+        "indices\" [0 "
+        "1 2 0 2 3  4 5 6 4 6 7  0 1 5 0 5 4  2 3 7 2 7 6  0 3 7 0 7 4]\n"
+        "MediumInterface \"fog\" \"\"\nMaterial \"interface\"\n"
+        "Shape \"trianglemesh\" \"point3 P\" [1 -1 -2  1 1 -2  1 1 2  1 -1 2] \"integer indices\" [0 1 2 0 2 3]\n");
+    expect_equal(mean_of_picture(scene, {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
+                 mean_of_picture(scene, {.kind = IntegratorKind::kBdpt, .seed = 2}, 40'000));
+}
+
 // What is near an interface is not on it, however large the scene is.
 TEST(PointsOnSurfaces, DoNotIncludeThoseNearThem) {
     const std::string fog =

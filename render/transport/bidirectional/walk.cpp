@@ -50,7 +50,6 @@ void SubpathWalk::trace_light() {
     step.medium = light.is_infinite() ? world_.medium_at_infinity() : ray.medium;
     if (light.is_delta() && !light.is_infinite()) step.medium = world_.medium_at_start(ray.at.p, ray.d, step.medium, sample_);
     if (!(ray.pdf_direction > 0)) return;
-    if (light.is_infinite() && !world_.is_open()) return;  // nothing comes through
     step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
     if (!light.multiply_emission(ray.point(), ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
     walk(light_subpath_, false, step);
@@ -96,7 +95,12 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const bool from_infinity = !from_camera && i == 1 && step.parallel;
     const Ray ray = (from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d)).at_time(sample_.time);
     LineOfSight line;
-    for (March march(world_.geometry(), ray, step.medium);; march.cross()) {
+    March march(world_.geometry(), ray, step.medium);
+    if (from_infinity) {
+        march.begin_in_medium_before_hit();
+        if (world_.is_endless(march.segment().medium)) return false;  // no light comes through
+    }
+    for (;; march.cross()) {
         const Segment& segment = march.segment();
         const std::optional<SurfaceHit>& hit = march.hit();
         step.medium = segment.medium;
