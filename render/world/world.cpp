@@ -4,7 +4,10 @@
 
 #include <algorithm>
 
+#include "render/light/scene_ball.h"
 #include "render/medium/make_medium.h"
+#include "render/sampling/random.h"
+#include "render/sampling/warp.h"
 #include "render/world/texture_point.h"
 
 namespace latent::render {
@@ -110,8 +113,23 @@ Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kep
     return bsdf;
 }
 
-// Where a straight line from the camera, through everything, ends.
+// What the first surfaces that are met from outside have on that side: preferably a medium that light comes through. If they say
+// nothing, for their sides are equal: where a straight line from the camera, through everything, ends.
 std::uint32_t World::find_medium_at_infinity() const {
+    constexpr int kLines = 4096;
+    const SceneBall ball{geometry_->center(), 1.001f * geometry_->radius()};
+    std::optional<std::uint32_t> endless;
+    Random random(0);
+    for (int i = 0; i < kLines && ball.radius > 0; ++i) {
+        const Uniform u = random(), v = random(), x = random(), y = random();
+        const LightRay line = ball.sample_ray(sample_sphere(u, v), 1, x, y);
+        const std::optional<SurfaceHit> hit = geometry_->intersect({line.at.p, line.d});
+        if (!hit || hit->inside_medium == hit->outside_medium) continue;
+        const std::uint32_t outside = media_at(*hit).towards(-line.d, hit->ng, kNone);
+        if (!is_endless(outside)) return outside;
+        endless = outside;
+    }
+    if (endless) return *endless;
     const Ray ray{camera_.center(), camera_.axis()};
     March march(*geometry_, ray, render::medium_at_start(*geometry_, ray, camera_.medium()));
     while (march.hit()) march.cross();

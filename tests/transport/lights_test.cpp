@@ -544,6 +544,7 @@ TEST(Furnace, BdptSeesTheSkyThroughTheWindowOfAFoggyRoom) {
         "Shape \"trianglemesh\" \"point3 P\" [-1 -1 -2  1 -1 -2  1 1 -2  -1 1 -2  -1 -1 2  1 -1 2  1 1 2  -1 1 2] \"integer "
         "indices\" [0 "
         "1 2 0 2 3  4 5 6 4 6 7  0 1 5 0 5 4  2 3 7 2 7 6  0 3 7 0 7 4]\n"
+        "Shape \"trianglemesh\" \"point3 P\" [1 -1 -4  5 -1 -4  5 -1 4  1 -1 4] \"integer indices\" [0 2 1 0 3 2]\n"
         "MediumInterface \"fog\" \"\"\nMaterial \"interface\"\n"
         "Shape \"trianglemesh\" \"point3 P\" [1 -1 -2  1 1 -2  1 1 2  1 -1 2] \"integer indices\" [0 1 2 0 2 3]\n");
     expect_equal(mean_of_picture(scene, {.kind = IntegratorKind::kPath, .seed = 1}, 40'000),
