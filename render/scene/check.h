@@ -20,7 +20,7 @@ Refusals check_camera(const CameraDescription& camera);
 Refusals check_area_light(const ShapeDescription& shape);
 // Whether a quadric is not placed by a rotation, translation, mirroring and uniform scale alone.
 bool is_stretched(const ShapeDescription& quadric);
-// Textures that are made of themselves, or of others more than 256 deep: index and reason.
+// Textures that are made of themselves, of others more than 256 deep, or of more than 10,000: index and reason.
 std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures);
 // Mixtures that are made of themselves, more than 256 deep, or of more than 10,000 materials.
 std::vector<std::uint32_t> endless_mixtures(const std::vector<MaterialDescription>& materials);
