@@ -295,17 +295,15 @@ TEST(GridMedium, InsideEmissiveMatterOneSeesItsRadiance) {
     const color::Spectrum blackbody = color::Spectrum::blackbody(4000).value();
     double luminance_sum = 0;
     for (int nm = 360; nm <= 830; ++nm) luminance_sum += blackbody(nm) * color::Observer::cie1931().at(nm)[1];
+    const std::string ones = "\"string type\" \"uniformgrid\" " + half + grid + "\"float density\" [" + repeated("1 ", 8) + "] ";
     struct Case {
         std::string medium;
         double y;
     };
     for (const Case& c :
          {Case{"\"string type\" \"homogeneous\" " + half + "\"blackbody Le\" 3000 \"float Lescale\" 3", 3},
-          Case{"\"string type\" \"uniformgrid\" " + half + grid + "\"float density\" [" + repeated("1 ", 8) +
-                   "] \"rgb Le\" [1 1 1] \"float Lescale\" [" + repeated("2 ", 8) + "]",
-               2},
-          Case{"\"string type\" \"uniformgrid\" " + half + grid + "\"float density\" [" + repeated("1 ", 8) +
-                   "] \"float temperature\" [" + repeated("500 ", 8) +
+          Case{ones + "\"rgb Le\" [1 1 1] \"float Lescale\" [" + repeated("2 ", 8) + "]", 2},
+          Case{ones + "\"float temperature\" [" + repeated("500 ", 8) +
                    "] \"float temperatureoffset\" 100 \"float temperaturescale\" 10 ",
                luminance_sum},
           Case{"\"string type\" \"rgbgrid\" " + grid + "\"rgb sigma_a\" [" + repeated(".5 .6 .7 ", 8) + "] \"rgb sigma_s\" [" +
