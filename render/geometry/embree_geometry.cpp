@@ -5,6 +5,7 @@
 #include "render/geometry/coordinates.h"
 #include "render/geometry/embree_shapes.h"
 #include "render/geometry/emitters.h"
+#include "render/geometry/holes.h"
 #include "render/geometry/surface.h"
 #include "render/scene/hair.h"
 #include "render/scene/quadric.h"
@@ -23,11 +24,25 @@ PlacedShape place(const ShapeDescription& shape, const std::vector<MaterialDescr
     return placed;
 }
 
+// Interfaces, or others that part media.
+bool has_media_at_surfaces(const std::vector<PlacedShape>& shapes) {
+    return std::any_of(shapes.begin(), shapes.end(),
+                       [](const PlacedShape& placed) { return placed.parts_media() || placed.shape.material == kNone; });
+}
+
+void make_interface(SurfaceHit& hit) { hit.material = hit.emitter = kNone; }
+
 RTCRay embree_ray(const Ray& ray) {
     return {ray.o.x, ray.o.y, ray.o.z, 0, ray.d.x, ray.d.y, ray.d.z, ray.time, ray.t_max, 0xFFFFFFFFu, 0, 0};
 }
 
 }  // namespace
+
+bool contains(const SurfaceHit& hit, const Interaction& at) {
+    const auto size = [](const Vec3f& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
+    const Vec3f to = at.p - hit.p;
+    return std::abs(dot(hit.ng, to)) <= (hit.error + at.error) * size(hit.ng) + kRayError * length(to);
+}
 
 Result<std::unique_ptr<Geometry>> Geometry::build(const SceneDescription& scene, const std::string& simd, const Opacity* opacity) {
     Result<std::unique_ptr<EmbreeGeometry>> geometry = EmbreeGeometry::build(scene, simd, opacity);
@@ -46,7 +61,8 @@ void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) 
 
 SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
     SceneHandle scene(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene.get(),
+                     finds_surfaces_at_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_ROBUST);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (shapes[i].is_invisible()) continue;
         RTCGeometry geometry = new_geometry(device_.get(), shapes[i]);
@@ -75,6 +91,8 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
         std::vector<PlacedShape>& shapes = self->world_.objects.emplace_back();
         for (const ShapeDescription& shape : object.shapes) shapes.push_back(place(shape, description.materials));
     }
+    self->finds_surfaces_at_ = has_media_at_surfaces(self->world_.shapes) ||
+                               std::any_of(self->world_.objects.begin(), self->world_.objects.end(), has_media_at_surfaces);
     for (std::vector<PlacedShape>& shapes : self->world_.objects) {
         self->object_scenes_.push_back(self->new_scene(shapes));
         rtcCommitScene(self->object_scenes_.back().get());
@@ -130,18 +148,29 @@ void EmbreeGeometry::find_bounds() {
     radius_ = length(high - low) * 0.5f * 1.00001f;
 }
 
-std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const { return intersect(ray, nullptr); }
+std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
+    std::optional<SurfaceHit> hit = intersect_any(ray, nullptr);
+    if (hit && world_.shape(hit->on).has_met_holes() && is_hole_at(hit->p, ray.d, opacity_at(world_, *hit))) make_interface(*hit);
+    return hit;
+}
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect_whole(const Ray& ray, float& passed) const {
     std::vector<PassedSurface> each;
-    const std::optional<SurfaceHit> hit = intersect(ray, &each);
+    std::optional<SurfaceHit> hit = intersect_any(ray, &each);
     for (const PassedSurface& surface : each) {
         if (!hit || surface.t < hit->t) passed *= surface.share;
+    }
+    if (hit && world_.shape(hit->on).has_met_holes()) {
+        const float opacity = opacity_at(world_, *hit);
+        if (opacity < 1) {
+            if (hit->material != kNone) passed *= 1 - std::max(opacity, 0.0f);
+            make_interface(*hit);
+        }
     }
     return hit;
 }
 
-std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<PassedSurface>* passed) const {
+std::optional<SurfaceHit> EmbreeGeometry::intersect_any(const Ray& ray, std::vector<PassedSurface>* passed) const {
     if (!is_traceable(ray.o, ray.d)) return std::nullopt;
     TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max, .passed_each = passed};
     rtcInitIntersectContext(&context.embree);
@@ -152,13 +181,37 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray, std::vector<
     const RTCHit& found = rayhit.hit;
     if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
-    const Vec3d p = Vec3d(ray.o) + Vec3d(ray.d) * rayhit.ray.tfar;
-    const PrimitivePoint on{found.instID[0], found.geomID, found.primID, {found.u, found.v}, ray.time};
+    return surface_on({found.instID[0], found.geomID, found.primID, {found.u, found.v}, ray.time}, ray, rayhit.ray.tfar);
+}
+
+SurfaceHit EmbreeGeometry::surface_on(const PrimitivePoint& on, const Ray& ray, float t) const {
+    const Vec3d p = Vec3d(ray.o) + Vec3d(ray.d) * t;
     std::optional<PlacedInstance> room;
-    std::optional<SurfaceHit> hit =
-        surface_at(world_, on, on.instance == kNone ? p : world_.instance(on, room).object_from_world.point(p));
-    hit->t = rayhit.ray.tfar;
+    SurfaceHit hit = surface_at(world_, on, on.instance == kNone ? p : world_.instance(on, room).object_from_world.point(p));
+    hit.t = t;
     return hit;
+}
+
+std::vector<SurfaceHit> EmbreeGeometry::surfaces_at(const Interaction& at, const Vec3f& d, float time,
+                                                    const PrimitivePoint* except) const {
+    std::vector<SurfaceHit> surfaces;
+    // From a little before the point to a little behind: from the point itself a ray meets a surface or not, as it rounds.
+    const float reach = 0x1p-18f * radius_;
+    const Ray around{at.p - d * reach, d, 2 * reach, time};
+    if (!finds_surfaces_at_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
+    std::vector<MetSurface> met;
+    TraceContext context{.embree = {}, .world = &world_, .t_max = around.t_max, .met = &met};
+    rtcInitIntersectContext(&context.embree);
+    context.embree.filter = gather_met;
+    RTCRay shadow = embree_ray(around);
+    rtcOccluded1(scene_.get(), &context.embree, &shadow);
+    for (const MetSurface& surface : met) {
+        const PrimitivePoint& on = surface.on;
+        if (except && on.instance == except->instance && on.shape == except->shape && on.primitive == except->primitive) continue;
+        const SurfaceHit hit = surface_on(on, around, surface.t);
+        if (contains(hit, at)) surfaces.push_back(hit);
+    }
+    return surfaces;
 }
 
 SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { return coordinates_at(world_, hit); }

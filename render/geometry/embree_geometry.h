@@ -31,10 +31,14 @@ class EmbreeGeometry final : public Geometry {
     std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const override;
     bool occluded(const Ray& ray) const override;
     float passed(const Ray& ray) const override;
+    std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
+                                        const PrimitivePoint* except) const override;
     SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
 
  private:
-    std::optional<SurfaceHit> intersect(const Ray& ray, std::vector<PassedSurface>* passed) const;
+    // Whatever is met in a hole: as the surface that it is.
+    std::optional<SurfaceHit> intersect_any(const Ray& ray, std::vector<PassedSurface>* passed) const;
+    SurfaceHit surface_on(const PrimitivePoint& on, const Ray& ray, float t) const;
     static void keep_fault(void* self, RTCError code, const char* message);
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
     // All of them; those that move come last.
@@ -47,6 +51,7 @@ class EmbreeGeometry final : public Geometry {
     std::vector<SceneHandle> object_scenes_;
     std::vector<MovingGeometry> moving_;  // Embree points to them
     SceneHandle scene_;
+    bool finds_surfaces_at_ = false;  // else surfaces_at has nothing to say about media, and Embree's rays are faster
 };
 
 }  // namespace latent::render

@@ -1,11 +1,9 @@
 #include "render/geometry/embree_shapes.h"
 
-#include "render/geometry/coordinates.h"
-#include "render/geometry/opacity.h"
+#include "render/geometry/holes.h"
 #include "render/geometry/surface.h"
 #include "render/geometry/tube.h"
 #include "render/math/next_float.h"
-#include "render/sampling/random.h"
 #include "render/scene/bounds.h"
 
 namespace latent::render {
@@ -21,22 +19,21 @@ bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay
     const PlacedWorld& world = *context.world;
     const PlacedShape& placed = world.shape(on);
     if (placed.hollow && dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0) return true;
-    if (!placed.has_holes()) return false;
-    const FloatInput& alpha = placed.shape.alpha;
-    if (alpha.is_textured() && world.opacity == nullptr) return false;
+    if (!placed.has_open_holes()) return false;
+    if (context.met != nullptr) return true;
     const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
-    const float share = alpha.is_textured() ? world.opacity->at(alpha, hit, coordinates_at(world, hit)) : alpha.value;
-    if (share >= 1) return false;
-    if (!(share > 0)) return true;
+    const float opacity = opacity_at(world, hit);
+    if (opacity >= 1) return false;
+    if (!(opacity > 0)) return true;
     if (context.passed != nullptr) {
-        *context.passed *= 1 - share;
+        *context.passed *= 1 - opacity;
         return true;
     }
-    if (context.passed_each != nullptr && hit.material != kNone) {
-        context.passed_each->push_back({static_cast<float>(t), 1 - share});
+    if (context.passed_each != nullptr) {
+        context.passed_each->push_back({static_cast<float>(t), 1 - opacity});
         return true;
     }
-    return static_cast<float>(mix(mix(0, hit.p), direction_of(ray)) >> 40) * 0x1p-24f >= share;
+    return is_hole_at(hit.p, direction_of(ray), opacity);
 }
 
 // The box of a primitive of user geometry, in floats that contain it.
@@ -102,8 +99,15 @@ void intersect_user(const RTCIntersectFunctionNArguments* args) {
 void occluded_user(const RTCOccludedFunctionNArguments* args) {
     if (args->N != 1 || args->valid[0] == 0) return;
     RTCRay& ray = *reinterpret_cast<RTCRay*>(args->ray);
-    if (first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, ray))
+    const std::optional<ExactHit> hit =
+        first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, ray);
+    if (!hit) return;
+    if (std::vector<MetSurface>* met = trace_context(args->context).met) {
+        const Vec2f uv{static_cast<float>(hit->u), static_cast<float>(hit->v)};
+        met->push_back({{args->context->instID[0], args->geomID, args->primID, uv, ray.time}, static_cast<float>(hit->t)});
+    } else {
         ray.tfar = -kInfinity;
+    }
 }
 
 // Of a mesh or tube with holes: lets a ray through them.
@@ -141,7 +145,7 @@ void settle_hit(const RTCFilterFunctionNArguments* args) {
         return;
     }
     hit.u = static_cast<float>(settled->u);
-    if (!placed.has_holes()) return;
+    if (!placed.has_open_holes()) return;
     TraceContext& context = trace_context(args->context);
     const PassedTube crossing{context.embree.instID[0], hit.geomID, hit.primID, settled->leaves, settled->t * length(d),
                               tube.radius(settled->u)};
@@ -200,6 +204,15 @@ RTCGeometry new_user_geometry(RTCDevice device, PlacedShape& placed) {
 }
 
 }  // namespace
+
+void gather_met(const RTCFilterFunctionNArguments* args) {
+    if (args->N != 1 || args->valid[0] == 0) return;
+    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+    const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+    const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}, ray.time};
+    trace_context(args->context).met->push_back({on, ray.tfar});
+    args->valid[0] = 0;
+}
 
 RTCGeometry new_geometry(RTCDevice device, PlacedShape& placed) {
     switch (placed.shape.kind) {

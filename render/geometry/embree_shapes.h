@@ -12,6 +12,11 @@ namespace latent::render {
 struct PassedSurface {
     float t, share;
 };
+// A surface that a ray meets, in no order.
+struct MetSurface {
+    PrimitivePoint on;
+    float t;
+};
 // Where a ray passes a tube through a hole. In the space of the tube: the distance from the ray's origin, and the radius.
 struct PassedTube {
     std::uint32_t instance, shape, segment;
@@ -25,11 +30,16 @@ struct TraceContext {
     const PlacedWorld* world;
     float t_max;  // of the ray: Embree's own shrinks to the hits that it finds
     // Surfaces that are there in part let every ray pass, and this gathers what they let pass: the product, or each by itself,
-    // in any order. Neither: a hash decides, as it does for interfaces, behind which there is one medium or the other.
+    // in any order. Neither: a hash decides.
     float* passed = nullptr;
     std::vector<PassedSurface>* passed_each = nullptr;
+    // Of a shadow ray, which then nothing stops: all surfaces on its way but those with holes that are not met.
+    std::vector<MetSurface>* met = nullptr;
     std::vector<PassedTube> passed_tubes{};  // Embree may find a crossing of a tube more than once; it counts once
 };
+
+// Embree's filter for that.
+void gather_met(const RTCFilterFunctionNArguments* args);
 
 // `placed` stays where it is.
 RTCGeometry new_geometry(RTCDevice device, PlacedShape& placed);

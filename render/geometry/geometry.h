@@ -65,10 +65,13 @@ struct Emitter {
     std::uint32_t inside_medium = kNone, outside_medium = kNone;
 };
 
+// Whether the surface, as a plane at the hit, contains a point to within what is known of both.
+bool contains(const SurfaceHit& hit, const Interaction& at);
+
 class Opacity;
 
 // A surface of alpha a is met with probability a, which a hash of the place and of the ray's direction decides. So light passes it
-// as it passes fine holes: straight on, as it is.
+// as it passes fine holes: straight on, as it is. Between two media, what is met in a hole is an interface.
 class Geometry {
  public:
     // `simd` is an Embree isa name (render/program/simd.h chooses). `opacity` outlives the geometry; null: surfaces whose alpha is
@@ -80,12 +83,16 @@ class Geometry {
 
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
-    // The first surface that is whole, or an interface that is met; `passed` is multiplied by the share of the light that passes
-    // those before it, as in `passed` below.
+    // The first surface that is whole, or an interface; `passed` is multiplied by the share of the light that passes what is there
+    // in part, as in `passed` below, up to there and there.
     virtual std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const = 0;
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
     // The share of the light that passes all surfaces: the expectation of not being occluded, over all decisions.
     virtual float passed(const Ray& ray) const = 0;
+    // The surfaces that contain a point, but that of `except`, where a line along unit d passes; not those with holes that light
+    // passes as it is.
+    virtual std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
+                                                const PrimitivePoint* except = nullptr) const = 0;
     // At a hit that `intersect` returned.
     virtual SurfaceCoordinates coordinates(const SurfaceHit& hit) const = 0;
 

@@ -20,8 +20,12 @@ struct PlacedShape {
     bool hollow = false;  // hair: rays pass it from inside, and the normals of a tube point outwards
 
     bool has_holes() const { return shape.alpha.is_textured() || shape.alpha.value < 1; }
-    bool is_whole() const { return !has_holes() && !hollow; }
-    bool is_invisible() const { return is_nowhere(shape.alpha); }
+    bool parts_media() const { return shape.inside_medium != shape.outside_medium; }
+    // Its holes are an interface, and met; else rays pass through them.
+    bool has_met_holes() const { return has_holes() && (parts_media() || shape.material == kNone); }
+    bool has_open_holes() const { return has_holes() && !has_met_holes(); }
+    bool is_whole() const { return !has_open_holes() && !hollow; }
+    bool is_invisible() const { return is_nowhere(shape.alpha) && !parts_media(); }
 };
 
 struct PlacedInstance {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "render/geometry/geometry.h"
 
@@ -26,9 +27,9 @@ struct MediumInterface {
 };
 inline MediumInterface media_at(const SurfaceHit& hit) { return {hit.inside_medium, hit.outside_medium}; }
 
-// The medium that the line along unit ray.d from a light source or a lens at ray.o begins in: `given`, but on an interface the one
-// on the side that ray.d leads to.
-std::uint32_t medium_at_start(const Geometry& geometry, const Ray& ray, std::uint32_t given);
+// The medium that a line along unit d begins in, at `time`, from a light source or a lens: `given`, but on an interface the one on
+// the side that d leads to.
+std::uint32_t medium_at_start(const Geometry& geometry, const Interaction& at, const Vec3f& d, float time, std::uint32_t given);
 
 // The part of a line that lies in one medium.
 struct Segment {
@@ -38,7 +39,8 @@ struct Segment {
     std::uint32_t index = 0;  // along the line
 };
 
-// Begins on the first segment of the line.
+// Begins on the first segment of the line. Where surfaces lie on one another, those that are interfaces are crossed together, and
+// all others are met, with the media that the interfaces part.
 class March {
  public:
     // Along unit ray.d, without end.
@@ -54,18 +56,15 @@ class March {
     // Goes on behind that surface, whatever it is made of.
     void cross();
     // For a line whose medium is a guess: the surface that it meets first knows better.
-    void begin_in_medium_before_hit() {
-        if (hit_) segment_.medium = media_at(*hit_).towards(-ray_.d, hit_->ng, segment_.medium);
-    }
+    void begin_in_medium_before_hit();
 
  private:
     // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the
     // side that it leads to, in the medium there.
     March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed);
 
-    std::optional<SurfaceHit> next_hit() const {
-        return passed_ == nullptr ? geometry_.intersect(ray_) : geometry_.intersect_whole(ray_, *passed_);
-    }
+    void find_hit();
+    bool passes(const SurfaceHit& surface) const;
 
     const Geometry& geometry_;
     Ray ray_;
@@ -74,6 +73,7 @@ class March {
     float metres_per_t_;
     float* passed_;  // multiplied by the shares that surfaces let pass; null: a hash decides which of them are met
     std::optional<SurfaceHit> hit_;
+    std::vector<SurfaceHit> together_;  // the interfaces at a hit, if there are several, or one under a surface that is none
     Segment segment_;
 };
 

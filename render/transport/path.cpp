@@ -29,7 +29,7 @@ class Path {
         sample_.camera->ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{},
                             lens ? sample_.numbers(Dimension::kLensV) : Uniform{}, origin, d_);
         at_ = {origin, 0, {}};
-        medium_ = world_.medium_at_start(origin, d_, sample_.camera->medium(), sample_);
+        medium_ = world_.medium_at_start(at_, d_, sample_.camera->medium(), sample_);
         Scattering scattering;
         for (; find_vertex(scattering) && depth_ < max_depth_; ++depth_) {
             if (!scattering.is_delta()) sample_light(scattering);

@@ -60,7 +60,10 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
                             depth, kDeepestCell));
     }
     const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
-        return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) { return is_interface(s.material); });
+        return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) {
+            const bool is_whole = !s.alpha.is_textured() && s.alpha.value >= 1;
+            return is_interface(s.material) || (!is_whole && s.inside_medium != s.outside_medium);
+        });
     };
     world->has_interfaces_ =
         has_interface(scene.shapes) || std::any_of(scene.objects.begin(), scene.objects.end(),
@@ -131,7 +134,7 @@ std::uint32_t World::find_medium_at_infinity() const {
     }
     if (endless) return *endless;
     const Ray ray{camera_.center(), camera_.axis()};
-    March march(*geometry_, ray, render::medium_at_start(*geometry_, ray, camera_.medium()));
+    March march(*geometry_, ray, render::medium_at_start(*geometry_, {ray.o, 0, {}}, ray.d, ray.time, camera_.medium()));
     while (march.hit()) march.cross();
     return march.segment().medium;
 }

@@ -60,10 +60,10 @@ class World {
         return material.is_textured() ? textured_bsdf(hit, point, kept) : material.bsdf(hit, point, kept);
     }
 
-    // The medium in which the sample's line along unit d begins that leaves a light source or a lens at o, which was said to be in
+    // The medium in which the sample's line along unit d begins that leaves a light source or a lens, which was said to be in
     // `given`.
-    std::uint32_t medium_at_start(const Vec3f& o, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
-        return has_media() ? render::medium_at_start(*geometry_, Ray{o, d}.at_time(sample.time), given) : kNone;
+    std::uint32_t medium_at_start(const Interaction& at, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
+        return has_media() ? render::medium_at_start(*geometry_, at, d, sample.time, given) : kNone;
     }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.

@@ -156,25 +156,57 @@ TEST(Alpha, AShadowRayGathersThroughInterfacesToo) {
     EXPECT_NEAR(blocked.segment().o.z + blocked.segment().length, from.z + 14, 1e-4);
 }
 
-// Half of an interface: behind each of its points, there is fog or there is none.
-TEST(Alpha, AnInterfaceIsThereOrNot) {
-    const Scene scene = scene_from(
-        "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\nMaterial \"interface\"\n"
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb sigma_s\" [1 1 1]\n"
-        "MediumInterface \"fog\" \"\"\n" +
-        std::string(kQuad) + "\"float alpha\" .5\n");
-    const std::unique_ptr<World> world = scene.world();
-    const Vec3f from = Vec3f{0, 0, 1} - Vec3f(scene.description.origin);
-    constexpr int kCount = 4096;
-    int met = 0;
-    for (int i = 0; i < kCount; ++i) {
-        float passed = 1;
-        const Vec3f o = from + Vec3f{static_cast<float>(i % 64 - 32) / 40, static_cast<float>(i / 64 - 32) / 40, 0};
-        const March march(world->geometry(), {o, {0, 0, -1}, 2}, 2, kNone, passed);
-        EXPECT_EQ(passed, 1);
-        met += march.meets_interface();
+const char* const kFog =
+    "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .2 .3] \"rgb sigma_s\" [.9 .6 .7]\n";
+
+// Where light passes a surface between two media, the medium changes, whatever the surface is made of.
+TEST(Alpha, BetweenMediaAHoleIsAnInterface) {
+    struct Case {
+        const char* material;
+        float passed;
+        double met;
+    };
+    for (const Case& c : {Case{"interface", 1, 1}, Case{"diffuse", 0.625f, 0.625}}) {
+        SCOPED_TRACE(c.material);
+        const Scene scene =
+            scene_from(fmt::format("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\nMaterial \"{}\"\n{}MediumInterface "
+                                   "\"fog\" \"\"\n{}\"float alpha\" .375\n",
+                                   c.material, kFog, kQuad));
+        const std::unique_ptr<World> world = scene.world();
+        const Vec3f from = Vec3f{0, 0, 1} - Vec3f(scene.description.origin);
+        constexpr int kCount = 4096;
+        int open = 0;
+        for (int i = 0; i < kCount; ++i) {
+            float passed = 1;
+            const Vec3f o = from + Vec3f{static_cast<float>(i % 64 - 32) / 40, static_cast<float>(i / 64 - 32) / 40, 0};
+            March shadow(world->geometry(), {o, {0, 0, -1}, 2}, 2, kNone, passed);
+            EXPECT_TRUE(shadow.meets_interface());
+            EXPECT_EQ(passed, c.passed);
+            shadow.cross();
+            EXPECT_EQ(shadow.segment().medium, 0u);
+            const March march(world->geometry(), {o, {0, 0, -1}}, kNone);
+            ASSERT_TRUE(march.hit());
+            open += march.meets_interface();
+        }
+        EXPECT_NEAR(open, c.met * kCount, 4.5 * std::sqrt(kCount) / 2);
     }
-    EXPECT_NEAR(met, kCount / 2.0, 4.5 * std::sqrt(kCount) / 2);
+}
+
+// So a place is in one medium, whichever way light comes there.
+TEST(Alpha, PathAndBdptAgreeOnMediaBehindHoles) {
+    for (const char* ball : {"\"interface\"", "\"diffuse\" \"rgb reflectance\" [.2 .5 .8]", "\"dielectric\" \"float roughness\" .3",
+                             "\"diffuse\" \"texture alpha\" \"holes\""}) {
+        SCOPED_TRACE(ball);
+        std::string material = ball, alpha = "\"float alpha\" .4";
+        if (const std::size_t cut = material.find("\"texture"); cut != std::string::npos) {
+            alpha = material.substr(cut);
+            material.resize(cut);
+        }
+        expect_path_and_bdpt_agree(
+            scene_from(floor_under_sky(4, ".2 .3 .6") + "Texture \"holes\" \"float\" \"fbm\"\n" + kFog + "Material " + material +
+                       "\nMediumInterface \"fog\" \"\"\nTranslate 0 0 1\nShape \"sphere\" \"float radius\" .7 " + alpha + "\n"),
+            4096, 2048);
+    }
 }
 
 // Leaves before a lamp and the sky, with holes by a texture and by a number; a ball of fog about some of them.

@@ -2,6 +2,9 @@
 // one, and reach as far as the line does.
 #include "render/medium/march.h"
 
+#include <random>
+
+#include "tests/transport/picture_mean.h"
 #include "tests/transport/world_builder.h"
 
 namespace latent::render::testing {
@@ -58,6 +61,102 @@ TEST_F(Nested, ALineToAPointIsAsLongAsThePointIsFar) {
         }
         EXPECT_NEAR(total, length(to - from), 1e-5);
         EXPECT_EQ(passed, 1);
+    }
+}
+
+// Boxes of media on a floor, beside one another and in one another, in a place where no coordinate is exact.
+class Touching : public ::testing::Test {
+ protected:
+    static constexpr std::uint32_t kA = 0, kB = 1, kC = 2, kFloor = 3;
+
+    static Vec3d at(double x, double y, double z) {
+        static const Vec3d ex = normalize(Vec3d{3, 1, -2}), ez = normalize(cross(ex, Vec3d{1, 5, 2})), ey = cross(ez, ex);
+        return Vec3d{12.3, -4.56, 7.89} + ex * x + ey * y + ez * z;
+    }
+    static std::string points(std::initializer_list<Vec3d> list) {
+        std::string text;
+        for (const Vec3d& p : list) text += fmt::format("{:.17g} {:.17g} {:.17g}  ", p.x, p.y, p.z);
+        return text;
+    }
+    static std::string box(const char* inside, const char* outside, const Vec3d& l, const Vec3d& h) {
+        return fmt::format(
+            "MediumInterface \"{}\" \"{}\"\nShape \"trianglemesh\" \"point3 P\" [{}] \"integer indices\" [0 2 1 0 3 2  4 5 "
+            "6 4 6 7  0 1 5 0 5 4  3 6 2 3 7 6  1 2 6 1 6 5  0 4 7 0 7 3]\n",
+            inside, outside,
+            points({at(l.x, l.y, l.z), at(l.x, l.y, h.z), at(h.x, l.y, h.z), at(h.x, l.y, l.z), at(l.x, h.y, l.z),
+                    at(l.x, h.y, h.z), at(h.x, h.y, h.z), at(h.x, h.y, l.z)}));
+    }
+    // Those that a line from `from` to `to` passes, from `medium` on, and kFloor where it ends on that.
+    std::vector<std::uint32_t> media_between(const Vec3d& from, const Vec3d& to, std::uint32_t medium) const {
+        const Vec3f o(from - scene_.description.origin), d(to - from);
+        std::vector<std::uint32_t> media;
+        float passed = 1;
+        for (March march(world_->geometry(), {o, d, 1}, length(d), medium, passed);; march.cross()) {
+            if (march.segment().length > 1e-3f) media.push_back(march.segment().medium);
+            if (!march.hit()) break;
+            if (!march.meets_interface()) {
+                media.push_back(kFloor);
+                break;
+            }
+        }
+        return media;
+    }
+
+    const Scene scene_ = scene_from(
+        "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\nMakeNamedMedium \"a\" \"string type\" \"homogeneous\"\n"
+        "MakeNamedMedium \"b\" \"string type\" \"homogeneous\"\nMakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n"
+        "Material \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [" +
+        points({at(-9.1, 0, -8.3), at(8.7, 0, -8.3), at(-9.1, 0, 9.9), at(8.7, 0, 9.9)}) + "]\nMaterial \"interface\"\n" +
+        box("a", "", {-1.1, 0, -1}, {0, 1.3, 1.2}) + box("b", "a", {-0.7, 0, -0.6}, {0, 1, 0.7}) +
+        box("c", "", {0, 0, -1}, {1.7, 1.3, 1.2}));
+    const std::unique_ptr<World> world_ = scene_.world();
+};
+
+// Neither the floor nor the medium behind the next wall is missed, whichever of the surfaces a ray meets first.
+TEST_F(Touching, SurfacesAreAllMet) {
+    using Media = std::vector<std::uint32_t>;
+    std::mt19937 random(1);
+    const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+    for (int i = 0; i < 2000; ++i) {
+        SCOPED_TRACE(i);
+        const Vec3d in_a = at(between(-0.9, -0.8), between(0.1, 0.9), between(-0.5, 0.6)),
+                    in_b = at(between(-0.6, -0.1), between(0.1, 0.9), between(-0.5, 0.6)),
+                    in_c = at(between(0.1, 1.6), between(0.1, 0.9), between(-0.5, 0.6)),
+                    under_b = at(between(-0.6, -0.1), -0.5, between(-0.5, 0.6)),
+                    above_b = at(between(-0.6, -0.1), 2, between(-0.5, 0.6));
+        EXPECT_EQ(media_between(in_a, in_c, kA), (Media{kA, kB, kC}));
+        EXPECT_EQ(media_between(in_c, in_a, kC), (Media{kC, kB, kA}));
+        EXPECT_EQ(media_between(in_b, under_b, kB), (Media{kB, kFloor}));
+        EXPECT_EQ(media_between(under_b, in_b, kNone), (Media{kNone, kFloor}));
+        const Media down = media_between(above_b, under_b, kNone);
+        EXPECT_EQ(down.front(), kNone);
+        EXPECT_EQ(down.back(), kFloor);
+    }
+}
+
+// Light leaves the floor in the medium above it, and a lamp in the lid of a box of fog shines into the fog, and is seen from there.
+TEST_F(Touching, MakeTheSamePictureAsThoseThatDoNot) {
+    const auto scene = [](double apart) {
+        return scene_from("Integrator \"volpath\" \"integer maxdepth\" 4\n" +
+                          fmt::format("LookAt {} {} {}\n", points({at(0, 1.5, -5)}), points({at(0, 0.6, 0)}),
+                                      points({at(0, 1, 0) - at(0, 0, 0)})) +
+                          "Camera \"perspective\" \"float fov\" 30\nWorldBegin\nLightSource \"infinite\" \"float scale\" "
+                          ".3\nMakeNamedMedium \"fog\" \"string "
+                          "type\" \"homogeneous\" \"rgb sigma_a\" [.1 .1 .1] \"rgb sigma_s\" [.9 .8 .7]\nMaterial "
+                          "\"diffuse\"\nShape \"bilinearmesh\" "
+                          "\"point3 P\" [" +
+                          points({at(-9.1, 0, -8.3), at(8.7, 0, -8.3), at(-9.1, 0, 9.9), at(8.7, 0, 9.9)}) +
+                          "]\nAttributeBegin\nMaterial \"interface\"\n" + box("fog", "", {-1, -apart, -1}, {1, 1.3 + apart, 1}) +
+                          "AttributeEnd\nAreaLightSource \"diffuse\" \"float scale\" 2\nMediumInterface \"fog\" \"fog\"\nShape "
+                          "\"bilinearmesh\" \"point3 P\" [" +
+                          points({at(-0.4, 1.3, -0.4), at(0.4, 1.3, -0.4), at(-0.4, 1.3, 0.4), at(0.4, 1.3, 0.4)}) + "]\n");
+    };
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        const Mean touching = mean_of_picture(scene(0), {.kind = kind, .seed = 1}, 60'000);
+        const Mean apart = mean_of_picture(scene(0.0005), {.kind = kind, .seed = 1}, 60'000);
+        for (std::size_t c = 0; c < 3; ++c) {
+            EXPECT_NEAR(touching.xyz[c], apart.xyz[c], 1.5e-3 * apart.xyz[c]) << c;
+        }
     }
 }
 

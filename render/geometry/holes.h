@@ -1,0 +1,14 @@
+// render/geometry/holes.h: surfaces that are there in part.
+#pragma once
+
+#include "render/geometry/placed_shape.h"
+
+namespace latent::render {
+
+// The share of the light that the surface stops at a hit; 1 and more: all of it.
+float opacity_at(const PlacedWorld& world, const SurfaceHit& hit);
+
+// Whether a ray in direction d passes at p through a hole: a hash decides.
+bool is_hole_at(const Vec3f& p, const Vec3f& d, float opacity);
+
+}  // namespace latent::render
