@@ -81,14 +81,14 @@ std::uint64_t LuminanceHistogram::dark() const {
     return sum;
 }
 
-double LuminanceHistogram::log_average(double p_low, double p_high) const {
+double LuminanceHistogram::log_average(double p_low, double p_high, double least) const {
     const double total = static_cast<double>(count()), low = p_low * total, high = p_high * total;
     double below = 0, weight = 0, sum = 0;
     for (std::size_t i = 0; i < kBinCount; ++i) {
         if (bin(i) == 0) continue;
         const double above = below + static_cast<double>(bin(i));
         const double inside = std::min(above, high) - std::max(below, low);  // the part of this bin between the percentiles
-        if (inside > 0) {
+        if (inside > 0 && centre_of(i) >= least) {
             weight += inside;
             sum += inside * std::log2(centre_of(i));
         }
@@ -110,8 +110,8 @@ double LuminanceHistogram::percentile(double p) const {
 }
 
 Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure) {
-    constexpr double kTrim = 0.01;
-    const double average = histogram.log_average(kTrim, 1 - kTrim);
+    constexpr double kTrim = 0.01, kTenStops = 0x1p-10;
+    const double average = histogram.log_average(kTrim, 1 - kTrim, kTenStops * histogram.percentile(0.9));
     if (!(average > 0)) return Error{ErrorCode::kOutOfRange, "no pixel has a positive luminance, so the exposure cannot be chosen"};
     const double sigma = exposure / average;
     const std::string digits = fmt::format("{:.4g}", sigma);

@@ -17,8 +17,8 @@ class LuminanceHistogram {
 
     std::uint64_t count() const;  // of positive finite values
     std::uint64_t dark() const;   // of zeros and negative finite values
-    // exp of the mean log luminance of the pixels between two percentiles.
-    double log_average(double p_low, double p_high) const;
+    // exp of the mean log luminance of the pixels between two percentiles of the positive ones, and not below `least`.
+    double log_average(double p_low, double p_high, double least = 0) const;
     // The luminance that a share `p` of the finite values does not exceed, to 0.8 %; 0 among the dark ones, and of an empty
     // histogram.
     double percentile(double p) const;
@@ -37,7 +37,8 @@ class LuminanceHistogram {
 };
 
 // The sigma that gives the log average of all but the darkest and brightest 1 % this exposure (by default, that which the film
-// prints at y' = 0.18), rounded to 4 digits, so that the number printed is the number used. Errors: kOutOfRange if no pixel has a
+// prints at y' = 0.18), rounded to 4 digits, so that the number printed is the number used. What is ten stops darker than a tenth
+// of the pixels is black in any print, and does not count: noise there would decide. Errors: kOutOfRange if no pixel has a
 // positive luminance.
 Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure = 0.28630418515664108);
 

@@ -97,6 +97,16 @@ TEST(AutoExposure, FollowsTheLightAndIgnoresAFewLamps) {
     EXPECT_NEAR(*auto_sigma(lamps) / *auto_sigma(dim), 1, 0.02);
 }
 
+// A few lit things in the dark, where some light strays.
+TEST(AutoExposure, IgnoresWhatIsBlackInAnyPrint) {
+    const std::vector<float> lit = log_normal(20'000, 0, 1);
+    LuminanceHistogram things, in_the_dark;
+    things.add(lit);
+    in_the_dark.add(lit);
+    in_the_dark.add(log_normal(80'000, -20, 2));
+    EXPECT_NEAR(*auto_sigma(in_the_dark) / *auto_sigma(things), 1, 0.1);  // of the lit, 5 % are trimmed
+}
+
 TEST(AutoExposure, NeedsLight) {
     LuminanceHistogram h;
     EXPECT_FALSE(auto_sigma(h));
