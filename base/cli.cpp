@@ -204,10 +204,9 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 }
 
 CLI::Validator ends_in(const std::string& extension) {
-    const auto check = [extension](const std::string& name) {
-        return std::filesystem::path(name).extension() == extension
-                   ? std::string()
-                   : fmt::format("{}: the name must end in {}", shown_name(name), extension);
+    const auto check = [extension](const std::string& name) -> std::string {
+        if (std::filesystem::path(name).extension() == extension) return {};
+        return name.empty() ? "the name is empty" : fmt::format("{}: the name must end in {}", shown_name(name), extension);
     };
     return CLI::Validator(check, "NAME" + extension);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/near_names.h"
 #include "base/size.h"
 
 namespace latent::render {
@@ -20,11 +21,15 @@ ParameterList::ParameterList(const Directive& directive, const std::vector<Param
 
 const Parameter* ParameterList::find(std::string_view name, std::initializer_list<std::string_view> types) const {
     const Parameter* found = nullptr;
+    bool all_read = true;
     each([&](const Parameter& p) {
-        if (p.name != name || std::find(types.begin(), types.end(), p.type) == types.end()) return;
-        p.used = true;
-        if (found == nullptr) found = &p;
+        if (p.name == name && std::find(types.begin(), types.end(), p.type) != types.end()) {
+            p.used = true;
+            if (found == nullptr) found = &p;
+        }
+        all_read = all_read && (p.used || p.inherited);
     });
+    if (!all_read) asked_.push_back({std::string(name), types});
     return found;
 }
 
@@ -102,8 +107,23 @@ void ParameterList::report_unused() const {
         directive_.strings.empty() ? directive_.name : fmt::format("{} \"{}\"", directive_.name, directive_.strings[0]);
     each([&](const Parameter& p) {
         if (!p.used && !p.inherited)
-            diagnostics_.error(p.where, fmt::format("\"{} {}\" of {} is not supported", p.type, p.name, what));
+            diagnostics_.error(p.where,
+                               fmt::format("\"{} {}\" of {} is not supported{}", p.type, p.name, what, near_parameters(p)));
     });
+}
+
+std::string ParameterList::near_parameters(const Parameter& p) const {
+    std::vector<std::string> names, types;
+    for (const Asked& asked : asked_) {
+        if (asked.name == p.name) types.insert(types.end(), asked.types.begin(), asked.types.end());
+        if (std::ranges::find(names, asked.name) == names.end()) names.push_back(asked.name);
+    }
+    std::ranges::sort(types);
+    const auto [end, last] = std::ranges::unique(types);
+    types.erase(end, last);
+    if (!types.empty()) return fmt::format("; its type must be {}", fmt::join(types, " or "));
+    const std::string near = near_names(p.name, names);
+    return near.empty() ? "" : fmt::format("; did you mean {}?", near);
 }
 
 }  // namespace latent::render

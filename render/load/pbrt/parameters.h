@@ -54,8 +54,18 @@ class ParameterList {
         for (const Parameter& p : inherited_) f(p);
     }
 
+    // "; did you mean radius?" or "; its type must be bool", or nothing.
+    std::string near_parameters(const Parameter& p) const;
+
+    // A name that was looked for while something was not read: what that may be a misspelling of.
+    struct Asked {
+        std::string name;
+        std::vector<std::string_view> types;
+    };
+
     const Directive& directive_;
     std::vector<Parameter> inherited_;
+    mutable std::vector<Asked> asked_;
     Diagnostics& diagnostics_;
 };
 
