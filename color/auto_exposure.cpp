@@ -97,9 +97,7 @@ double LuminanceHistogram::log_average(double p_low, double p_high, double least
     return weight > 0 ? std::exp2(sum / weight) : 0;
 }
 
-double LuminanceHistogram::percentile(double p) const {
-    std::uint64_t below = dark();
-    const double rank = p * static_cast<double>(below + count());
+double LuminanceHistogram::luminance_of_rank(double rank, std::uint64_t below) const {
     if (static_cast<double>(below) >= rank) return 0;
     std::size_t last = 0;
     for (std::size_t i = 0; i < kBinCount && static_cast<double>(below) < rank; ++i) {
@@ -109,9 +107,15 @@ double LuminanceHistogram::percentile(double p) const {
     return centre_of(last);
 }
 
+double LuminanceHistogram::percentile(double p) const {
+    return luminance_of_rank(p * static_cast<double>(dark() + count()), dark());
+}
+
+double LuminanceHistogram::lit_percentile(double p) const { return luminance_of_rank(p * static_cast<double>(count()), 0); }
+
 Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure) {
-    constexpr double kTrim = 0.01, kTenStops = 0x1p-10;
-    const double average = histogram.log_average(kTrim, 1 - kTrim, kTenStops * histogram.percentile(0.9));
+    constexpr double kTrim = 0.01, kEightStops = 0x1p-8;
+    const double average = histogram.log_average(kTrim, 1 - kTrim, kEightStops * histogram.lit_percentile(0.9));
     if (!(average > 0)) return Error{ErrorCode::kOutOfRange, "no pixel has a positive luminance, so the exposure cannot be chosen"};
     const double sigma = exposure / average;
     const std::string digits = fmt::format("{:.4g}", sigma);

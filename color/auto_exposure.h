@@ -19,6 +19,8 @@ class LuminanceHistogram {
     std::uint64_t dark() const;   // of zeros and negative finite values
     // exp of the mean log luminance of the pixels between two percentiles of the positive ones, and not below `least`.
     double log_average(double p_low, double p_high, double least = 0) const;
+    // The luminance that a share `p` of the positive values does not exceed, to 0.8 %; 0 if there are none.
+    double lit_percentile(double p) const;
     // The luminance that a share `p` of the finite values does not exceed, to 0.8 %; 0 among the dark ones, and of an empty
     // histogram.
     double percentile(double p) const;
@@ -26,6 +28,8 @@ class LuminanceHistogram {
  private:
     static constexpr std::size_t kLanes = 4;
     std::uint64_t bin(std::size_t index) const;
+    // Of the value of this rank among all, `below` of which are not positive.
+    double luminance_of_rank(double rank, std::uint64_t below) const;
     void settle();
 
     // A count in memory has to be written before it is read again, and neighbouring pixels share a bin: so each of four has counts
@@ -37,9 +41,9 @@ class LuminanceHistogram {
 };
 
 // The sigma that gives the log average of all but the darkest and brightest 1 % this exposure (by default, that which the film
-// prints at y' = 0.18), rounded to 4 digits, so that the number printed is the number used. What is ten stops darker than a tenth
-// of the pixels is black in any print, and does not count: noise there would decide. Errors: kOutOfRange if no pixel has a
-// positive luminance.
+// prints at y' = 0.18), rounded to 4 digits, so that the number printed is the number used. What is eight stops darker
+// than a tenth of the lit pixels is black in any print, and does not count: noise there, or the rims of small lights, would decide.
+// Errors: kOutOfRange if no pixel has a positive luminance.
 Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure = 0.28630418515664108);
 
 }  // namespace latent::color

@@ -105,13 +105,13 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
     };
     const ClaimedSize claimed = claimed_size(path, failed ? 0 : bytes);
     if (claimed.attribute_overruns) {
-        errorfmt("is damaged: an attribute is longer than the file");
+        errorfmt("the file is damaged: an attribute is longer than the file");
         return false;
     }
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
     const std::optional<std::string> format = format_of(path);
     if (!format) {
-        errorfmt("the file is not what its name says: it does not begin as a picture of that format does");
+        errorfmt("the file is not a picture of the format in its name");
         return false;
     }
     OIIO::ImageSpec file_spec;

@@ -63,6 +63,7 @@ class PbrtLoader {
             begun_ = true;
             if (!directive) {
                 lose(directive.error());
+                is_v3_ = is_v3_ || directive.error().is_of_pbrt_v3;
                 stopped_ = is_v3_;  // there would be an error of this kind in every line
                 continue;
             }
@@ -81,6 +82,12 @@ class PbrtLoader {
 
     void include(const Directive& d, std::size_t depth) {
         const bool import = d.name == "Import";
+        const std::filesystem::path path = files_.resolve(d.strings[0]);
+        if (std::ranges::find(open_, path) != open_.end()) {
+            stopped_ = true;
+            return lose(
+                {d.where, fmt::format("{}: the file includes itself{}", d.name, path == open_.back() ? "" : " by way of others")});
+        }
         if (depth == kMaxIncludes) {
             stopped_ = true;  // it may include itself more than once
             return lose({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
@@ -91,16 +98,18 @@ class PbrtLoader {
         }
         if (import && !builder_.in_world()) return lose({d.where, "Import: must come after WorldBegin"});
         if (import) builder_.begin_import(d.where);
-        if (const Status included = file(files_.resolve(d.strings[0]), depth + 1); !included) {
+        open_.push_back(path);
+        if (const Status included = file(path, depth + 1); !included) {
             diagnostics_.error(d.where, included.error().message);
-            builder_.set_incomplete(d.where);
+            builder_.set_incomplete();
         }
+        open_.pop_back();
         if (import) builder_.end_import(d.where);
     }
 
     void lose(const ParseError& error) {
         diagnostics_.error(error.where, error.message);
-        builder_.set_incomplete(error.where);
+        builder_.set_incomplete();
         garbled_ = true;
     }
 
@@ -123,16 +132,20 @@ class PbrtLoader {
     Diagnostics diagnostics_;
     SceneBuilder builder_;
     SourceLocation end_;
-    std::size_t included_ = 0;  // files so far
-    bool begun_ = false;        // there was a directive, or an error
-    bool is_v3_ = false;        // one had a type of pbrt-v3
-    bool garbled_ = false;      // there was an error of syntax
-    bool stopped_ = false;      // nothing more is read
+    std::vector<std::filesystem::path> open_{path_};  // each included by the one before
+    std::size_t included_ = 0;                        // files so far
+    bool begun_ = false;                              // there was a directive, or an error
+    bool is_v3_ = false;                              // one had a type or a word of pbrt-v3
+    bool garbled_ = false;                            // there was an error of syntax
+    bool stopped_ = false;                            // nothing more is read
 };
 
 Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
+    if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
+        return Error{ErrorCode::kForeign, fmt::format("{}: not a Wavefront OBJ file: {}", path.string(),
+                                                      bytes->empty() ? "the file is empty" : "it is binary")};
     LoadedScene scene = nothing_with(rgb_spectra);
     scene.description.files.push_back(path.string());
     Diagnostics diagnostics(scene.description.files);

@@ -55,9 +55,14 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     print.auto_exposure = true;
     print.threads = options.threads;
     print.replace = true;
-    const Result<convert::ConvertReport> printed = convert::convert(print, {});
+    Result<convert::ConvertReport> printed = convert::convert(print, {});
+    const bool is_black = !printed && printed.error().code == ErrorCode::kOutOfRange;
+    if (is_black) {
+        print.auto_exposure = false;
+        printed = convert::convert(print, {});
+    }
     if (!printed) return printed.error();
-    return Preview{preview_path(options), printed->width, printed->height, printed->sigma, *expected};
+    return Preview{preview_path(options), printed->width, printed->height, printed->sigma, is_black, *expected};
 }
 
 std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
@@ -68,11 +73,14 @@ std::string to_text(const Preview& preview, const RenderJob& job, bool json) {
                           {"width", preview.width},
                           {"height", preview.height},
                           {"samples_per_pixel", per_pixel},
-                          {"sensitivity", preview.sensitivity}};
+                          {"sensitivity", preview.sensitivity},
+                          {"black", preview.is_black}};
         return json_text(out) + "\n";
     }
-    return fmt::format("{}: {} x {} pixels, {:.3g} samples per pixel, printed with -s {:.4g}\n{}", preview.picture.string(),
-                       preview.width, preview.height, per_pixel, preview.sensitivity, to_text(preview.forecast, job, false));
+    const std::string print = preview.is_black ? "all black: check where the camera looks and where the lights are"
+                                               : fmt::format("printed with -s {:.4g}", preview.sensitivity);
+    return fmt::format("{}: {} x {} pixels, {:.3g} samples per pixel, {}\n{}", preview.picture.string(), preview.width,
+                       preview.height, per_pixel, print, to_text(preview.forecast, job, false));
 }
 
 }  // namespace latent::render

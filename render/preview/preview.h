@@ -14,6 +14,7 @@ struct Preview {
     std::filesystem::path picture;
     int width = 0, height = 0;
     double sensitivity = 1;  // that it was printed with
+    bool is_black = false;   // no exposure could be chosen
     Forecast forecast;       // of the whole job
 };
 

@@ -432,7 +432,7 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
         file.json[Json::json_pointer(pointer)] = value;
         return refusal("room.glb", as_glb(file));
     };
-    EXPECT_THAT(broken("/nodes/1/mesh", 7), HasSubstr("room.glb: /nodes/1/mesh: is not an index into /meshes, which has 1 items"));
+    EXPECT_THAT(broken("/nodes/1/mesh", 7), HasSubstr("room.glb: /nodes/1/mesh: is not an index into /meshes, which has 1 item"));
     EXPECT_THAT(broken("/accessors/0/count", 1000000000), HasSubstr("/accessors/0: its 1000000000 items exceed"));
     EXPECT_THAT(broken("/accessors/0/byteOffset", 1e15), HasSubstr("/accessors/0: its 4 items exceed"));
     EXPECT_THAT(broken("/bufferViews/0/byteLength", 4000), HasSubstr("/bufferViews/0: ends at byte"));
@@ -452,13 +452,16 @@ TEST_F(Models, WhatIsWrongIsSaidWithItsPlace) {
     EXPECT_THAT(refusal("room.glb", as_glb(file)), HasSubstr("/accessors/0: item 1 is not finite"));
     EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\n  \"version\" 2}}"), HasSubstr("room.gltf:2:13: not valid JSON: "));
 
-    EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\"version\": 1e999}}"), HasSubstr("room.gltf: holds a number that exceeds"));
+    EXPECT_THAT(refusal("room.gltf", "{\"asset\": {\"version\": 1e999}}"),
+                HasSubstr("room.gltf:1:23: the number exceeds double precision"));
 
     EXPECT_THAT(refusal("m.obj", "v 0 0 0\nv 1 0 nan\n"), HasSubstr("m.obj:2: v: \"nan\" is not a finite number"));
     EXPECT_THAT(refusal("m.obj", "v 0 0 0\n\nf 1 2 3\n"), HasSubstr("m.obj:3: f: vertex 2 is out of range; there are 1 so far"));
     EXPECT_THAT(refusal("m.obj", "v 0 0 0\nf 1 x 1\n"), HasSubstr("m.obj:2: f: \"x\" is not an index"));
     EXPECT_THAT(refusal("m.obj", "usemtl gold\n"), HasSubstr("m.obj:1: usemtl: material \"gold\" is not defined"));
     EXPECT_THAT(refusal("m.obj", "# nothing\n"), HasSubstr("m.obj: has no triangles"));
+    EXPECT_THAT(refusal("m.obj", ""), HasSubstr("m.obj: not a Wavefront OBJ file: the file is empty"));
+    EXPECT_THAT(refusal("m.obj", std::string("\x64\x86\x00\x01", 4)), HasSubstr("m.obj: not a Wavefront OBJ file: it is binary"));
 }
 
 TEST_F(Models, AllMissingFilesAreNamedAtOnce) {

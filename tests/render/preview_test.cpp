@@ -49,6 +49,19 @@ TEST_F(PreviewTest, APictureIsAllThatItLeavesAndTheNextOneTakesItsPlace) {
     }
 }
 
+TEST_F(PreviewTest, ABlackPictureIsSaidToBeBlackWithItsForecast) {
+    const std::filesystem::path scene = folder_ / "black.pbrt";
+    std::ofstream(scene)
+        << "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nCamera \"perspective\"\nWorldBegin\n"
+           "LightSource \"point\"\nTranslate 0 0 -9\nShape \"sphere\"\n";
+    const Outcome outcome = latent::testing::run({latent::testing::tool("latent-render"), scene.string(), "-o",
+                                                  (folder_ / "p.latent").string(), "--spp", "4", "--preview", "60"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("p.preview.png: 20 x 20 pixels, 4 samples per pixel, all black: check where"));
+    EXPECT_THAT(outcome.out, HasSubstr("1600 samples would take"));
+    EXPECT_EQ(png_size("p.preview.png"), (std::pair{20u, 20u}));
+}
+
 TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
     ASSERT_EQ(render({"--resolution", "40x40", "--spp", "8", "--preview", "60"}).status, 0);
     EXPECT_EQ(png_size("p.preview.png"), (std::pair{40u, 40u}));

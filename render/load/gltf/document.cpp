@@ -106,6 +106,12 @@ std::string reason(std::string_view what) {
     return ": " + std::string(text.substr(0, text.find("; last read")));
 }
 
+// Where the text holds the number that the library names in quotes, as too large for it.
+std::size_t place_of_number(std::string_view text, std::string_view what) {
+    const std::size_t begin = what.find('\'') + 1, end = what.find('\'', begin);
+    return end == what.npos ? 0 : text.find(what.substr(begin, end - begin)) + 1;
+}
+
 // Where reading ended: `at` characters were read, the last of which could not follow the others.
 std::string line_and_column(std::string_view text, std::size_t at) {
     const std::string_view before = text.substr(0, std::max<std::size_t>(at, 1) - 1);
@@ -114,10 +120,10 @@ std::string line_and_column(std::string_view text, std::size_t at) {
 }
 
 // Of a .glb: the whole JSON is often one line, and begins behind a header.
-Error not_json(const std::string& name, bool is_binary, std::string_view text, std::size_t at, std::string_view what) {
+Error error_at(const std::string& name, bool is_binary, std::string_view text, std::size_t at, const std::string& message) {
     const std::string place = is_binary ? fmt::format("{}: JSON chunk, {}", name, line_and_column(text, at))
                                         : fmt::format("{}:{}", name, line_and_column(text, at));
-    return {ErrorCode::kCorrupt, fmt::format("{}: not valid JSON{}", place, reason(what))};
+    return {ErrorCode::kCorrupt, fmt::format("{}: {}", place, message)};
 }
 
 // The version that a file claims, if that is not 2; else empty. Files of 1.0 may claim none, but their `meshes` is an object.
@@ -149,9 +155,10 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
     try {
         document.json_ = nlohmann::json::parse(chunks.json);
     } catch (const nlohmann::json::parse_error& e) {
-        return not_json(name, is_binary, chunks.json, e.byte, e.what());
-    } catch (const nlohmann::json::out_of_range&) {
-        return Error{ErrorCode::kCorrupt, name + ": holds a number that exceeds the range of double precision"};
+        return error_at(name, is_binary, chunks.json, e.byte, "not valid JSON" + reason(e.what()));
+    } catch (const nlohmann::json::out_of_range& e) {
+        return error_at(name, is_binary, chunks.json, place_of_number(chunks.json, e.what()),
+                        "the number exceeds double precision");
     }
     if (!is_object) return is_object.error().at(name);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/size.h"
+
 namespace latent::render {
 
 GltfValue GltfValue::operator[](std::string_view key) const {
@@ -84,7 +86,7 @@ std::optional<std::uint32_t> GltfValue::index(const GltfValue& of) const {
     if (!exists()) return std::nullopt;
     const double x = json_->is_number() ? json_->get<double>() : -1;
     if (x >= 0 && x < static_cast<double>(of.size()) && x == std::floor(x)) return static_cast<std::uint32_t>(x);
-    error(fmt::format("is not an index into {}, which has {} items", of.path().substr(of.path().rfind('/')), of.size()));
+    error(fmt::format("is not an index into {}, which has {}", of.path().substr(of.path().rfind('/')), counted(of.size(), "item")));
     return std::nullopt;
 }
 

@@ -177,7 +177,9 @@ class ObjReader {
     void read_face() {
         const auto& words = statements_.words();
         if (words.size() < 4) return statements_.error("f: must have at least 3 corners");
-        if (words.size() > kMostCorners + 1) return statements_.error(fmt::format("f: has more than {} corners", kMostCorners));
+        if (words.size() > kMostCorners + 1)
+            return statements_.error(
+                fmt::format("f: has more than {} corners; divide it into triangles when you export it", kMostCorners));
         face_.clear();
         places_.clear();
         PartKey part{material_, true, true};

@@ -74,7 +74,7 @@ void SceneBuilder::apply(const Directive& d) {
         options_.apply(d, in_world_ && !is_world_supposed_, state_.ctm, state_.outside_medium) || apply_state(d))
         return;
     if (!in_world_ && d.name != "MakeNamedMedium") {
-        if (!lost_) return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
+        if (!is_incomplete_) return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
         begin_world();
         is_world_supposed_ = true;  // WorldBegin may be what is lost
     }
@@ -309,7 +309,7 @@ void SceneBuilder::add_instance(const Directive& d) {
 }
 
 void SceneBuilder::report(const std::vector<UndefinedName>& undefined) {
-    if (!lost_) {
+    if (!is_incomplete_) {
         for (const auto& [where, name, hint] : undefined)
             diagnostics_.error(where, fmt::format("{} is not defined anywhere{}", name, hint));
         return;
@@ -320,12 +320,12 @@ void SceneBuilder::report(const std::vector<UndefinedName>& undefined) {
     for (const UndefinedName& one : undefined) names.push_back(one.name);
     const std::size_t rest = names.size() - std::min(names.size(), kMost);
     names.resize(names.size() - rest);
-    diagnostics_.error(*lost_, fmt::format("what could not be read here or below may define {}{}", fmt::join(names, ", "),
-                                           rest > 0 ? fmt::format(" and {} more names", rest) : ""));
+    diagnostics_.error(undefined.front().where, fmt::format("not defined in what could be read: {}{}", fmt::join(names, ", "),
+                                                            rest > 0 ? fmt::format(" and {} more names", rest) : ""));
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {
-    if (!in_world_ && !lost_) diagnostics_.error(end, "the scene ends before WorldBegin");
+    if (!in_world_ && !is_incomplete_) diagnostics_.error(end, "the scene ends before WorldBegin");
     for (const Pushed& open : stack_) diagnostics_.error(open.where, open.by + " has no end");
     std::vector<UndefinedName> undefined;
     textures_.finish(undefined);

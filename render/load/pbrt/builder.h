@@ -35,10 +35,8 @@ class SceneBuilder {
     void begin_import(const SourceLocation& where) { push("Import", where); }
     void end_import(const SourceLocation& where) { pop("Import", where); }
     bool in_world() const { return in_world_; }
-    // Something could not be read here, and the error is reported: what it would have defined is not missed once more.
-    void set_incomplete(const SourceLocation& where) {
-        if (!lost_) lost_ = where;
-    }
+    // Something could not be read, and the error is reported: what it would have defined is not missed once more.
+    void set_incomplete() { is_incomplete_ = true; }
 
  private:
     struct State {
@@ -101,7 +99,7 @@ class SceneBuilder {
     std::vector<MaterialUse> uses_;                                        // of each material
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
-    std::optional<SourceLocation> lost_;                                   // where something could not be read, first
+    bool is_incomplete_ = false;                                           // something could not be read
     bool in_world_ = false, is_world_supposed_ = false;
 };
 

@@ -157,8 +157,9 @@ tl::expected<std::optional<Directive>, ParseError> DirectiveReader::directive() 
     Directive directive{.name = std::string((*first)->text), .where = (*first)->where};
     const Grammar* grammar = grammar_of(**first);
     if (grammar == nullptr)
-        return tl::unexpected(
-            ParseError{directive.where, quote(directive.name) + " is not a directive of pbrt-v4" + near(directive.name, kGrammar)});
+        return tl::unexpected(ParseError{directive.where,
+                                         quote(directive.name) + " is not a directive of pbrt-v4" + near(directive.name, kGrammar),
+                                         directive.name == "WorldEnd"});
 
     for (int i = 0; i < grammar->strings; ++i) {
         const auto token = require(Token::Kind::kString, directive, "a quoted name");
@@ -213,8 +214,9 @@ tl::expected<std::optional<Parameter>, ParseError> DirectiveReader::parameter() 
         return tl::unexpected(ParseError{parameter.where, quote(text) + " is not a parameter of the form \"type name\""});
     const TypeGrammar* const type = type_of(parameter.type);
     if (type == nullptr)
-        return tl::unexpected(
-            ParseError{parameter.where, quote(parameter.type) + " is not a parameter type" + near(parameter.type, kTypes)});
+        return tl::unexpected(ParseError{parameter.where,
+                                         quote(parameter.type) + " is not a parameter type" + near(parameter.type, kTypes),
+                                         parameter.type == "color"});
 
     const auto add = [&](const Token& token) -> std::optional<ParseError> {
         const auto wrong = [&](std::string_view what) {

@@ -22,6 +22,7 @@ struct Token {
 struct ParseError {
     SourceLocation where;
     std::string message;
+    bool is_of_pbrt_v3 = false;  // what was read belongs to that format
 };
 
 class Tokenizer {
