@@ -24,25 +24,11 @@ PlacedShape place(const ShapeDescription& shape, const std::vector<MaterialDescr
     return placed;
 }
 
-// Interfaces, or others that part media.
-bool has_media_at_surfaces(const std::vector<PlacedShape>& shapes) {
-    return std::any_of(shapes.begin(), shapes.end(),
-                       [](const PlacedShape& placed) { return placed.parts_media() || placed.shape.material == kNone; });
-}
-
-void make_interface(SurfaceHit& hit) { hit.material = hit.emitter = kNone; }
-
 RTCRay embree_ray(const Ray& ray) {
     return {ray.o.x, ray.o.y, ray.o.z, 0, ray.d.x, ray.d.y, ray.d.z, ray.time, ray.t_max, 0xFFFFFFFFu, 0, 0};
 }
 
 }  // namespace
-
-bool contains(const SurfaceHit& hit, const Interaction& at) {
-    const auto size = [](const Vec3f& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); };
-    const Vec3f to = at.p - hit.p;
-    return std::abs(dot(hit.ng, to)) <= (hit.error + at.error) * size(hit.ng) + kRayError * length(to);
-}
 
 Result<std::unique_ptr<Geometry>> Geometry::build(const SceneDescription& scene, const std::string& simd, const Opacity* opacity) {
     Result<std::unique_ptr<EmbreeGeometry>> geometry = EmbreeGeometry::build(scene, simd, opacity);
@@ -62,7 +48,7 @@ void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) 
 SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
     SceneHandle scene(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene.get(),
-                     finds_surfaces_at_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_ROBUST);
+                     has_media_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_ROBUST);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (shapes[i].is_invisible()) continue;
         RTCGeometry geometry = new_geometry(device_.get(), shapes[i]);
@@ -91,8 +77,7 @@ Result<std::unique_ptr<EmbreeGeometry>> EmbreeGeometry::build(const SceneDescrip
         std::vector<PlacedShape>& shapes = self->world_.objects.emplace_back();
         for (const ShapeDescription& shape : object.shapes) shapes.push_back(place(shape, description.materials));
     }
-    self->finds_surfaces_at_ = has_media_at_surfaces(self->world_.shapes) ||
-                               std::any_of(self->world_.objects.begin(), self->world_.objects.end(), has_media_at_surfaces);
+    self->find_interfaces();
     for (std::vector<PlacedShape>& shapes : self->world_.objects) {
         self->object_scenes_.push_back(self->new_scene(shapes));
         rtcCommitScene(self->object_scenes_.back().get());
@@ -148,9 +133,23 @@ void EmbreeGeometry::find_bounds() {
     radius_ = length(high - low) * 0.5f * 1.00001f;
 }
 
+// Before Embree's scenes are made, which depend on it.
+void EmbreeGeometry::find_interfaces() {
+    const auto each = [&](const auto& f) {
+        for (PlacedShape& placed : world_.shapes) f(placed);
+        for (std::vector<PlacedShape>& shapes : world_.objects) std::ranges::for_each(shapes, f);
+    };
+    each([&](const PlacedShape& placed) {
+        const bool is_interface = placed.shape.material == kNone;
+        has_interfaces_ = has_interfaces_ || is_interface || (placed.has_holes() && placed.parts_media());
+        has_media_ = has_media_ || is_interface || placed.parts_media();
+    });
+    each([&](PlacedShape& placed) { placed.meets_holes = has_interfaces_ && placed.has_holes(); });
+}
+
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
     std::optional<SurfaceHit> hit = intersect_any(ray, nullptr);
-    if (hit && world_.shape(hit->on).has_met_holes() && is_hole_at(hit->p, ray.d, opacity_at(world_, *hit))) make_interface(*hit);
+    if (hit) open_hole(*hit, ray.d, nullptr);
     return hit;
 }
 
@@ -160,14 +159,16 @@ std::optional<SurfaceHit> EmbreeGeometry::intersect_whole(const Ray& ray, float&
     for (const PassedSurface& surface : each) {
         if (!hit || surface.t < hit->t) passed *= surface.share;
     }
-    if (hit && world_.shape(hit->on).has_met_holes()) {
-        const float opacity = opacity_at(world_, *hit);
-        if (opacity < 1) {
-            if (hit->material != kNone) passed *= 1 - std::max(opacity, 0.0f);
-            make_interface(*hit);
-        }
-    }
+    if (hit) open_hole(*hit, ray.d, &passed);
     return hit;
+}
+
+void EmbreeGeometry::open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const {
+    if (!world_.shape(hit.on).meets_holes || hit.material == kNone) return;
+    const float opacity = opacity_at(world_, hit);
+    if (passed == nullptr ? !is_hole_at(hit.on, hit.p, d, opacity) : opacity >= 1) return;
+    if (passed != nullptr) *passed *= 1 - std::max(opacity, 0.0f);
+    hit.material = hit.emitter = kNone;
 }
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect_any(const Ray& ray, std::vector<PassedSurface>* passed) const {
@@ -198,17 +199,15 @@ std::vector<SurfaceHit> EmbreeGeometry::surfaces_at(const Interaction& at, const
     // From a little before the point to a little behind: from the point itself a ray meets a surface or not, as it rounds.
     const float reach = 0x1p-18f * radius_;
     const Ray around{at.p - d * reach, d, 2 * reach, time};
-    if (!finds_surfaces_at_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
+    if (!has_media_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
     std::vector<MetSurface> met;
-    TraceContext context{.embree = {}, .world = &world_, .t_max = around.t_max, .met = &met};
+    TraceContext context{.embree = {}, .world = &world_, .t_max = around.t_max, .met = &met, .met_but = except};
     rtcInitIntersectContext(&context.embree);
     context.embree.filter = gather_met;
     RTCRay shadow = embree_ray(around);
     rtcOccluded1(scene_.get(), &context.embree, &shadow);
     for (const MetSurface& surface : met) {
-        const PrimitivePoint& on = surface.on;
-        if (except && on.instance == except->instance && on.shape == except->shape && on.primitive == except->primitive) continue;
-        const SurfaceHit hit = surface_on(on, around, surface.t);
+        const SurfaceHit hit = surface_on(surface.on, around, surface.t);
         if (contains(hit, at)) surfaces.push_back(hit);
     }
     return surfaces;

@@ -33,6 +33,7 @@ class EmbreeGeometry final : public Geometry {
     float passed(const Ray& ray) const override;
     std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
                                         const PrimitivePoint* except) const override;
+    void open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const override;
     SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
 
  private:
@@ -43,6 +44,7 @@ class EmbreeGeometry final : public Geometry {
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
     // All of them; those that move come last.
     void add_instances(const SceneDescription& scene);
+    void find_interfaces();
     void find_bounds();
 
     FirstError fault_;  // of Embree, while building
@@ -51,7 +53,7 @@ class EmbreeGeometry final : public Geometry {
     std::vector<SceneHandle> object_scenes_;
     std::vector<MovingGeometry> moving_;  // Embree points to them
     SceneHandle scene_;
-    bool finds_surfaces_at_ = false;  // else surfaces_at has nothing to say about media, and Embree's rays are faster
+    bool has_media_ = false;  // at surfaces; else surfaces_at finds none, and Embree's rays are faster
 };
 
 }  // namespace latent::render

@@ -20,7 +20,7 @@ bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay
     const PlacedShape& placed = world.shape(on);
     if (placed.hollow && dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0) return true;
     if (!placed.has_open_holes()) return false;
-    if (context.met != nullptr) return true;
+    if (context.met != nullptr) return false;
     const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
     const float opacity = opacity_at(world, hit);
     if (opacity >= 1) return false;
@@ -33,7 +33,13 @@ bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay
         context.passed_each->push_back({static_cast<float>(t), 1 - opacity});
         return true;
     }
-    return is_hole_at(hit.p, direction_of(ray), opacity);
+    return is_hole_at(on, hit.p, direction_of(ray), opacity);
+}
+
+void meet(const TraceContext& context, const PrimitivePoint& on, double t) {
+    const PrimitivePoint* const but = context.met_but;
+    if (but != nullptr && on.instance == but->instance && on.shape == but->shape && on.primitive == but->primitive) return;
+    context.met->push_back({on, static_cast<float>(t)});
 }
 
 // The box of a primitive of user geometry, in floats that contain it.
@@ -79,7 +85,7 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, RTCIntersectConte
 // For every ray that comes near: inlined, or the hit would be passed on through memory.
 [[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, RTCIntersectContext* context,
                                                                 unsigned shape, std::uint32_t primitive, const RTCRay& ray) {
-    return placed.is_whole() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
+    return placed.is_always_met() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
 }
 
 void intersect_user(const RTCIntersectFunctionNArguments* args) {
@@ -102,12 +108,13 @@ void occluded_user(const RTCOccludedFunctionNArguments* args) {
     const std::optional<ExactHit> hit =
         first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, ray);
     if (!hit) return;
-    if (std::vector<MetSurface>* met = trace_context(args->context).met) {
-        const Vec2f uv{static_cast<float>(hit->u), static_cast<float>(hit->v)};
-        met->push_back({{args->context->instID[0], args->geomID, args->primID, uv, ray.time}, static_cast<float>(hit->t)});
-    } else {
+    TraceContext& context = trace_context(args->context);
+    if (context.met == nullptr) {
         ray.tfar = -kInfinity;
+        return;
     }
+    const Vec2f uv{static_cast<float>(hit->u), static_cast<float>(hit->v)};
+    meet(context, {context.embree.instID[0], args->geomID, args->primID, uv, ray.time}, hit->t);
 }
 
 // Of a mesh or tube with holes: lets a ray through them.
@@ -184,7 +191,7 @@ RTCGeometry new_mesh(RTCDevice device, PlacedShape& placed) {
     }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(), 0,
                                3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
-    if (!placed.is_whole()) {
+    if (!placed.is_always_met()) {
         rtcSetGeometryUserData(geometry, &placed);
         rtcSetGeometryIntersectFilterFunction(geometry, filter);
         rtcSetGeometryOccludedFilterFunction(geometry, filter);
@@ -210,7 +217,7 @@ void gather_met(const RTCFilterFunctionNArguments* args) {
     const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
     const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}, ray.time};
-    trace_context(args->context).met->push_back({on, ray.tfar});
+    meet(trace_context(args->context), on, ray.tfar);
     args->valid[0] = 0;
 }
 

@@ -2,6 +2,7 @@
 // double.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -66,12 +67,16 @@ struct Emitter {
 };
 
 // Whether the surface, as a plane at the hit, contains a point to within what is known of both.
-bool contains(const SurfaceHit& hit, const Interaction& at);
+inline bool contains(const SurfaceHit& hit, const Interaction& at) {
+    const Vec3f to = at.p - hit.p;
+    const float size = std::abs(hit.ng.x) + std::abs(hit.ng.y) + std::abs(hit.ng.z);
+    return std::abs(dot(hit.ng, to)) <= (hit.error + at.error) * size + kRayError * length(to);
+}
 
 class Opacity;
 
 // A surface of alpha a is met with probability a, which a hash of the place and of the ray's direction decides. So light passes it
-// as it passes fine holes: straight on, as it is. Between two media, what is met in a hole is an interface.
+// as it passes fine holes: straight on, as it is. In a scene with interfaces, a hole is met, and is one.
 class Geometry {
  public:
     // `simd` is an Embree isa name (render/program/simd.h chooses). `opacity` outlives the geometry; null: surfaces whose alpha is
@@ -89,13 +94,17 @@ class Geometry {
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
     // The share of the light that passes all surfaces: the expectation of not being occluded, over all decisions.
     virtual float passed(const Ray& ray) const = 0;
-    // The surfaces that contain a point, but that of `except`, where a line along unit d passes; not those with holes that light
-    // passes as it is.
+    // The surfaces that contain a point, but not that of `except`, where a line along unit d meets them; as if they had no holes.
     virtual std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
                                                 const PrimitivePoint* except = nullptr) const = 0;
+    // Makes a hit on such a surface one on an interface, if a ray in direction d passes it there: as the hash decides or, if
+    // `passed` is given, wherever it is there in part; then `passed` is multiplied by the share that passes.
+    virtual void open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const = 0;
     // At a hit that `intersect` returned.
     virtual SurfaceCoordinates coordinates(const SurfaceHit& hit) const = 0;
 
+    // Whether rays meet any; holes between media count.
+    bool has_interfaces() const { return has_interfaces_; }
     const std::vector<Emitter>& emitters() const { return emitters_; }
     // A ball about everything.
     const Vec3f& center() const { return center_; }
@@ -105,6 +114,7 @@ class Geometry {
     std::vector<Emitter> emitters_;
     Vec3f center_;
     float radius_ = 0;
+    bool has_interfaces_ = false;
 };
 
 }  // namespace latent::render

@@ -12,8 +12,10 @@ float opacity_at(const PlacedWorld& world, const SurfaceHit& hit) {
     return world.opacity == nullptr ? 1 : world.opacity->at(alpha, hit, coordinates_at(world, hit));
 }
 
-bool is_hole_at(const Vec3f& p, const Vec3f& d, float opacity) {
-    return opacity < 1 && (!(opacity > 0) || static_cast<float>(mix(mix(0, p), d) >> 40) * 0x1p-24f >= opacity);
+bool is_hole_at(const PrimitivePoint& on, const Vec3f& p, const Vec3f& d, float opacity) {
+    if (opacity >= 1) return false;
+    const std::uint64_t shape = std::uint64_t{on.instance} << 32 | on.shape;
+    return !(opacity > 0) || static_cast<float>(mix(mix(shape, p), d) >> 40) * 0x1p-24f >= opacity;
 }
 
 }  // namespace latent::render

@@ -17,14 +17,13 @@ struct PlacedShape {
     QuadricPart part{};                   // of them
     std::uint32_t first_emitter = kNone;  // of its primitives
 
-    bool hollow = false;  // hair: rays pass it from inside, and the normals of a tube point outwards
+    bool hollow = false;       // hair: rays pass it from inside, and the normals of a tube point outwards
+    bool meets_holes = false;  // where it has a hole rays meet an interface; else they pass unmet
 
     bool has_holes() const { return shape.alpha.is_textured() || shape.alpha.value < 1; }
     bool parts_media() const { return shape.inside_medium != shape.outside_medium; }
-    // Its holes are an interface, and met; else rays pass through them.
-    bool has_met_holes() const { return has_holes() && (parts_media() || shape.material == kNone); }
-    bool has_open_holes() const { return has_holes() && !has_met_holes(); }
-    bool is_whole() const { return !has_open_holes() && !hollow; }
+    bool has_open_holes() const { return has_holes() && !meets_holes; }
+    bool is_always_met() const { return !has_open_holes() && !hollow; }
     bool is_invisible() const { return is_nowhere(shape.alpha) && !parts_media(); }
 };
 

@@ -7,33 +7,45 @@ namespace latent::render {
 
 namespace {
 
-bool begins_in(const SurfaceHit& surface, const Vec3f& d, std::uint32_t medium) {
-    return media_at(surface).towards(-d, surface.ng, medium) == medium;
+// The medium behind surfaces that lie on one another, for a line along d. They follow one another so that each begins in the medium
+// behind the one before; the last is the one in whose medium none begins. If each has a next one, as where two boxes of one medium
+// touch, those that lead out come first. None: they say nothing of media.
+std::optional<std::uint32_t> medium_behind(const std::vector<SurfaceHit>& surfaces, const Vec3f& d) {
+    const auto behind = [&](const SurfaceHit& s) { return media_at(s).towards(d, s.ng, kNone); };
+    const auto before = [&](const SurfaceHit& s) { return media_at(s).towards(-d, s.ng, kNone); };
+    const auto parts = [](const SurfaceHit& s) { return s.inside_medium != s.outside_medium; };
+    std::optional<std::uint32_t> last;
+    for (const SurfaceHit& s : surfaces) {
+        if (!parts(s)) continue;
+        const bool has_next =
+            std::any_of(surfaces.begin(), surfaces.end(), [&](const SurfaceHit& n) { return parts(n) && before(n) == behind(s); });
+        if (!has_next) return behind(s);
+        if (!last || dot(d, s.ng) < 0) last = behind(s);
+    }
+    return last;
 }
 
-// The medium behind surfaces that lie on one another, for a line along d that came through `medium`: what the line passes first is
-// the one that begins there.
-std::uint32_t medium_behind(std::vector<SurfaceHit> surfaces, const Vec3f& d, std::uint32_t medium) {
-    while (!surfaces.empty()) {
-        auto next = std::find_if(surfaces.begin(), surfaces.end(), [&](const SurfaceHit& s) { return begins_in(s, d, medium); });
-        if (next == surfaces.end()) next = surfaces.begin();
-        medium = media_at(*next).towards(d, next->ng, medium);
-        surfaces.erase(next);
-    }
-    return medium;
+// So that what leaves a point, or a hit, also leaves a surface that contains it.
+float widened(const Interaction& at, const SurfaceHit& surface) {
+    return std::max(at.error, surface.error + std::abs(dot(surface.ng, at.p - surface.p)));
 }
 
 }  // namespace
 
-std::uint32_t medium_at_start(const Geometry& geometry, const Interaction& at, const Vec3f& d, float time, std::uint32_t given) {
-    return medium_behind(geometry.surfaces_at(at, d, time), d, given);
+std::uint32_t medium_at_start(const Geometry& geometry, Interaction& at, const Vec3f& d, float time, std::uint32_t given) {
+    const std::vector<SurfaceHit> surfaces = geometry.surfaces_at(at, d, time);
+    for (const SurfaceHit& s : surfaces) at.error = widened(at, s);
+    return medium_behind(surfaces, d).value_or(given);
 }
 
 March::March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed)
     : geometry_(geometry), ray_(ray), left_(length), metres_per_t_(metres_per_t), passed_(passed) {
     segment_ = {ray.o, ray.d, length, medium};
     find_hit();
-    while (hit_ && ray.may_start_on_surface && contains(*hit_, {ray.o, 0, {}})) cross();
+    if (!hit_ || !ray.may_start_on_surface || !contains(*hit_, {ray.o, 0, {}})) return;
+    while (hit_ && contains(*hit_, {ray.o, 0, {}})) cross();
+    Interaction start{ray.o, 0, {}};
+    segment_.medium = medium_at_start(geometry, start, normalize(ray.d), ray.time, medium);
     segment_.index = 0;
 }
 
@@ -48,46 +60,47 @@ void March::find_hit() {
     hit_ = passed_ == nullptr ? geometry_.intersect(ray_) : geometry_.intersect_whole(ray_, *passed_);
     segment_.length = hit_ ? hit_->t * metres_per_t_ : left_;
     together_.clear();
-    if (!meets_interface()) return;
+    const bool is_blocked = passed_ != nullptr && hit_ && !meets_interface();
+    if (!hit_ || is_blocked || !geometry_.has_interfaces()) return;
 
-    std::vector<SurfaceHit> others = geometry_.surfaces_at(hit_->interaction(), hit_->ng, ray_.time, &hit_->on);
-    std::erase_if(others, [&](const SurfaceHit& s) { return !passes(s); });
-    if (others.empty()) return;
-    others.push_back(*hit_);
-    const float t = hit_->t;
-    for (const SurfaceHit& s : others) {
-        const bool is_seen = !is_interface(s.material) || (s.emitter != kNone && meets_interface());
-        if (is_seen) hit_ = s;
-        if (is_interface(s.material)) together_.push_back(s);
+    together_ = geometry_.surfaces_at(hit_->interaction(), hit_->ng, ray_.time, &hit_->on);
+    std::erase_if(together_, [&](const SurfaceHit& s) { return !passes(s); });
+    if (together_.empty()) return;
+    for (SurfaceHit& s : together_) geometry_.open_hole(s, ray_.d, passed_);
+    together_.push_back(*hit_);
+    const auto solid =
+        std::find_if(together_.begin(), together_.end(), [](const SurfaceHit& s) { return !is_interface(s.material); });
+    if (meets_interface() && solid != together_.end()) {
+        const float t = hit_->t;
+        hit_ = *solid;
+        hit_->t = t;
     }
-    hit_->t = t;
-    if (is_interface(hit_->material) || hit_->inside_medium != hit_->outside_medium) return;
-    // A surface that says nothing about media, on interfaces.
-    std::uint32_t& before = dot(ray_.d, hit_->ng) > 0 ? hit_->inside_medium : hit_->outside_medium;
-    std::uint32_t& behind = dot(ray_.d, hit_->ng) > 0 ? hit_->outside_medium : hit_->inside_medium;
-    before = segment_.medium;
-    behind = medium_behind(together_, ray_.d, segment_.medium);
+    for (const SurfaceHit& s : together_) hit_->error = widened(hit_->interaction(), s);
+    set_media_of_hit();
+}
+
+void March::set_media_of_hit() {
+    const bool leads_out = dot(ray_.d, hit_->ng) > 0;
+    (leads_out ? hit_->inside_medium : hit_->outside_medium) = segment_.medium;
+    (leads_out ? hit_->outside_medium : hit_->inside_medium) = medium_behind(together_, ray_.d).value_or(segment_.medium);
+}
+
+std::optional<std::uint32_t> March::medium_before_hit() const {
+    if (!hit_) return std::nullopt;
+    return together_.empty() ? medium_behind({*hit_}, -ray_.d) : medium_behind(together_, -ray_.d);
 }
 
 void March::begin_in_medium_before_hit() {
-    if (!hit_) return;
-    const auto begins_here = [&](const SurfaceHit& s) { return begins_in(s, ray_.d, segment_.medium); };
-    if (std::any_of(together_.begin(), together_.end(), begins_here)) return;
-    segment_.medium = media_at(*hit_).towards(-ray_.d, hit_->ng, segment_.medium);
+    segment_.medium = medium_before_hit().value_or(segment_.medium);
+    if (!together_.empty()) set_media_of_hit();
 }
 
 void March::cross() {
     if (segment_.index == 0) end_ = ray_.o + ray_.d;
     left_ = std::max(left_ - segment_.length, 0.0f);
-    segment_.medium = together_.empty() ? media_at(*hit_).towards(ray_.d, hit_->ng, segment_.medium)
-                                        : medium_behind(together_, ray_.d, segment_.medium);
+    segment_.medium = media_at(*hit_).towards(ray_.d, hit_->ng, segment_.medium);
     ++segment_.index;
-    Vec3f begin = spawn_ray(hit_->interaction(), ray_.d).o;
-    for (const SurfaceHit& s : together_) {
-        const Vec3f behind = spawn_ray(s.interaction(), ray_.d).o;
-        if (dot(behind - begin, ray_.d) > 0) begin = behind;
-    }
-    ray_.o = segment_.o = begin;
+    ray_.o = segment_.o = spawn_ray(hit_->interaction(), ray_.d).o;
     if (ray_.t_max < kInfinity) {
         // Aimed anew, so that steps off the interfaces on the way do not carry the end into the far surface.
         const Vec3f to_end = end_ - ray_.o;

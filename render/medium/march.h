@@ -28,8 +28,8 @@ struct MediumInterface {
 inline MediumInterface media_at(const SurfaceHit& hit) { return {hit.inside_medium, hit.outside_medium}; }
 
 // The medium that a line along unit d begins in, at `time`, from a light source or a lens: `given`, but on an interface the one on
-// the side that d leads to.
-std::uint32_t medium_at_start(const Geometry& geometry, const Interaction& at, const Vec3f& d, float time, std::uint32_t given);
+// the side that d leads to. Widens the error of a point on a surface so that rays start clear of others that lie there too.
+std::uint32_t medium_at_start(const Geometry& geometry, Interaction& at, const Vec3f& d, float time, std::uint32_t given);
 
 // The part of a line that lies in one medium.
 struct Segment {
@@ -39,8 +39,8 @@ struct Segment {
     std::uint32_t index = 0;  // along the line
 };
 
-// Begins on the first segment of the line. Where surfaces lie on one another, those that are interfaces are crossed together, and
-// all others are met, with the media that the interfaces part.
+// Begins on the first segment of the line. Surfaces that lie on one another, in a scene with interfaces, are met as one: it is made
+// of what is no interface among them, and parts the media that all of them together part.
 class March {
  public:
     // Along unit ray.d, without end.
@@ -57,6 +57,8 @@ class March {
     void cross();
     // For a line whose medium is a guess: the surface that it meets first knows better.
     void begin_in_medium_before_hit();
+    // The medium in which the line comes to that surface, if the surface has a say in it.
+    std::optional<std::uint32_t> medium_before_hit() const;
 
  private:
     // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way: the line begins on the
@@ -65,6 +67,7 @@ class March {
 
     void find_hit();
     bool passes(const SurfaceHit& surface) const;
+    void set_media_of_hit();
 
     const Geometry& geometry_;
     Ray ray_;
@@ -73,7 +76,7 @@ class March {
     float metres_per_t_;
     float* passed_;  // multiplied by the shares that surfaces let pass; null: a hash decides which of them are met
     std::optional<SurfaceHit> hit_;
-    std::vector<SurfaceHit> together_;  // the interfaces at a hit, if there are several, or one under a surface that is none
+    std::vector<SurfaceHit> together_;  // all surfaces at the hit, if there are several
     Segment segment_;
 };
 

@@ -59,16 +59,6 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
                             "density",
                             depth, kDeepestCell));
     }
-    const auto has_interface = [](const std::vector<ShapeDescription>& shapes) {
-        return std::any_of(shapes.begin(), shapes.end(), [](const ShapeDescription& s) {
-            const bool is_whole = !s.alpha.is_textured() && s.alpha.value >= 1;
-            return is_interface(s.material) || (!is_whole && s.inside_medium != s.outside_medium);
-        });
-    };
-    world->has_interfaces_ =
-        has_interface(scene.shapes) || std::any_of(scene.objects.begin(), scene.objects.end(),
-                                                   [&](const ObjectDescription& o) { return has_interface(o.shapes); });
-
     if (world->has_media()) world->medium_at_infinity_ = world->find_medium_at_infinity();
 
     // The disks of infinite lights also cover the camera, so that light can fall on its lens, and the outermost medium.
@@ -126,15 +116,14 @@ std::uint32_t World::find_medium_at_infinity() const {
     for (int i = 0; i < kLines && ball.radius > 0; ++i) {
         const Uniform u = random(), v = random(), x = random(), y = random();
         const LightRay line = ball.sample_ray(sample_sphere(u, v), 1, x, y);
-        const std::optional<SurfaceHit> hit = geometry_->intersect({line.at.p, line.d});
-        if (!hit || hit->inside_medium == hit->outside_medium) continue;
-        const std::uint32_t outside = media_at(*hit).towards(-line.d, hit->ng, kNone);
-        if (!is_endless(outside)) return outside;
-        endless = outside;
+        const std::optional<std::uint32_t> outside = March(*geometry_, {line.at.p, line.d}, kNone).medium_before_hit();
+        if (outside && !is_endless(*outside)) return *outside;
+        if (outside) endless = outside;
     }
     if (endless) return *endless;
     const Ray ray{camera_.center(), camera_.axis()};
-    March march(*geometry_, ray, render::medium_at_start(*geometry_, {ray.o, 0, {}}, ray.d, ray.time, camera_.medium()));
+    Interaction start{ray.o, 0, {}};
+    March march(*geometry_, ray, render::medium_at_start(*geometry_, start, ray.d, ray.time, camera_.medium()));
     while (march.hit()) march.cross();
     return march.segment().medium;
 }
@@ -157,7 +146,7 @@ bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleSt
         const MediumStep step = media_[segment.medium]->multiply_transmittance(segment, sample, value);
         line.add(segment, step.transmittance, step.column);
     };
-    if (!has_interfaces_) {
+    if (!geometry_->has_interfaces()) {
         const float passed = geometry_->passed(ray);
         if (passed == 0) return false;
         if (passed < 1) value *= passed;

@@ -61,8 +61,8 @@ class World {
     }
 
     // The medium in which the sample's line along unit d begins that leaves a light source or a lens, which was said to be in
-    // `given`.
-    std::uint32_t medium_at_start(const Interaction& at, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
+    // `given`; render::medium_at_start.
+    std::uint32_t medium_at_start(Interaction& at, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
         return has_media() ? render::medium_at_start(*geometry_, at, d, sample.time, given) : kNone;
     }
 
@@ -93,7 +93,7 @@ class World {
     std::vector<std::unique_ptr<const Medium>> media_;
     std::unique_ptr<LightSet> lights_;
     std::uint32_t medium_at_infinity_ = kNone;
-    bool has_dispersion_ = false, has_interfaces_ = false;
+    bool has_dispersion_ = false;
 };
 
 }  // namespace latent::render

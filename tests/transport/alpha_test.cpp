@@ -142,7 +142,7 @@ TEST(Alpha, AShadowRayGathersThroughInterfacesToo) {
     std::vector<std::uint32_t> media;
     for (March march(world->geometry(), {from, {0, 0, 10}, 1}, 10, kNone, passed);; march.cross()) {
         total += march.segment().length;
-        media.push_back(march.segment().medium);
+        if (media.empty() || media.back() != march.segment().medium) media.push_back(march.segment().medium);
         if (!march.hit()) break;
         ASSERT_TRUE(march.meets_interface());
     }

@@ -2,6 +2,7 @@
 // one, and reach as far as the line does.
 #include "render/medium/march.h"
 
+#include <functional>
 #include <random>
 
 #include "tests/transport/picture_mean.h"
@@ -134,28 +135,85 @@ TEST_F(Touching, SurfacesAreAllMet) {
     }
 }
 
-// Light leaves the floor in the medium above it, and a lamp in the lid of a box of fog shines into the fog, and is seen from there.
-TEST_F(Touching, MakeTheSamePictureAsThoseThatDoNot) {
-    const auto scene = [](double apart) {
-        return scene_from("Integrator \"volpath\" \"integer maxdepth\" 4\n" +
-                          fmt::format("LookAt {} {} {}\n", points({at(0, 1.5, -5)}), points({at(0, 0.6, 0)}),
-                                      points({at(0, 1, 0) - at(0, 0, 0)})) +
-                          "Camera \"perspective\" \"float fov\" 30\nWorldBegin\nLightSource \"infinite\" \"float scale\" "
-                          ".3\nMakeNamedMedium \"fog\" \"string "
-                          "type\" \"homogeneous\" \"rgb sigma_a\" [.1 .1 .1] \"rgb sigma_s\" [.9 .8 .7]\nMaterial "
-                          "\"diffuse\"\nShape \"bilinearmesh\" "
-                          "\"point3 P\" [" +
-                          points({at(-9.1, 0, -8.3), at(8.7, 0, -8.3), at(-9.1, 0, 9.9), at(8.7, 0, 9.9)}) +
-                          "]\nAttributeBegin\nMaterial \"interface\"\n" + box("fog", "", {-1, -apart, -1}, {1, 1.3 + apart, 1}) +
-                          "AttributeEnd\nAreaLightSource \"diffuse\" \"float scale\" 2\nMediumInterface \"fog\" \"fog\"\nShape "
-                          "\"bilinearmesh\" \"point3 P\" [" +
-                          points({at(-0.4, 1.3, -0.4), at(0.4, 1.3, -0.4), at(-0.4, 1.3, 0.4), at(0.4, 1.3, 0.4)}) + "]\n");
+// From where two boxes touch, or one stands on the floor, whatever medium it is said to begin in.
+TEST_F(Touching, ALineBeginsInTheMediumThatItLeadsInto) {
+    struct Case {
+        Vec3d from, towards;
+        std::uint32_t medium;
     };
-    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
-        const Mean touching = mean_of_picture(scene(0), {.kind = kind, .seed = 1}, 60'000);
-        const Mean apart = mean_of_picture(scene(0.0005), {.kind = kind, .seed = 1}, 60'000);
-        for (std::size_t c = 0; c < 3; ++c) {
-            EXPECT_NEAR(touching.xyz[c], apart.xyz[c], 1.5e-3 * apart.xyz[c]) << c;
+    for (const Case& c : {Case{at(0, 0.5, 0.1), at(1, 0.7, 0.2), kC}, Case{at(0, 0.5, 0.1), at(-0.5, 0.7, 0.2), kB},
+                          Case{at(-0.3, 0, 0.1), at(-0.2, 0.5, 0.2), kB}, Case{at(0.3, 0, 0.1), at(0.2, 0.5, 0.2), kC}}) {
+        for (const std::uint32_t given : {kNone, kA, kB, kC}) {
+            Interaction start{Vec3f(c.from - scene_.description.origin), 0, {}};
+            const Vec3f d(normalize(c.towards - c.from));
+            const std::uint32_t medium = medium_at_start(world_->geometry(), start, d, 0, given);
+            EXPECT_EQ(medium, c.medium);
+            EXPECT_EQ(March(world_->geometry(), spawn_ray(start, d), medium).segment().medium, c.medium);
+        }
+    }
+}
+
+// Each scene beside the same one with its surfaces a little apart, in the right order.
+TEST_F(Touching, MakeTheSamePictureAsThoseThatDoNot) {
+    const auto sheet = [](const char* surface, const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+        return fmt::format("AttributeBegin\n{}Shape \"bilinearmesh\" \"point3 P\" [{}]\nAttributeEnd\n", surface,
+                           points({a, b, c, d}));
+    };
+    const auto front = [&](const char* surface, double z) {
+        return sheet(surface, at(-0.8, 0.1, z), at(0.8, 0.1, z), at(-0.8, 1, z), at(0.8, 1, z));
+    };
+    const auto medium = [](const char* inside, const char* outside, const Vec3d& low, const Vec3d& high) {
+        return "AttributeBegin\nMaterial \"interface\"\n" + box(inside, outside, low, high) + "AttributeEnd\n";
+    };
+    const std::vector<std::function<std::string(double)>> scenes = {
+        [&](double apart) {  // a lamp in the lid of a box on the floor
+            return medium("fog", "", {-1, -apart, -1}, {1, 1.3 + apart, 1}) +
+                   sheet("Material \"diffuse\"\n", at(-9, 0, -8), at(9, 0, -8), at(-9, 0, 10), at(9, 0, 10)) +
+                   sheet("AreaLightSource \"diffuse\" \"float scale\" 2\nMediumInterface \"fog\" \"fog\"\n", at(-0.4, 1.3, -0.4),
+                         at(0.4, 1.3, -0.4), at(-0.4, 1.3, 0.4), at(0.4, 1.3, 0.4));
+        },
+        [&](double apart) {  // a lamp between two boxes
+            return medium("fog", "", {-1, 0, -1}, {-apart, 1.3, 1}) + medium("ink", "", {apart, 0, -1}, {1, 1.3, 1}) +
+                   sheet("AreaLightSource \"diffuse\" \"float scale\" 2 \"bool twosided\" true\n", at(0, 0.3, -0.4),
+                         at(0, 0.3, 0.4), at(0, 0.9, -0.4), at(0, 0.9, 0.4));
+        },
+        [&](double apart) {  // sheets before a box: one with holes, and one that light passes
+            return medium("ink", "", {-1, 0, -1}, {1, 1.2, 1}) +
+                   front("Material \"diffuse\" \"rgb reflectance\" [.2 .2 .2]\nAttribute \"shape\" \"float alpha\" .5\n",
+                         -1 - apart);
+        },
+        [&](double apart) {
+            return medium("ink", "", {-1, 0, -1}, {1, 1.2, 1}) +
+                   front("Material \"diffusetransmission\" \"rgb reflectance\" [.3 .3 .3] \"rgb transmittance\" [.6 .6 .6]\n",
+                         -1 - apart);
+        },
+        [&](double apart) {  // a block at the wall of the medium that it says it is in
+            return medium("ink", "", {-1, 0, -1}, {1, 1.2, 1}) + "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n" +
+                   box("", "ink", {-0.8, 0.1, -1 + apart}, {0.8, 1.1, 0.5});
+        },
+        [&](double apart) {  // two boxes, one of them in a hull with holes
+            return medium("fog", "", {-1, 0, -1}, {1, 1.2, -apart}) + box("ink", "", {-1, 0, apart}, {1, 1.2, 1}) +
+                   "\"float alpha\" .4\n";
+        },
+    };
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const auto scene = [&](double apart) {
+            return scene_from(
+                fmt::format("Integrator \"volpath\" \"integer maxdepth\" 4\nLookAt {} {} {}\n", points({at(0, 0.8, -5)}),
+                            points({at(0, 0.6, 0)}), points({at(0, 1, 0) - at(0, 0, 0)})) +
+                "Camera \"perspective\" \"float fov\" 30\nWorldBegin\nLightSource \"infinite\" \"float scale\" .3\n"
+                "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .1 .1] \"rgb sigma_s\" [.9 .8 .7]\n"
+                "MakeNamedMedium \"ink\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [2 2 2] \"rgb sigma_s\" [.3 .2 .1]\n" +
+                scenes[i](apart));
+        };
+        for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+            SCOPED_TRACE(fmt::format("scene {}, {}", i, kind == IntegratorKind::kPath ? "path" : "bdpt"));
+            const Mean touching = mean_of_picture(scene(0), {.kind = kind, .seed = 1}, 30'000);
+            const Mean apart = mean_of_picture(scene(0.0005), {.kind = kind, .seed = 1}, 30'000);
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_NEAR(touching.xyz[c], apart.xyz[c], 0.005 * apart.xyz[c]);
+                EXPECT_GT(apart.xyz[c], 0.001);
+            }
         }
     }
 }

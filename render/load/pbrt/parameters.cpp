@@ -119,8 +119,7 @@ std::string ParameterList::near_parameters(const Parameter& p) const {
         if (std::ranges::find(names, asked.name) == names.end()) names.push_back(asked.name);
     }
     std::ranges::sort(types);
-    const auto [end, last] = std::ranges::unique(types);
-    types.erase(end, last);
+    types.erase(std::unique(types.begin(), types.end()), types.end());
     if (!types.empty()) return fmt::format("; its type must be {}", fmt::join(types, " or "));
     const std::string near = near_names(p.name, names);
     return near.empty() ? "" : fmt::format("; did you mean {}?", near);

@@ -48,7 +48,7 @@ void SubpathWalk::trace_light() {
     step.parallel = light.is_infinite();
     step.mis_shorter = x.mis.end;
     step.medium = light.is_infinite() ? world_.medium_at_infinity() : ray.medium;
-    if (!light.is_infinite()) step.medium = world_.medium_at_start(ray.at, ray.d, step.medium, sample_);
+    if (!light.is_infinite()) step.medium = world_.medium_at_start(x.at, ray.d, step.medium, sample_);
     if (!(ray.pdf_direction > 0)) return;
     step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
     if (!light.multiply_emission(ray.point(), ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
