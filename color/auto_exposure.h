@@ -42,7 +42,8 @@ class LuminanceHistogram {
 
 // The sigma that gives the log average of all but the darkest and brightest 1 % this exposure (by default, that which the film
 // prints at y' = 0.18), rounded to 4 digits, so that the number printed is the number used. What is eight stops darker
-// than a tenth of the lit pixels is black in any print, and does not count: noise there, or the rims of small lights, would decide.
+// than the brightest tenth of the lit pixels prints nearly black beside them, and does not count: noise there, or the rims of small
+// lights, would decide.
 // Errors: kOutOfRange if no pixel has a positive luminance.
 Result<double> auto_sigma(const LuminanceHistogram& histogram, double exposure = 0.28630418515664108);
 

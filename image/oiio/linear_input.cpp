@@ -111,7 +111,7 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
     const std::optional<std::string> format = format_of(path);
     if (!format) {
-        errorfmt("the file is not a picture of the format in its name");
+        errorfmt("the file is not a picture of the format that its name says");
         return false;
     }
     OIIO::ImageSpec file_spec;

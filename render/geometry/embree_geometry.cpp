@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/geometry/coordinates.h"
 #include "render/geometry/embree_shapes.h"
 #include "render/geometry/emitters.h"
@@ -48,7 +50,7 @@ void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) 
 SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
     SceneHandle scene(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene.get(),
-                     has_media_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_ROBUST);
+                     bounds_media_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_ROBUST);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (shapes[i].is_invisible()) continue;
         RTCGeometry geometry = new_geometry(device_.get(), shapes[i]);
@@ -142,9 +144,12 @@ void EmbreeGeometry::find_interfaces() {
     each([&](const PlacedShape& placed) {
         const bool is_interface = placed.shape.material == kNone;
         has_interfaces_ = has_interfaces_ || is_interface || (placed.has_holes() && placed.parts_media());
-        has_media_ = has_media_ || is_interface || placed.parts_media();
+        bounds_media_ = bounds_media_ || is_interface || placed.parts_media();
     });
-    each([&](PlacedShape& placed) { placed.meets_holes = has_interfaces_ && placed.has_holes(); });
+    each([&](PlacedShape& placed) {
+        const bool can_pass = placed.shape.kind == ShapeKind::kTube && !placed.parts_media() && placed.shape.material != kNone;
+        placed.meets_holes = has_interfaces_ && placed.has_holes() && !can_pass;
+    });
 }
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
@@ -167,7 +172,7 @@ void EmbreeGeometry::open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) c
     if (!world_.shape(hit.on).meets_holes || hit.material == kNone) return;
     const float opacity = opacity_at(world_, hit);
     if (passed == nullptr ? !is_hole_at(hit.on, hit.p, d, opacity) : opacity >= 1) return;
-    if (passed != nullptr) *passed *= 1 - std::max(opacity, 0.0f);
+    if (passed != nullptr) *passed *= 1 - std::max(0.0f, opacity);
     hit.material = hit.emitter = kNone;
 }
 
@@ -199,7 +204,7 @@ std::vector<SurfaceHit> EmbreeGeometry::surfaces_at(const Interaction& at, const
     // From a little before the point to a little behind: from the point itself a ray meets a surface or not, as it rounds.
     const float reach = 0x1p-18f * radius_;
     const Ray around{at.p - d * reach, d, 2 * reach, time};
-    if (!has_media_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
+    if (!bounds_media_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
     std::vector<MetSurface> met;
     TraceContext context{.embree = {}, .world = &world_, .t_max = around.t_max, .met = &met, .met_but = except};
     rtcInitIntersectContext(&context.embree);

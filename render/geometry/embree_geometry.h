@@ -53,7 +53,7 @@ class EmbreeGeometry final : public Geometry {
     std::vector<SceneHandle> object_scenes_;
     std::vector<MovingGeometry> moving_;  // Embree points to them
     SceneHandle scene_;
-    bool has_media_ = false;  // at surfaces; else surfaces_at finds none, and Embree's rays are faster
+    bool bounds_media_ = false;  // some surface; else surfaces_at finds none, and Embree's rays are faster
 };
 
 }  // namespace latent::render

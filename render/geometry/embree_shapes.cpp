@@ -20,7 +20,7 @@ bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay
     const PlacedShape& placed = world.shape(on);
     if (placed.hollow && dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0) return true;
     if (!placed.has_open_holes()) return false;
-    if (context.met != nullptr) return false;
+    if (context.met != nullptr) return true;
     const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
     const float opacity = opacity_at(world, hit);
     if (opacity >= 1) return false;

@@ -33,7 +33,7 @@ struct TraceContext {
     // in any order. Neither: a hash decides.
     float* passed = nullptr;
     std::vector<PassedSurface>* passed_each = nullptr;
-    // Of a shadow ray, which then nothing stops: all surfaces on its way, but not this primitive.
+    // Of a shadow ray, which then nothing stops: all surfaces on its way, but not this primitive, nor those with open holes.
     std::vector<MetSurface>* met = nullptr;
     const PrimitivePoint* met_but = nullptr;
     std::vector<PassedTube> passed_tubes{};  // Embree may find a crossing of a tube more than once; it counts once

@@ -76,7 +76,7 @@ inline bool contains(const SurfaceHit& hit, const Interaction& at) {
 class Opacity;
 
 // A surface of alpha a is met with probability a, which a hash of the place and of the ray's direction decides. So light passes it
-// as it passes fine holes: straight on, as it is. In a scene with interfaces, a hole is met, and is one.
+// as it passes fine holes: straight on, as it is. In a scene with interfaces, a ray that meets a hole hits an interface there.
 class Geometry {
  public:
     // `simd` is an Embree isa name (render/program/simd.h chooses). `opacity` outlives the geometry; null: surfaces whose alpha is
@@ -89,16 +89,17 @@ class Geometry {
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
     // The first surface that is whole, or an interface; `passed` is multiplied by the share of the light that passes what is there
-    // in part, as in `passed` below, up to there and there.
+    // in part, as in `passed` below, on its way and at that surface.
     virtual std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const = 0;
     virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
     // The share of the light that passes all surfaces: the expectation of not being occluded, over all decisions.
     virtual float passed(const Ray& ray) const = 0;
     // The surfaces that contain a point, but not that of `except`, where a line along unit d meets them; as if they had no holes.
+    // None, if no surface is an interface or bounds a medium.
     virtual std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
                                                 const PrimitivePoint* except = nullptr) const = 0;
-    // Makes a hit on such a surface one on an interface, if a ray in direction d passes it there: as the hash decides or, if
-    // `passed` is given, wherever it is there in part; then `passed` is multiplied by the share that passes.
+    // Turns a hit on a surface with holes into one on an interface, if a ray in direction d passes it there: as the hash decides
+    // or, if `passed` is given, wherever it is there in part; then `passed` is multiplied by the share that passes.
     virtual void open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const = 0;
     // At a hit that `intersect` returned.
     virtual SurfaceCoordinates coordinates(const SurfaceHit& hit) const = 0;

@@ -7,22 +7,23 @@ namespace latent::render {
 
 namespace {
 
-// The medium behind surfaces that lie on one another, for a line along d. They follow one another so that each begins in the medium
-// behind the one before; the last is the one in whose medium none begins. If each has a next one, as where two boxes of one medium
-// touch, those that lead out come first. None: they say nothing of media.
+// The medium behind surfaces that lie on one another, for a line along d. Each begins in the medium behind the one before, whatever
+// their order here, so it is the one that lies behind more of them than before. None: they say nothing of media, or lead back to
+// the medium that the line came from.
 std::optional<std::uint32_t> medium_behind(const std::vector<SurfaceHit>& surfaces, const Vec3f& d) {
-    const auto behind = [&](const SurfaceHit& s) { return media_at(s).towards(d, s.ng, kNone); };
-    const auto before = [&](const SurfaceHit& s) { return media_at(s).towards(-d, s.ng, kNone); };
-    const auto parts = [](const SurfaceHit& s) { return s.inside_medium != s.outside_medium; };
-    std::optional<std::uint32_t> last;
+    std::optional<std::uint32_t> medium;
+    std::ptrdiff_t most = 0;
     for (const SurfaceHit& s : surfaces) {
-        if (!parts(s)) continue;
-        const bool has_next =
-            std::any_of(surfaces.begin(), surfaces.end(), [&](const SurfaceHit& n) { return parts(n) && before(n) == behind(s); });
-        if (!has_next) return behind(s);
-        if (!last || dot(d, s.ng) < 0) last = behind(s);
+        const std::uint32_t behind = media_at(s).towards(d, s.ng, kNone);
+        std::ptrdiff_t more = 0;
+        for (const SurfaceHit& other : surfaces) {
+            if (other.inside_medium == other.outside_medium) continue;
+            more += media_at(other).towards(d, other.ng, kNone) == behind;
+            more -= media_at(other).towards(-d, other.ng, kNone) == behind;
+        }
+        if (more > most) most = more, medium = behind;
     }
-    return last;
+    return medium;
 }
 
 // So that what leaves a point, or a hit, also leaves a surface that contains it.
@@ -33,9 +34,15 @@ float widened(const Interaction& at, const SurfaceHit& surface) {
 }  // namespace
 
 std::uint32_t medium_at_start(const Geometry& geometry, Interaction& at, const Vec3f& d, float time, std::uint32_t given) {
-    const std::vector<SurfaceHit> surfaces = geometry.surfaces_at(at, d, time);
+    std::vector<SurfaceHit> surfaces = geometry.surfaces_at(at, d, time);
+    // Of a lamp's own surface `given` is the side.
+    if (at.ng != Vec3f{}) std::erase_if(surfaces, [](const SurfaceHit& s) { return !is_interface(s.material); });
     for (const SurfaceHit& s : surfaces) at.error = widened(at, s);
-    return medium_behind(surfaces, d).value_or(given);
+    if (const std::optional<std::uint32_t> medium = medium_behind(surfaces, d)) return *medium;
+    // Of two boxes of one medium that touch, as of others, the line leads into the one that it enters.
+    const auto is_entered = [&](const SurfaceHit& s) { return s.inside_medium != s.outside_medium && dot(d, s.ng) < 0; };
+    const auto entered = std::find_if(surfaces.begin(), surfaces.end(), is_entered);
+    return entered == surfaces.end() ? given : entered->inside_medium;
 }
 
 March::March(const Geometry& geometry, const Ray& ray, float length, float metres_per_t, std::uint32_t medium, float* passed)
@@ -47,6 +54,7 @@ March::March(const Geometry& geometry, const Ray& ray, float length, float metre
     Interaction start{ray.o, 0, {}};
     segment_.medium = medium_at_start(geometry, start, normalize(ray.d), ray.time, medium);
     segment_.index = 0;
+    if (hit_ && !together_.empty()) set_media_of_hit();
 }
 
 // Whether the rest of the line leads from one side of the surface to the other.
@@ -63,8 +71,14 @@ void March::find_hit() {
     const bool is_blocked = passed_ != nullptr && hit_ && !meets_interface();
     if (!hit_ || is_blocked || !geometry_.has_interfaces()) return;
 
-    together_ = geometry_.surfaces_at(hit_->interaction(), hit_->ng, ray_.time, &hit_->on);
-    std::erase_if(together_, [&](const SurfaceHit& s) { return !passes(s); });
+    const bool leads_out = dot(ray_.d, hit_->ng) > 0;
+    together_ = geometry_.surfaces_at(hit_->interaction(), leads_out ? hit_->ng : -hit_->ng, ray_.time, &hit_->on);
+    std::erase_if(together_, [&](const SurfaceHit& s) {
+        // Next to an edge, the shape itself is there again.
+        const bool is_same =
+            s.on.instance == hit_->on.instance && s.on.shape == hit_->on.shape && (dot(ray_.d, s.ng) > 0) == leads_out;
+        return is_same || !passes(s);
+    });
     if (together_.empty()) return;
     for (SurfaceHit& s : together_) geometry_.open_hole(s, ray_.d, passed_);
     together_.push_back(*hit_);
@@ -75,7 +89,9 @@ void March::find_hit() {
         hit_ = *solid;
         hit_->t = t;
     }
-    for (const SurfaceHit& s : together_) hit_->error = widened(hit_->interaction(), s);
+    for (const SurfaceHit& s : together_) {
+        if (is_interface(s.material)) hit_->error = widened(hit_->interaction(), s);
+    }
     set_media_of_hit();
 }
 

@@ -50,7 +50,7 @@ class March {
         : March(geometry, ray, length, render::length(ray.d), medium, &passed) {}
 
     const Segment& segment() const { return segment_; }
-    // The surface that the segment ends on; none: the line ends.
+    // The surface that the segment ends on, with the media on the line's way if there are others in its place; none: the line ends.
     const std::optional<SurfaceHit>& hit() const { return hit_; }
     bool meets_interface() const { return hit_ && is_interface(hit_->material); }
     // Goes on behind that surface, whatever it is made of.

@@ -129,9 +129,7 @@ TEST_F(Touching, SurfacesAreAllMet) {
         EXPECT_EQ(media_between(in_c, in_a, kC), (Media{kC, kB, kA}));
         EXPECT_EQ(media_between(in_b, under_b, kB), (Media{kB, kFloor}));
         EXPECT_EQ(media_between(under_b, in_b, kNone), (Media{kNone, kFloor}));
-        const Media down = media_between(above_b, under_b, kNone);
-        EXPECT_EQ(down.front(), kNone);
-        EXPECT_EQ(down.back(), kFloor);
+        EXPECT_EQ(media_between(above_b, under_b, kNone), (Media{kNone, kA, kB, kFloor}));
     }
 }
 
@@ -189,6 +187,14 @@ TEST_F(Touching, MakeTheSamePictureAsThoseThatDoNot) {
         },
         [&](double apart) {  // a block at the wall of the medium that it says it is in
             return medium("ink", "", {-1, 0, -1}, {1, 1.2, 1}) + "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n" +
+                   box("", "ink", {-0.8, 0.1, -1 + apart}, {0.8, 1.1, 0.5});
+        },
+        [&](double apart) {  // the same as a lamp
+            return medium("ink", "", {-1, 0, -1}, {1, 1.2, 1}) + "Material \"diffuse\"\nAreaLightSource \"diffuse\"\n" +
+                   box("", "ink", {-0.8, 0.1, -1 + apart}, {0.8, 1.1, 0.5});
+        },
+        [&](double apart) {  // the same of glass
+            return medium("ink", "", {-1, 0, -1}, {1, 1.2, 1}) + "Material \"dielectric\" \"float roughness\" .2\n" +
                    box("", "ink", {-0.8, 0.1, -1 + apart}, {0.8, 1.1, 0.5});
         },
         [&](double apart) {  // two boxes, one of them in a hull with holes

@@ -106,7 +106,7 @@ std::string reason(std::string_view what) {
     return ": " + std::string(text.substr(0, text.find("; last read")));
 }
 
-// Where the text holds the number that the library names in quotes, as too large for it.
+// Where the text first holds the digits that the library quotes, of a number that is too large for it.
 std::size_t place_of_number(std::string_view text, std::string_view what) {
     const std::size_t begin = what.find('\'') + 1, end = what.find('\'', begin);
     return end == what.npos ? 0 : text.find(what.substr(begin, end - begin)) + 1;
