@@ -147,6 +147,7 @@ void EmbreeGeometry::find_interfaces() {
         bounds_media_ = bounds_media_ || is_interface || placed.parts_media();
     });
     each([&](PlacedShape& placed) {
+        // Embree may find a crossing of a tube more than once, which is noticed only while rays pass its holes (settle_hit).
         const bool can_pass = placed.shape.kind == ShapeKind::kTube && !placed.parts_media() && placed.shape.material != kNone;
         placed.meets_holes = has_interfaces_ && placed.has_holes() && !can_pass;
     });

@@ -76,7 +76,8 @@ inline bool contains(const SurfaceHit& hit, const Interaction& at) {
 class Opacity;
 
 // A surface of alpha a is met with probability a, which a hash of the place and of the ray's direction decides. So light passes it
-// as it passes fine holes: straight on, as it is. In a scene with interfaces, a ray that meets a hole hits an interface there.
+// as it passes fine holes: straight on, as it is. In a scene with interfaces, a ray that meets a hole hits an interface there, but
+// not in a tube.
 class Geometry {
  public:
     // `simd` is an Embree isa name (render/program/simd.h chooses). `opacity` outlives the geometry; null: surfaces whose alpha is

@@ -56,6 +56,7 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     print.threads = options.threads;
     print.replace = true;
     Result<convert::ConvertReport> printed = convert::convert(print, {});
+    // Then no exposure could be chosen.
     const bool is_black = !printed && printed.error().code == ErrorCode::kOutOfRange;
     if (is_black) {
         print.auto_exposure = false;
