@@ -37,8 +37,9 @@ if(LATENT_WERROR)
   target_compile_options(latent_options INTERFACE -Werror)
 endif()
 
-# latent_unity(TARGET): the presets asan, fuzz and tidy, whose compiler is clang, set CMAKE_UNITY_BUILD. With it the sources of TARGET are compiled together,
-# sixteen at a time, and read their headers once. So no two sources of a library may define the same name.
+# latent_unity(TARGET): where CMAKE_UNITY_BUILD is set, as in all presets but debug and tsan, the sources of TARGET are compiled together,
+# sixteen at a time, and read their headers once: that halves the time of a build. So no two sources of a library may define the same
+# name, not even in unnamed namespaces.
 function(latent_unity target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16
     UNITY_BUILD_CODE_BEFORE_INCLUDE "// NOLINTNEXTLINE(bugprone-suspicious-include)")
