@@ -10,7 +10,8 @@
  * Later versions add fields at the end, and 0 there always means what older versions did.
  *
  * Threads: a writer and a reader may be used by any number of threads at once; a cursor by one at a time; the functions that close
- * an object by the last thread that uses it. Strings are UTF-8 and end in 0. Intervals of samples are first .. end-1. */
+ * an object by the last thread that uses it. Strings are UTF-8 and end in 0; names of
+ * files are whatever bytes the system has. Intervals of samples are first .. end-1. */
 #ifndef LATENT_H
 #define LATENT_H
 
@@ -185,8 +186,9 @@ typedef struct latent_reader latent_reader;
 
 typedef struct latent_read_options {
     size_t size;
-    uint32_t skip_duplicates; /* 1: files named one by one may hold the same samples */
-    uint32_t verify;          /* 1: read and check every byte first; 0: check each page when it is read */
+    uint32_t skip_duplicates;   /* 1: files named one by one may hold the same samples */
+    uint32_t verify;            /* 1: read and check every byte first; 0: check each page when it is read */
+    uint64_t job_low, job_high; /* if files or folders hold several jobs, the one to read; 0, 0: there is only one */
 } latent_read_options;
 
 typedef struct latent_reader_info {

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "base/printable.h"
 #include "c_api/abi.h"
 
 using namespace latent;
@@ -60,7 +61,7 @@ latent_status latent_merge(const char* const* paths, size_t count, const char* o
         const Result<merge::MergeReport> report = merge::merge(*merge, progress);
         if (!report) return report.error();
         for (const sampledb::LeftOut& item : report->gathering.left_out) {
-            if (given.left_out != nullptr) given.left_out(given.context, (item.place + ": " + item.reason).c_str());
+            if (given.left_out != nullptr) given.left_out(given.context, printable_line(item.place + ": " + item.reason).c_str());
         }
         if (info == nullptr) return {};
         latent_merge_info value{};

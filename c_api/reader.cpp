@@ -1,9 +1,11 @@
 // The reading half of latent.h: a Gathering, and cursors over its records.
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/url.h"
 #include "c_api/abi.h"
 #include "c_api/records.h"
@@ -19,7 +21,8 @@ struct latent_reader {
         for (const ExtraColumnSpec& column : from.extra)
             extra.push_back({column.name.c_str(), static_cast<uint32_t>(column.type), 0});
         for (const std::filesystem::path& file : gathering->files()) files.push_back(shown_name(file));
-        for (const LeftOut& item : gathering->report().left_out) left_out.push_back(item.place + ": " + item.reason);
+        for (const LeftOut& item : gathering->report().left_out)
+            left_out.push_back(printable_line(item.place + ": " + item.reason));
         job.size = sizeof job;
         job.id_low = from.id.low, job.id_high = from.id.high;
         job.aspect_width = from.aspect_width, job.aspect_height = from.aspect_height;
@@ -96,10 +99,11 @@ latent_status latent_reader_open(const char* const* paths, size_t count, const l
             gather.inputs.emplace_back(paths[i]);
         }
         if (options != nullptr) {
-            const Result<latent_read_options> given = c::taken(options, sizeof(latent_read_options), "options");
+            const Result<latent_read_options> given = c::taken(options, offsetof(latent_read_options, job_low), "options");
             if (!given) return given.error();
             gather.skip_duplicates = given->skip_duplicates != 0;
             if (given->verify != 0) gather.verify = VerifyLevel::kStored;
+            if (given->job_low != 0 || given->job_high != 0) gather.job = JobId{given->job_low, given->job_high};
         }
         Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
         if (!opened) return opened.error();
