@@ -51,6 +51,7 @@ Result<File> File::open_read(const std::filesystem::path& path) {
     const Error irregular{ErrorCode::kForeign, path.string() + ": not a regular file"};
     const int fd = open_retrying(path.c_str(), O_RDONLY | O_NONBLOCK);
     if (fd < 0 && errno == ENXIO) return irregular;  // a socket
+    if (fd < 0 && errno == ELOOP) return Error{ErrorCode::kForeign, path.string() + ": a symbolic link that leads back to itself"};
     if (fd < 0) return error_from_errno(errno, path.string(), "cannot open");
     File file(fd, path);
     struct stat info;

@@ -2,11 +2,12 @@
 import json
 import os
 import pathlib
-import sys
 
-from latent_farm import engines, frames, planning, slurm, strips, units
+from latent_farm import engines, frames, planning, ranges, slurm, strips, units
 from latent_farm import status as status_of
 from latent_farm.errors import DONE, Failure, Misuse
+from latent_farm.names import check_name, shown
+from latent_farm.output import output_is_kept, say
 from latent_farm.plan import check_render_options
 from latent_farm.work import Work
 
@@ -14,12 +15,13 @@ from latent_farm.work import Work
 def survey(args):
     """The work of all frames, and what is to be said if it will not fit on the disk."""
     check_render_options(args.options)
-    if args.engine is None:
-        args.engine = "slurm" if slurm.is_here() else "shell"
-    if args.hosts and args.engine != "parallel":
-        raise Misuse("--hosts: needs --engine parallel")
+    for option in args.options:
+        check_name(option, "options must not")
     if args.hosts:
+        if args.engine != "parallel":
+            raise Misuse("--hosts: needs --engine parallel")
         args.hosts = os.path.abspath(args.hosts)
+        check_name(args.hosts)
         if not engines.hosts_in(args.hosts):
             raise Failure(f"{args.hosts}: names no machine; write one per line")
     works, reports = [], []
@@ -35,11 +37,11 @@ def survey(args):
 
 
 def to_text(report):
-    text = (f"{units.counted(report['samples'], 'sample')} in {units.counted(report['tasks'], 'task')} of {report['task_samples']} "
-            f"({units.format_duration(report['task_seconds'])} each), runs of {report['run_samples']}\n")
+    each = units.format_duration(report["task_seconds"])
+    size = f"1 task ({each})" if report["tasks"] == 1 else f"{report['tasks']} tasks of {report['task_samples']} ({each} each)"
+    text = f"{units.counted(report['samples'], 'sample')} in {size}, runs of {min(report['samples'], report['run_samples'])}\n"
     if report["missing_samples"]:
-        tasks = f"task{'' if report['missing_tasks'].isdigit() else 's'} {report['missing_tasks']}"
-        text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {tasks}; about "
+        text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {ranges.tasks_text(report['missing_tasks'])}; about "
                  f"{units.format_duration(report['seconds'])} with {report['machines']} at a time\n")
     text += (f"disk: {units.format_size(report['bytes'])} when finished, {units.format_size(report['free_bytes'])} free\n")
     if not report["steps"]:
@@ -49,21 +51,29 @@ def to_text(report):
 
 def show(reports, as_json):
     if as_json:
-        print(json.dumps(reports[0] if len(reports) == 1 else reports, indent=2))
+        say(json.dumps(reports[0] if len(reports) == 1 else reports, indent=2) + "\n")
     else:
-        print("\n".join((f"{report['folder']}: " if len(reports) > 1 else "") + to_text(report) for report in reports), end="")
-    sys.stdout.flush()
+        say("\n".join((f"{shown(report['folder'])}: " if len(reports) > 1 else "") + to_text(report) for report in reports))
+
+
+def engine_of(args):
+    """What was asked for, what the plan remembers, or what is here."""
+    remembered = [folder.read_plan().engine for folder in frames.planned(args.out)]
+    return args.engine or (remembered or ["slurm" if slurm.is_here() else "shell"])[0]
 
 
 def plan_command(args):
+    args.engine = engine_of(args)
     _, reports, too_large = survey(args)
     if too_large:
         planning.note(too_large)
-    show(reports, args.json)
+    with output_is_kept():
+        show(reports, args.json)
     return DONE
 
 
 def submit_command(args):
+    args.engine = engine_of(args)
     engines.check(args.engine)
     for folder in frames.planned(args.out):
         if waiting := slurm.in_queue(folder):
@@ -76,11 +86,12 @@ def submit_command(args):
         show(reports, args.json)
         return engines.run([line for work in works for line in work.lines])
     for work, report in zip(works, reports):
-        report["jobs"] = work.chain.submit(work.stages)
-    show(reports, args.json)
-    jobs = [job for report in reports for job in report["jobs"]]
-    if jobs and not args.json:
-        print(f"submitted: jobs {', '.join(jobs)}")
+        report["jobs"] = slurm.Chain(work.folder, work.plan).submit(work.stages)
+    with output_is_kept():
+        show(reports, args.json)
+        jobs = [job for report in reports for job in report["jobs"]]
+        if jobs and not args.json:
+            say(f"submitted: jobs {', '.join(jobs)}\n")
     return DONE
 
 
@@ -90,7 +101,7 @@ def resume_command(args):
 
 
 def status_command(args):
-    print(status_of.status(frames.existing(args.out), args.json, args.stalled_after), end="")
+    say(status_of.status(frames.existing(args.out), args.json, args.stalled_after))
     return DONE
 
 

@@ -4,8 +4,9 @@ import glob
 import os
 import pathlib
 
-from latent_farm.errors import check_is_no_url, Failure, Misuse
-from latent_farm.plan import Folder
+from latent_farm.errors import Failure, Misuse
+from latent_farm.folder import Folder
+from latent_farm.names import check_is_no_url, check_name
 
 
 def planned(out):
@@ -28,12 +29,17 @@ def scenes_of(names):
     """Scene files; a pattern that the shell has left alone stands for those that match it."""
     for name in names:
         check_is_no_url(name, "a scene is a file")
-    return [scene for name in names for scene in (not os.path.exists(name) and sorted(glob.glob(name)) or [name])]
+    scenes = [scene for name in names for scene in (not os.path.exists(name) and sorted(glob.glob(name)) or [name])]
+    for scene in scenes:
+        check_name(os.path.abspath(scene))
+    return scenes
 
 
 def name_of(scene):
     """frame.0001 for frame.0001.pbrt and frame.0001.pbrt.gz."""
-    return pathlib.Path(pathlib.Path(scene).name.removesuffix(".gz")).stem
+    name = pathlib.Path(scene).name
+    stem = pathlib.Path(name.removesuffix(".gz")).stem
+    return name if stem in ("", ".", "..") else stem  # ...pbrt
 
 
 def frames_of(args):

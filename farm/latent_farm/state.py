@@ -10,7 +10,7 @@ from latent_farm import ranges, tools
 from latent_farm.plan import Stage, part_name, strip_name
 
 BATCH = 100  # files of one call of latent-inspect
-NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?")
+NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?", re.ASCII)
 
 
 @dataclasses.dataclass
@@ -49,11 +49,15 @@ class State:
         return ranges.union([*self.merged, *(r for file in self.files for r in file.held)])
 
 
-def date_of(origin):
+def origin_of(info):
+    """(host, when it began, samples that earlier attempts had rendered) of a file, as far as it says."""
+    origin = info["origin"] if isinstance(info["origin"], dict) else {}
+    host, date, before = (origin.get(key) for key in ("host", "date", "committed_before"))
     try:
-        return calendar.timegm(time.strptime(origin.get("date", ""), "%Y-%m-%dT%H:%M:%SZ"))
-    except ValueError:
-        return float("inf")
+        begun = calendar.timegm(time.strptime(date, "%Y-%m-%dT%H:%M:%SZ"))
+    except (TypeError, ValueError, OverflowError):
+        begun = float("inf")
+    return host if isinstance(host, str) and host else "unknown", begun, before if type(before) is int else 0
 
 
 def read_state(folder, plan):
@@ -75,6 +79,9 @@ def take(state, folder, plan, path, info):
         status = path.stat()
     except FileNotFoundError:
         return  # published or made superfluous since the folder was listed
+    except OSError as error:
+        state.left_out.append((str(path), error.strerror))
+        return
     name = NAME.fullmatch(path.name)
     attempt = bool(name and name[2])
     if "error" in info:
@@ -90,9 +97,8 @@ def take(state, folder, plan, path, info):
         state.merged = ranges.union(held)
         return
     state.left_out += [(str(path), reason) for reason in info["damage"]]
-    origin = info["origin"] if isinstance(info["origin"], dict) else {}
-    state.files.append(PartFile(path.name, int(name[1]), attempt, held, origin.get("host", "unknown"), date_of(origin),
-                                status.st_mtime, status.st_size, 0 if attempt else origin.get("committed_before", 0)))
+    host, begun, before = origin_of(info)
+    state.files.append(PartFile(path.name, int(name[1]), attempt, held, host, begun, status.st_mtime, status.st_size, 0 if attempt else before))
 
 
 def unfinished(plan, state):
@@ -101,9 +107,8 @@ def unfinished(plan, state):
     for file in state.files:
         if not file.attempt:
             published.setdefault(file.task, []).extend(file.held)
-    return [task for task in range(plan.tasks)
-            if ranges.missing(plan.range_of(task), state.merged) and
-            ranges.missing(plan.range_of(task), ranges.union(published.get(task, [])))]
+    return [task for task in plan.tasks_of(ranges.missing((0, plan.samples), state.merged))
+            if ranges.missing(plan.range_of(task), ranges.union(published.get(task, [])))]
 
 
 def stages_left(folder, plan, state, tasks):

@@ -4,6 +4,7 @@ import statistics
 import time
 
 from latent_farm import ranges, state, units
+from latent_farm.names import shown
 
 
 def machines_of(plan, files, unfinished, now, stalled_after):
@@ -57,13 +58,13 @@ def summary(folder, plan, found, now, stalled_after):
 
 def to_text(report, now):
     done = 100 * report["committed"] / report["samples"]
-    lines = [f"{report['scene']}, {report['spp']:g} sample{'' if report['spp'] == 1 else 's'} per pixel, job {report['job']}",
+    lines = [f"{shown(report['scene'])}, {report['spp']:g} sample{'' if report['spp'] == 1 else 's'} per pixel, job {report['job']}",
              f"samples: {report['committed']} of {report['samples']} committed ({done:.1f} %)",
              f"tasks:   {report['tasks_finished']} of {report['tasks']} finished, {report['tasks_working']} being rendered"]
     if report["missing_samples"]:
         lines.append(f"missing: samples {ranges.text([tuple(r) for r in report['missing_samples']])}")
     if report["missing_tasks"]:
-        lines.append(f"         tasks --array={report['missing_tasks']}")
+        lines.append(f"         {ranges.tasks_text(report['missing_tasks'])}")
     if report["samples_per_second"]:
         left = report["seconds_left"]
         lines.append(f"rate:    {units.format_count(report['samples_per_second'])} samples/s, {units.format_duration(left)} left")
@@ -75,12 +76,13 @@ def to_text(report, now):
         lines.append("all done" + units.left_out(report))
     if report["machines"]:
         lines += ["", f"{'machine':<20} {'finished':>8} {'samples':>10} {'samples/s':>10}  last commit"]
-    for host, machine in sorted(report["machines"].items()):
+    for name, machine in sorted(report["machines"].items()):
+        host = shown(name, 60)
         ago = units.format_duration(max(0, now - machine["last_commit"])) + " ago"
         rate = units.format_count(machine["samples_per_second"]) if machine["working"] else "-"
         lines.append(f"{host:<20} {machine['parts']:>8} {units.format_count(machine['samples']):>10} {rate:>10}  {ago}")
-    lines += [f"stalled: {name}" for name in report["stalled"]]
-    lines += [f"left out: {item['place']}: {item['reason']}" for item in report["left_out"]]
+    lines += [f"stalled: {shown(name)}" for name in report["stalled"]]
+    lines += [f"left out: {shown(item['place'])}: {shown(item['reason'])}" for item in report["left_out"]]
     return "\n".join(lines) + "\n"
 
 
