@@ -50,8 +50,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     app.add_flag("--light-groups", line.settings.light_groups,
                  "store the light of lights with different names separately, for latent-develop --light");
     cli::add_parsed(app, "--aov", line.settings.aovs, parse_aovs,
-                    "also store features of the surface that each sample sees, for latent-develop --layers: a list of albedo, "
-                    "normal, depth, position, id")
+                    "also store features of the surface that each sample sees (albedo, normal, depth, position, id), for "
+                    "latent-develop --layers, and where and when its light met the lens (lens, time); a list of these")
         ->type_name("albedo,normal,...");
     cli::add_count(app, "--precision", line.settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
