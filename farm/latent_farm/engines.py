@@ -54,6 +54,13 @@ def parallel_line(folder, stages, hosts):
     return _line(folder, stages, array)
 
 
+def lines_of(folder, plan, stages):
+    """The commands that run stages of a plan here."""
+    if not stages:
+        return []
+    return [parallel_line(folder, stages, plan.hosts) if plan.engine == "parallel" else shell_line(folder, stages)]
+
+
 def run(lines):
     """Runs the lines of parallel or of a shell, in the foreground. What they report goes to standard error."""
     for line in lines:

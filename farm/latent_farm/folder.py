@@ -18,6 +18,8 @@ class Folder:
         self.logs = self.path / "logs"
         self.merged = self.path / "samples.latent"
         self.picture = self.path / "picture.exr"
+        self.print = self.path / "picture.png"
+        self.film = self.path / "film.mp4"
         self.strips = self.path / "strips"
         self.jobs = self.path / "jobs.json"
 
@@ -54,11 +56,11 @@ class Folder:
     def write_jobs(self, numbers):
         files.write(self.jobs, json.dumps(numbers) + "\n")
 
-    def make(self):
+    def make(self, parts=True):
         names.check_name(str(self.path))
         try:
-            self.parts.mkdir(parents=True, exist_ok=True)
-            self.logs.mkdir(exist_ok=True)
+            for folder in [self.parts, self.logs] if parts else [self.logs]:
+                folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise Failure(f"{error.filename}: cannot create the folder: {error.strerror}") from None
 

@@ -3,6 +3,7 @@ import argparse
 import glob
 import os
 import pathlib
+import re
 
 from latent_farm.errors import Failure, Misuse
 from latent_farm.folder import Folder
@@ -14,7 +15,12 @@ def planned(out):
     check_is_no_url(out, "a plan is a folder")
     if Folder(out).has_plan():
         return [Folder(out)]
-    return [Folder(path.parent) for path in sorted(pathlib.Path(out).glob("*/plan.json"))]
+    return sorted((Folder(path.parent) for path in pathlib.Path(out).glob("*/plan.json")), key=lambda folder: in_order(folder.path.name))
+
+
+def in_order(name):
+    """A key that puts shot.9 before shot.10."""
+    return [(int(word), "") if word.isdecimal() else (-1, word) for word in re.split(r"(\d+)", name)]
 
 
 def existing(out):

@@ -5,7 +5,7 @@ import shlex
 from latent_farm import units
 from latent_farm.help import Command
 from latent_farm.names import check_name
-from latent_farm.plan import ENGINES, MOST_TASKS, STEPS
+from latent_farm.plan import ENGINES, FPS, MOST_TASKS, STEPS
 
 FORMATS = """Numbers accept K, M, G, T (powers of 1000) and Ki, Mi, Gi, Ti (powers of 1024).
 SIZE is in bytes, where K, M, G, T are powers of 1024.
@@ -50,6 +50,18 @@ def words(text):
     return found
 
 
+def text(given):
+    check_name(given, "options must not")
+    return given
+
+
+def fps(text):
+    value = units.parse_number(text)
+    if value is None or not FPS[0] <= value <= FPS[1]:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of frames per second")
+    return float(value)
+
+
 def time_limit(text):
     return 0 if text == "auto" else units.parse_duration(text)
 
@@ -75,7 +87,11 @@ def add_steps(command):
                    default=None)
     command.option("--checkpoint", "TIME", "interval at which finished work is committed to disk",
                    type=units.parse_duration, shown_default="60s")
-    command.option("--until", "|".join(STEPS), "last step to run", choices=STEPS, shown_default="develop")
+    command.option("--print", "OPTIONS", "print the picture, as picture.png, with these options of latent-convert, such as --print=\"--sensitivity 1.6\"",
+                   type=words)
+    command.option("--fps", "N", "frames per second of the film that ffmpeg, if installed, makes of the prints of an animation", type=fps, shown_default="24")
+    command.option("--on-done", "COMMAND", "command of the shell to run when all is done; $folder is the folder of the plan", type=text)
+    command.option("--until", "|".join(STEPS), "last step to run", choices=STEPS, shown_default="develop, or print")
     command.option("--ignore-space", None, "submit even if the files are not expected to fit on the disk")
     command.option("--json", None, "print the report as JSON on standard output")
 
@@ -153,17 +169,20 @@ Examples:
 {FORMATS}
 
 Reads only the files in DIR, so it works with every engine, and while tasks run.
-The speed and last commit of a machine are taken from the parts it writes.
+The speed and last commit of a machine are taken from the parts it writes, and
+why a task failed from its log.
 
 Examples:
   latent-farm status night
   latent-farm status night --json
+  latent-farm status night --prometheus >night.prom
 
 {STATUSES}""")
     status.argument("out", "folder of the plan", metavar="DIR")
     status.option("--stalled-after", "TIME", "time without a commit after which a part counts as stalled", type=units.parse_duration, default=300.0,
                   shown_default="5m")
     status.option("--json", None, "print the report as JSON on standard output")
+    status.option("--prometheus", None, "print it as metrics for Prometheus, for the textfile collector of its node_exporter")
     join = Command("latent-farm join", "Join the strips of a picture.", "latent-farm join STRIP... -o FILE.exr [OPTIONS]", f"""
 latent-farm submit --strips runs this command. Each STRIP is a picture made by
 latent-develop --crop: all columns, from a row that is a multiple of 256 up to
@@ -176,5 +195,18 @@ Examples:
     join.argument("strip", "strips of one picture, in any order", metavar="STRIP", nargs="+")
     join.option("-o,--output", "FILE", "picture to write", required=True)
     join.option("--force", None, "replace an existing output")
-    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "join": join}
+    film = Command("latent-farm film", "Make a film of the prints of an animation.", "latent-farm film DIR [OPTIONS]", f"""
+latent-farm submit --print runs this command when all frames are printed. It
+needs ffmpeg. The frames are in the order of their names, and of numbers in
+these.
+
+Examples:
+  latent-farm film shots --fps 25 -o shots.mp4
+
+{STATUSES}""")
+    film.argument("folder", "folder of the frames", metavar="DIR")
+    film.option("--fps", "N", "frames per second", type=fps, default=24.0, shown_default="24")
+    film.option("-o,--output", "FILE.mp4", "film to write (default: DIR/film.mp4)")
+    film.option("--force", None, "replace an existing output")
+    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "join": join, "film": film}
     return tool

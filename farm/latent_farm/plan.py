@@ -13,15 +13,16 @@ VERSION = 1
 MOST_RUNS = 1 << 20  # of a file
 MOST_TASKS = 1 << 20
 MOST_SAMPLES = 1 << 62
+FPS = 0.001, 1000  # frames per second
 TILE = 256  # pixels: the sides of a picture's tiles; strips are whole rows of tiles
 ENGINES = ("slurm", "parallel", "shell")
-STEPS = ("render", "merge", "develop")
+STEPS = ("render", "merge", "develop", "print")
 
 
 class Stage(typing.NamedTuple):
     """A step of a plan, of which nothing begins before all of the one before is done."""
 
-    name: str  # render, merge, develop or join
+    name: str  # render, merge, develop, join or print; film or done, when all frames are finished
     tasks: list | None = None  # numbers, for a script that takes one; else it is run once
 
     @property
@@ -49,6 +50,10 @@ class Plan:
     develop_since: float = member(real(0, 1e12), default=0)  # when these were chosen; an older picture is another
     strips: int = member(whole(1, MOST_TASKS), default=1)  # of the picture, one for each job of latent-develop
     compact: bool = member(BOOLEAN, default=False)  # the merged file has few large runs
+    print: list = member(TEXTS, default_factory=list)  # options of latent-convert
+    print_since: float = member(real(0, 1e12), default=0)  # when these were chosen
+    fps: float = member(real(*FPS), default=24)  # of the film of all frames
+    on_done: str = member(TEXT, default="")  # a command of the shell, for when all is done
     until: str = member(one_of(*STEPS), default="develop")  # the last step
     checkpoint: float = member(real(0, MOST_SECONDS), default=60)  # seconds
     engine: str = member(one_of(*ENGINES), default="shell")
@@ -114,7 +119,8 @@ class Plan:
 
     @property
     def steps_left_out(self):
-        return list(STEPS[STEPS.index(self.until) + 1:])
+        """Of those that make a picture."""
+        return list(STEPS[STEPS.index(self.until) + 1:STEPS.index("print")])
 
     @property
     def strip_rows(self):

@@ -40,17 +40,22 @@ def trial(folder, arguments, spp, cpus):
                  answer["bytes"] / answer["samples"])
 
 
-REMEMBERED = ("memory", "cpus", "develop", "strips", "compact", "checkpoint", "until", "engine", "hosts", "sbatch", "time", "throttle")
+REMEMBERED = ("memory", "cpus", "develop", "strips", "compact", "checkpoint", "print", "fps", "on_done", "until", "engine", "hosts", "sbatch",
+              "time", "throttle")
 
 
 def choose(plan, args):
     """What was asked for on the command line replaces what the plan holds."""
-    before = plan.develop, plan.strips
+    developed, printed = (plan.develop, plan.strips), plan.print
+    if args.print is not None or args.fps is not None:
+        plan.until = "print"
     for name in REMEMBERED:
         if getattr(args, name) is not None:
             setattr(plan, name, getattr(args, name))
-    if (plan.develop, plan.strips) != before:
+    if (plan.develop, plan.strips) != developed:
         plan.develop_since = time.time()
+    if plan.print != printed:
+        plan.print_since = time.time()
 
 
 def make_plan(folder, args, cpus, machines, like=None):
@@ -72,7 +77,7 @@ def make_plan(folder, args, cpus, machines, like=None):
                 run_samples=run_samples, job=found.job, rate=rate, bytes_per_sample=found.bytes_per_sample,
                 memory=max(1 << 30, peak * 3 // 2), machines=machines, cpus=cpus)
     choose(plan, args)
-    plan.develop_since = 0
+    plan.develop_since = plan.print_since = 0
     plan.check()
     return plan
 

@@ -54,14 +54,29 @@ JOIN = CHDIR + """
 "$program" join "$@" --force -o picture.exr && rm -r strips
 """
 
+PRINT_USAGE = """print    prints picture.exr as picture.png."""
+PRINT = CHDIR + """
+exec "$program" picture.exr "$@" --force -o picture.png
+"""
+
+FILM_USAGE = """film    makes film.mp4 of the prints of all frames."""
+FILM = CHDIR + """
+exec "$program" film . "$@" --force -o film.mp4
+"""
+
+DONE_USAGE = """done    runs the command that --on-done names, when all is done."""
+DONE = CHDIR + """
+folder=$PWD exec sh -c "$command"
+"""
+
 # The command is a child, so that the shell notes how it ended, and can requeue its job of Slurm. docs/farm.md, "Slurm".
 RUN = """#!/bin/bash
 # Written by latent-farm. Usage: run STEP [K]    runs STEP K, a script of this folder, and adds what it says to a file in logs/.
 # Signals are passed on to the step. Its exit status is that of the step.
 case $1/$2 in
     task/*[!0-9]* | develop/*[!0-9]* | task/) echo "usage: $0 STEP [K]" >&2; exit 2 ;;
-    task/* | merge/ | develop/* | join/) ;;
-    *) echo "usage: $0 STEP [K]    (STEP: task, merge, develop or join)" >&2; exit 2 ;;
+    task/* | merge/ | develop/* | join/ | print/ | film/ | done/) ;;
+    *) echo "usage: $0 STEP [K]    (STEP: task, merge, develop, join, print, film or done)" >&2; exit 2 ;;
 esac
 what=$1${2:+ $((10#$2))}
 case $0 in */*) folder=${0%/*} ;; *) folder=. ;; esac
@@ -108,7 +123,7 @@ REQUEUE = "export LATENT_REQUEUE=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID  # S
 NUMBER = " $((${1:-0} + SLURM_ARRAY_TASK_ID))"
 
 
-def script(usage, body, tool, options=(), **values):
+def script(usage, body, tool="latent-farm", options=(), **values):
     """A script whose body finds its argument in $k, `options` in $@, a tool in $program, and each of `values` under its name."""
     given = "\n".join(f"{name}={shlex.quote(str(value))}" for name, value in {**values, "program": tools.path_of(tool)}.items())
     return (f"#!/bin/sh\n# Written by latent-farm. Usage: {usage}\nk=$1\n{given}\n"
@@ -127,6 +142,8 @@ def scripts_of(plan):
         "task": script(TASK_USAGE, TASK, "latent-render", plan.render_options, length=plan.task_samples, samples=plan.samples,
                        last=plan.tasks - 1, scene=plan.scene, cpus=plan.cpus, checkpoint=f"{plan.checkpoint:g}"),
         "merge": script(MERGE_USAGE, MERGE, "latent-merge", ["--compact"] if plan.compact else [], job=plan.job, samples=plan.samples)}
+    if plan.until == "print":
+        scripts["print"] = script(PRINT_USAGE, PRINT, "latent-convert", plan.print)
     if plan.strips == 1:
         return {**scripts, "develop": script(DEVELOP_USAGE, DEVELOP, "latent-develop", plan.develop, samples=plan.samples)}
     width, height = size_of(plan.develop)
@@ -149,8 +166,13 @@ def job_of(plan, step):
                       directives=directives)
 
 
-def write_scripts(folder, plan):
-    scripts = scripts_of(plan)
+def last_scripts_of(plan):
+    """The same for what is done when all frames are finished."""
+    return {"run": RUN, "film": script(FILM_USAGE, FILM, options=["--fps", f"{plan.fps:g}"]),
+            "done": script(DONE_USAGE, DONE, command=plan.on_done)}
+
+
+def write_scripts(folder, plan, scripts):
     for name, text in scripts.items():
         files.write(folder.path / name, text, 0o777)
     for step in scripts.keys() - {"run"}:

@@ -37,26 +37,24 @@ class Chain:
     def __init__(self, folder, plan):
         self.folder, self.plan = folder, plan
 
-    def lines(self, stages):
-        """What `submit` runs, for a shell."""
+    def lines(self, stages, after=(), name="J"):
+        """What `submit` runs, for a shell, and what stands there for the jobs of the last stage. Variables begin with `name`."""
         lines = []
 
         def start(*words):
-            lines.append(f"J{len(lines)}=$({' '.join(words)})")
-            return f"${{J{len(lines) - 1}%;*}}"  # sbatch prints NUMBER or NUMBER;CLUSTER
-        self._start(stages, start, shlex.quote)
-        return lines
+            lines.append(f"{name}{len(lines)}=$({' '.join(words)})")
+            return f"${{{name}{len(lines) - 1}%;*}}"  # sbatch prints NUMBER or NUMBER;CLUSTER
+        return lines, self._start(stages, after, start, shlex.quote)
 
-    def submit(self, stages):
-        """The numbers of the jobs, also kept in the folder."""
+    def submit(self, stages, after=(), known=()):
+        """The numbers of the jobs, and those of the last stage. They are kept in the folder, after those that are `known`."""
         numbers = []
 
         def start(*words):
             numbers.append(ask(words, "to do without Slurm, use --engine parallel or --engine shell").strip().split(";")[0])
-            self.folder.write_jobs(numbers)
+            self.folder.write_jobs([*known, *numbers])
             return numbers[-1]
-        self._start(stages, start, str)
-        return numbers
+        return numbers, self._start(stages, after, start, str)
 
     def _jobs(self, stage):
         """What follows sbatch's other options for each of its jobs."""
@@ -67,13 +65,14 @@ class Chain:
         return [[f"--array={ranges.array_list(indices)}{limit}", script, str(offset)]
                 for offset, indices in sizing.arrays_of(stage.tasks)]
 
-    def _start(self, stages, start, quote):
+    def _start(self, stages, after, start, quote):
         """`start` takes the words of a command, and returns the number of the job, or what stands for it."""
-        before = []
+        before = after
         for stage in stages:
             wait = [f"--dependency=afterok:{':'.join(before)}", "--kill-on-invalid-dep=yes"] if before else []
             own = [f"--chdir={self.folder.path}", f"--job-name={self.plan.name}-{stage.name}", *self.plan.sbatch]
             before = [start("sbatch", "--parsable", *map(quote, own), *wait, *map(quote, job)) for job in self._jobs(stage)]
+        return before
 
 
 def in_queue(folder):

@@ -6,6 +6,7 @@ import re
 import shutil
 import time
 
+from latent_farm import film as film_of
 from latent_farm import ranges, tools
 from latent_farm.plan import Stage, part_name, strip_name
 
@@ -119,13 +120,27 @@ def stages_left(folder, plan, state, tasks):
     merge = [*render, Stage("merge")] if tasks or ranges.missing((0, plan.samples), state.merged) else []
     if plan.until == "merge":
         return merge
-    merged = float("inf") if merge else max(plan.develop_since, folder.merged.stat().st_mtime)
+    develop = [] if not merge and is_newer(folder.picture, folder.merged, plan.develop_since) else [Stage("develop")]
+    if develop and plan.strips > 1:
+        strips = [task for task in plan.strip_tasks if merge or not is_newer(folder.strips / strip_name(task), folder.merged, plan.develop_since)]
+        develop = [*([Stage("develop", strips)] if strips else []), Stage("join")]
+    if plan.until == "develop" or not merge + develop and is_newer(folder.print, folder.picture, plan.print_since):
+        return merge + develop
+    return [*merge, *develop, Stage("print")]
 
-    def is_made(picture):
-        return picture.exists() and picture.stat().st_mtime >= merged
-    if is_made(folder.picture):
-        return merge
-    if plan.strips == 1:
-        return [*merge, Stage("develop")]
-    strips = [task for task in plan.strip_tasks if not is_made(folder.strips / strip_name(task))]
-    return [*merge, *([Stage("develop", strips)] if strips else []), Stage("join")]
+
+def is_newer(made, source, since=0):
+    """Whether a file was made of what `source` is now, and after that time."""
+    try:
+        return made.stat().st_mtime >= max(since, source.stat().st_mtime)
+    except OSError:
+        return False
+
+
+def last_stages(folder, plan, works):
+    """What is to be done when all frames are finished: `works` has the folder and the stages of each."""
+    busy = any(stages for _, stages in works)
+    film = []
+    if plan.until == "print" and len(works) > 1 and film_of.is_possible():
+        film = [] if not busy and all(is_newer(folder.film, frame.print) for frame, _ in works) else [Stage("film")]
+    return [*film, *([Stage("done")] if plan.on_done and (busy or film) else [])]

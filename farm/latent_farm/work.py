@@ -1,10 +1,11 @@
-"""What is to be done in the folder of a plan: the plan made, extended or as it was; what is missing; the commands that do it."""
-from latent_farm import engines, planning, ranges, scripts, slurm, state
+"""What is to be done: in the folder of a plan, made, extended or as it was; and for all frames together."""
+from latent_farm import engines, frames, planning, ranges, scripts, slurm, state
 from latent_farm.errors import Misuse
+from latent_farm.folder import Folder
 
 
 class Work:
-    """`like`: a plan of another frame, whose rate stands for this one's; `share`: of the machines."""
+    """One frame. `like`: a plan of another one, whose rate stands for this one's; `share`: of the machines."""
 
     def __init__(self, folder, args, like=None, share=1):
         self.folder = folder
@@ -14,14 +15,6 @@ class Work:
         if self.missing and not measured:
             planning.check_scene(folder, self.plan)
         self.stages = state.stages_left(folder, self.plan, self.found, self.missing)
-        self.lines = self._lines() if self.stages else []
-
-    def _lines(self):
-        if self.plan.engine == "slurm":
-            return slurm.Chain(self.folder, self.plan).lines(self.stages)
-        if self.plan.engine == "parallel":
-            return [engines.parallel_line(self.folder, self.stages, self.plan.hosts)]
-        return [engines.shell_line(self.folder, self.stages)]
 
     def report(self):
         """For --json."""
@@ -30,12 +23,60 @@ class Work:
         whole = plan.bytes * (1 if plan.until == "render" else 2)
         return {"folder": str(self.folder.path), "job": plan.job, "samples": plan.samples, "tasks": plan.tasks,
                 "task_samples": plan.task_samples, "task_seconds": plan.task_seconds, "run_samples": plan.run_samples,
-                "machines": plan.machines, "samples_per_second": plan.rate, "engine": plan.engine,
-                "missing_tasks": ranges.array_list(self.missing),
+                "machines": plan.machines, "samples_per_second": plan.rate, "missing_tasks": ranges.array_list(self.missing),
                 "missing_samples": left, "seconds": left / plan.rate / min(plan.machines, max(1, len(self.missing))),
-                "bytes": whole, "bytes_needed": whole - found.disk, "free_bytes": found.free, "fits": whole - found.disk <= found.free,
-                "until": plan.until, "steps_left_out": plan.steps_left_out,
-                "steps": [stage.name for stage in self.stages], "commands": self.lines}
+                "bytes": whole, "bytes_needed": max(0, whole - found.disk),
+                "until": plan.until, "steps_left_out": plan.steps_left_out, "steps": [stage.name for stage in self.stages]}
+
+
+class Works:
+    """A scene, or all frames of an animation, and what follows when they are finished."""
+
+    def __init__(self, args):
+        self.folder = Folder(args.out)
+        found = frames.frames_of(args)
+        self.frames = []
+        for folder, own in found:
+            self.frames.append(Work(folder, own, self.frames[0].plan if self.frames else None, 1 / len(found)))
+        self.plan = self.frames[0].plan  # for what concerns all of them
+        self.last = state.last_stages(self.folder, self.plan, [(frame.folder, frame.stages) for frame in self.frames])
+        if self.last:
+            self.folder.make(parts=False)
+            scripts.write_scripts(self.folder, self.plan, scripts.last_scripts_of(self.plan))
+
+    def _chains(self):
+        return [(frame.folder, frame.plan, frame.stages) for frame in self.frames]
+
+    def lines(self):
+        """[the commands of each frame, and of what follows]."""
+        if self.plan.engine != "slurm":
+            return [engines.lines_of(*chain) for chain in self._chains()] + [engines.lines_of(self.folder, self.plan, self.last)]
+        lines, jobs = [], []
+        for number, (folder, plan, stages) in enumerate(self._chains()):
+            own, last = slurm.Chain(folder, plan).lines(stages, name="J" if len(self.frames) == 1 else f"J{number}_")
+            lines.append(own)
+            jobs += last
+        return lines + [slurm.Chain(self.folder, self.plan).lines(self.last, jobs, "L")[0]]
+
+    def submit(self):
+        """The numbers of the jobs of Slurm: [those of each frame, and of what follows]."""
+        numbers, jobs = [], []
+        for folder, plan, stages in self._chains():
+            own, last = slurm.Chain(folder, plan).submit(stages)
+            numbers.append(own)
+            jobs += last
+        return numbers + [slurm.Chain(self.folder, self.plan).submit(self.last, jobs, known=numbers[0] if len(numbers) == 1 else ())[0]]
+
+    def report(self):
+        """For --json: of one scene the same as of many."""
+        reports, lines = [frame.report() for frame in self.frames], self.lines()
+        for report, own in zip(reports, lines):
+            report["commands"] = own
+        needed, free = sum(report["bytes_needed"] for report in reports), self.frames[0].found.free
+        return {"folder": str(self.folder.path), "engine": self.plan.engine,
+                **{key: sum(report[key] for report in reports) for key in ("samples", "missing_samples", "bytes")},
+                "bytes_needed": needed, "free_bytes": free, "fits": needed <= free,
+                "steps": [stage.name for stage in self.last], "commands": [line for own in lines for line in own], "jobs": [], "frames": reports}
 
 
 def prepare(folder, args, like, share):
@@ -57,7 +98,7 @@ def prepare(folder, args, like, share):
     else:
         raise Misuse(f"{folder.path}: holds no plan yet; name a scene and --spp")
     folder.write_plan(plan)
-    scripts.write_scripts(folder, plan)
+    scripts.write_scripts(folder, plan, scripts.scripts_of(plan))
     return plan, measured
 
 

@@ -57,9 +57,9 @@ class Commands(FarmTest):
         chain = slurm.Chain(self.night, types.SimpleNamespace(name="scene", sbatch=["--comment=two words"], throttle=7))
         render, merge, develop = Stage("render", [0, 1, 5, 1500]), Stage("merge"), Stage("develop", [0, 1, 2])
         for stages in [render, merge, Stage("develop")], [merge, develop, Stage("join")], [render], [Stage("join")]:
-            numbers = chain.submit(stages)
+            numbers, _ = chain.submit(stages)
             submitted = self.called()
-            self.succeed("bash", "-ec", "\n".join(chain.lines(stages)))
+            self.succeed("bash", "-ec", "\n".join(chain.lines(stages)[0]))
             self.assertEqual(self.called(), submitted)
             self.assertEqual(numbers, [str(100 + i) for i in range(len(submitted))])
             self.assertEqual(json.loads(self.night.jobs.read_text()), numbers)

@@ -66,7 +66,7 @@ class Fuzz(FarmTest):
         self.assertFalse(any(is_control(c) for c in text.replace("\n", "")))
         json.dumps(report, allow_nan=False)
         stages = [Stage("render", [0, plan.tasks - 1]), Stage("merge"), Stage("develop", plan.strip_tasks and plan.strip_tasks[:2])]
-        return texts + [engines.shell_line(self.night, stages), engines.parallel_line(self.night, stages, plan.hosts), *slurm.Chain(self.night, plan).lines(stages)]
+        return texts + [engines.shell_line(self.night, stages), engines.parallel_line(self.night, stages, plan.hosts), *slurm.Chain(self.night, plan).lines(stages)[0]]
 
     def test_a_plan_is_refused_with_one_line_or_can_be_worked_with(self):
         refused, lines = 0, []

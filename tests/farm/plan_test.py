@@ -10,7 +10,7 @@ import sys
 import time
 import unittest
 
-from support import SCENE, SOURCE, TOOLS, FarmTest, run
+from support import SCENE, SOURCE, TOOLS, FarmTest, one_frame, run
 from latent_farm.strips import Strip
 
 
@@ -232,10 +232,10 @@ class Plan(FarmTest):
         film = self.folder / "film"
         arguments = ["--spp", 2, "--out", film, "--engine", "shell", "--machines", 6, "--", "--resolution", "64x64"]
         scenes = sorted(self.folder.glob("frame.*.pbrt"))
-        frames = json.loads(self.succeed("latent-farm", "plan", "--json", *scenes, *arguments).stdout)
+        frames = json.loads(self.succeed("latent-farm", "plan", "--json", *scenes, *arguments).stdout)["frames"]
         self.assertEqual([frame["tasks"] for frame in frames], [2, 2, 2])
         self.assertEqual(len({frame["job"] for frame in frames}), 3)
-        again = json.loads(self.succeed("latent-farm", "plan", "--json", self.folder / "frame.*.pbrt", *arguments).stdout)
+        again = json.loads(self.succeed("latent-farm", "plan", "--json", self.folder / "frame.*.pbrt", *arguments).stdout)["frames"]
         for what in ("folder", "job", "machines", "commands"):
             self.assertEqual([frame[what] for frame in again], [frame[what] for frame in frames])
         self.succeed("/bin/sh", "-c", frames[1]["commands"][0])
@@ -244,7 +244,7 @@ class Plan(FarmTest):
         pictures = {(film / f"frame.{number}/picture.exr").read_bytes() for number in range(3)}
         self.assertEqual(len(pictures), 3)
         status = json.loads(self.succeed("latent-farm", "status", film, "--json").stdout)
-        self.assertEqual([frame["steps_left"] for frame in status], [[], [], []])
+        self.assertEqual([frame["steps_left"] for frame in status["frames"]], [[], [], []])
         self.fail_with("frames of an animation", "latent-farm", "plan", scenes[0], *arguments, status=2)
         self.fail_with("same folder", "latent-farm", "plan", scenes[0], scenes[0], "--spp", 1, "--out", self.folder / "x", status=2)
 
@@ -343,8 +343,8 @@ class Plan(FarmTest):
     def test_numbers_are_written_as_for_every_tool(self):
         plan = ["latent-farm", "plan", SCENE, "--engine", "shell", "--out"]
         size = ["--json", "--", "--resolution", "16x16", "--run-samples", 1024]
-        written = json.loads(self.succeed(*plan, self.folder / "a", "--spp", "0.25Ki", "--tasks", "0.03K", *size).stdout)
-        plain = json.loads(self.succeed(*plan, self.folder / "b", "--spp", 256, "--tasks", 30, *size).stdout)
+        written = one_frame(json.loads(self.succeed(*plan, self.folder / "a", "--spp", "0.25Ki", "--tasks", "0.03K", *size).stdout))
+        plain = one_frame(json.loads(self.succeed(*plan, self.folder / "b", "--spp", 256, "--tasks", 30, *size).stdout))
         self.assertEqual(written["samples"], plain["samples"])
         self.assertEqual(written["tasks"], plain["tasks"])
         for option, text in (("--spp", "1Q"), ("--spp", "K"), ("--spp", "nan"), ("--tasks", "1.5"), ("--tasks", "-1"), ("--tasks", "1KiB")):
@@ -363,7 +363,7 @@ class Plan(FarmTest):
         self.assertGreater(len(said), 1)  # not only that the folder holds no plan
 
     def test_help_fits_80_columns_and_is_found_for_every_command(self):
-        for command in ([], ["plan"], ["submit"], ["resume"], ["status"], ["join"]):
+        for command in ([], ["plan"], ["submit"], ["resume"], ["status"], ["join"], ["film"]):
             text = self.succeed("latent-farm", *command, "--help").stdout
             self.assertLessEqual(max(map(len, text.splitlines())), 80)
             self.assertIn("Usage: latent-farm", text)

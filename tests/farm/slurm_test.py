@@ -9,7 +9,7 @@ import sys
 import time
 import unittest
 
-from support import SOURCE, TOOLS, FarmTest, run
+from support import SOURCE, TOOLS, FarmTest, one_frame, run
 
 CLUSTER = pathlib.Path(__file__).with_name("cluster")
 SCENE = SOURCE / "scenes/cornell.pbrt"
@@ -35,7 +35,8 @@ class Slurm(FarmTest):
         return done.stdout
 
     def farm(self, *arguments):
-        return json.loads(self.cluster("exec", "latent-farm", arguments[0], "--json", *arguments[1:]))
+        report = json.loads(self.cluster("exec", "latent-farm", arguments[0], "--json", *arguments[1:]))
+        return one_frame(report) if len(report["frames"]) == 1 else report
 
     def submit(self, *more, spp=200, tasks=6, command="submit", develop="--size 64"):
         """One processor for a task, so that two run on a node."""
@@ -180,6 +181,18 @@ class Slurm(FarmTest):
         for name in names:
             self.assertEqual({path.name for path in (self.night / name / "logs").iterdir()}, {"task-00000.log", "merge.log", "develop.log"})
         self.assertEqual(list(self.folder.rglob("hacked")), [])
+
+    def test_i_frames_are_printed_and_a_command_runs_when_all_are_done(self):
+        scenes = [self.folder / f"frame.{number}.pbrt" for number in (1, 2)]
+        for scene in scenes:
+            scene.write_bytes(SCENE.read_bytes())
+        report = self.farm("submit", *scenes, "--spp", 1, "--out", self.night, "--tasks", 2, "--cpus", 1, "--memory", "100M", "--print=", "--on-done",
+                           "ls frame.*/picture.png >told", "--", "--resolution", "16x16")
+        self.assertEqual(len(report["jobs"]), 4 + 4 + len(report["steps"]))
+        refused = run(CLUSTER, self.lab, "exec", TOOLS / "latent-farm", "resume", self.night)
+        self.assertIn("still in Slurm's queue", refused.stderr)
+        self.wait_for_end()
+        self.assertEqual((self.night / "told").read_text().split(), [f"frame.{number}/picture.png" for number in (1, 2)], self.logs())
 
 
 def load(names):
