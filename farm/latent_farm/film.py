@@ -7,15 +7,31 @@ import tempfile
 from latent_farm import files
 from latent_farm.errors import Failure
 
+PNG = b"\x89PNG\r\n\x1a\n"  # how such a file begins
+
 
 def is_possible():
     return shutil.which("ffmpeg") is not None
 
 
 def command(fps, output):
-    """Pictures come through a pipe, so that ffmpeg interprets no names. Most players want even sizes and 4:2:0."""
-    return ["ffmpeg", "-loglevel", "error", "-y", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png", "-i", "-",
-            "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-crf", "16", "-pix_fmt", "yuv420p", "-f", "mp4", output]
+    """Pictures come through a pipe, so that ffmpeg interprets no names. Most players want even sizes, 4:2:0, and colours as in BT.709,
+    whose primaries are those of sRGB."""
+    return ["ffmpeg", "-loglevel", "error", "-xerror", "-y", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png", "-i", "-",
+            "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-c:v", "libx264", "-crf", "16",
+            "-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-f", "mp4", output]
+
+
+def copy_png(path, pipe):
+    """ffmpeg would skip what is none without a word."""
+    try:
+        with files.opened(path) as picture:
+            if picture.read(len(PNG)) != PNG:
+                raise Failure(f"{path}: is not a PNG file; print this frame again")
+            picture.seek(0)
+            shutil.copyfileobj(picture, pipe)
+    except FileNotFoundError:
+        raise Failure(f"{path}: no such file; print this frame first") from None
 
 
 def make(prints, fps, output):
@@ -27,11 +43,7 @@ def make(prints, fps, output):
                                    pass_fds=[film.fileno()])
         try:
             for path in prints:
-                try:
-                    with files.opened(path) as picture:
-                        shutil.copyfileobj(picture, process.stdin)
-                except FileNotFoundError:
-                    raise Failure(f"{path}: no such file; print this frame first") from None
+                copy_png(path, process.stdin)
         except BrokenPipeError:  # ffmpeg says why
             pass
         except BaseException:

@@ -7,7 +7,7 @@ import shutil
 import time
 
 from latent_farm import film as film_of
-from latent_farm import ranges, tools
+from latent_farm import logs, ranges, tools
 from latent_farm.plan import Stage, part_name, strip_name
 
 BATCH = 100  # files of one call of latent-inspect
@@ -143,4 +143,5 @@ def last_stages(folder, plan, works):
     film = []
     if plan.until == "print" and len(works) > 1 and film_of.is_possible():
         film = [] if not busy and all(is_newer(folder.film, frame.print) for frame, _ in works) else [Stage("film")]
-    return [*film, *([Stage("done")] if plan.on_done and (busy or film) else [])]
+    again = plan.on_done and logs.failure(folder, "done", None)
+    return [*film, *([Stage("done")] if plan.on_done and (busy or film or again) else [])]

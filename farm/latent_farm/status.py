@@ -112,7 +112,7 @@ def text_of_all(report, now):
         done = 100 * report["committed"] / report["samples"]
         text = f"{report['frames_done']} of {len(texts)} frames are done; {report['committed']} of {report['samples']} samples committed ({done:.1f} %)"
         texts.append(text + (f", {units.format_duration(report['seconds_left'])} left" if report["seconds_left"] else "") + "\n")
-    last = [f"left:    {', '.join(report['steps_left'])}"] * bool(report["steps_left"]) + failures_text(report["failed"])
+    last = [f"then:    {', '.join(report['steps_left'])}"] * bool(report["steps_left"]) + failures_text(report["failed"])
     return "\n".join(texts) + "".join(line + "\n" for line in last)
 
 

@@ -4,6 +4,7 @@ import copy
 import dataclasses
 import json
 import random
+import shlex
 import subprocess
 import time
 import types
@@ -18,7 +19,7 @@ from latent_farm.names import is_control, shown
 from latent_farm.plan import ENGINES, Plan, Stage
 
 PLAN = Plan(scene=str(SCENE), spp=4, options=["--resolution", "64x64"], samples=16384, task_samples=4096, run_samples=1024, job="0123456789abcdef" * 2, rate=1e5,
-            bytes_per_sample=40.5, memory=1 << 30, develop=["--size", "700x700"], strips=3, sbatch=["--partition=long"])
+            bytes_per_sample=40.5, memory=1 << 30, develop=["--size", "700x700"], strips=3, until="print", on_done="mail me", sbatch=["--partition=long"])
 VALUES = [None, True, False, 0, 1, -1, 7, 10**15, 2**62, 2**63, 10**400, 0.5, -0.0, 1e308, float("nan"), float("inf"), "", "x", "a\nb", "\x1b[2J", "\udcff", "\0",
           "'", '"', "; touch hacked", "$(touch hacked)", "x" * 100000, "99999999999999999999", [], {}, [[]], [1], ["--size", "1x999999999"], ["--size=999999999x1"], ["a\nb"], ["; touch hacked"],
           *ENGINES, "render", "merge"]
@@ -59,14 +60,26 @@ class Fuzz(FarmTest):
         """All that latent-farm makes of a plan, short of running it."""
         now = time.time()
         with mock.patch("latent_farm.tools.path_of", lambda name: str(TOOLS / name)):
-            texts = [*scripts.scripts_of(plan).values(), *(scripts.job_of(plan, step) for step in ("task", "merge", "develop"))]
+            made = {**scripts.scripts_of(plan), **scripts.last_scripts_of(plan)}
+            texts = [*made.values(), *(scripts.job_of(plan, step) for step in ("task", "merge", "develop", "done"))]
+        self.assertIn(["scene=" + plan.scene], self.words(made["task"]))
+        self.assertIn(["set", "--", *plan.render_options], self.words(made["task"]))
+        self.assertIn(["set", "--", *plan.develop], self.words(made["develop"]))
+        self.assertIn(["command=" + plan.on_done], self.words(made["done"]))
         found = state.read_state(self.night, plan)
         report = status.summary(self.night, plan, found, now, 300)
         text = status.to_text(report, now)
         self.assertFalse(any(is_control(c) for c in text.replace("\n", "")))
         json.dumps(report, allow_nan=False)
         stages = [Stage("render", [0, plan.tasks - 1]), Stage("merge"), Stage("develop", plan.strip_tasks and plan.strip_tasks[:2])]
-        return texts + [engines.shell_line(self.night, stages), engines.parallel_line(self.night, stages, plan.hosts), *slurm.Chain(self.night, plan).lines(stages)[0]]
+        lines, _ = slurm.Chain(self.night, plan).lines(stages)
+        for line in lines:
+            self.assertEqual(shlex.split(line.partition("$(")[2].removesuffix(")"))[4:4 + len(plan.sbatch)], plan.sbatch)
+        return texts + [engines.shell_line(self.night, stages), engines.parallel_line(self.night, stages, plan.hosts), *lines]
+
+    def words(self, script):
+        """Those of each line at its top, as a shell reads them."""
+        return [shlex.split(line) for line in script.splitlines()[3:20] if line.startswith(("scene=", "command=", "set -- "))]
 
     def test_a_plan_is_refused_with_one_line_or_can_be_worked_with(self):
         refused, lines = 0, []
