@@ -13,6 +13,8 @@ from latent_farm.names import check_is_no_url, check_name
 def planned(out):
     """The folder itself, if it holds a plan, or those of the frames in it."""
     check_is_no_url(out, "a plan is a folder")
+    if not out:
+        raise Misuse("the name of the folder is empty")
     if Folder(out).has_plan():
         return [Folder(out)]
     return sorted((Folder(path.parent) for path in pathlib.Path(out).glob("*/plan.json")), key=lambda folder: in_order(folder.path.name))

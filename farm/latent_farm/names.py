@@ -26,7 +26,8 @@ def shown(text, most=1000):
 def check_name(text, advice="rename it"):
     """That it can be written into scripts and reports."""
     if found := next(filter(is_control, text), None):
-        raise Misuse(f"{text}: contains the control character {shown(found)}; {advice}")
+        what = "a byte that is not UTF-8," if unicodedata.category(found) == "Cs" else "the control character"
+        raise Misuse(f"{text}: contains {what} {shown(found)}; {advice}")
 
 
 URL = re.compile(r"(?i)(https?:/*)(?:[^\s/?#]*@)?([^\s?#]*)([?#]\S*)?")  # with one slash, where it was taken for a path

@@ -132,7 +132,7 @@ def stages_left(folder, plan, state, tasks):
 def is_newer(made, source, since=0):
     """Whether a file was made of what `source` is now, and after that time."""
     try:
-        return made.stat().st_mtime >= max(since, source.stat().st_mtime)
+        return made.is_file() and made.stat().st_mtime >= max(since, source.stat().st_mtime)
     except OSError:
         return False
 

@@ -49,6 +49,14 @@ class Failures(FarmTest):
         self.assertEqual((failed["step"], failed["task"], failed["log"]), ("develop", None, "logs/develop.log"))
         self.assertIn("nonsense", failed["reason"])
 
+    def test_a_folder_with_the_name_of_a_picture_is_no_picture(self):
+        self.plan("--tasks", 1)
+        (self.folder / "night/picture.exr").mkdir()
+        self.succeed("latent-farm", "resume", self.folder / "night", status=1)
+        status = self.status()
+        self.assertEqual((status["steps_left"], [failed["step"] for failed in status["failed"]]), (["develop"], ["develop"]))
+        self.fail_with("the name of the folder is empty", "latent-farm", "status", "", status=2)
+
     def test_a_task_that_is_killed_or_interrupted_says_so(self):
         self.plan("--tasks", 1, "--checkpoint", "0.05", spp=4000)
         night = self.folder / "night"

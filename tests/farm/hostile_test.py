@@ -68,7 +68,8 @@ class Names(FarmTest):
         self.assertEqual([name for name in TAKEN if any(map(is_control, name))], [])
         for scene in self.scenes(REFUSED):
             for arguments in ([scene, "--out", self.folder / "film"], [SCENE, "--out", self.folder / scene.stem], [SCENE, "--out", self.folder / "film", "--hosts", scene]):
-                done = self.fail_with("contains the control character \\", "latent-farm", "plan", *arguments, "--spp", 1, "--engine", "parallel", status=2)
+                done = self.fail_with("; rename it\n", "latent-farm", "plan", *arguments, "--spp", 1, "--engine", "parallel", status=2)
+                self.assertRegex(done.stderr, r": contains (the control character|a byte that is not UTF-8,) \\\w+; ")
                 self.assertFalse(any(is_control(c) for c in done.stderr.removesuffix("\n")), done.stderr)
         self.fail_with("contains the control character \\x0b", "latent-farm", "plan", SCENE, "--out", "film", "--spp", 1, "--develop=a\vb", status=2)
         self.fail_with("contains the control character \\n", "latent-farm", "plan", SCENE, "--out", "film", "--spp", 1, "--", "a\nb", status=2)
