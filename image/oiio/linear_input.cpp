@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -50,12 +49,12 @@ constexpr std::array kMagics = {
     Magic{"RIFF", "webp"},
 };
 // Names whose files always begin with one of these.
-constexpr std::array<std::string_view, 15> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "ppm",
-                                                          "pgm", "pbm", "pnm",  "bmp", "gif",  "dds", "webp"};
+constexpr std::array<std::string_view, 17> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "hdr", "rgbe", "pfm",
+                                                          "ppm", "pgm", "pbm",  "pnm", "bmp",  "gif", "dds", "webp"};
 
-// The format by the first bytes of a file, else by its name ("" if that has no extension); none if the name is that of a format
-// whose first bytes these are not. OpenImageIO would try every format that it knows, one after another.
-std::optional<std::string> format_of(const std::filesystem::path& path) {
+// The format by the first bytes of a file; TGA, which has no such bytes, by the name. OpenImageIO could read many others, from
+// films to volumes: their readers have seen fewer strangers' files than these, so they are given none.
+Result<std::string> format_of(const std::filesystem::path& path) {
     std::array<char, 4> front{};
     std::ifstream(path, std::ios::binary).read(front.data(), front.size());
     const std::string_view bytes(front.data(), front.size());
@@ -63,11 +62,12 @@ std::optional<std::string> format_of(const std::filesystem::path& path) {
         if (bytes.starts_with(magic.bytes)) return magic.format;
     }
     std::string extension = path.extension().string();
-    if (extension.empty()) return extension;
-    extension.erase(0, 1);
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (std::ranges::find(kExtensions, extension) != kExtensions.end()) return std::nullopt;
-    return extension;
+    if (extension == ".tga") return "targa";
+    if (!extension.empty() && std::ranges::find(kExtensions, extension.substr(1)) != kExtensions.end())
+        return Error{ErrorCode::kCorrupt, "the file is not a picture of the format that its name says"};
+    return Error{ErrorCode::kUnsupported,
+                 "its format is none of PNG, JPEG, TIFF, OpenEXR, Radiance HDR, PFM, PNM, TGA, BMP, GIF, DDS and WebP"};
 }
 
 // OpenImageIO divides by these.
@@ -109,13 +109,13 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         return false;
     }
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
-    const std::optional<std::string> format = format_of(path);
+    const Result<std::string> format = format_of(path);
     if (!format) {
-        errorfmt("the file is not a picture of the format that its name says");
+        errorfmt("{}", format.error().message);
         return false;
     }
     OIIO::ImageSpec file_spec;
-    file_ = format->empty() ? nullptr : OIIO::ImageInput::create(*format);
+    file_ = OIIO::ImageInput::create(*format);
     if (!file_ || !file_->open(path.string(), file_spec, hints)) {
         errorf("%s", file_ ? file_->geterror() : OIIO::geterror());
         file_.reset();

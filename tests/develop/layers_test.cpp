@@ -28,8 +28,8 @@ TEST(Layers, AreReadInAnyOrderAndOthersRefused) {
     for (const char* bad : {"", "shadow", "count,", "count,,weight", "Count"}) EXPECT_FALSE(parse_layers(bad)) << bad;
     const RowLayout layout{3, kAll};
     EXPECT_THAT(layout.names({"R", "G", "B"}),
-                testing::ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "weight", "count", "half0.R",
-                                     "half0.G", "half0.B", "half1.R", "half1.G", "half1.B"));
+                ::testing::ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "weight", "count", "half0.R",
+                                       "half0.G", "half0.B", "half1.R", "half1.G", "half1.B"));
     EXPECT_EQ(layout.outputs(), 14);
 }
 

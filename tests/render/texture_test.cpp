@@ -443,6 +443,21 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
     EXPECT_EQ(open("a.exr"), "");
 }
 
+// OpenImageIO could read many more.
+TEST_F(TextureTest, PicturesOfOtherFormatsAreRefused) {
+    std::string sgi(512, '\0');  // one grey pixel, uncompressed
+    sgi[0] = 0x01, sgi[1] = '\xDA', sgi[3] = 1, sgi[5] = 2, sgi[7] = 1, sgi[9] = 1, sgi[11] = 1, sgi[19] = '\xFF';
+    sgi += '\x80';
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+    ASSERT_TRUE(pictures);
+    for (const char* name : {"a.sgi", "a.rgb", "a.mp4", "a.psd", "a.null", "a", "a.latent"}) {
+        folder_.write(name, sgi);
+        const Result<image::PictureInfo> info = (*pictures)->open(folder_ / name, name, {});
+        ASSERT_FALSE(info) << name;
+        EXPECT_THAT(info.error().message, HasSubstr("its format is none of PNG, JPEG"));
+    }
+}
+
 TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {
     std::string text = "P2\n64 640\n255\n";
     for (int i = 0; i < 64 * 70; ++i) text += "120\n";

@@ -13,17 +13,17 @@
 namespace latent::render::testing {
 namespace {
 
-struct Case {
+struct CameraCase {
     std::string name;
     CameraDescription description;
 };
 
-std::vector<Case> cases() {
+std::vector<CameraCase> cameras() {
     CameraDescription d;
     const Vec3d z = normalize(Vec3d{0.3, -0.2, 1}), x = normalize(cross(Vec3d{0, 1, 0}, z)), y = cross(z, x);
     d.world_from_camera = Affined(x, y, z, {1, 2, -3});
     d.x0 = -0.8, d.x1 = 0.7, d.y0 = -0.5, d.y1 = 0.55;
-    std::vector<Case> list{{"pinhole", d}};
+    std::vector<CameraCase> list{{"pinhole", d}};
     d.lens_radius = 0.3, d.focal_distance = 4;
     list.push_back({"thin lens", d});
     d.world_from_camera.x = -d.world_from_camera.x;
@@ -40,7 +40,7 @@ std::vector<Case> cases() {
 }
 
 TEST(Camera, APointOnARayIsSeenWhereTheRayStarted) {
-    for (const Case& c : cases()) {
+    for (const CameraCase& c : cameras()) {
         SCOPED_TRACE(c.name);
         const Camera camera = *Camera::make(c.description);
         Numbers number(1);
@@ -73,7 +73,7 @@ TEST(Camera, APointOnARayIsSeenWhereTheRayStarted) {
 
 // Rays leave the lens evenly, by area: cells of 8 rings and 16 sectors.
 TEST(Camera, RaysStartEvenlyOnTheLens) {
-    for (const Case& c : cases()) {
+    for (const CameraCase& c : cameras()) {
         const Camera camera = *Camera::make(c.description);
         if (!camera.has_lens()) continue;
         SCOPED_TRACE(c.name);
@@ -104,7 +104,7 @@ TEST(Camera, RaysStartEvenlyOnTheLens) {
 
 // d(u, v) / d omega (orthographic: per area) by finite differences, with the lens point kept.
 TEST(Camera, JacobianIsThatOfTheMap) {
-    for (const Case& c : cases()) {
+    for (const CameraCase& c : cameras()) {
         SCOPED_TRACE(c.name);
         const Camera camera = *Camera::make(c.description);
         Numbers number(2);

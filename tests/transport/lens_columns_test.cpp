@@ -63,14 +63,14 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
 }
 
 constexpr const char* kWhole = " \"float shutteropen\" 0 \"float shutterclose\" 1";
-const IsKept kAll = [](double, double, double) { return true; };
+const IsKept kEveryColumn = [](double, double, double) { return true; };
 
 TEST(LensColumns, TheMiddleOfALensIsASmallerLens) {
     const Scene wide = scene_from(scene_text(".3", kWhole)), narrow = scene_from(scene_text(".15", kWhole));
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
         expect_equal(
             picture_of_part(wide, {.kind = kind}, 16'384, 0.25, [](double x, double y, double) { return x * x + y * y < 0.25; }),
-            picture_of_part(narrow, {.kind = kind}, 6144, 1, kAll));
+            picture_of_part(narrow, {.kind = kind}, 6144, 1, kEveryColumn));
     }
 }
 
@@ -80,7 +80,7 @@ TEST(LensColumns, APartOfTheTimeIsAShorterExposure) {
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
         expect_equal(
             picture_of_part(longer, {.kind = kind}, 16'384, 0.25, [](double, double, double t) { return t > 0.5 && t < 0.75; }),
-            picture_of_part(shorter, {.kind = kind}, 6144, 1, kAll));
+            picture_of_part(shorter, {.kind = kind}, 6144, 1, kEveryColumn));
     }
 }
 
