@@ -257,13 +257,13 @@ typedef struct latent_merge_options {
     size_t size;
     uint32_t verify;  /* LATENT_VERIFY_STORED: every byte, by its checksum; QUICK: headers and indexes; FULL: every record */
     uint32_t replace; /* 1: an existing output is replaced */
-    uint32_t skip_duplicates;   /* 1: files named one by one may hold the same samples */
-    uint32_t keep_going;        /* 1: named inputs that cannot be used are left out, too */
-    uint32_t compact;           /* 1: many small runs become a few large ones; records do not change */
-    uint32_t threads;           /* maximum; 0: one per processor */
-    uint64_t memory;            /* limit in bytes; 0: 1 GiB, at most half of what may be used */
-    latent_range require;       /* samples that must be present; 0, 0: no such condition */
-    uint64_t job_low, job_high; /* if folders hold several jobs, the one to merge; 0, 0: there is only one */
+    uint32_t skip_duplicates;                          /* 1: files named one by one may hold the same samples */
+    uint32_t keep_going;                               /* 1: named inputs that cannot be used are left out, too */
+    uint32_t compact;                                  /* 1: many small runs become a few large ones; records do not change */
+    uint32_t threads;                                  /* maximum; 0: one per processor */
+    uint64_t memory;                                   /* limit in bytes; 0: 1 GiB, at most half of what may be used */
+    latent_range require;                              /* samples that must be present; 0, 0: no such condition */
+    uint64_t job_low, job_high;                        /* if folders hold several jobs, the one to merge; 0, 0: there is only one */
     void (*progress)(void* context, double done);      /* null, or called at intervals with the fraction that is done, 0..1, */
     void (*left_out)(void* context, const char* item); /* null, or called for each damaged or foreign item, */
     void* context;                                     /* with this, on one thread at a time */

@@ -133,6 +133,7 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
         }
 
         std::string what = handle_->message[0] != '\0' ? handle_->message : curl_easy_strerror(code);
+        if (code == CURLE_OUT_OF_MEMORY) what = "a line of the answer is too long, or memory has run out";
         if (answer.status() >= 400) what = fmt::format("the server answers with status {}", answer.status());
         if (code == CURLE_ABORTED_BY_CALLBACK)
             what = fmt::format("too slow, {} bytes in {:.0f} s", got.bytes.size(), watch.seconds());

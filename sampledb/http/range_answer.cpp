@@ -77,6 +77,7 @@ bool RangeAnswer::take_bytes(ByteSpan bytes) {
 }
 
 Status RangeAnswer::verdict(bool whole) const {
+    if (header_bytes_ > kMostHeader) return io_error("the server sends a header without end");
     if (!whole && received_ == 0 && status_ < 300) return {};  // the rest of the header may be missing
     switch (status_) {
         case 206:

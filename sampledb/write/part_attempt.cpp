@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/hidden_name.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/read/part_name.h"
@@ -66,7 +67,7 @@ Status PartAttempt::commit(const RunHeader& header) {
 
 bool PartAttempt::vanished() const {
     struct stat info;
-    return ::fstat(file_.descriptor(), &info) == 0 && info.st_nlink == 0;
+    return ::fstat(file_.descriptor(), &info) == 0 && info.st_nlink == 0 && !is_named(file_.descriptor(), path());
 }
 
 Status PartAttempt::restore() {

@@ -1,10 +1,9 @@
 // What a web server answers when it is asked for a range of a file: the lines of its header up to an empty one, then bytes.
-#include "sampledb/http/range_answer.h"
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
+#include "sampledb/http/range_answer.h"
 #include "tests/fuzz/target.h"
 
 namespace latent::fuzz {
@@ -15,7 +14,8 @@ using namespace sampledb;
 
 constexpr std::uint64_t kOffset = 1000, kSize = 100;
 
-// The first byte chooses whether the file was opened before. Then, as often as there is another header: its lines and the bytes behind.
+// The first byte chooses whether the file was opened before. Then, as often as there is another header: its lines and the bytes
+// behind.
 bool run_http(ByteSpan input) {
     if (input.empty()) return false;
     const RemoteVersion opened{2000, "Thu, 01 Jan 1970 00:00:00 GMT"};
@@ -50,11 +50,13 @@ bool run_http(ByteSpan input) {
 std::vector<Bytes> http_seeds() {
     const std::string bytes(kSize, 'x');
     const std::string texts[] = {
-        "0HTTP/1.1 206 Partial Content\r\nLast-Modified: Thu, 01 Jan 1970 00:00:00 GMT\r\nContent-Range: bytes 0-99/2000\r\n\r\n" + bytes,
+        "0HTTP/1.1 206 Partial Content\r\nLast-Modified: Thu, 01 Jan 1970 00:00:00 GMT\r\nContent-Range: bytes 0-99/2000\r\n\r\n" +
+            bytes,
         "1HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 1000-1099/2000\r\nContent-Encoding: identity\r\n\r\n" + bytes,
         "1HTTP/1.1 206\r\ncontent-range:bytes 1000-1049/3000\r\n\r\n" + bytes.substr(50),
         "1HTTP/1.1 302 Found\r\nLocation: /a\r\nContent-Range: bytes 5-6/7\r\n\r\nHTTP/1.1 100 Continue\r\n\r\nHTTP/1.1 206 x\r\n"
-        "Content-Range: bytes 1000-1099/2000\r\n\r\n" + bytes,
+        "Content-Range: bytes 1000-1099/2000\r\n\r\n" +
+            bytes,
         "0HTTP/1.1 416 x\r\nContent-Range: bytes */0\r\n\r\n"};
     std::vector<Bytes> seeds;
     for (const std::string& text : texts) {

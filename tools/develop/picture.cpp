@@ -102,7 +102,8 @@ Error nothing_to_develop(sampledb::GatherOptions options) {
     if (!all) return all.error();
     std::string message = "the files hold no samples";
     if (const sampledb::Coverage& held = (*all)->coverage(); !held.empty())
-        message = fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held));
+        message = wanted ? fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held))
+                         : "the files have changed while they were read";
     for (const sampledb::LeftOut& item : (*all)->report().left_out)
         message += fmt::format("; left out: {}: {}", item.place, item.reason);
     return {ErrorCode::kOutOfRange, message};
