@@ -9,6 +9,8 @@
  *     latent_job job = {.size = sizeof job};
  * Later versions add fields at the end, and 0 there always means what older versions did.
  *
+ * An object that was closed must not be used again: as with fclose, what then happens is undefined.
+ *
  * Threads: a writer and a reader may be used by any number of threads at once; a cursor by one at a time; the functions that close
  * an object by the last thread that uses it. Strings are UTF-8 and end in 0; names of
  * files are whatever bytes the system has. Intervals of samples are first .. end-1. */
@@ -221,7 +223,7 @@ LATENT_API size_t latent_reader_coverage(const latent_reader* reader, latent_ran
 LATENT_API latent_status latent_reader_run(const latent_reader* reader, uint64_t run, latent_run* info, latent_error* error);
 /* Item i of those left out when the files were opened, as "FILE: run 3: checksum mismatch"; null after the last. */
 LATENT_API const char* latent_reader_left_out(const latent_reader* reader, uint64_t i);
-LATENT_API void latent_reader_close(latent_reader* reader); /* after its cursors; null is allowed */
+LATENT_API void latent_reader_close(latent_reader* reader); /* its cursors may go on; null is allowed */
 
 /* ---- Cursors: records, page by page -------------------------------------------------------------------------------------- */
 

@@ -38,7 +38,7 @@ struct latent_reader {
         job.extra = extra.empty() ? nullptr : extra.data(), job.extra_count = extra.size();
     }
 
-    const std::unique_ptr<Gathering> gathering;
+    const std::shared_ptr<const Gathering> gathering;
     std::vector<latent_knot> knots;
     std::vector<latent_column> extra;
     std::vector<std::string> files, left_out;
@@ -47,8 +47,9 @@ struct latent_reader {
 
 struct latent_cursor {
     latent_cursor(const latent_reader& reader, const RecordSelection& selection, uint32_t shown)
-        : job(reader.gathering->job()), records(*reader.gathering, selection), columns(shown) {}
+        : gathering(reader.gathering), job(gathering->job()), records(*gathering, selection), columns(shown) {}
 
+    const std::shared_ptr<const Gathering> gathering;  // the reader may be closed first
     const Job& job;
     RecordCursor records;
     const uint32_t columns;

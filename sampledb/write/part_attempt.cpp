@@ -80,9 +80,9 @@ Status PartAttempt::restore() {
     return sync_folder(folder_of(name_));
 }
 
-Status PartAttempt::publish() {
+Status PartAttempt::publish(const std::string& provenance) {
     if (!has_footer_) {
-        const Result<Bytes> footer = encode_footer(runs_, "", end_);
+        const Result<Bytes> footer = encode_footer(runs_, provenance, end_);
         if (!footer) return footer.error().at(name_.string());
         if (Status s = file_.write_all(end_, *footer); !s) return s;
         if (Status s = file_.sync_data(); !s) return s;

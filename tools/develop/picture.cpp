@@ -373,7 +373,7 @@ Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink
     const Stopwatch running;
     Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, sink, progress);
     const bool damaged = !report && sampledb::is_unreadable(report.error());
-    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, running, sink, progress) : report;
+    return damaged ? develop_once(options, sampledb::VerifyLevel::kOrdered, running, sink, progress) : report;
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {
