@@ -91,7 +91,10 @@ Origin origin_of(const FileContents& file) {
         std::erase_if(differences, [&](const Member& member) { return std::ranges::find(common, member) != common.end(); });
         const bool is_object = provenances[i].starts_with('{');
         fmt::format_to(std::back_inserter(origin.parts), R"({}{{"samples":{},"differences":{}}})", i > 0 ? "," : "",
-                       samples[i].empty() ? "[]" : samples[i], is_object ? object_of(differences) : provenances[i].empty() ? "{}" : std::string(provenances[i]));
+                       samples[i].empty() ? "[]" : samples[i],
+                       is_object                ? object_of(differences)
+                       : provenances[i].empty() ? "{}"
+                                                : std::string(provenances[i]));
     }
     origin.parts += "]";
     return origin;

@@ -1,5 +1,5 @@
-// sampledb/read/origin.h: how the samples of a file were made, by one process or in parts that were merged. docs/format.md, "Header" and
-// "Footer".
+// sampledb/read/origin.h: how the samples of a file were made, by one process or in parts that were merged. docs/format.md,
+// "Header" and "Footer".
 #pragma once
 
 #include <cstddef>
