@@ -159,7 +159,7 @@ const std::string& program() { return program_name(); }
 
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
     add_count(app, "--threads", options.threads, "maximum number of worker threads; 0: one per CPU", 0, 4096);
-    if (with_memory) add_size(app, "--memory", options.memory, "memory limit")->default_str("1G");
+    if (with_memory) add_memory(app, options.memory, "memory limit");
     app.add_flag("--json", options.json, "print the report as JSON on standard output");
     app.add_flag("--force", options.force, "replace an existing output");
     app.add_flag("-q,--quiet", options.quiet, "print no progress: neither the bar on a terminal nor the lines in a log");
@@ -228,6 +228,11 @@ CLI::Option* add_positive_number(CLI::App& app, const std::string& name, double&
 
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {
     return add_parsed(app, name, value, parse_size, help)->type_name("SIZE");
+}
+
+CLI::Option* add_memory(CLI::App& app, std::uint64_t& value, const std::string& help) {
+    return add_size(app, "--memory", value, help + "; the default is at most half of what the machine or container allows")
+        ->default_str("1G");
 }
 
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help) {

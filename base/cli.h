@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/progress.h"
 #include "base/result.h"
 
@@ -28,8 +29,8 @@ enum ExitStatus : int {
 
 // What every tool takes.
 struct CommonOptions {
-    int threads = 0;                                // 0: as many as the machine has
-    std::uint64_t memory = std::uint64_t{1} << 30;  // bytes
+    int threads = 0;                          // 0: as many as the machine has
+    std::uint64_t memory = default_memory();  // bytes
     bool json = false;
     bool force = false;
     bool quiet = false;
@@ -64,6 +65,7 @@ CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, c
 CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most);
 CLI::Option* add_positive_number(CLI::App& app, const std::string& name, double& value, const std::string& help);  // 1e-150..1e150
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help);
+CLI::Option* add_memory(CLI::App& app, std::uint64_t& value, const std::string& help);  // --memory, of base/memory.h's default
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help);
 
 // An option that takes one of a few words, each standing for a value. --help shows the word of the value before parsing.

@@ -59,7 +59,9 @@ void remove_abandoned(const fs::path& path, const std::function<void(const fs::p
     }
     std::ranges::sort(found);
     for (const fs::path& hidden : found) {
-        const int fd = ::open(hidden.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        constexpr int kFlags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+        int fd = ::open(hidden.c_str(), O_RDWR | kFlags);  // NFS locks nothing else
+        if (fd < 0 && errno == EISDIR) fd = ::open(hidden.c_str(), O_RDONLY | kFlags);
         if (fd < 0) continue;
         if (try_lock(fd) == 0 && is_named(fd, hidden)) {
             if (before) before(hidden);

@@ -273,7 +273,7 @@ typedef struct latent_merge_options {
     uint32_t keep_going;                               /* 1: named inputs that cannot be used are left out, too */
     uint32_t compact;                                  /* 1: many small runs become a few large ones; records do not change */
     uint32_t threads;                                  /* maximum; 0: one per processor */
-    uint64_t memory;                                   /* limit in bytes; 0: 1 GiB */
+    uint64_t memory;                                   /* limit in bytes; 0: 1 GiB, at most half of what may be used */
     latent_range require;                              /* samples that must be present; 0, 0: no such condition */
     uint64_t job_low, job_high;                        /* if folders hold several jobs, the one to merge; 0, 0: there is only one */
     void (*progress)(void* context, double done);      /* null, or called at intervals with the fraction that is done, 0..1, */

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "base/memory.h"
 #include "base/printable.h"
 #include "c_api/abi.h"
 
@@ -31,7 +32,7 @@ Result<merge::MergeOptions> merge_options(const char* const* paths, size_t count
     merge.compact = given.compact != 0;
     if (given.threads > INT32_MAX) return Error{ErrorCode::kOutOfRange, "options.threads is too large"};
     merge.threads = static_cast<int>(given.threads);
-    if (given.memory != 0) merge.memory = given.memory;
+    merge.memory = given.memory != 0 ? given.memory : default_memory();
     if (given.require.first != 0 || given.require.end != 0) {
         merge.require = sampledb::SampleRange{given.require.first, given.require.end};
         if (merge.require->empty()) return latent::usage_error("options.require is empty");

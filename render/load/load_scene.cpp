@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <map>
+
 #include "base/file.h"
 #include "render/load/gltf/gltf.h"
 #include "render/load/obj/obj.h"
@@ -14,9 +16,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::size_t kMaxIncludes = 64;          // one inside another
-constexpr std::size_t kMostIncluded = 1'000'000;  // in all
-
+constexpr std::size_t kMaxIncludes = 64;   // one inside another
 constexpr std::size_t kBeginning = 65536;  // bytes that a format is recognised by
 
 std::string all_of(const std::vector<std::string>& messages) { return fmt::format("{}", fmt::join(messages, "\n")); }
@@ -48,12 +48,15 @@ class PbrtLoader {
  private:
     // Errors: the file cannot be read, or is none of pbrt's; what is wrong in it goes to the diagnostics.
     Status file(const std::filesystem::path& path, std::size_t depth) {
-        const Result<std::string> text = SceneFiles::read_text(path);
-        if (!text) return text.error();
+        const Result<std::string> text = files_.include(path);
+        if (!text) {
+            stopped_ = text.error().code == ErrorCode::kOutOfRange;  // so would be the rest
+            return text.error();
+        }
         std::vector<std::string>& names = scene_.description.files;
-        const auto index = static_cast<std::uint32_t>(names.size());
-        names.push_back(path.string());
-        DirectiveReader reader(*text, index);
+        const auto [index, is_new] = indexes_.try_emplace(path, static_cast<std::uint32_t>(names.size()));
+        if (is_new) names.push_back(path.string());
+        DirectiveReader reader(*text, index->second);
         while (!stopped_) {
             const auto directive = reader.next();
             if (!begun_ && !(directive && *directive)) {
@@ -92,10 +95,6 @@ class PbrtLoader {
             stopped_ = true;  // it may include itself more than once
             return lose({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
         }
-        if (++included_ > kMostIncluded) {
-            stopped_ = true;
-            return lose({d.where, fmt::format("{}: more than {} files are included", d.name, kMostIncluded)});
-        }
         if (import && !builder_.in_world()) return lose({d.where, "Import: must come after WorldBegin"});
         if (import) builder_.begin_import(d.where);
         open_.push_back(path);
@@ -132,12 +131,12 @@ class PbrtLoader {
     Diagnostics diagnostics_;
     SceneBuilder builder_;
     SourceLocation end_;
-    std::vector<std::filesystem::path> open_{path_};  // each included by the one before
-    std::size_t included_ = 0;                        // files so far
-    bool begun_ = false;                              // there was a directive, or an error
-    bool is_v3_ = false;                              // one had a type or a word of pbrt-v3
-    bool garbled_ = false;                            // there was an error of syntax
-    bool stopped_ = false;                            // nothing more is read
+    std::vector<std::filesystem::path> open_{path_};          // each included by the one before
+    std::map<std::filesystem::path, std::uint32_t> indexes_;  // in the description's list of files
+    bool begun_ = false;                                      // there was a directive, or an error
+    bool is_v3_ = false;                                      // one had a type or a word of pbrt-v3
+    bool garbled_ = false;                                    // there was an error of syntax
+    bool stopped_ = false;                                    // nothing more is read
 };
 
 Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {
@@ -149,7 +148,7 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     LoadedScene scene = nothing_with(rgb_spectra);
     scene.description.files.push_back(path.string());
     Diagnostics diagnostics(scene.description.files);
-    const SceneFiles files(path);
+    SceneFiles files(path);
     const ModelColors colors(rgb_spectra);
     Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, diagnostics)
                                                        : read_obj(*bytes, path.string(), files, colors, diagnostics);

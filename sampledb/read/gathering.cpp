@@ -26,7 +26,9 @@ std::size_t most_open_files() {
 }
 
 constexpr std::uint64_t kIndexCost = 256;  // bytes to hold an index, without its pages
-constexpr std::size_t kIndexesAhead = 32;  // of remote files, on their way
+// Runs whose indexes are on their way from a server: so many, and more of small ones.
+constexpr std::size_t kRunsAhead = 32;
+constexpr std::uint64_t kBytesAhead = 4 << 20;
 
 class OpenGathering final : public Gathering {
  public:
@@ -136,7 +138,8 @@ Result<std::shared_ptr<const ByteSource>> OpenGathering::source(std::size_t file
 
 // Indexes are nearly always read run after run, and from afar each would be waited for.
 void OpenGathering::announce_indexes(std::size_t run) const {
-    const std::size_t end = std::min(run + 1 + kIndexesAhead, runs_.size());
+    std::size_t end = std::min(run + 1 + kRunsAhead, runs_.size());
+    for (std::uint64_t bytes = 0; end < runs_.size() && (bytes += runs_[end].header.size()) <= kBytesAhead;) ++end;
     for (std::size_t next = std::max(run, announced_.exchange(end)); next < end; ++next) {
         const SelectedRun& selected = runs_[next];
         const Result<std::shared_ptr<const ByteSource>> from = source(selected.file);

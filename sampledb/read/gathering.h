@@ -30,7 +30,7 @@ struct GatherOptions {
     bool keep_going = false;                     // what is wrong with a file named one by one costs that file, as in a folder
     std::optional<JobId> job;                    // keep this job, leave others out
     std::optional<SampleRange> samples;          // only these sample numbers
-    VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more
+    VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull and kOrdered read every byte once more
     std::vector<DamagedRun> damaged;             // left out as well
     bool announced_reads = false;                // pages are announced by `will_read`: nothing else is read ahead
     // --memory of the tool, in bytes: the list of runs may take three quarters of it (or 256 KiB), indexes held at once an eighth;

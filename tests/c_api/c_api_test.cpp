@@ -274,6 +274,21 @@ TEST(CApi, ColumnsThatWereNotAskedForAreNull) {
     EXPECT_EQ(r.extra, nullptr);
 }
 
+TEST(CApi, ACursorGoesOnWhenItsReaderIsClosed) {
+    const TemporaryFolder folder;
+    const Job job = synthetic::make_short_job();
+    write_all(open_writer(folder / "a.latent", CJob(job), kSamples).get(), job, 1);
+    Reader reader = open_reader(folder / "a.latent");
+    latent_cursor* opened = nullptr;
+    ASSERT_EQ(latent_cursor_open(reader.get(), nullptr, &opened, nullptr), LATENT_OK);
+    const Cursor cursor(opened);
+    reader.reset();
+    latent_records r{};
+    r.size = sizeof r;
+    ASSERT_EQ(latent_cursor_next(opened, &r, nullptr), LATENT_OK);
+    EXPECT_GT(r.count, 0u);
+}
+
 TEST(CApi, InfoAndRunsAddUpToTheFile) {
     const TemporaryFolder folder;
     const Job job = synthetic::make_short_job();

@@ -30,6 +30,8 @@ Target page();
 // files.cpp
 Target file();
 Target part();
+// http_answers.cpp
+Target http();
 // pictures.cpp
 Target exr();
 Target icc();

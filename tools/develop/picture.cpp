@@ -102,7 +102,8 @@ Error nothing_to_develop(sampledb::GatherOptions options) {
     if (!all) return all.error();
     std::string message = "the files hold no samples";
     if (const sampledb::Coverage& held = (*all)->coverage(); !held.empty())
-        message = fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held));
+        message = wanted ? fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held))
+                         : "the files have changed while they were read";
     for (const sampledb::LeftOut& item : (*all)->report().left_out)
         message += fmt::format("; left out: {}: {}", item.place, item.reason);
     return {ErrorCode::kOutOfRange, message};
@@ -372,7 +373,7 @@ Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink
     const Stopwatch running;
     Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, sink, progress);
     const bool damaged = !report && sampledb::is_unreadable(report.error());
-    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, running, sink, progress) : report;
+    return damaged ? develop_once(options, sampledb::VerifyLevel::kOrdered, running, sink, progress) : report;
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {

@@ -13,7 +13,7 @@
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
-#include "sampledb/read/provenance.h"
+#include "sampledb/read/origin.h"
 #include "sampledb/read/report_json.h"
 #include "sampledb/read/selection.h"
 #include "tools/inspect/damage.h"
@@ -101,13 +101,6 @@ std::string start_of(std::string_view text) {
     constexpr std::size_t kMost = 2000;
     if (text.size() <= kMost) return printable_line(text);
     return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMost)), format_size(text.size()));
-}
-
-std::size_t count_parts(const std::string& footer_provenance) {
-    std::size_t parts = 0;
-    const QuotedProvenance merged = quote_provenance(footer_provenance, kFooterProvenanceDepth);
-    if (merged.objection.empty()) for_each_element(member_of(merged.json, "parts"), [&](std::string_view) { ++parts; });
-    return parts;
 }
 
 std::string grouped(std::uint64_t number) {
@@ -240,12 +233,13 @@ std::string to_text(const FileInfo& info) {
         line("",
              fmt::format("{:<10}{:7.3f} bytes per record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
-    if (!info.contents.header.provenance_json.empty()) line("origin", start_of(info.contents.header.provenance_json));
-    if (!info.contents.footer_provenance.empty()) {
-        const std::size_t parts = count_parts(info.contents.footer_provenance);
-        line("merged", parts > 0 ? fmt::format("from {} (--json lists them)", counted(parts, "part"))
-                                 : start_of(info.contents.footer_provenance));
+    const Origin origin = origin_of(info.contents);
+    if (origin.common != "{}") line("origin", start_of(origin.common));
+    if (origin.part_count > 0) {
+        line("merged", fmt::format("from {}{} (--json lists how they differ)", origin.incomplete ? "at least " : "",
+                                   counted(origin.part_count, "part")));
     }
+    if (origin.cpu_seconds > 0) line("CPU time", format_duration(origin.cpu_seconds));
     for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);
     return text;
@@ -302,11 +296,11 @@ std::string to_json_text(const FileInfo& info) {
         list += ']';
     });
     // What others wrote is copied, however long it is.
-    const auto quoted = [](const std::string& provenance, std::size_t depth) {
-        return [&provenance, depth](std::string& to) { append_escaped(to, quote_provenance(provenance, depth).json); };
-    };
-    text = with_member(std::move(text), "origin", quoted(info.contents.header.provenance_json, kHeaderProvenanceDepth));
-    return with_member(std::move(text), "merged_from", quoted(info.contents.footer_provenance, kFooterProvenanceDepth));
+    const Origin origin = origin_of(info.contents);
+    text = with_member(std::move(text), "origin", [&](std::string& to) { append_escaped(to, origin.common); });
+    text = with_member(std::move(text), "parts", [&](std::string& to) { append_escaped(to, origin.parts); });
+    text = with_member(std::move(text), "parts_complete", [&](std::string& to) { to += origin.incomplete ? "false" : "true"; });
+    return with_member(std::move(text), "cpu_seconds", [&](std::string& to) { to += fmt::format("{}", origin.cpu_seconds); });
 }
 
 }  // namespace latent::inspect

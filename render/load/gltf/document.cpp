@@ -137,7 +137,7 @@ std::string other_version(const GltfValue& root) {
 
 }  // namespace
 
-Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, const SceneFiles& files,
+Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, SceneFiles& files,
                                         Diagnostics& diagnostics) {
     GltfDocument document(name, files, diagnostics);
     Chunks chunks{bytes};
@@ -183,7 +183,7 @@ std::optional<std::string> GltfDocument::resource(const GltfValue& uri) const {
         uri.error(fmt::format("\"{}\" is not a file; nothing is loaded from a network", text.substr(0, 80)));
         return std::nullopt;
     }
-    Result<std::string> bytes = files_->read(*name);
+    Result<std::string> bytes = files_->include(files_->resolve(*name));
     if (bytes) return std::move(*bytes);
     uri.error(bytes.error().message);
     return std::nullopt;

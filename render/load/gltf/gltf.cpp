@@ -256,7 +256,7 @@ class GltfLoader {
 
 }  // namespace
 
-Result<Model> read_gltf(const std::string& bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+Result<Model> read_gltf(const std::string& bytes, const std::string& name, SceneFiles& files, const ModelColors& colors,
                         Diagnostics& diagnostics) {
     const Result<GltfDocument> document = GltfDocument::read(bytes, name, files, diagnostics);
     if (!document) return document.error();

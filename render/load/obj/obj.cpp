@@ -45,7 +45,7 @@ struct PartMesh {
 
 class ObjReader {
  public:
-    ObjReader(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+    ObjReader(std::string_view text, const std::string& name, SceneFiles& files, const ModelColors& colors,
               Diagnostics& diagnostics)
         : statements_(text, name, diagnostics), files_(files), colors_(colors), diagnostics_(diagnostics) {
         model_.scene.materials.push_back(
@@ -114,7 +114,7 @@ class ObjReader {
     void read_libraries() {
         MtlMaterials read;
         for (const std::string& name : libraries()) {
-            const Result<std::string> text = files_.read(name);
+            const Result<std::string> text = files_.include(files_.resolve(name));
             if (text) {
                 MtlMaterials more;
                 read_mtl(*text, files_.resolve(name).string(), files_, colors_, diagnostics_, more, model_.scene.textures);
@@ -221,7 +221,7 @@ class ObjReader {
     }
 
     Statements statements_;
-    const SceneFiles& files_;
+    SceneFiles& files_;
     const ModelColors& colors_;
     Diagnostics& diagnostics_;
     Model model_;
@@ -249,7 +249,7 @@ class ObjReader {
 
 }  // namespace
 
-Model read_obj(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
+Model read_obj(std::string_view text, const std::string& name, SceneFiles& files, const ModelColors& colors,
                Diagnostics& diagnostics) {
     return ObjReader(text, name, files, colors, diagnostics).read();
 }
