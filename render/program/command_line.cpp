@@ -17,21 +17,24 @@ namespace {
 
 // What to do with a file of another kind, by its name; empty if it may be a scene.
 std::string no_scene(const std::filesystem::path& path) {
-    constexpr std::string_view kModels[] = {".3ds", ".abc", ".c4d", ".dae", ".fbx", ".ma",   ".max",  ".mb",
+    constexpr std::string_view kModels[] = {".3ds", ".abc", ".c4d", ".dae", ".fbx",  ".ma",   ".max", ".mb",
                                             ".ply", ".skp", ".stl", ".usd", ".usda", ".usdc", ".usdz"};
     const std::string name = shown_name(path), stem = path.stem().string(), extension = path.extension().string();
     if (extension == ".latent")
         return fmt::format("{}: holds samples, which are rendered already; develop them: latent-develop {} -o {}.exr", name,
                            path.string(), stem);
-    if (extension == ".exr") return fmt::format("{}: is a picture; print it: latent-convert {} -o {}.png", name, path.string(), stem);
+    if (extension == ".exr")
+        return fmt::format("{}: is a picture; print it: latent-convert {} -o {}.png", name, path.string(), stem);
     if (extension == ".blend")
-        return fmt::format("{}: export it first (in Blender: File, Export, glTF 2.0; tick Cameras and Punctual Lights), then: "
-                           "latent-render {}.glb",
-                           name, stem);
+        return fmt::format(
+            "{}: export it first (in Blender: File, Export, glTF 2.0; tick Cameras and Punctual Lights), then: "
+            "latent-render {}.glb",
+            name, stem);
     if (std::ranges::find(kModels, extension) != std::end(kModels))
-        return fmt::format("{}: export it as glTF (.glb) first, from the program that made it or from Blender, then: "
-                           "latent-render {}.glb",
-                           name, stem);
+        return fmt::format(
+            "{}: export it as glTF (.glb) first, from the program that made it or from Blender, then: "
+            "latent-render {}.glb",
+            name, stem);
     return "";
 }
 

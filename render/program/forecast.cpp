@@ -77,7 +77,8 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
     out.seconds_per_sample = report->seconds_per_sample;
     const std::filesystem::directory_iterator part(folder, error);  // the part, or an attempt at it
     if (error || part == std::filesystem::directory_iterator())
-        return Error{ErrorCode::kIo, fmt::format("{}: the samples of the {} are gone; {}", folder.string(), place.purpose, place.remedy)};
+        return Error{ErrorCode::kIo,
+                     fmt::format("{}: the samples of the {} are gone; {}", folder.string(), place.purpose, place.remedy)};
     out.file = part->path();
     return out;
 }

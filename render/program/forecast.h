@@ -35,9 +35,9 @@ double trial_seconds(const RenderOptions& options);
 // A short render, in a folder of its own that is gone with it.
 struct Trial {
     TemporaryPath folder;
-    std::filesystem::path file;      // what it committed
-    std::uint64_t samples = 0;       // in it, at least one
-    std::uint64_t bytes = 0;         // of it
+    std::filesystem::path file;     // what it committed
+    std::uint64_t samples = 0;      // in it, at least one
+    std::uint64_t bytes = 0;        // of it
     double seconds_per_sample = 0;  // RenderReport's
 };
 // Where a trial makes its folder, what it is for ("preview"), what to do if that cannot be: "choose another folder with -o", and

@@ -160,8 +160,7 @@ TEST_F(Exposures, BitsAreForTheOutputsThatHaveThem) {
 TEST_F(Exposures, NamesMayBeAsLongAsTheSystemAllows) {
     write_picture(folder_ / "a.exr", {.width = 4, .height = 4});
     const std::string name = std::string(251, 'n') + ".png";
-    for (const char* again : {"--quiet", "--force"})
-        EXPECT_EQ(run_tool({at("a.exr"), "-o", at(name), again}).status, 0);
+    for (const char* again : {"--quiet", "--force"}) EXPECT_EQ(run_tool({at("a.exr"), "-o", at(name), again}).status, 0);
     EXPECT_TRUE(std::filesystem::exists(folder_ / name));
     for (const std::string no_file : {"-", "/dev/stdout", "/dev/stdout.png"}) {
         const testing::Outcome outcome = run_tool({at("a.exr"), "-o", no_file});

@@ -49,8 +49,8 @@ TEST(Forecast, OfAPictureOfAnySizeTakesNoLonger) {
             const PictureTrial trial = [&](const TrialPicture& p) -> Result<TrialOutcome> {
                 const std::int64_t first = p.crop.y0 * kPages / p.height, last = (p.crop.y1 * kPages - 1) / p.height;
                 const auto pages = static_cast<double>(last - first + 1);
-                const double seconds = machine.setup + machine.pixel * pixels(p.crop) +
-                                       machine.run * static_cast<double>(p.runs) * pages / kPages;
+                const double seconds =
+                    machine.setup + machine.pixel * pixels(p.crop) + machine.run * static_cast<double>(p.runs) * pages / kPages;
                 spent += seconds;
                 return TrialOutcome{{seconds, seconds}, static_cast<std::uint64_t>(pages) * 1000 * p.runs, 0};
             };

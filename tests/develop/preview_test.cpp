@@ -1,6 +1,4 @@
 // Previews: pictures of some of the runs, spread evenly, nested, and as many as a budget of time allows.
-#include "tools/develop/estimate.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/arguments.h"
+#include "tools/develop/estimate.h"
 #include "tools/develop/subset.h"
 
 namespace latent::develop {

@@ -77,8 +77,9 @@ TEST_F(InspectTest, InfoListsTheGroupsOfLightsAndNoSpectra) {
         EXPECT_NE(text.out.find("latent-develop --light lamp=0.5\n"), std::string::npos) << text.out;
         EXPECT_NE(text.out.find("(NAME=6500K): lamp\n"), std::string::npos) << text.out;
         EXPECT_EQ(text.out.find("spectrum\""), std::string::npos) << text.out;
-        EXPECT_EQ(json::parse(inspect({"info", "--json", file}).out)["light_groups"],
-                  json::parse(R"([{"name":"lamp","spectrum":true},{"name":"sky","spectrum":false},{"name":"2","spectrum":false}])"));
+        EXPECT_EQ(
+            json::parse(inspect({"info", "--json", file}).out)["light_groups"],
+            json::parse(R"([{"name":"lamp","spectrum":true},{"name":"sky","spectrum":false},{"name":"2","spectrum":false}])"));
     }
 }
 

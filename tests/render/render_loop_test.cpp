@@ -173,8 +173,7 @@ TEST(CommitLog, HasOneLineForEachCommitButNoMoreThanOneInAnInterval) {
               "committed 500 of 1000 samples (50.0 %), 10.0s left, 50 samples/s, 1.0 KiB written");
     EXPECT_EQ(log.line({600, 1024, 50}, at(30)), "");
     EXPECT_NE(log.line({600, 1024, 50}, at(31)), "");
-    EXPECT_EQ(log.line({1000, 2048, 50}, at(32), true),
-              "committed 1000 of 1000 samples (100.0 %), 50 samples/s, 2.0 KiB written");
+    EXPECT_EQ(log.line({1000, 2048, 50}, at(32), true), "committed 1000 of 1000 samples (100.0 %), 50 samples/s, 2.0 KiB written");
     EXPECT_EQ(log.line({1000, 2048, 50}, at(90), true), "");
 }
 

@@ -61,8 +61,7 @@ Status check_outputs(const ConvertOptions& options, std::vector<std::string>& no
 std::optional<double> suggested_sigma(const ConvertOptions& options, const ToneChoice& tone,
                                       const color::LuminanceHistogram& luminances) {
     const double key = options.key.value_or(0.18);
-    const Result<double> sigma =
-        color::auto_sigma(luminances, tone.tone == color::Tone::kNone ? key : tone.curve.exposure_of(key));
+    const Result<double> sigma = color::auto_sigma(luminances, tone.tone == color::Tone::kNone ? key : tone.curve.exposure_of(key));
     return sigma ? std::optional(*sigma) : std::nullopt;
 }
 
@@ -129,9 +128,10 @@ constexpr int kCoarseDpi = 100;  // pixels of such a print can be seen at readin
 
 std::string coarse_print(int width, double paper_width_mm, int dpi) {
     constexpr double kFineDpi = 150;
-    return fmt::format("--paper-width {}: {} pixels make only {} per inch, which looks coarse from nearby; a picture {:.0f} pixels "
-                       "wide has {:.0f} (latent-develop --size)",
-                       paper_width_mm, width, dpi, std::ceil(paper_width_mm / 25.4 * kFineDpi / 100) * 100, kFineDpi);
+    return fmt::format(
+        "--paper-width {}: {} pixels make only {} per inch, which looks coarse from nearby; a picture {:.0f} pixels "
+        "wide has {:.0f} (latent-develop --size)",
+        paper_width_mm, width, dpi, std::ceil(paper_width_mm / 25.4 * kFineDpi / 100) * 100, kFineDpi);
 }
 
 Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
@@ -176,8 +176,8 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const Result<std::vector<Exposure>> exposures =
         exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white, source->observer});
     if (!exposures) return exposures.error();
-    const PassSettings pass{source->xyz_from_file.m[1], display->print_space(), display->proof,      display->space,
-                            display->gamut,           options.show_clipped,   options.gamut_report};
+    const PassSettings pass{source->xyz_from_file.m[1], display->print_space(), display->proof, display->space, display->gamut,
+                            options.show_clipped,       options.gamut_report};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {

@@ -34,7 +34,7 @@ struct ConvertOptions {
     bool auto_exposure = false;         // choose it with tone "none" too
     std::optional<double> key;          // the same, and the grey at which the mean prints; none: 0.18
     std::vector<double> stops{0};       // by which sigma is pushed; several: a print for each, with the stops in its file names
-    std::string tone = "film";     // color/tone_curve.h, or none
+    std::string tone = "film";          // color/tone_curve.h, or none
     double contrast = 1, black = 0;
     std::string gamut = "luminance";
     std::string profile = "srgb";

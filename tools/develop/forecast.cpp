@@ -147,11 +147,13 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decode_fact
     piece.crop = piece_of(picture.crop, std::clamp(kPixelSeconds / per_pixel, kLeastPiece, 16 * kLeastPiece));
     const Result<TrialOutcome> taken = trial(piece);
     if (!taken) return taken.error();
-    const double share = std::min(1.0, static_cast<double>(taken->decoded) / static_cast<double>(std::max<std::uint64_t>(1, first.decoded)));
+    const double share =
+        std::min(1.0, static_cast<double>(taken->decoded) / static_cast<double>(std::max<std::uint64_t>(1, first.decoded)));
     const double more = area(piece.crop) - area(small.crop);
     const Cost pixel = at_least((taken->cost - runs->run * share - runs->picture) * (1 / more), {});
     out.cost = out.cost + pixel * (area(picture.crop) - area(small.crop));
-    out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(taken->temporary_bytes) * area(picture.crop) / area(piece.crop));
+    out.temporary_bytes =
+        static_cast<std::uint64_t>(static_cast<double>(taken->temporary_bytes) * area(picture.crop) / area(piece.crop));
     return out;
 }
 

@@ -132,9 +132,10 @@ Result<std::vector<GroupFactor>> mix_lights(const std::vector<LightGroup>& group
         for (double nm = 380; nm <= 780 && factor->curve; ++nm) largest = std::max(largest, (*factor->curve)(nm));
         largest *= factor->factor;
         if (largest > kLargestWeight)
-            warnings.push_back(fmt::format("--light {}: {} multiplied by {:.0f}, and so is the noise; for less noise, render the "
-                                           "scene with the new light",
-                                           text, factor->curve ? "some wavelengths are" : "the light is", largest));
+            warnings.push_back(
+                fmt::format("--light {}: {} multiplied by {:.0f}, and so is the noise; for less noise, render the "
+                            "scene with the new light",
+                            text, factor->curve ? "some wavelengths are" : "the light is", largest));
     }
     return factors;
 }

@@ -360,8 +360,7 @@ Result<Forecast> forecast_picture(const PictureOptions& asked) {
     const Subset wanted = first_of(all, order, runs);
     const std::optional<std::uint64_t> preview_samples =
         asked.is_preview() ? std::optional(wanted.coverage().size()) : std::nullopt;
-    const Result<Preparation> whole =
-        prepare(asked, gather, wanted, all.coverage().size(), default_size(all, preview_samples));
+    const Result<Preparation> whole = prepare(asked, gather, wanted, all.coverage().size(), default_size(all, preview_samples));
     if (!whole) return whole.error();
 
     Forecast forecast;

@@ -268,7 +268,8 @@ std::string to_text(const FileInfo& info) {
         line("",
              fmt::format("{:<10}{:7.3f} bytes per record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
-    if (!info.contents.header.provenance_json.empty()) line("origin", start_of(without_lists(info.contents.header.provenance_json)));
+    if (!info.contents.header.provenance_json.empty())
+        line("origin", start_of(without_lists(info.contents.header.provenance_json)));
     if (!info.contents.footer_provenance.empty()) {
         const std::size_t parts = count_parts(info.contents.footer_provenance);
         line("merged", parts > 0 ? fmt::format("from {} (--json lists them)", counted(parts, "part"))
