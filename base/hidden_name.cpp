@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <span>
 #include <vector>
 
 #include "base/file.h"
+#include "base/hash.h"
 
 namespace latent {
 
@@ -21,7 +23,14 @@ namespace {
 constexpr std::string_view kSuffix = ".tmp";
 constexpr std::size_t kNonceDigits = 16;
 
-std::string prefix_of(const fs::path& path) { return fmt::format(".{}.", path.filename().string()); }
+constexpr std::size_t kMostNameBytes = 255;  // NAME_MAX, of every file system that Linux writes to
+
+// A hash stands for a name so long that nothing can be added to it.
+std::string prefix_of(const fs::path& path) {
+    const std::string name = path.filename().string();
+    const bool fits = name.size() + 2 + kNonceDigits + kSuffix.size() <= kMostNameBytes;
+    return fmt::format(".{}.", fits ? name : to_hex(hash128(std::as_bytes(std::span(name)))));
+}
 
 bool is_hidden_name(std::string_view name, std::string_view prefix) {
     if (name.size() != prefix.size() + kNonceDigits + kSuffix.size() || !name.starts_with(prefix) || !name.ends_with(kSuffix))

@@ -102,7 +102,7 @@ void tell(const Progress& progress, const Work& work, const SampleRange& range, 
           const sampledb::PartWriter& writer) {
     const std::uint64_t samples = work.samples();
     progress(static_cast<double>(before + samples) / static_cast<double>(range.size()),
-             fmt::format("{:.3f} M samples/s, {} written", static_cast<double>(samples) / work.seconds() / 1e6,
+             fmt::format("{} samples/s, {} written", format_count(static_cast<double>(samples) / work.seconds()),
                          format_size(writer.counts().bytes_written)));
 }
 

@@ -47,6 +47,7 @@ class OpenGathering final : public Gathering {
                      Page& page) const override;
     void will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const override;
     std::uint64_t bytes_read() const override { return bytes_read_; }
+    std::optional<Resolution> resolution() const override { return resolution_; }
     std::uint64_t list_memory() const override { return list_memory_; }
 
  private:
@@ -62,6 +63,7 @@ class OpenGathering final : public Gathering {
     std::vector<SelectedRun> runs_;
     Coverage coverage_;
     GatherReport report_;
+    std::optional<Resolution> resolution_;
     std::uint64_t list_memory_ = 0;
 
     mutable std::mutex mutex_;
@@ -77,6 +79,7 @@ Status OpenGathering::gather() {
     job_ = std::move(inputs->job);
     files_ = std::move(inputs->files);
     report_ = std::move(inputs->report);
+    resolution_ = inputs->resolution;
     list_memory_ = inputs->list_memory;
     select(std::move(inputs->runs));
     if (options_.samples) cut_to_samples();

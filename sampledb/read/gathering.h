@@ -13,6 +13,7 @@
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "sampledb/read/file_reader.h"
+#include "sampledb/read/provenance.h"
 #include "sampledb/read/selection.h"
 
 namespace latent::sampledb {
@@ -73,6 +74,9 @@ class Gathering {
     virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
     virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
     virtual const GatherReport& report() const = 0;
+
+    // Pixels of the picture that the samples were rendered for, the largest if files differ; none if no file says.
+    virtual std::optional<Resolution> resolution() const { return std::nullopt; }
 
     // Bytes that the list of runs takes, of their intervals too.
     virtual std::uint64_t list_memory() const { return 0; }

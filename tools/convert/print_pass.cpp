@@ -43,7 +43,7 @@ struct Outcome {
 struct Workbench {
     image::ExrReader::Scratch scratch;
     std::vector<float> planes, printed;
-    std::vector<float> luminances;  // of a row
+    std::vector<float> luminances;  // of a row, in the scene or as printed
     std::vector<std::uint8_t> lacking;
     color::LuminanceHistogram histogram;
     std::vector<Outcome> outcomes;
@@ -68,10 +68,13 @@ void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workb
 void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
                Workbench& bench, Outcome& outcome) {
     bench.luminances.resize(static_cast<std::size_t>(from.area.width()));
+    if (first) {
+        color::luminance_row(settings.y_row, from.row(0, y), from.row(1, y), from.row(2, y), bench.luminances);
+        bench.histogram.add(bench.luminances);
+    }
     const std::uint64_t out_of_gamut = outcome.print.out_of_gamut;
     exposure.print.row(from.row(0, y), from.row(1, y), from.row(2, y), to.row(0, y), to.row(1, y), to.row(2, y), outcome.print,
                        bench.luminances);
-    if (first) bench.histogram.add(bench.luminances);
     if (settings.gamut) {
         bench.lacking.resize(bench.luminances.size());
         outcome.print.out_of_gamut =
@@ -153,9 +156,8 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
     if (error) return error.status().error();
     PassReport report;
     report.exposures.resize(exposures.size());
-    color::LuminanceHistogram histogram;
     for (const Workbench& bench : benches) {
-        histogram += bench.histogram;
+        report.luminance += bench.histogram;
         for (std::size_t e = 0; e < bench.outcomes.size(); ++e) {
             const Outcome& outcome = bench.outcomes[e];
             ExposureReport& to = report.exposures[e];
@@ -163,7 +165,6 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
             to.hue_shifts += outcome.hue_shifts;
         }
     }
-    for (std::size_t i = 0; i < kPercentiles.size(); ++i) report.luminance[i] = histogram.percentile(kPercentiles[i] / 100.0);
     return report;
 }
 

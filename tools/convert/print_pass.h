@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "color/auto_exposure.h"
 #include "tools/convert/bands.h"
 #include "tools/convert/options.h"
 #include "tools/convert/sink.h"
@@ -23,7 +22,7 @@ struct Exposure {
 };
 
 struct PassSettings {
-    std::array<double, 3> y_row;                   // what luminance is
+    std::array<double, 3> y_row;                   // luminance in the scene, of the file's pixels
     color::RgbSpace space;                         // that is printed for
     std::shared_ptr<const DeviceTransform> proof;  // applied to what was printed; null: none
     color::RgbSpace shown_space;                   // of the result
@@ -34,11 +33,11 @@ struct PassSettings {
 // True if blocks are printed beside the picture's pixels, which takes memory for another block per thread.
 bool needs_second_block(const std::vector<Exposure>& exposures, const PassSettings& settings);
 
-// Luminances of all pixels. Errors: of reading.
+// Luminances of all pixels of `plan`. Errors: of reading.
 Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& plan, const std::array<double, 3>& y_row,
                                           const Progress& progress);
 
-// What came of each exposure, in their order; percentiles in the first one's. Bands go through printing and encoding one after
+// What came of each exposure, in their order. Bands go through printing and encoding one after
 // another; where memory allows, one is printed while the one before is encoded. Errors: of reading, of the sinks.
 Result<PassReport> print_all(const Source& source, const BandPlan& plan, const std::vector<Exposure>& exposures,
                              const PassSettings& settings, const Progress& progress);

@@ -103,6 +103,23 @@ std::string start_of(std::string_view text) {
     return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMost)), format_size(text.size()));
 }
 
+// An origin without its tables of spectra and names.
+std::string without_lists(const std::string& provenance) {
+    if (!quote_provenance(provenance, kHeaderProvenanceDepth).objection.empty()) return provenance;
+    nlohmann::ordered_json origin = nlohmann::ordered_json::parse(provenance, nullptr, false);
+    if (origin.erase("light_groups") + origin.erase("materials") == 0) return provenance;
+    return json_text(origin, -1);
+}
+
+// The lights that the records keep apart, by number; the parts of a merged file say the same.
+std::vector<NamedLights> light_groups_of(const FileContents& file) {
+    std::vector<NamedLights> groups;
+    for_each_origin(file, [&](std::string_view origin) {
+        if (groups.empty()) groups = lights_in(origin);
+    });
+    return groups;
+}
+
 std::string grouped(std::uint64_t number) {
     std::string text = std::to_string(number);
     for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
@@ -212,6 +229,17 @@ std::string to_text(const FileInfo& info) {
     line("positions",
          job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
     for (const ExtraColumnSpec& column : job.extra) line("column", printable_line(column.name));
+    if (const std::vector<NamedLights> groups = light_groups_of(info.contents); !groups.empty()) {
+        std::string all, replaceable;
+        const auto add = [](std::string& list, const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
+        for (const NamedLights& group : groups) {
+            add(all, printable_line(group.name));
+            if (!group.spectrum.empty()) add(replaceable, printable_line(group.name));
+        }
+        line("lights", all);
+        line("", fmt::format("to change them: latent-develop --light {}=0.5", printable_line(groups.front().name)));
+        line("", "can get a new spectrum (NAME=6500K): " + (replaceable.empty() ? "none" : replaceable));
+    }
     line("samples",
          info.coverage.empty() ? "none" : fmt::format("{} ({} in total)", to_string(info.coverage), grouped(info.coverage.size())));
     if (job.light_paths_per_sample > 0) {
@@ -234,7 +262,7 @@ std::string to_text(const FileInfo& info) {
              fmt::format("{:<10}{:7.3f} bytes per record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
     const Origin origin = origin_of(info.contents);
-    if (origin.common != "{}") line("origin", start_of(origin.common));
+    if (origin.common != "{}") line("origin", start_of(without_lists(origin.common)));
     if (origin.part_count > 0) {
         line("merged", fmt::format("from {}{} (--json lists how they differ)", origin.incomplete ? "at least " : "",
                                    counted(origin.part_count, "part")));
@@ -255,6 +283,9 @@ std::string to_json_text(const FileInfo& info) {
                                 {"decoded_bytes_per_record", static_cast<double>(column.decoded) / records}};
     }
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
+    json lights = json::array();
+    for (const NamedLights& group : light_groups_of(info.contents))
+        lights.push_back({{"name", group.name}, {"spectrum", !group.spectrum.empty()}});
     const json report = {{"file", shown_name(info.path)},
                          {"size", info.size},
                          {"finished", info.contents.finished},
@@ -269,6 +300,7 @@ std::string to_json_text(const FileInfo& info) {
                          {"run_samples", job.run_samples},
                          {"run_bytes", job.run_bytes},
                          {"extra_columns", extra},
+                         {"light_groups", lights},
                          {"sample_count", info.coverage.size()},
                          {"light_paths", info.light_paths()},
                          {"camera_records", info.camera_records},
