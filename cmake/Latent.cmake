@@ -9,6 +9,8 @@ set(CMAKE_BUILD_RPATH "$ORIGIN/../lib/latent")
 set(CMAKE_INSTALL_RPATH "$ORIGIN/../lib/latent")
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+# The search path of a program serves the libraries of its libraries too, as a bundle needs (scripts/bundle): DT_RPATH, not DT_RUNPATH.
+add_link_options(-Wl,--disable-new-dtags)
 add_link_options(-Wl,--as-needed)  # a library that no symbol is used of would take its time at every start
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "base/url.h"
+#include "sampledb/http/certificates.h"
 
 namespace latent::sampledb {
 
@@ -122,6 +123,7 @@ HttpConnection::HttpConnection(const Patience& patience) : handle_(std::make_uni
     set(CURLOPT_USERAGENT, "latent/" LATENT_VERSION);
     set(CURLOPT_PROTOCOLS_STR, "http,https");
     set(CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
+    if (const char* const file = certificate_file()) set(CURLOPT_CAINFO, file);
     set(CURLOPT_FOLLOWLOCATION, 1L);
     set(CURLOPT_MAXREDIRS, kMostRedirections);
     set(CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
