@@ -20,6 +20,8 @@ set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG ${hardening}")
 set(CMAKE_CXX_FLAGS_RELEASE "${CMAKE_C_FLAGS_RELEASE}")
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 add_link_options(-Wl,-z,relro,-z,now)
+# The search path of a program serves the libraries of its libraries too, as a bundle needs (scripts/bundle): DT_RPATH, not DT_RUNPATH.
+add_link_options(-Wl,--disable-new-dtags)
 add_link_options(-Wl,--as-needed)  # a library that no symbol is used of would take its time at every start
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)

@@ -1,4 +1,4 @@
-// render/geometry/geometry.h: where rays meet surfaces. Embree 3 underneath; spheres, disks and curved patches are solved in
+// render/geometry/geometry.h: where rays meet surfaces. Embree underneath; spheres, disks and curved patches are solved in
 // double.
 #pragma once
 
@@ -86,6 +86,8 @@ class Geometry {
     static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd,
                                                    const Opacity* opacity = nullptr);
     virtual ~Geometry() = default;
+    // Such as "4.3.3": of Embree, which records depend on.
+    static std::string embree_version();
 
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;

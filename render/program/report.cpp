@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/size.h"
+#include "render/geometry/geometry.h"
 #include "render/scene/shape_counts.h"
 
 namespace latent::render {
@@ -179,6 +180,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings, std
     out["resolution"] = {job.resolution.width, job.resolution.height};
     if (settings.shard.count > 1) out["shard"] = fmt::format("{}/{}", settings.shard.index, settings.shard.count);
     out["simd"] = job.settings.simd;
+    out["embree"] = Geometry::embree_version();
     out["render_epoch"] = kRenderEpoch;
     if (settings.aovs.any()) out["aovs"] = to_text(settings.aovs);
     if (settings.aovs.id) {

@@ -10,6 +10,7 @@
 
 #include "base/stopwatch.h"
 #include "base/url.h"
+#include "sampledb/http/certificates.h"
 
 namespace latent::sampledb {
 
@@ -92,6 +93,7 @@ HttpConnection::HttpConnection(const Patience& patience) : handle_(std::make_uni
     handle.set(CURLOPT_ERRORBUFFER, handle.message);
     handle.set(CURLOPT_USERAGENT, "latent/" LATENT_VERSION);
     handle.set(CURLOPT_PROTOCOLS_STR, "http,https");
+    if (const char* const file = certificate_file()) handle.set(CURLOPT_CAINFO, file);
     handle.set(CURLOPT_FOLLOWLOCATION, 1L);
     handle.set(CURLOPT_MAXREDIRS, kMostRedirections);
     handle.set(CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
