@@ -54,13 +54,17 @@ class PbrtLoader {
         const auto index = static_cast<std::uint32_t>(names.size());
         names.push_back(path.string());
         DirectiveReader reader(*text, index);
+        bool begun = false;  // there was a directive
         while (!stopped_) {
             const auto directive = reader.next();
-            if (!begun_ && !(directive && *directive)) {
+            if (!begun && !(directive && *directive)) {
                 const std::string_view format = foreign_format(*text);
-                if (!format.empty() || directive) return not_pbrt(path, format);
+                if (!format.empty() || (directive && depth == 0)) return not_pbrt(path, format);
+                // What a scene includes may be any file of this machine: it is not quoted.
+                if (!directive && depth > 0 && !directive.error().is_of_pbrt_v3)
+                    return not_pbrt(path, "its first word is not a directive");
             }
-            begun_ = true;
+            begun = true;
             if (!directive) {
                 lose(directive.error());
                 is_v3_ = is_v3_ || directive.error().is_of_pbrt_v3;
@@ -134,7 +138,6 @@ class PbrtLoader {
     SourceLocation end_;
     std::vector<std::filesystem::path> open_{path_};  // each included by the one before
     std::size_t included_ = 0;                        // files so far
-    bool begun_ = false;                              // there was a directive, or an error
     bool is_v3_ = false;                              // one had a type or a word of pbrt-v3
     bool garbled_ = false;                            // there was an error of syntax
     bool stopped_ = false;                            // nothing more is read
@@ -162,6 +165,7 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
         scene.added.push_back(fmt::format("{}: {}", path.string(), added));
     scene.description.rgb_spectra = rgb_spectra;
     scene.warnings = diagnostics.warnings();
+    scene.notes = diagnostics.notes();
     return scene;
 }
 

@@ -173,6 +173,11 @@ std::optional<std::vector<Number>> read_all(const GltfDocument& document, const 
 
 }  // namespace
 
+std::size_t components_of(const GltfDocument& document, const GltfValue& index) {
+    const std::optional<std::uint32_t> i = index.index(document.root()["accessors"]);
+    return i ? components_of(document.root()["accessors"][*i]["type"].text()) : 0;
+}
+
 std::optional<std::vector<float>> read_floats(const GltfDocument& document, const GltfValue& index, std::size_t components) {
     const std::optional<Accessor> a = accessor_of(document, index);
     if (!a) return std::nullopt;

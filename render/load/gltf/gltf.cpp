@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/load/gltf/accessors.h"
 #include "render/load/gltf/lights.h"
 #include "render/load/gltf/materials.h"
 #include "render/load/gltf/meshes.h"
@@ -83,10 +84,11 @@ class GltfLoader {
     // Entry i is /materials/i, the last one the default material.
     void read_materials() {
         const GltfValue materials = root()["materials"];
-        GltfTextures textures(document_, model_.scene.textures);
+        const std::vector<VertexColors> vertex_colors = find_vertex_colors();
+        GltfTextures textures(document_, colors_, model_.scene.textures);
         for (std::size_t i = 0; i <= materials.size(); ++i) {
-            GltfMaterial material = read_material(materials[i], colors_, textures);
-            Used used{.uv_set = material.uv_set, .alpha = material.alpha};
+            GltfMaterial material = read_material(materials[i], vertex_colors[i], colors_, textures);
+            Used used{.uv_sets = std::move(material.uv_sets), .alpha = material.alpha};
             if (material.emission) {
                 used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
                 model_.scene.area_lights.push_back(std::move(*material.emission));
@@ -97,9 +99,25 @@ class GltfLoader {
                 model_.scene.media.push_back(std::move(*material.inside));
             }
             model_.scene.materials.push_back(std::move(material.surface));
-            used_.push_back(used);
+            used_.push_back(std::move(used));
         }
         model_.embedded = textures.take_embedded();
+    }
+    // Of each of these materials: the most that primitives of it have. Those that have less are white there.
+    std::vector<VertexColors> find_vertex_colors() const {
+        const GltfValue meshes = root()["meshes"], materials = root()["materials"];
+        std::vector<VertexColors> out(materials.size() + 1);
+        for (std::size_t m = 0; m < meshes.size(); ++m) {
+            for (std::size_t p = 0; p < meshes[m]["primitives"].size(); ++p) {
+                const GltfValue primitive = meshes[m]["primitives"][p], color = primitive["attributes"]["COLOR_0"];
+                if (!color.exists()) continue;
+                const std::size_t material = primitive["material"].count(materials.size());
+                if (material > materials.size()) continue;  // an error that is found later
+                out[material] =
+                    std::max(out[material], components_of(document_, color) == 4 ? VertexColors::kRgba : VertexColors::kRgb);
+            }
+        }
+        return out;
     }
     std::uint32_t index_of(std::uint32_t material) const {
         return material == kNone ? static_cast<std::uint32_t>(used_.size() - 1) : material;
@@ -200,7 +218,7 @@ class GltfLoader {
         Mesh& mesh = meshes_[index];
         mesh.is_read = true;
         const GltfValue value = root()["meshes"][index];
-        mesh.primitives = read_mesh(document_, value, [this](std::uint32_t material) { return used_[index_of(material)].uv_set; });
+        mesh.primitives = read_mesh(document_, value, [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; });
         for (const GltfPrimitive& primitive : mesh.primitives) {
             if (!count(primitive, value)) return mesh.primitives.clear();
         }
@@ -241,7 +259,7 @@ class GltfLoader {
     // What shapes of a material carry.
     struct Used {
         std::uint32_t area_light = kNone, inside = kNone;
-        std::optional<std::uint32_t> uv_set{};
+        std::vector<std::uint32_t> uv_sets{};
         FloatInput alpha = 1;
     };
 

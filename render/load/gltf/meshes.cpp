@@ -40,6 +40,8 @@ void keep_used_vertices(LoadedMesh& mesh) {
         mesh.positions[used] = mesh.positions[i];
         if (!mesh.normals.empty()) mesh.normals[used] = mesh.normals[i];
         if (!mesh.uvs.empty()) mesh.uvs[used] = mesh.uvs[i];
+        for (std::vector<Vec2f>& set : mesh.more_uvs) set[used] = set[i];
+        if (!mesh.colors.empty()) mesh.colors[used] = mesh.colors[i];
         moved[i] = used++;
     }
     if (used == moved.size()) return;
@@ -47,6 +49,8 @@ void keep_used_vertices(LoadedMesh& mesh) {
     mesh.positions.shrink_to_fit();
     if (!mesh.normals.empty()) mesh.normals.resize(used);
     if (!mesh.uvs.empty()) mesh.uvs.resize(used);
+    for (std::vector<Vec2f>& set : mesh.more_uvs) set.resize(used);
+    if (!mesh.colors.empty()) mesh.colors.resize(used);
     for (std::uint32_t& i : mesh.indices) i = moved[i];
 }
 
@@ -64,7 +68,18 @@ bool has_positions(const GltfDocument& document, const GltfValue& primitive) {
     return false;
 }
 
-bool read_vertices(const GltfDocument& document, const GltfValue& attributes, std::optional<std::uint32_t> uv_set,
+// COLOR_0, RGB or RGBA.
+std::vector<std::array<float, 4>> colors_of(std::vector<float> x, std::size_t components) {
+    std::vector<std::array<float, 4>> out;
+    for (std::size_t i = 0; i < x.size(); i += components) {
+        std::array<float, 4> color{1, 1, 1, 1};
+        for (std::size_t c = 0; c < components; ++c) color[c] = std::clamp(x[i + c], 0.0f, 1.0f);
+        out.push_back(color);
+    }
+    return out;
+}
+
+bool read_vertices(const GltfDocument& document, const GltfValue& attributes, const std::vector<std::uint32_t>& uv_sets,
                    LoadedMesh& mesh) {
     const std::optional<std::vector<float>> p = read_floats(document, attributes["POSITION"], 3);
     if (!p) return false;
@@ -77,23 +92,35 @@ bool read_vertices(const GltfDocument& document, const GltfValue& attributes, st
         attribute.error(fmt::format("has {} items for {} vertices", x->size() / components, mesh.positions.size()));
         return {};
     };
-    const std::string coordinates = "TEXCOORD_" + std::to_string(uv_set.value_or(0));
-    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3), uv = per_vertex(attributes[coordinates], 2);
-    if (uv_set && !attributes[coordinates].exists())
-        attributes.warn_of_kind("without " + coordinates,
-                                fmt::format("has no {}, which the textures of its material use; each triangle shows one half of "
-                                            "their pictures",
-                                            coordinates));
+    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3);
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(n[i], n[i + 1], n[i + 2]);
-    for (std::size_t i = 0; i < uv.size(); i += 2) mesh.uvs.push_back({uv[i], 1 - uv[i + 1]});
-    if (attributes["COLOR_0"].exists()) attributes["COLOR_0"].warn("colours of vertices are ignored");
+    const auto coordinates = [&](std::uint32_t set) {
+        const std::vector<float> uv = per_vertex(attributes["TEXCOORD_" + std::to_string(set)], 2);
+        std::vector<Vec2f> out;
+        for (std::size_t i = 0; i < uv.size(); i += 2) out.push_back({uv[i], 1 - uv[i + 1]});
+        return out;
+    };
+    mesh.uvs = coordinates(uv_sets.empty() ? 0 : uv_sets[0]);
+    for (std::size_t i = 1; i < uv_sets.size(); ++i) {
+        mesh.more_uvs.push_back(coordinates(uv_sets[i]));
+        if (mesh.more_uvs.back().empty()) mesh.more_uvs.back().resize(mesh.positions.size());
+    }
+    for (std::size_t i = 0; i < uv_sets.size(); ++i) {
+        const std::string name = "TEXCOORD_" + std::to_string(uv_sets[i]);
+        if (attributes[name].exists()) continue;
+        attributes.warn_of_kind("without " + name, fmt::format("has no {}, which textures of its material use; {}", name,
+                                                               i == 0 ? "each triangle shows one half of their pictures"
+                                                                      : "it shows one point of their pictures"));
+    }
+    const std::size_t components = std::clamp<std::size_t>(components_of(document, attributes["COLOR_0"]), 3, 4);
+    mesh.colors = colors_of(per_vertex(attributes["COLOR_0"], components), components);
     return true;
 }
 
 }  // namespace
 
 std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
-                                     const std::function<std::optional<std::uint32_t>(std::uint32_t material)>& uv_set_of) {
+                                     const std::function<std::vector<std::uint32_t>(std::uint32_t material)>& uv_sets_of) {
     std::vector<GltfPrimitive> out;
     const GltfValue primitives = mesh["primitives"];
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -110,7 +137,7 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         if (!has_positions(document, primitive)) continue;
         GltfPrimitive read;
         read.material = primitive["material"].index(document.root()["materials"]).value_or(kNone);
-        if (!read_vertices(document, primitive["attributes"], uv_set_of(read.material), read.mesh)) continue;
+        if (!read_vertices(document, primitive["attributes"], uv_sets_of(read.material), read.mesh)) continue;
         std::vector<std::uint32_t> order;
         if (primitive["indices"].exists()) {
             std::optional<std::vector<std::uint32_t>> indices = read_indices(document, primitive["indices"]);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "render/load/gltf/document.h"
@@ -17,9 +16,8 @@ struct GltfPrimitive {
     std::uint32_t material = kNone;  // index into /materials
 };
 
-// The primitives of /meshes/N that have triangles. `uv_set_of(material)`: which TEXCOORD the textures of a material use, if it has
-// any.
+// The primitives of /meshes/N that have triangles. `uv_sets_of(material)`: GltfMaterial::uv_sets.
 std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
-                                     const std::function<std::optional<std::uint32_t>(std::uint32_t material)>& uv_set_of);
+                                     const std::function<std::vector<std::uint32_t>(std::uint32_t material)>& uv_sets_of);
 
 }  // namespace latent::render

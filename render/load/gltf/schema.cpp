@@ -104,7 +104,7 @@ constexpr GltfMember kViewMembers[] = {
     any("name"), required(count("buffer")), count("byteOffset"), required(count("byteLength")), count("byteStride"), any("target")};
 constexpr GltfObjectType kView{kViewMembers};
 constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"),  count("TEXCOORD_0"),
-                                            any("COLOR_0"),    any("JOINTS_0"), any("WEIGHTS_0")};
+                                            count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};
 constexpr GltfObjectType kAttributes{kAttributeMembers};
 constexpr GltfMember kPrimitiveMembers[] = {required(object("attributes", kAttributes)), count("indices"), count("material"),
                                             count("mode"), any("targets")};
