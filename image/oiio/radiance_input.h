@@ -33,8 +33,8 @@ class RadianceInput final : public OIIO::ImageInput {
     std::ifstream file_;
     int width_ = 0, height_ = 0;
     bool from_bottom_ = false, from_right_ = false, is_xyz_ = false;
-    std::array<float, 3> scale_{1, 1, 1};           // what undoes the exposure
-    std::vector<std::streamoff> rows_{};            // where rows of the file begin, as far as they were read
+    std::array<float, 3> scale_{1, 1, 1};  // what undoes the exposure
+    std::vector<std::streamoff> rows_{};   // where rows of the file begin, as far as they were read
     std::vector<std::array<unsigned char, 4>> row_{};
 };
 

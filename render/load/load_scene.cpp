@@ -143,7 +143,8 @@ class PbrtLoader {
     bool stopped_ = false;                            // nothing more is read
 };
 
-Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {
+Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra,
+                               const ModelOptions& options) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
     if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
@@ -154,15 +155,22 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     Diagnostics diagnostics(scene.description.files);
     const SceneFiles files(path);
     const ModelColors colors(rgb_spectra);
-    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, diagnostics)
-                                                       : read_obj(*bytes, path.string(), files, colors, diagnostics);
+    Result<Model> model = format == SceneFormat::kGltf
+                              ? read_gltf(*bytes, path.string(), files, colors, options.camera, diagnostics)
+                              : read_obj(*bytes, path.string(), files, colors, diagnostics);
     if (!model) return model.error();
     if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
+    if (!options.camera.empty() && !model->has_camera)
+        return Error{ErrorCode::kUsage,
+                     fmt::format("--camera {}: {} has no camera of this name{}", options.camera, path.string(),
+                                 model->cameras.empty() ? "" : fmt::format(" ({})", fmt::join(model->cameras, ", ")))};
     scene.embedded = std::move(model->embedded);
-    for (const std::string& added : complete(std::move(*model), colors.emission({1, 1, 1}), scene.description))
-        scene.added.push_back(fmt::format("{}: {}", path.string(), added));
+    const Result<std::vector<std::string>> added =
+        complete(std::move(*model), options, colors.emission({1, 1, 1}), scene.description);
+    if (!added) return added.error();
+    for (const std::string& what : *added) scene.added.push_back(fmt::format("{}: {}", path.string(), what));
     scene.description.rgb_spectra = rgb_spectra;
     scene.warnings = diagnostics.warnings();
     scene.notes = diagnostics.notes();
@@ -182,12 +190,18 @@ Result<std::string> beginning_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra) {
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra,
+                               const ModelOptions& model) {
     const Result<std::string> beginning = beginning_of(path);
     if (!beginning) return beginning.error();
     const SceneFormat format = scene_format(path, *beginning);
-    if (format == SceneFormat::kPbrt) return PbrtLoader(path, replace_integrator, rgb_spectra).load();
-    return load_model(path, format, rgb_spectra);
+    if (format != SceneFormat::kPbrt) return load_model(path, format, rgb_spectra, model);
+    if (model != ModelOptions{})
+        return usage_error(
+            fmt::format("{}: --camera, --view, --up, --no-stage, --lens-radius, --focus and --sky are for glTF and OBJ; a pbrt "
+                        "scene says these itself",
+                        path.string()));
+    return PbrtLoader(path, replace_integrator, rgb_spectra).load();
 }
 
 }  // namespace latent::render

@@ -12,8 +12,8 @@ namespace {
 using testing::as_glb;
 using testing::Folder;
 using testing::GltfFile;
-using testing::SeenValues;
 using ::testing::HasSubstr;
+using testing::SeenValues;
 using Json = nlohmann::json;
 
 // A unit square that faces +z, with texture coordinates (x, 1 - y), as glTF has them.
@@ -124,8 +124,9 @@ TEST_F(ModelValues, ColoursOfVerticesMultiplyTheBaseColourInEveryNumberType) {
         for (const bool has_alpha : {false, true}) {
             Square square;
             square.attributes()["COLOR_0"] =
-                has_alpha ? square.file.add_fractions({1, .2, .4, .6, 1, .2, .4, .6, 0, .2, .4, .6, 0, .2, .4, .6}, "VEC4", component)
-                          : square.file.add_fractions({1, .2, .4, 1, .2, .4, 0, .2, .4, 0, .2, .4}, "VEC3", component);
+                has_alpha
+                    ? square.file.add_fractions({1, .2, .4, .6, 1, .2, .4, .6, 0, .2, .4, .6, 0, .2, .4, .6}, "VEC4", component)
+                    : square.file.add_fractions({1, .2, .4, 1, .2, .4, 0, .2, .4, 0, .2, .4}, "VEC3", component);
             square.pbr()["baseColorFactor"] = {.5, 1, 1, .5};
             square.material()["alphaMode"] = "BLEND";
             SceneDescription scene = load(square);
@@ -159,9 +160,7 @@ TEST_F(ModelValues, ColoursOfVerticesTimesAPictureAreTheirProductAndOthersStayWh
 // As Blender and three.js have them.
 TEST_F(ModelValues, ColoursOfObjVerticesAreEncodedAsSrgb) {
     const std::string faces = "f 1 2 3\n";
-    const auto of = [&](const std::string& color) {
-        return fmt::format("v 0 0 0 {0}\nv 1 0 0 {0}\nv 1 1 0 {0}\n", color) + faces;
-    };
+    const auto of = [&](const std::string& color) { return fmt::format("v 0 0 0 {0}\nv 1 0 0 {0}\nv 1 1 0 {0}\n", color) + faces; };
     const float half = 0.21404114f;  // of 0.5
     for (const char* color : {"1 0.5 0", "255 127.5 0"}) {
         SeenValues seen(load("m.obj", of(color)));
@@ -203,9 +202,10 @@ TEST_F(ModelValues, BumpsCanBeMadeOfColoursOfVertices) {
                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float "
                   "red\nproperty float green\nproperty float blue\nelement face 1\nproperty list uchar int "
                   "vertex_indices\nend_header\n0 0 0 0 0 0\n1 0 0 1 1 1\n1 1 0 1 1 1\n3 0 1 2\n");
-    SeenValues seen(load("m.pbrt", "WorldBegin\nLightSource \"infinite\"\nTexture \"h\" \"float\" \"latent:vertexcolor\"\n"
-                                   "Material \"diffuse\" \"texture displacement\" \"h\"\nShape \"plymesh\" \"string filename\" "
-                                   "\"m.ply\"\n"));
+    SeenValues seen(load("m.pbrt",
+                         "WorldBegin\nLightSource \"infinite\"\nTexture \"h\" \"float\" \"latent:vertexcolor\"\n"
+                         "Material \"diffuse\" \"texture displacement\" \"h\"\nShape \"plymesh\" \"string filename\" "
+                         "\"m.ply\"\n"));
     const Vec3f n = seen.normal(0.7, 0.3);
     EXPECT_NEAR(n.x, -std::sqrt(0.5f), 1e-3);
     EXPECT_NEAR(n.y, 0, 1e-3);
@@ -264,7 +264,9 @@ TEST_F(ModelValues, TextureTransformsMoveTurnAndScaleCoordinates) {
     struct Case {
         double x, y, angle, sx, sy;
     };
-    for (const Case& c : {Case{0, 0, 0, 1, 1}, {0.25, 0.125, 0, 0.5, 0.25}, {0, 1, std::numbers::pi / 2, 1, 1},
+    for (const Case& c : {Case{0, 0, 0, 1, 1},
+                          {0.25, 0.125, 0, 0.5, 0.25},
+                          {0, 1, std::numbers::pi / 2, 1, 1},
                           {0.5, 0.75, std::numbers::pi / 6, 0.25, 0.5}}) {
         Square square;
         square.pbr()["metallicFactor"] = 1;
@@ -276,7 +278,9 @@ TEST_F(ModelValues, TextureTransformsMoveTurnAndScaleCoordinates) {
             // Counter-clockwise as it is seen, v downwards; scaled first.
             const double s = std::cos(c.angle) * c.sx * u + std::sin(c.angle) * c.sy * v + c.x,
                          t = -std::sin(c.angle) * c.sx * u + std::cos(c.angle) * c.sy * v + c.y;
-            const auto inside = [](double x) { return std::clamp(x, 1 / 16.0, 15 / 16.0); };  // else it is mixed with the other side
+            const auto inside = [](double x) {
+                return std::clamp(x, 1 / 16.0, 15 / 16.0);
+            };  // else it is mixed with the other side
             if (inside(s) != s || inside(t) != t) continue;
             EXPECT_NEAR(seen.number("metallic", u, 1 - v), s / 4 + t / 2, 2e-3) << c.angle << " " << u;
         }

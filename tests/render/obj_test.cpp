@@ -9,8 +9,8 @@
 namespace latent::render {
 namespace {
 
-using testing::Folder;
 using ::testing::ElementsAre;
+using testing::Folder;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -24,15 +24,15 @@ class Obj : public ::testing::Test {
     Hash128 hash(const std::string& text) { return content_hash(load(text).description); }
     MaterialDescription material(const std::string& mtl) {
         folder_.write("m.mtl", "newmtl m\n" + mtl);
-        return load("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").description.materials.back();
+        const SceneDescription scene = load("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").description;
+        return scene.materials.at(scene.shapes.at(0).material);
     }
     Folder folder_;
 };
 
 TEST_F(Obj, OneModelInManySpellings) {
     folder_.write("m m.mtl", "newmtl red one\nKd .8 .2 .1\n");
-    const std::string plain =
-        "mtllib m m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nusemtl red one\nf 1 2 3\nf 2 4 3\n";
+    const std::string plain = "mtllib m m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nusemtl red one\nf 1 2 3\nf 2 4 3\n";
     const Hash128 right = hash(plain);
     const auto with_line_ends = [&](const std::string& end) {
         std::string out;
@@ -130,9 +130,9 @@ TEST_F(Obj, IllumIsGlassOrAMirrorOnlyWhereTheColoursAgree) {
 TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {
     std::filesystem::create_directory(folder_ / "sub");
     testing::write_exr(folder_ / "sub/my wood.exr", 1, 1, {0.5f, 0.25f, 0.125f});
-    folder_.write("sub/m.mtl", "newmtl m\nPr .5\nmap_Kd -s 2 3 1 -o 0.25 -clamp on my wood.exr\nmap_Pr -imfchan g C:\\x\\my wood.exr\n");
-    const LoadedScene scene =
-        load("mtllib sub/m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    folder_.write("sub/m.mtl",
+                  "newmtl m\nPr .5\nmap_Kd -s 2 3 1 -o 0.25 -clamp on my wood.exr\nmap_Pr -imfchan g C:\\x\\my wood.exr\n");
+    const LoadedScene scene = load("mtllib sub/m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
     EXPECT_THAT(scene.warnings, IsEmpty());
     const SceneDescription& d = scene.description;
     const MaterialDescription& m = d.materials.at(d.shapes.at(0).material);

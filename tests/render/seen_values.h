@@ -20,9 +20,7 @@ class SeenValues {
         textures_.emplace(std::move(*textures));
     }
 
-    float number(const std::string& input, double x, double y) {
-        return textures_->source(look(x, y).number(input)).at(point_);
-    }
+    float number(const std::string& input, double x, double y) { return textures_->source(look(x, y).number(input)).at(point_); }
     float alpha(double x, double y) {
         look(x, y);
         return textures_->source(scene_.description.shapes.at(0).alpha).at(point_);

@@ -30,7 +30,7 @@ std::size_t size_of(Component c) {
 }
 
 std::size_t components_of(const std::string& type) {
-    return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+    return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
 }
 
 // `count` items of `item` bytes, `stride` apart.

@@ -50,31 +50,38 @@ bool is_finite(const Affined& m) {
 
 class GltfLoader {
  public:
-    GltfLoader(const GltfDocument& document, const ModelColors& colors) : document_(document), colors_(colors) {}
+    GltfLoader(const GltfDocument& document, const ModelColors& colors, const std::string& camera)
+        : document_(document), colors_(colors), camera_(camera) {}
 
     Model load() {
         read_materials();
-        meshes_.resize(root()["meshes"].size());
+        match_emission_of_blender();
+        for (std::uint32_t i = 0; i < root()["meshes"].size(); ++i) meshes_.push_back({.index = i});
+        world_from_node_.resize(root()["nodes"].size());
         walk_nodes();
+        for (Placement& p : placements_) pose(p);
         // Meshes in the order of the nodes that place them; those that several nodes place become objects.
         for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
         for (const Placement& p : placements_) place(p);
         model_.has_idle_cameras = !model_.has_camera && root()["cameras"].size() > 0;
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
-        if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored");
-        if (root()["skins"].size() > 0) root()["skins"].warn("skins are ignored: figures are in their rest pose");
+        if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored: the model is in its rest pose");
         return std::move(model_);
     }
 
  private:
     struct Placement {
-        std::uint32_t node, mesh;
+        std::uint32_t node, mesh;  // mesh: index into meshes_
         Affined world_from_node;
     };
+    // /meshes/N in a pose. The first ones, in their order, have the weights of the mesh; then those of nodes with a pose of their
+    // own.
     struct Mesh {
+        std::uint32_t index;
         std::size_t uses = 0;
         bool is_read = false;
+        GltfPose pose{};
         std::vector<GltfPrimitive> primitives{};
         std::uint32_t object = kNone;
     };
@@ -102,6 +109,18 @@ class GltfLoader {
             used_.push_back(std::move(used));
         }
         model_.embedded = textures.take_embedded();
+    }
+    // Blender writes lamps in lumens, 683 for each watt, and emission in watts.
+    void match_emission_of_blender() {
+        constexpr double kLumensPerWatt = 683;
+        const GltfValue generator = root()["asset"]["generator"], lights = root().extension("KHR_lights_punctual")["lights"];
+        const bool is_blender = generator.is_text() && generator.text().find("Blender I/O") != std::string::npos;
+        if (!is_blender || lights.size() == 0 || model_.scene.area_lights.empty()) return;
+        for (AreaLightDescription& light : model_.scene.area_lights) light.scale *= kLumensPerWatt;
+        for (double& radiance : model_.radiances) radiance *= kLumensPerWatt;
+        model_.notes.push_back(fmt::format(
+            "was written by Blender, which writes lamps in lumens and emission in watts: emission is multiplied by {:.0f}",
+            kLumensPerWatt));
     }
     // Of each of these materials: the most that primitives of it have. Those that have less are white there.
     std::vector<VertexColors> find_vertex_colors() const {
@@ -156,6 +175,7 @@ class GltfLoader {
                 node.error("its transformation exceeds the range of single precision");
                 continue;
             }
+            world_from_node_[next.node] = m;
             visit(node, next.node, m);
             add(node["children"], m);
         }
@@ -164,24 +184,72 @@ class GltfLoader {
     void visit(const GltfValue& node, std::uint32_t index, const Affined& m) {
         const GltfValue light = node.extension("KHR_lights_punctual")["light"];
         const bool is_singular = !m.inverse();
-        if (is_singular && (node["mesh"].exists() || node["camera"].exists() || light.exists()))
+        const bool has_mesh = node["mesh"].exists() && !node["skin"].exists();  // a skin is placed by its joints
+        if (is_singular && (has_mesh || node["camera"].exists() || light.exists()))
             return node.warn("has a scale of 0, and is left out");
         if (const auto mesh = node["mesh"].index(root()["meshes"])) placements_.push_back({index, *mesh, m});
-        if (const auto camera = node["camera"].index(root()["cameras"])) {
-            if (!model_.has_camera) {
-                read_camera(root()["cameras"][*camera], m, model_.scene);
-            } else {
-                node["camera"].warn("is ignored: the scene's first camera is used");
-            }
-            model_.has_camera = true;
-        }
+        if (const auto camera = node["camera"].index(root()["cameras"])) visit_camera(node, root()["cameras"][*camera], m);
         const GltfValue lights = root().extension("KHR_lights_punctual")["lights"];
         if (const auto i = light.index(lights)) model_.scene.lights.push_back(read_light(lights[*i], m, colors_));
     }
 
+    void visit_camera(const GltfValue& node, const GltfValue& camera, const Affined& m) {
+        const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
+        const std::string of_node = name_of(node), of_camera = name_of(camera);
+        model_.cameras.push_back(of_node.empty() ? of_camera : of_node);
+        if (!camera_.empty() && of_node != camera_ && of_camera != camera_) return;
+        if (model_.has_camera) {
+            if (camera_.empty()) node["camera"].warn("is ignored: the scene's first camera is used; --camera NAME chooses another");
+            return;
+        }
+        read_camera(camera, m, model_.scene);
+        model_.has_camera = true;
+    }
+
+    // A node with a skin, or with weights, has a mesh of its own. What a skin holds is placed by its joints alone.
+    void pose(Placement& p) {
+        const GltfValue node = root()["nodes"][p.node];
+        const std::optional<std::uint32_t> skin = node["skin"].index(root()["skins"]);
+        if (!skin && !node["weights"].is_array()) return;
+        Mesh mesh{.index = p.mesh, .pose = {.weights = numbers(node["weights"])}};
+        if (!node["weights"].is_array()) mesh.pose.weights = numbers(root()["meshes"][p.mesh]["weights"]);
+        if (skin) {
+            mesh.pose.joints = joints_of(root()["skins"][*skin]);
+            p.world_from_node = {};
+        }
+        p.mesh = static_cast<std::uint32_t>(meshes_.size());
+        meshes_.push_back(std::move(mesh));
+    }
+    static std::vector<double> numbers(const GltfValue& list) {
+        std::vector<double> out;
+        for (std::size_t i = 0; i < list.size(); ++i) out.push_back(list[i].number(0, -1e6, 1e6));
+        return out;
+    }
+    // Each from the space of the mesh, in the pose that it is bound to, to the world.
+    std::vector<Affined> joints_of(const GltfValue& skin) const {
+        const GltfValue joints = skin["joints"], inverse = skin["inverseBindMatrices"];
+        std::optional<std::vector<float>> bind;
+        if (inverse.exists()) bind = read_floats(document_, inverse, 16);
+        if (bind && bind->size() < 16 * joints.size())
+            inverse.error(fmt::format("has {} items for {} joints", bind->size() / 16, joints.size()));
+        std::vector<Affined> out;
+        for (std::size_t i = 0; i < joints.size(); ++i) {
+            const std::optional<std::uint32_t> node = joints[i].index(root()["nodes"]);
+            if (!node) continue;
+            if (!world_from_node_[*node]) joints[i].warn_of_kind("joint", "is not in the scene, and stays where it was bound");
+            Affined m;
+            if (bind && bind->size() >= 16 * (i + 1)) {
+                const float* x = &(*bind)[16 * i];
+                m = {{x[0], x[1], x[2]}, {x[4], x[5], x[6]}, {x[8], x[9], x[10]}, {x[12], x[13], x[14]}};
+            }
+            out.push_back(world_from_node_[*node] ? *world_from_node_[*node] * m : Affined());
+        }
+        return out;
+    }
+
     void place(const Placement& p) {
         Mesh& mesh = meshes_[p.mesh];
-        if (!mesh.is_read) read(p.mesh);
+        if (!mesh.is_read) read(mesh);
         const bool once = mesh.uses == 1;
         bool has_object = false;
         for (GltfPrimitive& primitive : mesh.primitives) {
@@ -214,11 +282,12 @@ class GltfLoader {
         model_.scene.instances.push_back({.object = mesh.object, .world_from_object = p.world_from_node});
     }
 
-    void read(std::uint32_t index) {
-        Mesh& mesh = meshes_[index];
+    void read(Mesh& mesh) {
         mesh.is_read = true;
-        const GltfValue value = root()["meshes"][index];
-        mesh.primitives = read_mesh(document_, value, [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; });
+        const GltfValue value = root()["meshes"][mesh.index];
+        if (mesh.pose.weights.empty()) mesh.pose.weights = numbers(value["weights"]);
+        mesh.primitives =
+            read_mesh(document_, value, mesh.pose, [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; });
         for (const GltfPrimitive& primitive : mesh.primitives) {
             if (!count(primitive, value)) return mesh.primitives.clear();
         }
@@ -265,9 +334,11 @@ class GltfLoader {
 
     const GltfDocument& document_;
     const ModelColors& colors_;
+    const std::string& camera_;
     Model model_;
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
+    std::vector<std::optional<Affined>> world_from_node_;  // of those in the scene
     std::vector<Placement> placements_;
     std::uint64_t vertices_ = 0;
 };
@@ -275,11 +346,11 @@ class GltfLoader {
 }  // namespace
 
 Result<Model> read_gltf(const std::string& bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
-                        Diagnostics& diagnostics) {
+                        const std::string& camera, Diagnostics& diagnostics) {
     const Result<GltfDocument> document = GltfDocument::read(bytes, name, files, diagnostics);
     if (!document) return document.error();
     if (!document->is_sound()) return Model{};
-    return GltfLoader(*document, colors).load();
+    return GltfLoader(*document, colors, camera).load();
 }
 
 }  // namespace latent::render

@@ -79,8 +79,67 @@ std::vector<std::array<float, 4>> colors_of(std::vector<float> x, std::size_t co
     return out;
 }
 
-bool read_vertices(const GltfDocument& document, const GltfValue& attributes, const std::vector<std::uint32_t>& uv_sets,
-                   LoadedMesh& mesh) {
+// Adds what morph targets move. False: an error.
+bool morph(const GltfDocument& document, const GltfValue& targets, const std::vector<double>& weights, LoadedMesh& mesh) {
+    for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
+        if (weights[t] == 0) continue;
+        const auto add = [&](const GltfValue& index, auto& values) {
+            if (!index.exists() || values.empty()) return true;
+            const std::optional<std::vector<float>> moved = read_floats(document, index, 3);
+            if (!moved) return false;
+            if (moved->size() != 3 * values.size()) {
+                index.error(fmt::format("has {} items for {} vertices", moved->size() / 3, values.size()));
+                return false;
+            }
+            using Value = std::remove_reference_t<decltype(values[0])>;
+            for (std::size_t i = 0; i < values.size(); ++i)
+                values[i] += Value(Vec3d((*moved)[3 * i], (*moved)[3 * i + 1], (*moved)[3 * i + 2]) * weights[t]);
+            return true;
+        };
+        if (!add(targets[t]["POSITION"], mesh.positions) || !add(targets[t]["NORMAL"], mesh.normals)) return false;
+    }
+    return true;
+}
+
+// Bends the mesh by its joints: each vertex by the mean of their maps. False: an error.
+bool skin(const GltfDocument& document, const GltfValue& attributes, const std::vector<Affined>& joints, LoadedMesh& mesh) {
+    std::vector<Affined> map(mesh.positions.size(), {{}, {}, {}, {}});
+    std::vector<double> sum(map.size());
+    for (int set = 0; attributes["JOINTS_" + std::to_string(set)].is_count(); ++set) {
+        const GltfValue which = attributes["JOINTS_" + std::to_string(set)], share = attributes["WEIGHTS_" + std::to_string(set)];
+        const std::optional<std::vector<float>> j = read_floats(document, which, 4), w = read_floats(document, share, 4);
+        if (!share.exists()) which.error("has no weights");
+        if (!j || !w) return false;
+        if (j->size() != 4 * map.size() || w->size() != j->size()) {
+            which.error(fmt::format("has {} items, and its weights {}, for {} vertices", j->size() / 4, w->size() / 4, map.size()));
+            return false;
+        }
+        for (std::size_t i = 0; i < j->size(); ++i) {
+            const auto weight = static_cast<double>((*w)[i]);
+            if (weight == 0) continue;
+            const auto joint = static_cast<std::size_t>(std::max((*j)[i], 0.0f));
+            if (joint >= joints.size()) {
+                which.error(fmt::format("joint {} is out of range; the skin has {}", joint, joints.size()));
+                return false;
+            }
+            Affined& m = map[i / 4];
+            const Affined& by = joints[joint];
+            m = {m.x + by.x * weight, m.y + by.y * weight, m.z + by.z * weight, m.t + by.t * weight};
+            sum[i / 4] += weight;
+        }
+    }
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        if (!(sum[i] > 0)) continue;  // it stays where it is
+        const Affined m = {map[i].x / sum[i], map[i].y / sum[i], map[i].z / sum[i], map[i].t / sum[i]};
+        mesh.positions[i] = m.point(mesh.positions[i]);
+        if (!mesh.normals.empty() && m.inverse()) mesh.normals[i] = Vec3f(m.normal(Vec3d(mesh.normals[i])));
+    }
+    return true;
+}
+
+bool read_vertices(const GltfDocument& document, const GltfValue& primitive, const GltfPose& pose,
+                   const std::vector<std::uint32_t>& uv_sets, LoadedMesh& mesh) {
+    const GltfValue attributes = primitive["attributes"];
     const std::optional<std::vector<float>> p = read_floats(document, attributes["POSITION"], 3);
     if (!p) return false;
     for (std::size_t i = 0; i < p->size(); i += 3) mesh.positions.emplace_back((*p)[i], (*p)[i + 1], (*p)[i + 2]);
@@ -94,6 +153,12 @@ bool read_vertices(const GltfDocument& document, const GltfValue& attributes, co
     };
     const std::vector<float> n = per_vertex(attributes["NORMAL"], 3);
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(n[i], n[i + 1], n[i + 2]);
+    if (!morph(document, primitive["targets"], pose.weights, mesh)) return false;
+    if (!pose.joints.empty() && !skin(document, attributes, pose.joints, mesh)) return false;
+    for (Vec3f& normal : mesh.normals) {
+        const float size = length(normal);
+        normal = size > 0 ? normal / size : Vec3f{};
+    }
     const auto coordinates = [&](std::uint32_t set) {
         const std::vector<float> uv = per_vertex(attributes["TEXCOORD_" + std::to_string(set)], 2);
         std::vector<Vec2f> out;
@@ -119,7 +184,7 @@ bool read_vertices(const GltfDocument& document, const GltfValue& attributes, co
 
 }  // namespace
 
-std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
+std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh, const GltfPose& pose,
                                      const std::function<std::vector<std::uint32_t>(std::uint32_t material)>& uv_sets_of) {
     std::vector<GltfPrimitive> out;
     const GltfValue primitives = mesh["primitives"];
@@ -137,7 +202,7 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         if (!has_positions(document, primitive)) continue;
         GltfPrimitive read;
         read.material = primitive["material"].index(document.root()["materials"]).value_or(kNone);
-        if (!read_vertices(document, primitive["attributes"], uv_sets_of(read.material), read.mesh)) continue;
+        if (!read_vertices(document, primitive, pose, uv_sets_of(read.material), read.mesh)) continue;
         std::vector<std::uint32_t> order;
         if (primitive["indices"].exists()) {
             std::optional<std::vector<std::uint32_t>> indices = read_indices(document, primitive["indices"]);
@@ -162,7 +227,6 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         keep_used_vertices(read.mesh);
         out.push_back(std::move(read));
     }
-    if (mesh["weights"].exists()) mesh.warn("its morph targets are ignored");
     return out;
 }
 

@@ -16,8 +16,14 @@ struct GltfPrimitive {
     std::uint32_t material = kNone;  // index into /materials
 };
 
+// How a mesh is bent: by its morph targets, then by the joints of a skin.
+struct GltfPose {
+    std::vector<double> weights{};  // of the targets; those that are missing are 0
+    std::vector<Affined> joints{};  // of a skin: from the space of the mesh to the world; empty: none
+};
+
 // The primitives of /meshes/N that have triangles. `uv_sets_of(material)`: GltfMaterial::uv_sets.
-std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
+std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh, const GltfPose& pose,
                                      const std::function<std::vector<std::uint32_t>(std::uint32_t material)>& uv_sets_of);
 
 }  // namespace latent::render

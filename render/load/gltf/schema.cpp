@@ -106,8 +106,10 @@ constexpr GltfObjectType kView{kViewMembers};
 constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"),  count("TEXCOORD_0"),
                                             count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};
 constexpr GltfObjectType kAttributes{kAttributeMembers};
+constexpr GltfMember kTargetMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"), any("TEXCOORD_0"), any("COLOR_0")};
+constexpr GltfObjectType kTarget{kTargetMembers};
 constexpr GltfMember kPrimitiveMembers[] = {required(object("attributes", kAttributes)), count("indices"), count("material"),
-                                            count("mode"), any("targets")};
+                                            count("mode"), objects("targets", kTarget)};
 constexpr GltfObjectType kPrimitive{kPrimitiveMembers};
 constexpr GltfMember kMeshMembers[] = {any("name"), required(objects("primitives", kPrimitive)), any("weights")};
 constexpr GltfObjectType kMesh{kMeshMembers};
@@ -136,7 +138,7 @@ constexpr GltfObjectType kNodeExtensions{kNodeExtensionMembers, true};
 constexpr GltfMember kNodeMembers[] = {any("name"),
                                        count("camera"),
                                        counts("children"),
-                                       any("skin"),
+                                       count("skin"),
                                        numbers("matrix", 16),
                                        count("mesh"),
                                        numbers("rotation", 4),
@@ -145,6 +147,8 @@ constexpr GltfMember kNodeMembers[] = {any("name"),
                                        any("weights"),
                                        object("extensions", kNodeExtensions)};
 constexpr GltfObjectType kNode{kNodeMembers};
+constexpr GltfMember kSkinMembers[] = {any("name"), count("inverseBindMatrices"), any("skeleton"), required(counts("joints"))};
+constexpr GltfObjectType kSkin{kSkinMembers};
 constexpr GltfMember kSceneMembers[] = {any("name"), counts("nodes")};
 constexpr GltfObjectType kScene{kSceneMembers};
 
@@ -157,7 +161,7 @@ constexpr GltfMember kRootMembers[] = {required(object("asset", kAsset)), texts(
                                        objects("images", kImage),         objects("materials", kMaterial),
                                        objects("meshes", kMesh),          objects("nodes", kNode),
                                        objects("samplers", kSampler),     count("scene"),
-                                       objects("scenes", kScene),         objects("skins", kUnread),
+                                       objects("scenes", kScene),         objects("skins", kSkin),
                                        objects("textures", kTexture),     object("extensions", kRootExtensions)};
 constexpr GltfObjectType kRoot{kRootMembers};
 

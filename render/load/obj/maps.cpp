@@ -34,8 +34,8 @@ std::optional<std::string> find_file(std::string name, const std::string& mtl_na
 std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name, const SceneFiles& files) {
     // How many words follow an option at most; those of numbers may be fewer.
     static const std::map<std::string_view, std::size_t> kOptions = {
-        {"-blendu", 1}, {"-blendv", 1}, {"-cc", 1},     {"-clamp", 1}, {"-texres", 1}, {"-imfchan", 1}, {"-type", 1}, {"-bm", 1},
-        {"-boost", 1},  {"-mm", 2},     {"-o", 3},      {"-s", 3},     {"-t", 3}};
+        {"-blendu", 1}, {"-blendv", 1}, {"-cc", 1}, {"-clamp", 1}, {"-texres", 1}, {"-imfchan", 1}, {"-type", 1},
+        {"-bm", 1},     {"-boost", 1},  {"-mm", 2}, {"-o", 3},     {"-s", 3},      {"-t", 3}};
     MtlMap out{.texture = {.kind = TextureKind::kImage}};
     std::array<double, 2> offset{0, 0}, scale{1, 1};
     std::size_t i = 1;
@@ -44,8 +44,8 @@ std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name,
         const auto known = kOptions.find(option);
         if (known == kOptions.end()) break;
         std::vector<double> numbers;
-        const bool is_word = option == "-clamp" || option == "-imfchan" || option == "-type" || option.starts_with("-blend") ||
-                             option == "-cc";
+        const bool is_word =
+            option == "-clamp" || option == "-imfchan" || option == "-type" || option.starts_with("-blend") || option == "-cc";
         const std::string_view word = i + 1 < s.words().size() ? s.words()[i + 1] : std::string_view();
         ++i;
         if (is_word) {

@@ -10,9 +10,9 @@
 namespace latent::render {
 
 struct MtlMap {
-    TextureDescription texture{};                     // of kind kImage
-    PictureChannel channel = PictureChannel::kMean;   // -imfchan: of a number
-    double strength = 1;                              // -bm: of a bump or normal map
+    TextureDescription texture{};                    // of kind kImage
+    PictureChannel channel = PictureChannel::kMean;  // -imfchan: of a number
+    double strength = 1;                             // -bm: of a bump or normal map
 };
 
 // "map_Kd -s 2 2 1 -clamp on wood 1.png". The file is looked for in the folder of the MTL file, in that of the OBJ file, and in
