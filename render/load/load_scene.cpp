@@ -155,17 +155,18 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     Diagnostics diagnostics(scene.description.files);
     const SceneFiles files(path);
     const ModelColors colors(rgb_spectra);
-    Result<Model> model = format == SceneFormat::kGltf
-                              ? read_gltf(*bytes, path.string(), files, colors, options.camera, diagnostics)
-                              : read_obj(*bytes, path.string(), files, colors, diagnostics);
+    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, options, diagnostics)
+                                                       : read_obj(*bytes, path.string(), files, colors, diagnostics);
     if (!model) return model.error();
     if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
-    if (!options.camera.empty() && !model->has_camera)
-        return Error{ErrorCode::kUsage,
-                     fmt::format("--camera {}: {} has no camera of this name{}", options.camera, path.string(),
-                                 model->cameras.empty() ? "" : fmt::format(" ({})", fmt::join(model->cameras, ", ")))};
+    const auto missing = [&](std::string_view what, const std::string& name, const std::vector<std::string>& names) {
+        return usage_error(fmt::format("--{0} {1}: {2} has no {0} of this name{3}", what, name, path.string(),
+                                       names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "))));
+    };
+    if (!options.camera.empty() && !model->has_camera) return missing("camera", options.camera, model->cameras);
+    if (!options.variant.empty() && !model->has_variant) return missing("variant", options.variant, model->variants);
     scene.embedded = std::move(model->embedded);
     const Result<std::vector<std::string>> added =
         complete(std::move(*model), options, colors.emission({1, 1, 1}), scene.description);
@@ -197,10 +198,10 @@ Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_i
     const SceneFormat format = scene_format(path, *beginning);
     if (format != SceneFormat::kPbrt) return load_model(path, format, rgb_spectra, model);
     if (model != ModelOptions{})
-        return usage_error(
-            fmt::format("{}: --camera, --view, --up, --no-stage, --lens-radius, --focus and --sky are for glTF and OBJ; a pbrt "
-                        "scene says these itself",
-                        path.string()));
+        return usage_error(fmt::format(
+            "{}: --camera, --variant, --view, --up, --no-stage, --lens-radius, --focus and --sky are for glTF and OBJ; a pbrt "
+            "scene says these itself",
+            path.string()));
     return PbrtLoader(path, replace_integrator, rgb_spectra).load();
 }
 

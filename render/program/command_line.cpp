@@ -16,6 +16,7 @@ namespace {
 void add_model_arguments(CLI::App& app, ModelOptions& model) {
     app.add_option("--camera", model.camera, "camera of a glTF file, by its name or its node's (default: the first)")
         ->type_name("NAME");
+    app.add_option("--variant", model.variant, "variant of the materials of a glTF file, by its name")->type_name("NAME");
     cli::add_choice<ModelView>(
         app, "--view", model.view,
         {{"three-quarter", ModelView::kThreeQuarter}, {"front", ModelView::kFront}, {"top", ModelView::kTop}},

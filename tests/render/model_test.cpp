@@ -255,23 +255,6 @@ TEST_F(Models, MaterialsAreWhatTheirExtensionsSay) {
     EXPECT_EQ(inside.sigma_s(550), 0);
 }
 
-TEST_F(Models, AMaterialWithATransmissionTextureIsOpaque) {
-    GltfFile file = quad_and_lamp();
-    file.json["textures"] = {{{"source", 0}}};
-    file.json["images"] = {{{"uri", "glass.png"}}};
-    file.json["materials"][0] = {
-        {"pbrMetallicRoughness", {{"metallicFactor", 0}}},
-        {"extensions",
-         {{"KHR_materials_transmission", {{"transmissionFactor", 1}, {"transmissionTexture", {{"index", 0}}}}},
-          {"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {.2, .2, .2}}}}}}};
-    const LoadedScene scene = load("room.glb", as_glb(file)).value();
-    EXPECT_EQ(scene.description.materials.at(0).type, "metallicroughness");
-    EXPECT_EQ(scene.description.shapes.at(0).inside_medium, kNone);
-    EXPECT_THAT(scene.warnings, ::testing::ElementsAre(HasSubstr("/materials/0/extensions/KHR_materials_transmission/"
-                                                                 "transmissionTexture: is not supported; the material is "
-                                                                 "opaque")));
-}
-
 // A picture in the file's buffer is the picture beside it.
 TEST_F(Models, PicturesShapeMaterialsWhereverTheyLie) {
     testing::write_exr(folder_ / "wood 1.exr", 2, 1, {0.5f, 0.25f, 0.125f, 1, 0, 0});

@@ -18,7 +18,8 @@ using Json = nlohmann::json;
 GltfFile square(double x = 0) {
     GltfFile file;
     const Json position = file.add_floats({x, 0, 0, x + 1, 0, 0, x + 1, 1, 0, x, 1, 0}, "VEC3"),
-               normal = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3"), indices = file.add_indices({0, 1, 2, 0, 2, 3});
+               normal = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3"),
+               indices = file.add_indices({0, 1, 2, 0, 2, 3});
     file.json["meshes"] = {
         {{"primitives", {{{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}}}}}};
     file.json["nodes"] = {{{"mesh", 0}}};
@@ -92,7 +93,7 @@ TEST_F(Pose, SkinsFollowTheirJointsAndNotTheirNode) {
     };
     EXPECT_EQ(hash(skinned({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0})), hash(square(1)));
     EXPECT_EQ(hash(skinned({.5, 0, 0, 0, .5, 0, 0, 0, .5, 0, 0, 0, .5, 0, 0, 0})), hash(square(1)));  // shares of their sum
-    const auto corner = [&](const GltfFile& file) {  // that was at (1, 1, 0)
+    const auto corner = [&](const GltfFile& file) {                                                   // that was at (1, 1, 0)
         const SceneDescription scene = testing::in_world(described(file));
         return scene.shapes.at(0).mesh->positions.at(2);
     };
@@ -101,7 +102,8 @@ TEST_F(Pose, SkinsFollowTheirJointsAndNotTheirNode) {
 
     GltfFile bound = skinned({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
     const std::size_t matrices = bound.add_floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1,  // bound where it is now
-                                                   1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "VEC4");
+                                                   1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1},
+                                                  "VEC4");
     bound.json["accessors"][matrices].update({{"type", "MAT4"}, {"count", 2}});
     bound.json["skins"][0]["inverseBindMatrices"] = matrices;
     EXPECT_EQ(hash(bound), hash(square()));

@@ -1,7 +1,8 @@
 // What a model is shown with: the camera, the sky and the ground that it lacks, and what the command line says about them.
+#include "render/load/model/stage.h"
+
 #include <gmock/gmock.h>
 
-#include "render/load/model/stage.h"
 #include "render/math/equal_area.h"
 #include "render/scene/content_hash.h"
 #include "tests/render/models.h"
@@ -11,9 +12,9 @@ namespace latent::render {
 namespace {
 
 using testing::as_glb;
+using ::testing::ElementsAre;
 using testing::Folder;
 using testing::GltfFile;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Json = nlohmann::json;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "render/load/gltf/accessors.h"
 #include "render/load/gltf/lights.h"
@@ -50,10 +51,11 @@ bool is_finite(const Affined& m) {
 
 class GltfLoader {
  public:
-    GltfLoader(const GltfDocument& document, const ModelColors& colors, const std::string& camera)
-        : document_(document), colors_(colors), camera_(camera) {}
+    GltfLoader(const GltfDocument& document, const ModelColors& colors, const ModelOptions& options)
+        : document_(document), colors_(colors), options_(options) {}
 
     Model load() {
+        find_variant();
         read_materials();
         match_emission_of_blender();
         for (std::uint32_t i = 0; i < root()["meshes"].size(); ++i) meshes_.push_back({.index = i});
@@ -93,6 +95,12 @@ class GltfLoader {
         const GltfValue materials = root()["materials"];
         const std::vector<VertexColors> vertex_colors = find_vertex_colors();
         GltfTextures textures(document_, colors_, model_.scene.textures);
+        struct Mixture {
+            std::uint32_t material;
+            MaterialDescription second;
+            FloatInput share;
+        };
+        std::vector<Mixture> mixtures;
         for (std::size_t i = 0; i <= materials.size(); ++i) {
             GltfMaterial material = read_material(materials[i], vertex_colors[i], colors_, textures);
             Used used{.uv_sets = std::move(material.uv_sets), .alpha = material.alpha};
@@ -106,9 +114,22 @@ class GltfLoader {
                 model_.scene.media.push_back(std::move(*material.inside));
             }
             model_.scene.materials.push_back(std::move(material.surface));
+            if (material.second)
+                mixtures.push_back({static_cast<std::uint32_t>(i), std::move(*material.second), material.second_share});
             used_.push_back(std::move(used));
         }
         model_.embedded = textures.take_embedded();
+        // The two parts of a mixture follow all others.
+        for (Mixture& mixture : mixtures) {
+            std::vector<MaterialDescription>& all = model_.scene.materials;
+            const auto first = static_cast<std::uint32_t>(all.size());
+            MaterialDescription whole{.type = "mix",
+                                      .name = all[mixture.material].name,
+                                      .numbers = {{"amount", mixture.share}},
+                                      .mixed = {first, first + 1}};
+            all.push_back(std::exchange(all[mixture.material], std::move(whole)));
+            all.push_back(std::move(mixture.second));
+        }
     }
     // Blender writes lamps in lumens, 683 for each watt, and emission in watts.
     void match_emission_of_blender() {
@@ -122,6 +143,25 @@ class GltfLoader {
             "was written by Blender, which writes lamps in lumens and emission in watts: emission is multiplied by {:.0f}",
             kLumensPerWatt));
     }
+    void find_variant() {
+        const GltfValue variants = root().extension("KHR_materials_variants")["variants"];
+        for (std::uint32_t i = 0; i < variants.size(); ++i) {
+            model_.variants.push_back(variants[i]["name"].text());
+            if (!variant_ && model_.variants.back() == options_.variant) variant_ = i;
+        }
+        model_.has_variant = variant_.has_value();
+    }
+    // Its own, or that of the variant.
+    std::uint32_t material_of(const GltfValue& primitive) const {
+        const GltfValue mappings = primitive.extension("KHR_materials_variants")["mappings"], materials = root()["materials"];
+        for (std::size_t i = 0; variant_ && i < mappings.size(); ++i) {
+            const GltfValue variants = mappings[i]["variants"];
+            for (std::size_t k = 0; k < variants.size(); ++k) {
+                if (variants[k].count(0) == *variant_) return mappings[i]["material"].index(materials).value_or(kNone);
+            }
+        }
+        return primitive["material"].index(materials).value_or(kNone);
+    }
     // Of each of these materials: the most that primitives of it have. Those that have less are white there.
     std::vector<VertexColors> find_vertex_colors() const {
         const GltfValue meshes = root()["meshes"], materials = root()["materials"];
@@ -130,8 +170,7 @@ class GltfLoader {
             for (std::size_t p = 0; p < meshes[m]["primitives"].size(); ++p) {
                 const GltfValue primitive = meshes[m]["primitives"][p], color = primitive["attributes"]["COLOR_0"];
                 if (!color.exists()) continue;
-                const std::size_t material = primitive["material"].count(materials.size());
-                if (material > materials.size()) continue;  // an error that is found later
+                const std::size_t material = std::min<std::size_t>(material_of(primitive), materials.size());
                 out[material] =
                     std::max(out[material], components_of(document_, color) == 4 ? VertexColors::kRgba : VertexColors::kRgb);
             }
@@ -187,19 +226,59 @@ class GltfLoader {
         const bool has_mesh = node["mesh"].exists() && !node["skin"].exists();  // a skin is placed by its joints
         if (is_singular && (has_mesh || node["camera"].exists() || light.exists()))
             return node.warn("has a scale of 0, and is left out");
-        if (const auto mesh = node["mesh"].index(root()["meshes"])) placements_.push_back({index, *mesh, m});
+        if (const auto mesh = node["mesh"].index(root()["meshes"])) {
+            if (const GltfValue instancing = node.extension("EXT_mesh_gpu_instancing"); instancing.exists()) {
+                for (const Affined& instance : instances_of(instancing["attributes"])) {
+                    if ((m * instance).inverse()) placements_.push_back({index, *mesh, m * instance});
+                }
+            } else {
+                placements_.push_back({index, *mesh, m});
+            }
+        }
         if (const auto camera = node["camera"].index(root()["cameras"])) visit_camera(node, root()["cameras"][*camera], m);
         const GltfValue lights = root().extension("KHR_lights_punctual")["lights"];
         if (const auto i = light.index(lights)) model_.scene.lights.push_back(read_light(lights[*i], m, colors_));
+    }
+
+    // Each from the space of the mesh to that of the node.
+    std::vector<Affined> instances_of(const GltfValue& attributes) const {
+        std::vector<Affined> out;
+        std::optional<std::size_t> count;
+        const auto read = [&](const char* name, std::size_t components) -> std::vector<float> {
+            if (!attributes[name].exists()) return {};
+            std::optional<std::vector<float>> x = read_floats(document_, attributes[name], components);
+            if (!x) return {};
+            const std::size_t items = x->size() / components;
+            if (count && *count != items) {
+                attributes[name].error(fmt::format("has {} items, and others have {}", items, *count));
+                return {};
+            }
+            count = items;
+            return std::move(*x);
+        };
+        const std::vector<float> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
+        for (std::size_t i = 0; i < count.value_or(0); ++i) {
+            Affined m;
+            if (const float* q = r.empty() ? nullptr : &r[4 * i]; q != nullptr) {
+                const double size =
+                    std::sqrt(double{q[0]} * q[0] + double{q[1]} * q[1] + double{q[2]} * q[2] + double{q[3]} * q[3]);
+                if (size > 0) m = rotation({q[0] / size, q[1] / size, q[2] / size, q[3] / size});
+            }
+            if (!s.empty()) m = {m.x * double{s[3 * i]}, m.y * double{s[3 * i + 1]}, m.z * double{s[3 * i + 2]}, {}};
+            if (!t.empty()) m.t = {t[3 * i], t[3 * i + 1], t[3 * i + 2]};
+            out.push_back(m);
+        }
+        return out;
     }
 
     void visit_camera(const GltfValue& node, const GltfValue& camera, const Affined& m) {
         const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
         const std::string of_node = name_of(node), of_camera = name_of(camera);
         model_.cameras.push_back(of_node.empty() ? of_camera : of_node);
-        if (!camera_.empty() && of_node != camera_ && of_camera != camera_) return;
+        if (!options_.camera.empty() && of_node != options_.camera && of_camera != options_.camera) return;
         if (model_.has_camera) {
-            if (camera_.empty()) node["camera"].warn("is ignored: the scene's first camera is used; --camera NAME chooses another");
+            if (options_.camera.empty())
+                node["camera"].warn("is ignored: the scene's first camera is used; --camera NAME chooses another");
             return;
         }
         read_camera(camera, m, model_.scene);
@@ -286,8 +365,9 @@ class GltfLoader {
         mesh.is_read = true;
         const GltfValue value = root()["meshes"][mesh.index];
         if (mesh.pose.weights.empty()) mesh.pose.weights = numbers(value["weights"]);
-        mesh.primitives =
-            read_mesh(document_, value, mesh.pose, [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; });
+        mesh.primitives = read_mesh(document_, value, mesh.pose,
+                                    {[this](const GltfValue& primitive) { return material_of(primitive); },
+                                     [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; }});
         for (const GltfPrimitive& primitive : mesh.primitives) {
             if (!count(primitive, value)) return mesh.primitives.clear();
         }
@@ -334,7 +414,8 @@ class GltfLoader {
 
     const GltfDocument& document_;
     const ModelColors& colors_;
-    const std::string& camera_;
+    const ModelOptions& options_;
+    std::optional<std::uint32_t> variant_{};  // an index
     Model model_;
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
@@ -346,11 +427,11 @@ class GltfLoader {
 }  // namespace
 
 Result<Model> read_gltf(const std::string& bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
-                        const std::string& camera, Diagnostics& diagnostics) {
+                        const ModelOptions& options, Diagnostics& diagnostics) {
     const Result<GltfDocument> document = GltfDocument::read(bytes, name, files, diagnostics);
     if (!document) return document.error();
     if (!document->is_sound()) return Model{};
-    return GltfLoader(*document, colors, camera).load();
+    return GltfLoader(*document, colors, options).load();
 }
 
 }  // namespace latent::render

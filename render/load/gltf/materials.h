@@ -13,6 +13,8 @@ namespace latent::render {
 
 struct GltfMaterial {
     MaterialDescription surface{};
+    std::optional<MaterialDescription> second{};  // what the surface is in part: glass, or what light passes diffusely
+    FloatInput second_share{};                    // of the surface
     std::optional<AreaLightDescription> emission{};
     double radiance = 0;                        // of its emission: the largest component
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs

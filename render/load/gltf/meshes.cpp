@@ -185,7 +185,7 @@ bool read_vertices(const GltfDocument& document, const GltfValue& primitive, con
 }  // namespace
 
 std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh, const GltfPose& pose,
-                                     const std::function<std::vector<std::uint32_t>(std::uint32_t material)>& uv_sets_of) {
+                                     const GltfMaterialLookup& materials) {
     std::vector<GltfPrimitive> out;
     const GltfValue primitives = mesh["primitives"];
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -201,8 +201,8 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         }
         if (!has_positions(document, primitive)) continue;
         GltfPrimitive read;
-        read.material = primitive["material"].index(document.root()["materials"]).value_or(kNone);
-        if (!read_vertices(document, primitive, pose, uv_sets_of(read.material), read.mesh)) continue;
+        read.material = materials.material_of(primitive);
+        if (!read_vertices(document, primitive, pose, materials.uv_sets_of(read.material), read.mesh)) continue;
         std::vector<std::uint32_t> order;
         if (primitive["indices"].exists()) {
             std::optional<std::vector<std::uint32_t>> indices = read_indices(document, primitive["indices"]);

@@ -22,8 +22,14 @@ struct GltfPose {
     std::vector<Affined> joints{};  // of a skin: from the space of the mesh to the world; empty: none
 };
 
-// The primitives of /meshes/N that have triangles. `uv_sets_of(material)`: GltfMaterial::uv_sets.
+// What a mesh needs to know about materials.
+struct GltfMaterialLookup {
+    std::function<std::uint32_t(const GltfValue& primitive)> material_of;          // index into /materials, or kNone
+    std::function<std::vector<std::uint32_t>(std::uint32_t material)> uv_sets_of;  // GltfMaterial::uv_sets
+};
+
+// The primitives of /meshes/N that have triangles.
 std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh, const GltfPose& pose,
-                                     const std::function<std::vector<std::uint32_t>(std::uint32_t material)>& uv_sets_of);
+                                     const GltfMaterialLookup& materials);
 
 }  // namespace latent::render

@@ -77,6 +77,14 @@ FloatInput GltfTextures::number(const GltfValue& info, PictureChannel channel, d
     return values_.number(read(info), channel, factor, by_vertices);
 }
 
+FloatInput GltfTextures::inverted(const GltfValue& info, PictureChannel channel, double factor) {
+    std::optional<TextureDescription> picture = read(info);
+    if (!picture) return static_cast<float>(1 - factor);
+    picture->picture.scale = factor;
+    picture->picture.invert = true;
+    return values_.number(std::move(picture), channel, 1);
+}
+
 std::uint32_t GltfTextures::normal_map(const GltfValue& info) {
     std::optional<TextureDescription> picture = read(info);
     return picture ? values_.normal_map(std::move(*picture)) : kNone;
@@ -97,8 +105,9 @@ std::optional<TextureDescription> GltfTextures::read(const GltfValue& info) {
     const std::optional<std::uint32_t> index = info["index"].index(textures);
     if (!index) return std::nullopt;
     const GltfValue texture = textures[*index];
-    if (!texture["source"].exists()) texture.error("has no source that is supported");
-    const std::optional<std::uint32_t> image = texture["source"].index(document_.root()["images"]);
+    const GltfValue webp = texture.extension("EXT_texture_webp")["source"], source = webp.exists() ? webp : texture["source"];
+    if (!source.exists()) texture.error("has no source that is supported");
+    const std::optional<std::uint32_t> image = source.index(document_.root()["images"]);
     if (!image) return std::nullopt;
     const std::optional<PictureDescription>& known = picture(*image);
     if (!known) return std::nullopt;

@@ -31,6 +31,8 @@ class GltfTextures {
     // are encoded like sRGB's, those of numbers are linear. If the texture cannot be read: an error, and the factor.
     SpectrumInput color(const GltfValue& info, const LinearRgb& factor, VertexColors vertices = VertexColors::kAbsent);
     FloatInput number(const GltfValue& info, PictureChannel channel, double factor, VertexColors vertices = VertexColors::kAbsent);
+    // 1 minus a factor times the textureInfo.
+    FloatInput inverted(const GltfValue& info, PictureChannel channel, double factor);
     // The index of the texture; kNone, with an error, if it cannot be read.
     std::uint32_t normal_map(const GltfValue& info);
     // Nothing if it is black, or with an error.

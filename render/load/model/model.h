@@ -13,14 +13,14 @@
 namespace latent::render {
 
 struct Model {
-    SceneDescription scene{};                         // without shapes
-    std::vector<LoadedShape> shapes{};                // of the world
-    std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
-    std::vector<double> radiances{};                  // of each of scene.area_lights: the largest component
-    std::vector<std::string> cameras{};               // names of all in the scene
-    bool has_camera = false, has_idle_cameras = false;
-    std::vector<std::string> notes{};  // what was read in another way than it stands there
-    std::vector<File> embedded{};      // pictures in the model's own file
+    SceneDescription scene{};                                                // without shapes
+    std::vector<LoadedShape> shapes{};                                       // of the world
+    std::vector<std::vector<LoadedShape>> objects{};                         // of each of scene.objects
+    std::vector<double> radiances{};                                         // of each of scene.area_lights: the largest component
+    std::vector<std::string> cameras{}, variants{};                          // names of all in the scene
+    bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
+    std::vector<std::string> notes{};                                        // what was read in another way than it stands there
+    std::vector<File> embedded{};                                            // pictures in the model's own file
 };
 
 // Gives a model what it lacks and a picture needs (stage.h), what `options` say instead of it, then its place (placement.h). A

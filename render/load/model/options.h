@@ -11,10 +11,11 @@ namespace latent::render {
 enum class ModelView : std::uint8_t { kThreeQuarter, kFront, kTop };
 
 struct ModelOptions {
-    std::string camera{};  // the name of a camera or of its node; empty: the first
+    std::string camera{};   // the name of a camera or of its node; empty: the first
+    std::string variant{};  // the name of a variant of the model's materials; empty: as they are
     ModelView view = ModelView::kThreeQuarter;
-    bool is_z_up = false;  // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z
-    bool stage = true;     // a model without camera and lights stands on a ground
+    bool is_z_up = false;               // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z
+    bool stage = true;                  // a model without camera and lights stands on a ground
     double lens_radius = 0, focus = 0;  // of the camera, in the model's units; 0: not said
     std::filesystem::path sky{};        // a picture of the sky; empty: none
 
