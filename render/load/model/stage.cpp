@@ -16,7 +16,7 @@ constexpr double kHalfHeight = 0.36397;  // of the window: tan 20 degrees
 constexpr double kShare = 0.8;           // of the picture that the model takes
 
 // The sky.
-constexpr double kBelow = 0.5, kRise = 0.3, kKey = 40, kSharpness = 60;
+constexpr double kBelow = 0.4, kRise = 0.3, kKey = 60, kSharpness = 60;
 Vec3d key_light() { return normalize(Vec3d(0.5, 0.8, 0.6)); }
 
 float sky_radiance(const Vec3f& d) {

@@ -18,7 +18,7 @@ Affined world_from_stage(const ModelOptions& options);
 CameraDescription framing(std::span<const Vec3d> points, const FilmDescription& film, const ModelOptions& options);
 
 // A sky of this radiance, times that of `white`, in direction d of the stage:
-//   0.5 + 0.3 max(d.y, 0) + 40 exp(60 (d . k - 1)),  k = (0.5, 0.8, 0.6) / |(0.5, 0.8, 0.6)|
+//   0.4 + 0.3 max(d.y, 0) + 60 exp(60 (d . k - 1)),  k = (0.5, 0.8, 0.6) / |(0.5, 0.8, 0.6)|
 LightDescription studio_sky(const color::Spectrum& white, const ModelOptions& options);
 
 // A disk below `box`, about eight times as wide, that fades towards its edge into the sky below the horizon: it has that radiance
