@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "image/oiio/claimed_size.h"
+#include "image/oiio/radiance_input.h"
 #include "image/plausible_size.h"
 
 namespace latent::image {
@@ -115,7 +116,7 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         return false;
     }
     OIIO::ImageSpec file_spec;
-    file_ = OIIO::ImageInput::create(*format);
+    file_ = *format == "hdr" ? std::make_unique<RadianceInput>() : OIIO::ImageInput::create(*format);
     if (!file_ || !file_->open(path.string(), file_spec, hints)) {
         errorf("%s", file_ ? file_->geterror() : OIIO::geterror());
         file_.reset();
@@ -144,6 +145,12 @@ void LinearInput::take_spec() {
     m_spec = file_->spec();
     m_spec.set_format(OIIO::TypeDesc::FLOAT);
     m_spec.channelformats.clear();
+    is_grey_with_alpha_ = m_spec.nchannels == 2 && m_spec.alpha_channel == 1;
+    if (is_grey_with_alpha_) {
+        m_spec.nchannels = 4;
+        m_spec.channelnames = {"R", "G", "B", "A"};
+        m_spec.alpha_channel = 3;
+    }
     m_spec.erase_attribute("oiio:ConstantColor");  // hints of maketx, in the file's encoding
     m_spec.erase_attribute("oiio:AverageColor");
 }
@@ -163,6 +170,13 @@ bool LinearInput::finish(bool read, float* values, std::size_t pixels, int x, in
     if (!read) {
         errorf("%s", file_->geterror());
         return false;
+    }
+    if (is_grey_with_alpha_) {  // the last first: each pixel moves behind where it was
+        for (std::size_t i = pixels; i-- > 0;) {
+            const float grey = values[2 * i], alpha = values[2 * i + 1];
+            for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] = grey;
+            values[4 * i + 3] = alpha;
+        }
     }
     const auto channels = static_cast<std::size_t>(m_spec.nchannels);
     if (refused_ != nullptr && file_->spec().format.is_floating_point()) {
@@ -190,7 +204,7 @@ bool LinearInput::read_native_scanline(int subimage, int miplevel, int y, int z,
 bool LinearInput::read_native_scanlines(int subimage, int miplevel, int ybegin, int yend, int z, void* data) {
     const lock_guard one_at_a_time(*this);
     if (!seek_subimage(subimage, miplevel)) return false;
-    const bool read = file_->read_scanlines(0, miplevel, ybegin, yend, z, 0, m_spec.nchannels, OIIO::TypeDesc::FLOAT, data);
+    const bool read = file_->read_scanlines(0, miplevel, ybegin, yend, z, 0, file_->spec().nchannels, OIIO::TypeDesc::FLOAT, data);
     return finish(read, static_cast<float*>(data), static_cast<std::size_t>(m_spec.width) * static_cast<std::size_t>(yend - ybegin),
                   0, ybegin);
 }

@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "render/geometry/spawn_ray.h"
 #include "render/math/vec.h"
+#include "render/scene/among_vertices.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -47,6 +48,7 @@ struct SurfaceCoordinates {
     Vec2f uv;
     Vec3f dpdu, dpdv;  // not parallel
     Vec3f dndu, dndv;  // of the shading normal, turned as SurfaceHit::ns
+    AmongVertices vertices;
 };
 
 // A primitive that emits: one triangle, one whole sphere or another quadric (of a uniform scale). What it emits is render/light's

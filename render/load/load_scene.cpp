@@ -57,13 +57,17 @@ class PbrtLoader {
         const auto [index, is_new] = indexes_.try_emplace(path, static_cast<std::uint32_t>(names.size()));
         if (is_new) names.push_back(path.string());
         DirectiveReader reader(*text, index->second);
+        bool begun = false;  // there was a directive
         while (!stopped_) {
             const auto directive = reader.next();
-            if (!begun_ && !(directive && *directive)) {
+            if (!begun && !(directive && *directive)) {
                 const std::string_view format = foreign_format(*text);
-                if (!format.empty() || directive) return not_pbrt(path, format);
+                if (!format.empty() || (directive && depth == 0)) return not_pbrt(path, format);
+                // What a scene includes may be any file of this machine: it is not quoted.
+                if (!directive && depth > 0 && !directive.error().is_of_pbrt_v3)
+                    return not_pbrt(path, "its first word is not a directive");
             }
-            begun_ = true;
+            begun = true;
             if (!directive) {
                 lose(directive.error());
                 is_v3_ = is_v3_ || directive.error().is_of_pbrt_v3;
@@ -133,13 +137,13 @@ class PbrtLoader {
     SourceLocation end_;
     std::vector<std::filesystem::path> open_{path_};          // each included by the one before
     std::map<std::filesystem::path, std::uint32_t> indexes_;  // in the description's list of files
-    bool begun_ = false;                                      // there was a directive, or an error
     bool is_v3_ = false;                                      // one had a type or a word of pbrt-v3
     bool garbled_ = false;                                    // there was an error of syntax
     bool stopped_ = false;                                    // nothing more is read
 };
 
-Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {
+Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra,
+                               const ModelOptions& options) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
     if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
@@ -150,17 +154,26 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     Diagnostics diagnostics(scene.description.files);
     SceneFiles files(path);
     const ModelColors colors(rgb_spectra);
-    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, diagnostics)
+    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, options, diagnostics)
                                                        : read_obj(*bytes, path.string(), files, colors, diagnostics);
     if (!model) return model.error();
     if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
+    const auto missing = [&](std::string_view what, const std::string& name, const std::vector<std::string>& names) {
+        return usage_error(fmt::format("--{0} {1}: {2} has no {0} of this name{3}", what, name, path.string(),
+                                       names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "))));
+    };
+    if (!options.camera.empty() && !model->has_camera) return missing("camera", options.camera, model->cameras);
+    if (!options.variant.empty() && !model->has_variant) return missing("variant", options.variant, model->variants);
     scene.embedded = std::move(model->embedded);
-    for (const std::string& added : complete(std::move(*model), colors.emission({1, 1, 1}), scene.description))
-        scene.added.push_back(fmt::format("{}: {}", path.string(), added));
+    const Result<std::vector<std::string>> added =
+        complete(std::move(*model), options, colors.emission({1, 1, 1}), scene.description);
+    if (!added) return added.error();
+    for (const std::string& what : *added) scene.added.push_back(fmt::format("{}: {}", path.string(), what));
     scene.description.rgb_spectra = rgb_spectra;
     scene.warnings = diagnostics.warnings();
+    scene.notes = diagnostics.notes();
     return scene;
 }
 
@@ -177,12 +190,18 @@ Result<std::string> beginning_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra) {
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra,
+                               const ModelOptions& model) {
     const Result<std::string> beginning = beginning_of(path);
     if (!beginning) return beginning.error();
     const SceneFormat format = scene_format(path, *beginning);
-    if (format == SceneFormat::kPbrt) return PbrtLoader(path, replace_integrator, rgb_spectra).load();
-    return load_model(path, format, rgb_spectra);
+    if (format != SceneFormat::kPbrt) return load_model(path, format, rgb_spectra, model);
+    if (model != ModelOptions{})
+        return usage_error(fmt::format(
+            "{}: --camera, --variant, --view, --up, --no-stage, --lens-radius, --focus and --sky are for glTF and OBJ; a pbrt "
+            "scene says these itself",
+            path.string()));
+    return PbrtLoader(path, replace_integrator, rgb_spectra).load();
 }
 
 }  // namespace latent::render

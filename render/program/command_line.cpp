@@ -38,6 +38,25 @@ std::string no_scene(const std::filesystem::path& path) {
     return "";
 }
 
+// What glTF and OBJ files cannot say, or say more than once.
+void add_model_arguments(CLI::App& app, ModelOptions& model) {
+    app.add_option("--camera", model.camera, "camera of a glTF file, by its name or its node's (default: the first)")
+        ->type_name("NAME");
+    app.add_option("--variant", model.variant, "variant of the materials of a glTF file, by its name")->type_name("NAME");
+    cli::add_choice<ModelView>(
+        app, "--view", model.view,
+        {{"three-quarter", ModelView::kThreeQuarter}, {"front", ModelView::kFront}, {"top", ModelView::kTop}},
+        "side from which a model without a camera is seen");
+    cli::add_choice<bool>(app, "--up", model.is_z_up, {{"y", false}, {"z", true}}, "axis of a model that points up");
+    app.add_flag_callback(
+        "--no-stage", [&model] { model.stage = false; }, "no ground under a model without camera and lights");
+    cli::add_positive_number(app, "--lens-radius", model.lens_radius, "radius of the lens of a model's camera, in its units")
+        ->default_str("");
+    cli::add_positive_number(app, "--focus", model.focus, "distance at which it is sharp (default: the middle of the model)")
+        ->default_str("");
+    app.add_option("--sky", model.sky, "picture of the sky of a model, in longitude and latitude")->type_name("FILE");
+}
+
 }  // namespace
 
 void add_arguments(CLI::App& app, CommandLine& line) {
@@ -109,6 +128,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_duration(app, "--preview", line.preview_seconds,
                       "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
         ->excludes(dry);
+    add_model_arguments(app, line.settings.model);
     app.add_flag("--strict", line.settings.strict, "refuse the scene if anything that may affect its samples is ignored");
     app.add_flag_callback(
         "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },
