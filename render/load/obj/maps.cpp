@@ -11,7 +11,7 @@ namespace latent::render {
 
 namespace {
 
-std::optional<double> number(std::string_view word) {
+std::optional<double> map_number(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double x = 0;
     const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), x);
@@ -52,7 +52,7 @@ std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name,
             ++i;
         } else {
             while (numbers.size() < known->second && i < s.words().size()) {
-                const std::optional<double> x = number(s.words()[i]);
+                const std::optional<double> x = map_number(s.words()[i]);
                 if (!x) break;
                 numbers.push_back(*x);
                 ++i;
