@@ -54,12 +54,12 @@ TEST_F(GltfExtensions, SpecularGlossinessIsWhatItsRoughAndMetallicTwinIs) {
         return scene;
     };
     // A reflectance of 0.04 at normal incidence is that of index 1.5.
-    const SceneDescription body = rough({{"baseColorFactor", {.5, .25, .125, 1}}, {"metallicFactor", 0}, {"roughnessFactor", .25}}, {});
-    SceneDescription same = described(triangle({{"extensions",
-                                                 {{"KHR_materials_pbrSpecularGlossiness",
-                                                   {{"diffuseFactor", {.5, .25, .125, 1}},
-                                                    {"specularFactor", {.04, .04, .04}},
-                                                    {"glossinessFactor", .75}}}}}}));
+    const SceneDescription body =
+        rough({{"baseColorFactor", {.5, .25, .125, 1}}, {"metallicFactor", 0}, {"roughnessFactor", .25}}, {});
+    SceneDescription same = described(
+        triangle({{"extensions",
+                   {{"KHR_materials_pbrSpecularGlossiness",
+                     {{"diffuseFactor", {.5, .25, .125, 1}}, {"specularFactor", {.04, .04, .04}}, {"glossinessFactor", .75}}}}}}));
     const MaterialDescription &a = material(body), &b = material(same);
     EXPECT_EQ(a.spectra.at("base_color").value(600), b.spectra.at("base_color").value(600));
     for (const char* name : {"roughness", "metallic", "coat"}) EXPECT_EQ(a.number(name).value, b.number(name).value) << name;
@@ -122,11 +122,11 @@ TEST_F(GltfExtensions, TransmissionIsAShareOfTheSurface) {
 }
 
 TEST_F(GltfExtensions, DiffuseTransmissionIsAShareOfTheSurface) {
-    const SceneDescription leaf = described(triangle(
-        {{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
-         {"extensions",
-          {{"KHR_materials_diffuse_transmission",
-            {{"diffuseTransmissionFactor", .25}, {"diffuseTransmissionColorFactor", {.5, .5, .5}}}}}}}));
+    const SceneDescription leaf =
+        described(triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                            {"extensions",
+                             {{"KHR_materials_diffuse_transmission",
+                               {{"diffuseTransmissionFactor", .25}, {"diffuseTransmissionColorFactor", {.5, .5, .5}}}}}}}));
     ASSERT_EQ(material(leaf).type, "mix");
     EXPECT_EQ(material(leaf).number("amount").value, 0.25f);
     const MaterialDescription& passed = leaf.materials.at(material(leaf).mixed[1]);
@@ -188,9 +188,9 @@ TEST_F(GltfExtensions, AWebpPictureGoesBeforeTheOneForOtherReaders) {
 
 TEST_F(GltfExtensions, ASpecularTextureScalesTheMirrorOfADielectric) {
     testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
-    GltfFile file = triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
-                              {"extensions",
-                               {{"KHR_materials_specular", {{"specularFactor", .5}, {"specularTexture", {{"index", 0}}}}}}}});
+    GltfFile file =
+        triangle({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                  {"extensions", {{"KHR_materials_specular", {{"specularFactor", .5}, {"specularTexture", {{"index", 0}}}}}}}});
     file.json["images"] = {{{"uri", "a.exr"}}};
     file.json["textures"] = {{{"source", 0}}};
     const SceneDescription scene = described(file);
