@@ -21,10 +21,10 @@ using testing::tool;
 constexpr std::uint64_t kRun = synthetic::kShortRun;
 constexpr SampleRange kPrinted{kRun / 4, 3 * kRun + 100};  // cuts the first run and the last one
 
-// As many columns as a file can have, of all types in turn.
+// More columns than the first readers took, of all types in turn.
 Job job_with_columns(RecordKind kind) {
     Job job = synthetic::make_short_job(kind);
-    for (std::size_t i = 0; i < kMaxExtraColumns; ++i)
+    for (std::size_t i = 0; i < 2 * kFewExtraColumns; ++i)
         job.extra.push_back({"studio:" + std::to_string(i), static_cast<ColumnType>(1 + i % 6)});
     return job;
 }
