@@ -141,7 +141,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     cli::add_parsed(
         app, "--layers", options.layers, layers,
         "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); of "
-        "files rendered with --aov: albedo, normal, depth, position, id")
+        "files rendered with --aov: albedo, normal, depth, position, id; of any other column of the files, by its name: its mean")
         ->type_name("NAME,...");
     app.add_flag("--halves", options.layers.halves,
                  "also store the picture of each half of the samples; their difference shows the noise");
