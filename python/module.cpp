@@ -24,7 +24,10 @@ PYBIND11_MODULE(_latent, m) {
         .def("job", &Reader::job)
         .def("info", &Reader::info)
         .def("coverage", &Reader::coverage)
-        .def("left_out", &Reader::left_out);
+        .def("left_out", &Reader::left_out)
+        .def("provenance", &Reader::provenance)
+        .def("light_groups", &Reader::light_groups)
+        .def("materials", &Reader::materials);
     py::class_<Pages>(m, "Pages")
         .def(py::init<std::shared_ptr<Reader>, std::optional<std::vector<std::string>>, std::optional<std::vector<double>>,
                       std::optional<Range>, std::uint32_t, std::optional<Range>>())

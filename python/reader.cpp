@@ -112,6 +112,25 @@ std::vector<std::string> Reader::left_out() const {
     return items;
 }
 
+std::string Reader::provenance() const {
+    const char* json = nullptr;
+    latent_error error;
+    check(latent_reader_provenance(reader_.get(), &json, &error), error);
+    return json;
+}
+
+std::vector<std::string> Reader::light_groups() const {
+    std::vector<std::string> names;
+    while (const char* name = latent_reader_light_group(reader_.get(), names.size())) names.emplace_back(name);
+    return names;
+}
+
+std::vector<std::string> Reader::materials() const {
+    std::vector<std::string> names;
+    while (const char* name = latent_reader_material(reader_.get(), names.size() + 1)) names.emplace_back(name);
+    return names;
+}
+
 Pages::Pages(std::shared_ptr<Reader> reader, std::optional<std::vector<std::string>> columns,
              std::optional<std::vector<double>> region, std::optional<Range> samples, std::uint32_t classes,
              std::optional<Range> runs)

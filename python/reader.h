@@ -22,6 +22,9 @@ class Reader {
     pybind11::dict info() const;
     pybind11::array coverage() const;
     std::vector<std::string> left_out() const;
+    std::string provenance() const;  // JSON
+    std::vector<std::string> light_groups() const;
+    std::vector<std::string> materials() const;
 
     // Of all columns; extra ones come last, as extra.NAME where the name is taken.
     const std::vector<std::string>& names() const { return names_; }

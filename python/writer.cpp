@@ -43,16 +43,16 @@ Writer::Writer(const std::string& path, const py::dict& given, Range samples, do
         status = latent_writer_open(path.c_str(), &job_, &options, &opened, &error);
     }
     check(status, error);
-    writer_.reset(opened, latent_writer_close);
+    writer_.reset(opened);
 }
 
 py::array Writer::missing() const {
-    return intervals([&](latent_range* ranges, std::size_t n) { return latent_writer_missing(opened().get(), ranges, n); });
+    return intervals([&](latent_range* ranges, std::size_t n) { return latent_writer_missing(opened(), ranges, n); });
 }
 
 std::optional<Range> Writer::next() {
     latent_range grain;
-    if (latent_writer_next(opened().get(), &grain) == 0) return std::nullopt;
+    if (latent_writer_next(opened(), &grain) == 0) return std::nullopt;
     return Range{grain.first, grain.end};
 }
 
@@ -76,36 +76,34 @@ void Writer::submit(Range grain, const Column<std::uint64_t>& sample, const Colu
     std::vector<const void*> extra_data;
     for (const py::array& column : extra) extra_data.push_back(column.data());
     r.extra = extra_data.data();
-    const std::shared_ptr<latent_writer> writer = opened();
+    latent_writer* const writer = opened();
     latent_error error;
     latent_status status;
     {
         const py::gil_scoped_release release;
-        status = latent_writer_submit(writer.get(), {grain.first, grain.second}, &r, &error);
+        status = latent_writer_submit(writer, {grain.first, grain.second}, &r, &error);
     }
     check(status, error);
 }
 
 void Writer::close() {
-    // Threads that wait in `submit` return.
-    if (writer_.use_count() > 1) latent_writer_stop(writer_.get());
-    std::shared_ptr<latent_writer> last = std::move(writer_);
-    const py::gil_scoped_release release;
+    std::unique_ptr<latent_writer, Closer> last = std::move(writer_);
+    const py::gil_scoped_release release;  // others may wait for it in calls that are about to end
     last.reset();
 }
 
-std::shared_ptr<latent_writer> Writer::opened() const {
+latent_writer* Writer::opened() const {
     if (writer_ == nullptr) throw py::value_error("the writer is closed");
-    return writer_;
+    return writer_.get();
 }
 
 void Writer::call(latent_status (*function)(latent_writer*, latent_error*)) {
-    const std::shared_ptr<latent_writer> writer = opened();
+    latent_writer* const writer = opened();
     latent_error error;
     latent_status status;
     {
         const py::gil_scoped_release release;
-        status = function(writer.get(), &error);
+        status = function(writer, &error);
     }
     check(status, error);
 }

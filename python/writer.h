@@ -32,14 +32,16 @@ class Writer {
     void close();
 
  private:
-    // Threads in a call keep the writer open until they return.
-    std::shared_ptr<latent_writer> opened() const;
+    latent_writer* opened() const;
     void call(latent_status (*function)(latent_writer*, latent_error*));
 
     latent_job job_{};
     std::vector<std::string> extra_names_;
     std::vector<latent_column> extra_;
-    std::shared_ptr<latent_writer> writer_;
+    struct Closer {
+        void operator()(latent_writer* writer) const { latent_writer_close(writer); }
+    };
+    std::unique_ptr<latent_writer, Closer> writer_;
 };
 
 }  // namespace latent::python

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any, Iterator, Optional, Sequence
 
 import numpy as np
@@ -45,6 +46,23 @@ class Reader:
     def left_out(self) -> list[str]:
         """Damaged or foreign items when the files were opened, one line each."""
         return self._reader.left_out()
+
+    @property
+    def parts(self) -> list[dict[str, Any]]:
+        """How the samples were made: for each part its "samples", intervals (first, end), and its "provenance", what its writer tells:
+        program, scene, command, host, ... A merged file has the parts that it was made of."""
+        parts = json.loads(self._reader.provenance())["parts"]
+        return [{**part, "samples": [tuple(interval) for interval in part["samples"]]} for part in parts]
+
+    @property
+    def light_groups(self) -> list[str]:
+        """Names of the groups of lights, as the column light_group counts them, for `lights` of `develop`."""
+        return self._reader.light_groups()
+
+    @property
+    def materials(self) -> list[str]:
+        """Names of the materials; the column material counts them from 1."""
+        return self._reader.materials()
 
     def pages(
         self,
@@ -107,6 +125,6 @@ def open(*paths: Path, job: Optional[str] = None, skip_duplicates: bool = False,
 
 
 def info(*paths: Path, job: Optional[str] = None, skip_duplicates: bool = False) -> dict[str, Any]:
-    """The job and the counts of files, `Reader.job` and `Reader.info`, in one dict."""
+    """The job, the counts and the making of files in one dict: `Reader.job`, `Reader.info`, and its light_groups, materials, parts."""
     reader = open(*paths, job=job, skip_duplicates=skip_duplicates)
-    return {**reader.job, **reader.info}
+    return {**reader.job, **reader.info, "light_groups": reader.light_groups, "materials": reader.materials, "parts": reader.parts}
