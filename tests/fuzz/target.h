@@ -30,6 +30,8 @@ Target page();
 // files.cpp
 Target file();
 Target part();
+// c_api.cpp
+Target arguments();
 // pictures.cpp
 Target exr();
 Target icc();
