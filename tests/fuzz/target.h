@@ -32,6 +32,8 @@ Target file();
 Target part();
 // http_answers.cpp
 Target http();
+// c_api.cpp
+Target arguments();
 // pictures.cpp
 Target exr();
 Target icc();
