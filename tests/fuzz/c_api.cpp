@@ -1,6 +1,4 @@
 // latent.h, called in any order with any arguments that C allows: pointers are null or good, numbers and handles are anything.
-#include "c_api/latent.h"
-
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "base/printable.h"
+#include "c_api/latent.h"
 #include "tests/fuzz/target.h"
 
 namespace latent::fuzz {
@@ -31,7 +30,8 @@ class Choices {
     bool rarely() { return byte() % 16 == 15; }
     // Mostly `usual`; else what is at the ends of something.
     std::uint64_t number(std::uint64_t usual) {
-        constexpr std::array<std::uint64_t, 12> kEnds = {0, 1, 2, 3, 16, 1024, 2048, 1u << 22, 0xFFFF, 0xFFFFFFFF, 1ull << 63, ~0ull};
+        constexpr std::array<std::uint64_t, 12> kEnds = {0,    1,        2,      3,          16,         1024,
+                                                         2048, 1u << 22, 0xFFFF, 0xFFFFFFFF, 1ull << 63, ~0ull};
         const unsigned b = byte();
         return b % 8 != 7 ? usual : b / 8 < kEnds.size() ? kEnds[b / 8] : byte();
     }
@@ -131,7 +131,8 @@ class Session {
         knots_ = {{0, 400u << 20, 0}, {choose_.number(std::uint64_t{1} << 48), choose_.small(700u << 20), 0}};
         job.knot_count = choose_.byte() % 4 == 3 ? std::min<std::size_t>(choose_.number(2), 2) : 0;
         job.knots = choose_.pointer(knots_.data());
-        columns_ = {{choose_.pointer("depth"), choose_.small(LATENT_F32), 0}, {choose_.pointer("\xff\n"), choose_.small(LATENT_U8), 0}};
+        columns_ = {{choose_.pointer("depth"), choose_.small(LATENT_F32), 0},
+                    {choose_.pointer("\xff\n"), choose_.small(LATENT_U8), 0}};
         job.extra_count = choose_.byte() % 4 == 3 ? std::min<std::size_t>(choose_.number(1), 2) : 0;
         job.extra = choose_.pointer(columns_.data());
         return job;
@@ -163,7 +164,8 @@ class Session {
         std::array<float, kRows> value{}, share{};
         std::array<double, kRows> extra{};
         for (std::size_t i = 0; i < kRows; ++i) {
-            sample[i] = grain.first + i, u[i] = static_cast<std::uint32_t>(i << 26), index[i] = 0xFFFF, value[i] = 500, share[i] = 1;
+            sample[i] = grain.first + i, u[i] = static_cast<std::uint32_t>(i << 26), index[i] = 0xFFFF, value[i] = 500,
+            share[i] = 1;
             if (choose_.byte() % 8 != 7) continue;
             sample[i] = choose_.number(sample[i]), record_class[i] = static_cast<std::uint8_t>(choose_.byte());
             pairs[i] = static_cast<std::uint16_t>(choose_.byte() % 3), index[i] = static_cast<std::uint16_t>(choose_.small(0xFFFF));
@@ -176,13 +178,15 @@ class Session {
         r.sample = choose_.pointer(sample.data()), r.record_class = choose_.pointer(record_class.data());
         r.u = choose_.pointer(u.data()), r.v = choose_.pointer(u.data()), r.share = choose_.pointer(share.data());
         r.x = choose_.pointer(value.data()), r.y = choose_.pointer(value.data()), r.z = choose_.pointer(value.data());
-        r.pairs = choose_.pointer(pairs.data()), r.power = choose_.pointer(value.data()), r.lambda_nm = choose_.pointer(value.data());
+        r.pairs = choose_.pointer(pairs.data()), r.power = choose_.pointer(value.data()),
+        r.lambda_nm = choose_.pointer(value.data());
         for (std::size_t i = 0; i < r.count; ++i) r.pair_count += pairs[i];
         if (choose_.rarely()) r.pair_count = choose_.byte() % (kRows + 1);
         if (r.pair_count > kRows) r.pair_count = 0;
         r.xi = choose_.pointer(xi.data()), r.index = choose_.pointer(index.data());
         r.extra = choose_.pointer(columns.data());
-        const latent_status status = latent_writer_submit(writer(), choose_.rarely() ? range(grain) : grain, choose_.pointer(&r), &error);
+        const latent_status status =
+            latent_writer_submit(writer(), choose_.rarely() ? range(grain) : grain, choose_.pointer(&r), &error);
         worked_ |= status == LATENT_OK;
         return status;
     }
@@ -192,8 +196,8 @@ class Session {
         options.size = rare_size(sizeof options);
         options.skip_duplicates = choose_.small(0), options.verify = choose_.small(0), options.job_low = choose_.number(0);
         const std::array<const char*, 2> paths = {choose_.pointer(path_.c_str()), "absent\n.latent"};
-        return latent_reader_open(choose_.pointer(paths.data()), choose_.rarely() ? choose_.byte() % 3 : 1, choose_.pointer(&options),
-                                  &readers_.emplace_back(), &error);
+        return latent_reader_open(choose_.pointer(paths.data()), choose_.rarely() ? choose_.byte() % 3 : 1,
+                                  choose_.pointer(&options), &readers_.emplace_back(), &error);
     }
 
     void ask_reader(latent_error& error) {
@@ -210,7 +214,8 @@ class Session {
         const char* json = nullptr;
         checked(latent_reader_provenance(asked, &json, &error), error);
         const std::uint64_t i = choose_.number(0);
-        for (const char* text : {latent_reader_light_group(asked, i), latent_reader_material(asked, i), latent_reader_left_out(asked, i)})
+        for (const char* text :
+             {latent_reader_light_group(asked, i), latent_reader_material(asked, i), latent_reader_left_out(asked, i)})
             require(text == nullptr || std::strlen(text) < 10000, "a text that ends");
         latent_range ranges[2];
         (void)latent_reader_coverage(asked, choose_.rarely() ? nullptr : ranges, choose_.byte() % 3);
@@ -221,7 +226,8 @@ class Session {
         selection.size = rare_size(sizeof selection);
         selection.columns = choose_.small(0), selection.classes = choose_.small(0);
         selection.samples = range({0, 0}), selection.runs = range({0, 0});
-        selection.u0 = choose_.real(0), selection.v0 = choose_.real(0), selection.u1 = choose_.real(0), selection.v1 = choose_.real(0);
+        selection.u0 = choose_.real(0), selection.v0 = choose_.real(0), selection.u1 = choose_.real(0),
+        selection.v1 = choose_.real(0);
         return latent_cursor_open(reader(), choose_.pointer(&selection), &cursors_.emplace_back(), &error);
     }
 
@@ -250,8 +256,8 @@ class Session {
             return latent_positions(choose_.pointer(&its_job), choose_.pointer(sample.data()), count,
                                     choose_.rarely() ? nullptr : u.data(), v.data(), &error);
         }
-        return latent_wavelengths(choose_.pointer(&its_job), choose_.pointer(u.data()), count, choose_.rarely() ? nullptr : lambda.data(),
-                                  &error);
+        return latent_wavelengths(choose_.pointer(&its_job), choose_.pointer(u.data()), count,
+                                  choose_.rarely() ? nullptr : lambda.data(), &error);
     }
 
     // Mostly the latest; it may be null or closed.

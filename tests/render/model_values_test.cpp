@@ -138,8 +138,12 @@ TEST_F(ModelValues, ColoursOfVerticesMultiplyTheBaseColourInEveryNumberType) {
             for (const double y : {0.1, 0.5, 0.75})
                 expect_near(seen.spectrum("base_color", 0.4, y), seen.of_rgb({static_cast<float>(0.5 * (1 - y)), .2f, .4f}), 2e-3f,
                             fmt::format("{} {}", component, y));
-            if (!has_alpha) EXPECT_EQ(alpha.value, 0.5f);
-            if (has_alpha) EXPECT_EQ(scene.textures.at(alpha.texture).picture.channel, 3);
+            if (!has_alpha) {
+                EXPECT_EQ(alpha.value, 0.5f);
+            }
+            if (has_alpha) {
+                EXPECT_EQ(scene.textures.at(alpha.texture).picture.channel, 3);
+            }
         }
     }
 }

@@ -123,9 +123,15 @@ TEST_F(Stage, AModelIsSeenAcrossFourFifthsOfThePictureFromEachSide) {
             EXPECT_NEAR(std::max(right - left, above - below) / 2, 0.8, 1e-3);
             const Vec3d up = world_from_stage(options).y;
             EXPECT_EQ(up, is_z_up ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0));
-            if (view != ModelView::kTop) EXPECT_GT(dot(camera.world_from_camera.y, up), 0.9);
-            if (view == ModelView::kTop) EXPECT_NEAR(dot(camera.world_from_camera.z, up), -1, 1e-12);
-            if (view == ModelView::kFront) EXPECT_NEAR(dot(camera.world_from_camera.z, up), 0, 1e-12);
+            if (view != ModelView::kTop) {
+                EXPECT_GT(dot(camera.world_from_camera.y, up), 0.9);
+            }
+            if (view == ModelView::kTop) {
+                EXPECT_NEAR(dot(camera.world_from_camera.z, up), -1, 1e-12);
+            }
+            if (view == ModelView::kFront) {
+                EXPECT_NEAR(dot(camera.world_from_camera.z, up), 0, 1e-12);
+            }
         }
     }
 }

@@ -59,7 +59,7 @@ class Channels {
     // How the light of a group is seen.
     struct GroupLight {
         float factor = 1;
-        std::optional<color::Spectrum> curve{};        // bins
+        std::optional<color::Spectrum> curve{};             // bins
         std::shared_ptr<const color::Observer> observer{};  // behind the curve, if there is one; not of bins or XYZ
         BatchResponse response{};
     };
