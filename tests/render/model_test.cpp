@@ -23,7 +23,9 @@ using Json = nlohmann::json;
 class Models : public ::testing::Test {
  protected:
     Result<LoadedScene> load(const std::string& name, const std::string& text) const {
-        return load_scene(folder_.write(name, text), false, color::RgbSpectra::kSmooth, {.stage = false});
+        ModelOptions options;
+        options.stage = name.ends_with(".pbrt");  // which has none, nor an option for it
+        return load_scene(folder_.write(name, text), false, color::RgbSpectra::kSmooth, options);
     }
     SceneDescription described(const std::string& name, const std::string& text) const {
         const Result<LoadedScene> scene = load(name, text);

@@ -70,7 +70,9 @@ TEST_F(Pose, TargetsTurnNormals) {
         {{"NORMAL", file.add_floats({1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0}, "VEC3")}}};
     file.json["meshes"][0]["weights"] = {1};
     const float half = std::sqrt(0.5f);
-    for (const Vec3f& n : described(file).shapes.at(0).mesh->normals) EXPECT_NEAR(length(n - Vec3f(half, 0, half)), 0, 1e-6);
+    const SceneDescription scene = described(file);
+    ASSERT_FALSE(scene.shapes.at(0).mesh->normals.empty());
+    for (const Vec3f& n : scene.shapes[0].mesh->normals) EXPECT_NEAR(length(n - Vec3f(half, 0, half)), 0, 1e-6);
 }
 
 // Two joints, one of them moved by (1, 0, 0) and the other turned by a quarter about z; the square's own node is elsewhere.

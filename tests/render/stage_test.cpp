@@ -164,8 +164,8 @@ TEST_F(Stage, ALensIsFocusedOnTheMiddleOrWhereItIsSaid) {
 
 TEST_F(Stage, ASkyStandsUprightOverTheModel) {
     std::vector<float> rgb;  // 1 in the upper half, 0 below
-    for (int i = 0; i < 8; ++i) rgb.insert(rgb.end(), 3, i < 4 ? 1.0f : 0.0f);
-    testing::write_exr(folder_ / "sky.exr", 4, 2, rgb);
+    for (int i = 0; i < 512; ++i) rgb.insert(rgb.end(), 3, i < 256 ? 1.0f : 0.0f);
+    testing::write_exr(folder_ / "sky.exr", 32, 16, rgb);
     for (const bool is_z_up : {false, true}) {
         const LoadedScene scene = load("m.obj", kTriangle, {.is_z_up = is_z_up, .sky = (folder_ / "sky.exr").string()});
         ASSERT_EQ(scene.description.lights.size(), 1u);

@@ -203,7 +203,9 @@ void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
         }
         const std::uint64_t declared = buffer["byteLength"].count(0);
         if (bytes && bytes->size() < declared) {
-            buffer.error(fmt::format("is truncated: {} of {} bytes", bytes->size(), declared));
+            const std::string uri = buffer["uri"].exists() ? buffer["uri"].text() : "";
+            const std::string of = uri.empty() || uri.starts_with("data:") ? "" : uri + " ";
+            buffer.error(fmt::format("{}is truncated: {} of {} bytes", of, bytes->size(), declared));
             bytes.reset();
         }
         buffers_.push_back(std::move(bytes));

@@ -181,6 +181,10 @@ class ObjReader {
         for (const std::string& name : libraries()) {
             const Result<std::string> text = mtl_.files.include(mtl_.files.resolve(name));
             MtlMaterials more;
+            if (!text && text.error().code == ErrorCode::kOutOfRange) {
+                statements_.error(text.error().message);  // so would be the rest
+                break;
+            }
             if (!text) {
                 statements_.warn(fmt::format("mtllib: {}; its materials are grey", text.error().message));
                 is_complete_ = false;
