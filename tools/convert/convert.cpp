@@ -13,7 +13,9 @@
 #include "base/temporary_path.h"
 #include "color/adaptation.h"
 #include "tools/convert/bands.h"
+#include "tools/convert/darkroom.h"
 #include "tools/convert/display.h"
+#include "tools/convert/icc.h"
 #include "tools/convert/luminances.h"
 #include "tools/convert/print_pass.h"
 #include "tools/convert/sink.h"
@@ -33,6 +35,7 @@ struct ToneChoice {
     color::ToneCurve curve;
 };
 Result<ToneChoice> tone_of(const ConvertOptions& options) {
+    if (options.paper_decides_tone()) return ToneChoice{color::Tone::kCurve, *color::ToneCurve::make("linear", 1, 0)};
     if (options.tone == "none") {
         if (options.contrast == 1 && options.black == 0) return ToneChoice{color::Tone::kNone, {}};
         return usage_error("--contrast and --black need a tone curve, but --tone is none");
@@ -58,32 +61,44 @@ Status check_outputs(const ConvertOptions& options) {
 
 // sigma before it is pushed.
 Result<double> sensitivity_of(const ConvertOptions& options, const Source& source, const color::PrintSettings& settings,
-                              const Progress& progress) {
-    if (!options.auto_exposure) return options.sensitivity;
+                              const Progress& progress, bool on_film) {
+    if (!options.auto_exposure) return on_film ? 1 : options.sensitivity;
     const Result<BandPlan> plan = plan_bands(source.reader.image(), source.area, {}, options.memory, options.threads);
     if (!plan) return plan.error();
-    const Result<color::LuminanceHistogram> seen = measure(source, *plan, settings.adaptation.m[1], progress);
+    // Of a film, the light meter sees what its green-sensitive layer does.
+    const std::array<double, 3> y_row = on_film ? std::array{0.0, 1.0, 0.0} : settings.adaptation.m[1];
+    const Result<color::LuminanceHistogram> seen = measure(source, *plan, y_row, progress);
     if (!seen) return seen.error();
+    constexpr double kGreyCard = 0.18;
     const Result<double> sigma =
-        color::auto_sigma(*seen, settings.tone == color::Tone::kNone ? options.key : settings.curve.exposure_of(options.key));
+        color::auto_sigma(*seen, on_film                               ? options.key / kGreyCard * grey_exposure(source)
+                                 : settings.tone == color::Tone::kNone ? options.key
+                                                                       : settings.curve.exposure_of(options.key));
     if (!sigma) return sigma.error().at(options.input.string());
     return sigma;
 }
 
+// How bright a print from film is shown: paper as it is, a scan as any picture.
+double print_sigma_of(const ConvertOptions& options) {
+    constexpr double kAsItIs = 2;  // the linear tone curve prints 1/sigma at half of display white
+    return options.paper_decides_tone() ? kAsItIs : options.sensitivity;
+}
+
 Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const Display& display, color::PrintSettings settings,
-                                           PrintedPicture picture) {
+                                           PrintedPicture picture, const std::shared_ptr<const film::Process>& film) {
     std::vector<Exposure> exposures;
-    const double sigma = settings.sigma;
     for (const double stops : options.stops) {
-        settings.sigma = color::pushed_sigma(sigma, stops);
+        const double sigma = color::pushed_sigma(picture.sigma, stops);
+        settings.sigma = film ? print_sigma_of(options) : sigma;
         settings.range = printable_range(display.space.transfer, settings.tone, settings.curve, settings.sigma);
         const Result<color::Print> print = color::Print::create(display.print_space(), settings);
         if (!print) return print.error();
-        Exposure exposure{.stops = stops, .sigma = settings.sigma, .print = *print, .paths = {}, .sinks = {}};
-        picture.sigma = settings.sigma;
+        Exposure exposure{.stops = stops, .sigma = sigma, .print = *print, .film = film, .paths = {}, .sinks = {}};
+        PrintedPicture exposed = picture;
+        exposed.sigma = sigma;
         for (const std::filesystem::path& path : options.outputs) {
             exposure.paths.push_back(options.stops.size() == 1 ? path : with_stops(path, stops));
-            Result<std::unique_ptr<Sink>> sink = open_sink(exposure.paths.back(), picture, display, options);
+            Result<std::unique_ptr<Sink>> sink = open_sink(exposure.paths.back(), exposed, display, options);
             if (!sink) return sink.error();
             exposure.sinks.push_back(std::move(*sink));
         }
@@ -127,32 +142,47 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     options.dpi = *dpi;
     Result<Display> display = display_from(options.profile, options.luminance_row, options.rendering);
     if (!display) return display.error();
+    if (display->grey) options.grey = true;
+    if (options.grey && !display->grey) {
+        if (display->has_tables() || !display->space.check_luminance_row())
+            return usage_error("--gray: needs a profile with primaries, such as srgb, or a profile of grey");
+        display->icc = grey_icc_of(display->space);
+        display->cicp.reset();
+    }
     if (!options.proof.empty()) {
         if (Status s = add_proof(options.proof, options.rendering, *display); !s) return s.error();
     }
+    const Result<std::shared_ptr<const film::Process>> film = darkroom_for(options, *source);
+    if (!film) return film.error();
+    const Result<std::shared_ptr<const Emulsion>> emulsion = emulsion_for(options, *source);
+    if (!emulsion) return emulsion.error();
     const Result<ToneChoice> tone = tone_of(options);
+    if (options.paper_decides_tone()) options.tone = "paper";
     if (!tone) return tone.error();
     const Result<color::Gamut> gamut = color::gamut_by_name(options.gamut);
     if (!gamut) return gamut.error();
     if (tone->tone == color::Tone::kNone) options.gamut = "none";  // nothing is mapped, whatever was chosen
     const Result<color::Cones> cones = color::cones_by_name(options.adapt);
     if (!cones) return cones.error();
-    const Result<color::Chromaticity> white = options.white ? chromaticity_of(*options.white, *source) : source->white;
+    const Result<color::Chromaticity> white = *film           ? (*film)->white()
+                                              : options.white ? chromaticity_of(*options.white, *source)
+                                                              : source->white;
     if (!white) return white.error();
     const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->print_white(), *cones);
     if (!adaptation && options.white) return usage_error(adaptation.error().message).at("--white");
     if (!adaptation) return adaptation.error().at(options.input.string());
     color::PrintSettings settings{options.sensitivity, tone->tone, *gamut, *adaptation * source->xyz_from_file, tone->curve};
-    const Result<double> sigma = sensitivity_of(options, *source, settings, progress);
+    const Result<double> sigma = sensitivity_of(options, *source, settings, progress, *film != nullptr);
     if (!sigma) return sigma.error();
-    settings.sigma = *sigma;
 
     const image::ExrImage& image = source->reader.image();
-    const Result<std::vector<Exposure>> exposures =
-        exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white, source->observer});
+    const Result<std::vector<Exposure>> exposures = exposures_of(
+        options, *display, settings,
+        {source->area, image.display_window, *sigma, *white, source->observer, *film ? (*film)->description() : ""}, *film);
     if (!exposures) return exposures.error();
-    const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof,      display->space,
-                            display->gamut,           options.show_clipped,   options.gamut_report};
+    const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof,       display->space,
+                            display->gamut,           options.show_clipped,   options.gamut_report, *emulsion,
+                            image.display_window.x0,  image.display_window.y0};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {
@@ -160,6 +190,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
             need.bytes_held += sink->bytes_held();
         }
     }
+    if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
     need.second_block = needs_second_block(*exposures, pass);
     const Result<BandPlan> plan = plan_bands(image, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
@@ -189,6 +220,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.proof = display->proof_name;
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
+    if (*film) report.film = (*film)->description();
     report.warnings = std::move(source->warnings);
     return report;
 }

@@ -52,6 +52,7 @@ std::string to_text(const ConvertReport& r) {
     text += fmt::format("print          tone {}, gamut {}, {}\nwhite          {}, {}\n", r.tone, r.gamut, r.profile,
                         text_of(r.white), r.adapt);
     if (!r.observer.empty()) text += fmt::format("observer       {}\n", r.observer);
+    if (!r.film.empty()) text += fmt::format("film           {}\n", r.film);
     if (!r.shown.empty()) text += fmt::format("shown          {}\n", r.shown);
     if (!r.proof.empty()) text += fmt::format("proof          {}\n", r.proof);
     if (r.rendering) {
@@ -82,6 +83,7 @@ std::string to_json(const ConvertReport& r) {
                                 {"gamut", r.gamut},      {"profile", r.profile},     {"white", {r.white.x, r.white.y}},
                                 {"adaptation", r.adapt}, {"pixels", r.print.pixels}, {"luminance", luminance}};
     if (!r.observer.empty()) json["observer"] = r.observer;
+    if (!r.film.empty()) json["film"] = r.film;
     if (!r.shown.empty()) json["shown"] = r.shown;
     if (!r.proof.empty()) json["proof"] = r.proof;
     if (r.rendering) json["intent"] = name_of(r.rendering->intent);
