@@ -21,6 +21,7 @@
 
 #include "base/help.h"
 #include "base/near_names.h"
+#include "base/output_name.h"
 #include "base/parse.h"
 #include "base/printable.h"
 #include "base/temporary_path.h"
@@ -116,10 +117,46 @@ void flush_stdout_at_exit() {
     if (!flushed && !failure_was_said) ::_exit(fail(flushed.error()));
 }
 
+// Options that people know from other programs, and what serves instead.
+struct ForeignOption {
+    std::string_view name, instead;
+};
+constexpr ForeignOption kForeignOptions[] = {
+    {"--exposure", "prints are exposed by latent-convert --sensitivity, or --stops in EV"},
+    {"--ev", "prints are exposed by latent-convert --stops"},
+    {"--iso", "prints are exposed by latent-convert --sensitivity"},
+    {"--gain", "prints are exposed by latent-convert --sensitivity"},
+    {"--gamma", "the curve of a print is latent-convert --tone, with --contrast and --black"},
+    {"--temperature", "the white of a print is latent-convert --white 5200K; lamps change with latent-develop --light NAME=5200K"},
+    {"--white-balance", "the white of a print is latent-convert --white 5200K"},
+    {"--denoise", "there is no denoiser; render more samples (--spp), or dim specks with latent-develop --dim-fireflies"},
+    {"--denoiser", "there is no denoiser; render more samples (--spp), or dim specks with latent-develop --dim-fireflies"},
+    {"--width", "the size in pixels is latent-develop --size, or latent-render --resolution"},
+    {"--height", "the size in pixels is latent-develop --size, or latent-render --resolution"},
+    {"--res", "the size in pixels is latent-develop --size, or latent-render --resolution"},
+    {"--samples-per-pixel", "that is latent-render --spp"},
+};
+
+// Where a command is needed, and the first argument is none.
+std::string missing_command(const CLI::App& app, const std::vector<std::string>& unknown) {
+    std::vector<std::string> names;
+    std::string list;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+        names.push_back(command->get_name());
+        list += (list.empty() ? "" : ", ") + names.back();
+    }
+    if (unknown.empty()) return "a command is missing: " + list;
+    std::error_code ignored;
+    if (is_url(unknown.front()) || std::filesystem::exists(unknown.front(), ignored))
+        return fmt::format("a command is missing; try: {} {} {}", program(), names.front(), unknown.front());
+    const std::string near = near_names(unknown.front(), names);
+    return fmt::format("unknown command {}; {}", unknown.front(),
+                       near.empty() ? "choose from " + list : fmt::format("did you mean {}?", near));
+}
+
 // CLI11 says "--output: 1 required TEXT:NAME.latent missing" and "--output: At Most 1 required but received 2".
 std::string in_plain_words(const CLI::ParseError& error) {
     const std::string what = error.what();
-    if (what == "A subcommand is required") return "a command is required";
     // "--gamut: foo not in {luminance,grey,clip}"
     if (const std::size_t colon = what.find(": "), choices = what.find(" not in {"); choices != what.npos && colon < choices) {
         std::string list = what.substr(choices + 9, what.size() - choices - 10);
@@ -140,18 +177,33 @@ std::string unknown_argument(const CLI::App& app, const std::string& argument) {
     };
     add_names(&app);
     for (const CLI::App* command : app.get_subcommands()) add_names(command);
-    const std::string near = argument.starts_with("-") ? near_names(argument.substr(0, argument.find('=')), names) : "";
+    const std::string option = argument.substr(0, argument.find('='));
+    const auto foreign = std::ranges::find(kForeignOptions, std::string_view(option), &ForeignOption::name);
+    if (foreign != std::end(kForeignOptions)) return fmt::format("unknown argument {}: {}", argument, foreign->instead);
+    const std::string near = argument.starts_with("-") ? near_names(option, names) : "";
     return fmt::format("unknown argument {}{}", argument, near.empty() ? "" : fmt::format(" (did you mean {}?)", near));
 }
 
-CLI::Option* add_real(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most,
+template <class Value>
+CLI::Option* add_real(CLI::App& app, const std::string& name, Value& value, const std::string& help, double least, double most,
                       const std::string& range) {
     const auto parse = [least, most, range](const std::string& text) -> Result<double> {
         const Result<double> number = parse_number(text);
         if (number && *number >= least && *number <= most) return number;
         return is_not(text, number ? range : "a number");
     };
-    return add_parsed(app, name, value, parse, help)->type_name("X")->default_str(fmt::format("{}", value));
+    const std::optional<double> before = value;
+    return add_parsed(app, name, value, parse, help)->type_name("X")->default_str(before ? fmt::format("{}", *before) : "");
+}
+
+template <class Value>
+CLI::Option* add_within(CLI::App& app, const std::string& name, Value& value, const std::string& help, double least, double most) {
+    return add_real(app, name, value, help, least, most, fmt::format("from {} to {}", least, most));
+}
+
+template <class Value>
+CLI::Option* add_positive(CLI::App& app, const std::string& name, Value& value, const std::string& help) {
+    return add_real(app, name, value, help, 1e-150, 1e150, "a number above 0");
 }
 }  // namespace
 
@@ -159,11 +211,11 @@ const std::string& program() { return program_name(); }
 
 void add_common(CLI::App& app, CommonOptions& options, bool with_memory) {
     add_count(app, "--threads", options.threads, "maximum number of worker threads; 0: one per CPU", 0, 4096);
-    if (with_memory) add_size(app, "--memory", options.memory, "memory limit")->default_str("1G");
+    if (with_memory) add_memory(app, options.memory, "memory limit");
     app.add_flag("--json", options.json, "print the report as JSON on standard output");
     app.add_flag("--force", options.force, "replace an existing output");
     app.add_flag("-q,--quiet", options.quiet, "print no progress: neither the bar on a terminal nor the lines in a log");
-    app.set_version_flag("--version", std::string(LATENT_VERSION), "print the version");
+    app.set_version_flag("--version", app.get_name() + " " LATENT_VERSION, "print the version");
     app.set_help_flag("-h,--help", "print this help");
 }
 
@@ -197,16 +249,21 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
         std::erase(unknown, "--");
         const auto is = [&error](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
         const bool misspelt = (is(CLI::ExitCodes::RequiredError) || is(CLI::ExitCodes::ExtrasError)) && !unknown.empty();
-        const std::string what = misspelt ? unknown_argument(app, unknown.front()) : in_plain_words(error);
+        const bool commandless = app.get_require_subcommand_min() > 0 && app.get_subcommands().empty() &&
+                                 (unknown.empty() || !unknown.front().starts_with("-"));
+        const std::string what = commandless && (misspelt || is(CLI::ExitCodes::RequiredError)) ? missing_command(app, unknown)
+                                 : misspelt ? unknown_argument(app, unknown.front())
+                                            : in_plain_words(error);
         fmt::print(stderr, "{}: {}; see --help\n", program(), printable(what));
         return kUsage;
     }
 }
 
-CLI::Validator ends_in(const std::string& extension) {
-    const auto check = [extension](const std::string& name) -> std::string {
+CLI::Validator ends_in(const std::string& extension, const std::string& otherwise) {
+    const auto check = [extension, otherwise](const std::string& name) -> std::string {
         if (std::filesystem::path(name).extension() == extension) return {};
-        return name.empty() ? "the name is empty" : fmt::format("{}: the name must end in {}", shown_name(name), extension);
+        if (const std::string problem = objection_to_output(name); !problem.empty()) return problem;
+        return fmt::format("{}: the name must end in {}{}", shown_name(name), extension, otherwise);
     };
     return CLI::Validator(check, "NAME" + extension);
 }
@@ -219,15 +276,26 @@ Result<std::uint64_t> parse_count_within(std::string_view text, std::uint64_t le
 }
 
 CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most) {
-    return add_real(app, name, value, help, least, most, fmt::format("from {} to {}", least, most));
+    return add_within(app, name, value, help, least, most);
 }
-
+CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<double>& value, const std::string& help, double least,
+                        double most) {
+    return add_within(app, name, value, help, least, most);
+}
 CLI::Option* add_positive_number(CLI::App& app, const std::string& name, double& value, const std::string& help) {
-    return add_real(app, name, value, help, 1e-150, 1e150, "a number above 0");
+    return add_positive(app, name, value, help);
+}
+CLI::Option* add_positive_number(CLI::App& app, const std::string& name, std::optional<double>& value, const std::string& help) {
+    return add_positive(app, name, value, help);
 }
 
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help) {
     return add_parsed(app, name, value, parse_size, help)->type_name("SIZE");
+}
+
+CLI::Option* add_memory(CLI::App& app, std::uint64_t& value, const std::string& help) {
+    return add_size(app, "--memory", value, help + "; the default is at most half of what the machine or container allows")
+        ->default_str("1G");
 }
 
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help) {

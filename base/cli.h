@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/progress.h"
 #include "base/result.h"
 
@@ -28,8 +29,8 @@ enum ExitStatus : int {
 
 // What every tool takes.
 struct CommonOptions {
-    int threads = 0;                                // 0: as many as the machine has
-    std::uint64_t memory = std::uint64_t{1} << 30;  // bytes
+    int threads = 0;                          // 0: as many as the machine has
+    std::uint64_t memory = default_memory();  // bytes
     bool json = false;
     bool force = false;
     bool quiet = false;
@@ -62,8 +63,12 @@ template <std::integral Integer>
 CLI::Option* add_count(CLI::App& app, const std::string& name, Integer& value, const std::string& help, Integer least = 0,
                        Integer most = std::numeric_limits<Integer>::max());
 CLI::Option* add_number(CLI::App& app, const std::string& name, double& value, const std::string& help, double least, double most);
+CLI::Option* add_number(CLI::App& app, const std::string& name, std::optional<double>& value, const std::string& help, double least,
+                        double most);
 CLI::Option* add_positive_number(CLI::App& app, const std::string& name, double& value, const std::string& help);  // 1e-150..1e150
+CLI::Option* add_positive_number(CLI::App& app, const std::string& name, std::optional<double>& value, const std::string& help);
 CLI::Option* add_size(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& help);
+CLI::Option* add_memory(CLI::App& app, std::uint64_t& value, const std::string& help);  // --memory, of base/memory.h's default
 CLI::Option* add_duration(CLI::App& app, const std::string& name, double& seconds, const std::string& help);
 
 // An option that takes one of a few words, each standing for a value. --help shows the word of the value before parsing.
@@ -71,8 +76,8 @@ template <class Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Value& value,
                         const std::vector<std::pair<std::string, Value>>& choices, const std::string& help);
 
-// A check of an argument: the name of a file of the right kind (".latent").
-CLI::Validator ends_in(const std::string& extension);
+// A check of an argument: the name of a file of the right kind (".latent"). `otherwise`: what follows if it is not ("; ...").
+CLI::Validator ends_in(const std::string& extension, const std::string& otherwise = "");
 
 // Writes what was asked for to standard output, without what would steer a terminal. Never fails here: `parse` tells what happens
 // if it cannot be written.

@@ -51,6 +51,7 @@ Result<File> File::open_read(const std::filesystem::path& path) {
     const Error irregular{ErrorCode::kForeign, path.string() + ": not a regular file"};
     const int fd = open_retrying(path.c_str(), O_RDONLY | O_NONBLOCK);
     if (fd < 0 && errno == ENXIO) return irregular;  // a socket
+    if (fd < 0 && errno == ELOOP) return Error{ErrorCode::kForeign, path.string() + ": a symbolic link that leads back to itself"};
     if (fd < 0) return error_from_errno(errno, path.string(), "cannot open");
     File file(fd, path);
     struct stat info;
@@ -182,7 +183,8 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path, bool re
     OutputFile out;
     out.path_ = path;
     out.replace_ = replace;
-    out.file_ = File(open_retrying(folder_of(path).c_str(), O_RDWR | O_TMPFILE, 0666), path);
+    if (::access("/proc/self/fd", X_OK) == 0)  // by which a file without a name gets one
+        out.file_ = File(open_retrying(folder_of(path).c_str(), O_RDWR | O_TMPFILE, 0666), path);
     while (!out.file_.is_open()) {
         out.temporary_ = TemporaryPath(hidden_name(path));
         out.file_ = File(open_retrying(out.temporary_.path().c_str(), O_RDWR | O_CREAT | O_EXCL, 0666), path);
@@ -216,10 +218,19 @@ Status OutputFile::publish() {
 Status name_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to) {
     int failed = ::link(from.c_str(), to.c_str());
     if (failed != 0 && (errno == EPERM || errno == EOPNOTSUPP || errno == ENOSYS)) {
-        failed = ::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE);
+        errno = rename_without_replacing(from, to);
+        failed = errno;
     }
     if (failed != 0) return error_from_errno(errno, to.string(), "cannot name the finished file");
     return {};
+}
+
+int rename_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to) {
+    if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+    if (errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP) return errno;
+    std::error_code ignored;
+    if (std::filesystem::exists(std::filesystem::symlink_status(to, ignored))) return EEXIST;
+    return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
 Status sync_folder(const std::filesystem::path& folder) {

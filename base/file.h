@@ -83,9 +83,13 @@ class OutputFile {
     bool replace_ = false;
 };
 
-// Gives the file `from` the name `to`, atomically, unless that name is taken (kExists). Where the file system has no hard links
-// `from` is renamed instead of named twice.
+// Gives the file `from` the name `to` unless that name is taken (kExists). Where the file system has no hard links, `from` is
+// renamed instead of named twice. Atomic, except where rename_without_replacing is not.
 Status name_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to);
+
+// Renames unless the name `to` is taken: returns 0, or errno (EEXIST). Atomic, except on file systems that cannot promise it (some
+// mounts of servers and object stores): there, what takes the name in the same moment is replaced.
+int rename_without_replacing(const std::filesystem::path& from, const std::filesystem::path& to);
 
 // Makes names that were created, linked or removed in `folder` survive a power cut.
 Status sync_folder(const std::filesystem::path& folder);

@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <span>
 #include <vector>
 
 #include "base/file.h"
+#include "base/hash.h"
 
 namespace latent {
 
@@ -21,7 +23,14 @@ namespace {
 constexpr std::string_view kSuffix = ".tmp";
 constexpr std::size_t kNonceDigits = 16;
 
-std::string prefix_of(const fs::path& path) { return fmt::format(".{}.", path.filename().string()); }
+constexpr std::size_t kMostNameBytes = 255;  // NAME_MAX, of every file system that Linux writes to
+
+// A hash stands for a name so long that nothing can be added to it.
+std::string prefix_of(const fs::path& path) {
+    const std::string name = path.filename().string();
+    const bool fits = name.size() + 2 + kNonceDigits + kSuffix.size() <= kMostNameBytes;
+    return fmt::format(".{}.", fits ? name : to_hex(hash128(std::as_bytes(std::span(name)))));
+}
 
 bool is_hidden_name(std::string_view name, std::string_view prefix) {
     if (name.size() != prefix.size() + kNonceDigits + kSuffix.size() || !name.starts_with(prefix) || !name.ends_with(kSuffix))
@@ -59,7 +68,9 @@ void remove_abandoned(const fs::path& path, const std::function<void(const fs::p
     }
     std::ranges::sort(found);
     for (const fs::path& hidden : found) {
-        const int fd = ::open(hidden.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        constexpr int kFlags = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+        int fd = ::open(hidden.c_str(), O_RDWR | kFlags);  // NFS locks nothing else
+        if (fd < 0 && errno == EISDIR) fd = ::open(hidden.c_str(), O_RDONLY | kFlags);
         if (fd < 0) continue;
         if (try_lock(fd) == 0 && is_named(fd, hidden)) {
             if (before) before(hidden);

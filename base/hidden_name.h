@@ -6,7 +6,8 @@
 
 namespace latent {
 
-// An output is made under a hidden name beside its own, ".NAME.<16 hexadecimal digits>.tmp". Its process holds a lock (flock) on
+// An output is made under a hidden name beside its own, ".NAME.<16 hexadecimal digits>.tmp"; a hash stands for NAME if that would
+// be too long. Its process holds a lock (flock) on
 // it, which ends with the process, however that ends: what can be locked is abandoned. On file systems without locks nothing can.
 std::filesystem::path hidden_name(const std::filesystem::path& path);
 

@@ -128,16 +128,22 @@ Status check_json_object(std::string_view text, std::size_t most_depth) {
     return Error{ErrorCode::kCorrupt, "is not valid JSON"};
 }
 
-std::string_view member_of(std::string_view object, std::string_view name) {
+void for_each_member(std::string_view object, const std::function<void(std::string_view, std::string_view)>& take) {
     Scanner in(object);
-    if (!in.take('{') || in.take('}')) return {};
+    if (!in.take('{') || in.take('}')) return;
     do {
-        const std::string_view key = in.value();
+        const std::string_view name = in.value();
         in.take(':');
-        const std::string_view value = in.value();
-        if (key.size() == name.size() + 2 && key.substr(1, name.size()) == name) return value;
+        take(name.substr(1, name.size() - 2), in.value());
     } while (in.take(','));
-    return {};
+}
+
+std::string_view member_of(std::string_view object, std::string_view name) {
+    std::string_view found;
+    for_each_member(object, [&](std::string_view key, std::string_view value) {
+        if (found.empty() && key == name) found = value;
+    });
+    return found;
 }
 
 void for_each_element(std::string_view array, const std::function<void(std::string_view)>& take) {

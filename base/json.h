@@ -26,8 +26,10 @@ std::string with_member(std::string object, std::string_view name, const std::fu
 Status check_json_object(std::string_view text, std::size_t most_depth);
 
 // Parts of a text that check_json_object accepts, as they stand there: the value of a member of the outermost object, empty if
-// there is none; the elements of an array, none if it is no array.
+// there is none; all its members, none if it is no object, names without quotation marks; the elements of an array, none if it is
+// no array.
 std::string_view member_of(std::string_view object, std::string_view name);
+void for_each_member(std::string_view object, const std::function<void(std::string_view name, std::string_view value)>& take);
 void for_each_element(std::string_view array, const std::function<void(std::string_view)>& take);
 
 }  // namespace latent

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -43,7 +44,12 @@ std::uint64_t usable_memory() {
         static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
     std::ostringstream memberships;
     memberships << std::ifstream("/proc/self/cgroup").rdbuf();
-    return std::min(physical, control_group_limit(memberships.str(), "/sys/fs/cgroup"));
+    struct rlimit address_space {};
+    const bool is_limited = ::getrlimit(RLIMIT_AS, &address_space) == 0 && address_space.rlim_cur != RLIM_INFINITY;
+    const std::uint64_t limit = is_limited ? address_space.rlim_cur : std::numeric_limits<std::uint64_t>::max();
+    return std::min({physical, limit, control_group_limit(memberships.str(), "/sys/fs/cgroup")});
 }
+
+std::uint64_t default_memory(std::uint64_t usable) { return std::min(std::uint64_t{1} << 30, usable / 2); }
 
 }  // namespace latent

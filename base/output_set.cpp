@@ -30,22 +30,14 @@ bool is_taken(const fs::path& name) {
     return fs::exists(fs::symlink_status(name, ignored));
 }
 
-// rename(2) to a name that nothing has.
-int rename_to_new(const fs::path& from, const fs::path& to) {
-    if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
-    if (errno != EINVAL && errno != ENOSYS) return errno;
-    if (is_taken(to)) return EEXIST;  // this file system cannot promise it
-    return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
-}
-
 // Gives `from` the name `to`; what had it is then at `from`. Where the file system cannot exchange them, by way of `aside`.
 int rename_in_exchange(const fs::path& from, const fs::path& to, const fs::path& aside) {
     if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) return 0;
-    if (errno == ENOENT) return rename_to_new(from, to);
-    if (errno != EINVAL && errno != ENOSYS) return errno;
+    if (errno == ENOENT) return rename_without_replacing(from, to);
+    if (errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP) return errno;
     const bool taken = ::rename(to.c_str(), aside.c_str()) == 0;
     if (!taken && errno != ENOENT) return errno;
-    if (const int failed = rename_to_new(from, to)) {
+    if (const int failed = rename_without_replacing(from, to)) {
         if (taken) ::rename(aside.c_str(), to.c_str());
         return failed;
     }
@@ -66,11 +58,11 @@ void take_back(const fs::path& hidden, const NamingJournal& entries) {
         if (identity_of(name) == entries[i].identity) {
             const fs::path away = hidden / fmt::format("{}.back", i);
             if (old.empty())
-                rename_to_new(name, away);
+                rename_without_replacing(name, away);
             else
                 rename_in_exchange(old, name, away);
         } else if (!old.empty() && !is_taken(name)) {
-            rename_to_new(old, name);
+            rename_without_replacing(old, name);
         }
     }
 }
@@ -83,7 +75,7 @@ class NamingLock {
         for (;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
             const auto held = hold_signals();  // what a signal removes must be ours
             NamingLock lock;
-            lock.fd_ = ::open(path.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+            lock.fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
             if (lock.fd_ < 0) return error_from_errno(errno, first.string(), "cannot create");
             if (!lock_hidden(lock.fd_) || !is_named(lock.fd_, path))
                 continue;  // the holder removes it, so the next is another file
@@ -171,8 +163,8 @@ Status OutputSet::publish() {
         if (!lock) return lock.error();
         for (std::size_t i = 0; i < items_.size(); ++i) {
             const fs::path& name = items_[i].name;
-            const int failed =
-                replace_ ? rename_in_exchange(place(i), name, aside_in(hidden_.path(), i)) : rename_to_new(place(i), name);
+            const int failed = replace_ ? rename_in_exchange(place(i), name, aside_in(hidden_.path(), i))
+                                        : rename_without_replacing(place(i), name);
             if (failed == 0) continue;
             take_back(hidden_.path(), journal);
             return error_from_errno(failed, name.string(),

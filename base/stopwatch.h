@@ -1,7 +1,8 @@
-// base/stopwatch.h: seconds of wall-clock time, for reports.
+// base/stopwatch.h: seconds by the clock and of processors, for reports.
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace latent {
 
@@ -13,5 +14,12 @@ class Stopwatch {
     using Clock = std::chrono::steady_clock;
     Clock::time_point begin_ = Clock::now();
 };
+
+// Seconds of all processors that this process has used so far.
+inline double cpu_seconds() {
+    struct timespec used {};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
 
 }  // namespace latent

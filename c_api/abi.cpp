@@ -1,5 +1,9 @@
 #include "c_api/abi.h"
 
+#include <string>
+
+#include "c_api/words.h"
+
 namespace latent::c {
 
 namespace {
@@ -37,6 +41,27 @@ latent_status number_of(ErrorCode code) {
     return LATENT_IO;
 }
 
+constexpr Word kFields[] = {{"--job", "options.job_low and job_high"},
+                            {"--skip-duplicates", "options.skip_duplicates"},
+                            {"--force", "options.replace"},
+                            {"--memory", "options.memory"},
+                            {"--compact", "options.compact"}};
+
+// As much of a message as has room. Out of memory, the words stay as they are.
+void copy_message(const std::string& message, latent_error& error) noexcept {
+    const auto copy = [&](const std::string& text) {
+        std::size_t size = std::min(text.size(), sizeof(error.message) - 1);
+        while (size < text.size() && (static_cast<unsigned char>(text[size]) & 0xC0) == 0x80) --size;  // whole characters
+        std::memcpy(error.message, text.data(), size);
+        error.message[size] = 0;
+    };
+    try {
+        copy(reworded(message, kFields));
+    } catch (...) {
+        copy(message);
+    }
+}
+
 }  // namespace
 
 latent_status report(const Status& status, latent_error* error) noexcept {
@@ -44,11 +69,7 @@ latent_status report(const Status& status, latent_error* error) noexcept {
     if (error == nullptr) return number;
     error->status = number;
     error->message[0] = 0;
-    if (!status) {
-        const std::size_t size = std::min(status.error().message.size(), sizeof(error->message) - 1);
-        std::memcpy(error->message, status.error().message.data(), size);
-        error->message[size] = 0;
-    }
+    if (!status) copy_message(status.error().message, *error);
     return number;
 }
 

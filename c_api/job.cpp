@@ -51,7 +51,7 @@ Result<Job> job_from(const latent_job* from) {
         if (!density) return density.error().at("job");
         job.density = std::move(*density);
     }
-    if (given.extra_count > kMaxExtraColumns) return out_of_range("more than 16 extra columns");
+    if (given.extra_count > kMaxExtraColumns) return out_of_range("more than 128 extra columns");
     if (given.extra_count > 0 && given.extra == nullptr) return usage_error("job.extra is null");
     for (std::size_t i = 0; i < given.extra_count; ++i) {
         const latent_column& column = given.extra[i];

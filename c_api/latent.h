@@ -3,14 +3,17 @@
  *
  * Functions return LATENT_OK or another latent_status. With a non-null `error`, a failed call leaves its status and one line of
  * text there; `error` may always be null. A null pointer where one is required, or a struct of an unknown size, is LATENT_USAGE. No
- * function throws, ends the process, prints, or keeps state outside the objects that it is given.
+ * function throws, ends the process or prints.
+ *
+ * Handles (latent_writer*, latent_reader*, latent_cursor*) that are null, were closed, or come from nowhere are LATENT_USAGE too;
+ * functions without a status then return 0 or null, and closing does nothing. A handle that was closed never becomes valid again.
  *
  * Structs that begin with `size`: set it to sizeof the struct and every other field that you do not use to 0, as in
  *     latent_job job = {.size = sizeof job};
  * Later versions add fields at the end, and 0 there always means what older versions did.
  *
- * Threads: a writer and a reader may be used by any number of threads at once; a cursor by one at a time; the functions that close
- * an object by the last thread that uses it. Strings are UTF-8 and end in 0. Intervals of samples are first .. end-1. */
+ * Threads: a writer and a reader may be used, and closed, by any number of threads at once; a cursor by one at a time. Strings are
+ * UTF-8 and end in 0; names of files are whatever bytes the system has. Intervals of samples are first .. end-1. */
 #ifndef LATENT_H
 #define LATENT_H
 
@@ -93,7 +96,7 @@ typedef struct latent_job {
     const latent_knot* knots;             /* the density that wavelengths are drawn from; null: wavelengths are stored */
     size_t knot_count;                    /* 0, or 2..4096 */
     const latent_column* extra;           /* further columns */
-    size_t extra_count;                   /* at most 16 */
+    size_t extra_count;                   /* at most 128 */
 } latent_job;
 
 /* Positions of `count` samples by the job's sampler, in units of 2^-32 of the film. LATENT_USAGE without a sampler. */
@@ -173,7 +176,8 @@ LATENT_API void latent_writer_stop(latent_writer* writer);
 /* Completes the file under its name. LATENT_USAGE if grains are missing. */
 LATENT_API latent_status latent_writer_finish(latent_writer* writer, latent_error* error);
 LATENT_API latent_status latent_writer_get_info(const latent_writer* writer, latent_writer_info* info, latent_error* error);
-/* Work that is not committed is lost, unless the part is finished. Null is allowed. */
+/* Work that is not committed is lost, unless the part is finished. Other threads that wait in `latent_writer_submit` return
+ * LATENT_STOPPED. */
 LATENT_API void latent_writer_close(latent_writer* writer);
 
 /* ---- Reading --------------------------------------------------------------------------------------------------------------
@@ -185,8 +189,9 @@ typedef struct latent_reader latent_reader;
 
 typedef struct latent_read_options {
     size_t size;
-    uint32_t skip_duplicates; /* 1: files named one by one may hold the same samples */
-    uint32_t verify;          /* 1: read and check every byte first; 0: check each page when it is read */
+    uint32_t skip_duplicates;   /* 1: files named one by one may hold the same samples */
+    uint32_t verify;            /* 1: read and check every byte first; 0: check each page when it is read */
+    uint64_t job_low, job_high; /* if files or folders hold several jobs, the one to read; 0, 0: there is only one */
 } latent_read_options;
 
 typedef struct latent_reader_info {
@@ -217,9 +222,18 @@ LATENT_API latent_status latent_reader_get_info(const latent_reader* reader, lat
 LATENT_API size_t latent_reader_coverage(const latent_reader* reader, latent_range* ranges, size_t capacity);
 /* Runs 0 .. info.runs-1, ascending by first sample. */
 LATENT_API latent_status latent_reader_run(const latent_reader* reader, uint64_t run, latent_run* info, latent_error* error);
+/* How the samples were made, as their writers tell it: JSON, {"parts": [{"provenance": {...}, "samples": [[first, end], ...]},
+ * ...]}, the same for parts and for the file that they were merged into. docs/format.md has the members in use. The text belongs to
+ * the reader. The first call reads the headers of all files again. */
+LATENT_API latent_status latent_reader_provenance(const latent_reader* reader, const char** json, latent_error* error);
+/* Names from there: of light group i, as the column light_group counts them, and of material i, as the column material counts them,
+ * from 1; "" without a name. Null after the last, or if the files do not tell. */
+LATENT_API const char* latent_reader_light_group(const latent_reader* reader, uint64_t i);
+LATENT_API const char* latent_reader_material(const latent_reader* reader, uint64_t i);
 /* Item i of those left out when the files were opened, as "FILE: run 3: checksum mismatch"; null after the last. */
 LATENT_API const char* latent_reader_left_out(const latent_reader* reader, uint64_t i);
-LATENT_API void latent_reader_close(latent_reader* reader); /* after its cursors; null is allowed */
+/* Its cursors can still be used. */
+LATENT_API void latent_reader_close(latent_reader* reader);
 
 /* ---- Cursors: records, page by page -------------------------------------------------------------------------------------- */
 
@@ -243,7 +257,7 @@ LATENT_API latent_status latent_cursor_open(const latent_reader* reader, const l
  * The columns belong to the cursor until its next call. LATENT_CORRUPT, LATENT_TRUNCATED and LATENT_UNSUPPORTED cost one page or
  * one run: call again to continue after it. */
 LATENT_API latent_status latent_cursor_next(latent_cursor* cursor, latent_records* records, latent_error* error);
-LATENT_API void latent_cursor_close(latent_cursor* cursor); /* null is allowed */
+LATENT_API void latent_cursor_close(latent_cursor* cursor);
 
 /* ---- Merging --------------------------------------------------------------------------------------------------------------
  * Files, folders and unfinished parts of one job become one file, in which no sample counts twice. Runs are copied as they are, and
@@ -259,7 +273,7 @@ typedef struct latent_merge_options {
     uint32_t keep_going;                               /* 1: named inputs that cannot be used are left out, too */
     uint32_t compact;                                  /* 1: many small runs become a few large ones; records do not change */
     uint32_t threads;                                  /* maximum; 0: one per processor */
-    uint64_t memory;                                   /* limit in bytes; 0: 1 GiB */
+    uint64_t memory;                                   /* limit in bytes; 0: 1 GiB, at most half of what may be used */
     latent_range require;                              /* samples that must be present; 0, 0: no such condition */
     uint64_t job_low, job_high;                        /* if folders hold several jobs, the one to merge; 0, 0: there is only one */
     void (*progress)(void* context, double done);      /* null, or called at intervals with the fraction that is done, 0..1, */

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "base/memory.h"
+#include "base/printable.h"
 #include "c_api/abi.h"
 
 using namespace latent;
@@ -30,7 +32,7 @@ Result<merge::MergeOptions> merge_options(const char* const* paths, size_t count
     merge.compact = given.compact != 0;
     if (given.threads > INT32_MAX) return Error{ErrorCode::kOutOfRange, "options.threads is too large"};
     merge.threads = static_cast<int>(given.threads);
-    if (given.memory != 0) merge.memory = given.memory;
+    merge.memory = given.memory != 0 ? given.memory : default_memory();
     if (given.require.first != 0 || given.require.end != 0) {
         merge.require = sampledb::SampleRange{given.require.first, given.require.end};
         if (merge.require->empty()) return latent::usage_error("options.require is empty");
@@ -60,7 +62,7 @@ latent_status latent_merge(const char* const* paths, size_t count, const char* o
         const Result<merge::MergeReport> report = merge::merge(*merge, progress);
         if (!report) return report.error();
         for (const sampledb::LeftOut& item : report->gathering.left_out) {
-            if (given.left_out != nullptr) given.left_out(given.context, (item.place + ": " + item.reason).c_str());
+            if (given.left_out != nullptr) given.left_out(given.context, printable_line(item.place + ": " + item.reason).c_str());
         }
         if (info == nullptr) return {};
         latent_merge_info value{};

@@ -1,11 +1,17 @@
 // The reading half of latent.h: a Gathering, and cursors over its records.
 #include <array>
+#include <cstddef>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/printable.h"
 #include "base/url.h"
 #include "c_api/abi.h"
+#include "c_api/handles.h"
+#include "c_api/origin.h"
 #include "c_api/records.h"
 #include "sampledb/read/record_cursor.h"
 
@@ -19,7 +25,8 @@ struct latent_reader {
         for (const ExtraColumnSpec& column : from.extra)
             extra.push_back({column.name.c_str(), static_cast<uint32_t>(column.type), 0});
         for (const std::filesystem::path& file : gathering->files()) files.push_back(shown_name(file));
-        for (const LeftOut& item : gathering->report().left_out) left_out.push_back(item.place + ": " + item.reason);
+        for (const LeftOut& item : gathering->report().left_out)
+            left_out.push_back(printable_line(item.place + ": " + item.reason));
         job.size = sizeof job;
         job.id_low = from.id.low, job.id_high = from.id.high;
         job.aspect_width = from.aspect_width, job.aspect_height = from.aspect_height;
@@ -35,7 +42,16 @@ struct latent_reader {
         job.extra = extra.empty() ? nullptr : extra.data(), job.extra_count = extra.size();
     }
 
+    // Read when somebody asks.
+    const Result<c::Origin>& origin() const {
+        const std::lock_guard lock(mutex);
+        if (!its_origin) its_origin = c::origin_of(*gathering);
+        return *its_origin;
+    }
+
     const std::unique_ptr<Gathering> gathering;
+    mutable std::mutex mutex;  // of what follows
+    mutable std::optional<Result<c::Origin>> its_origin;
     std::vector<latent_knot> knots;
     std::vector<latent_column> extra;
     std::vector<std::string> files, left_out;
@@ -43,10 +59,10 @@ struct latent_reader {
 };
 
 struct latent_cursor {
-    latent_cursor(const latent_reader& reader, const RecordSelection& selection, uint32_t shown)
-        : job(reader.gathering->job()), records(*reader.gathering, selection), columns(shown) {}
+    latent_cursor(std::shared_ptr<const latent_reader> its_reader, const RecordSelection& selection, uint32_t shown)
+        : reader(std::move(its_reader)), records(*reader->gathering, selection), columns(shown) {}
 
-    const Job& job;
+    const std::shared_ptr<const latent_reader> reader;
     RecordCursor records;
     const uint32_t columns;
     Page page;
@@ -54,6 +70,9 @@ struct latent_cursor {
 };
 
 namespace {
+
+using Readers = c::Handles<latent_reader>;
+using Cursors = c::Handles<latent_cursor>;
 
 constexpr uint32_t kAllColumns = 63;
 
@@ -96,35 +115,38 @@ latent_status latent_reader_open(const char* const* paths, size_t count, const l
             gather.inputs.emplace_back(paths[i]);
         }
         if (options != nullptr) {
-            const Result<latent_read_options> given = c::taken(options, sizeof(latent_read_options), "options");
+            const Result<latent_read_options> given = c::taken(options, offsetof(latent_read_options, job_low), "options");
             if (!given) return given.error();
             gather.skip_duplicates = given->skip_duplicates != 0;
             if (given->verify != 0) gather.verify = VerifyLevel::kStored;
+            if (given->job_low != 0 || given->job_high != 0) gather.job = JobId{given->job_low, given->job_high};
         }
         Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
         if (!opened) return opened.error();
-        *reader = new latent_reader(std::move(*opened));
+        *reader = Readers::open().add(std::make_shared<latent_reader>(std::move(*opened)));
         return {};
     });
 }
 
 latent_status latent_reader_job(const latent_reader* reader, latent_job* job, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return latent::usage_error("reader is null");
-        return c::give(reader->job, job, sizeof(latent_job), "job");
+        const auto object = Readers::open().find(reader, "reader");
+        if (!object) return object.error();
+        return c::give((*object)->job, job, sizeof(latent_job), "job");
     });
 }
 
 latent_status latent_reader_get_info(const latent_reader* reader, latent_reader_info* info, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return latent::usage_error("reader is null");
+        const auto object = Readers::open().find(reader, "reader");
+        if (!object) return object.error();
         latent_reader_info value{};
-        value.files = reader->files.size();
-        value.runs = reader->gathering->runs().size();
-        value.samples = reader->gathering->coverage().size();
-        value.light_paths = reader->gathering->light_paths();
-        value.left_out = reader->left_out.size();
-        for (const SelectedRun& run : reader->gathering->runs()) {
+        value.files = (*object)->files.size();
+        value.runs = (*object)->gathering->runs().size();
+        value.samples = (*object)->gathering->coverage().size();
+        value.light_paths = (*object)->gathering->light_paths();
+        value.left_out = (*object)->left_out.size();
+        for (const SelectedRun& run : (*object)->gathering->runs()) {
             value.pages += run.header.page_count;
             value.camera_records += run.header.camera_records;
             value.light_records += run.header.light_records;
@@ -135,8 +157,9 @@ latent_status latent_reader_get_info(const latent_reader* reader, latent_reader_
 }
 
 size_t latent_reader_coverage(const latent_reader* reader, latent_range* ranges, size_t capacity) {
-    if (reader == nullptr) return 0;
-    const std::span<const SampleRange> covered = reader->gathering->coverage().ranges();
+    const auto object = Readers::open().look_up(reader);
+    if (object == nullptr) return 0;
+    const std::span<const SampleRange> covered = object->gathering->coverage().ranges();
     for (size_t i = 0; ranges != nullptr && i < std::min(capacity, covered.size()); ++i)
         ranges[i] = {covered[i].first, covered[i].end};
     return covered.size();
@@ -144,14 +167,15 @@ size_t latent_reader_coverage(const latent_reader* reader, latent_range* ranges,
 
 latent_status latent_reader_run(const latent_reader* reader, uint64_t run, latent_run* info, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (reader == nullptr) return latent::usage_error("reader is null");
-        const std::vector<SelectedRun>& runs = reader->gathering->runs();
+        const auto object = Readers::open().find(reader, "reader");
+        if (!object) return object.error();
+        const std::vector<SelectedRun>& runs = (*object)->gathering->runs();
         if (run >= runs.size()) return Error{ErrorCode::kOutOfRange, "there is no run " + std::to_string(run)};
         const SelectedRun& from = runs[run];
         const RunHeader& header = from.header;
         const std::span<const SampleRange> covered = from.coverage.ranges();
         latent_run value{};
-        value.file = reader->files[from.file].c_str();
+        value.file = (*object)->files[from.file].c_str();
         value.offset = from.offset;
         value.samples = from.coverage.size();
         value.pages = header.page_count;
@@ -162,18 +186,57 @@ latent_status latent_reader_run(const latent_reader* reader, uint64_t run, laten
     });
 }
 
-const char* latent_reader_left_out(const latent_reader* reader, uint64_t i) {
-    return reader != nullptr && i < reader->left_out.size() ? reader->left_out[i].c_str() : nullptr;
+latent_status latent_reader_provenance(const latent_reader* reader, const char** json, latent_error* error) {
+    return c::guarded(error, [&]() -> Status {
+        if (json == nullptr) return latent::usage_error("json is null");
+        *json = nullptr;
+        const auto object = Readers::open().find(reader, "reader");
+        if (!object) return object.error();
+        const Result<c::Origin>& origin = (*object)->origin();
+        if (!origin) return origin.error();
+        *json = origin->json.c_str();
+        return {};
+    });
 }
 
-void latent_reader_close(latent_reader* reader) { delete reader; }
+namespace {
+
+// Name `i` of a list of its origin; null if there is none.
+const char* name_of(const latent_reader* reader, std::vector<std::string> c::Origin::*list, uint64_t i) {
+    const auto object = Readers::open().look_up(reader);
+    if (object == nullptr) return nullptr;
+    try {
+        const Result<c::Origin>& origin = object->origin();
+        return origin && i < ((*origin).*list).size() ? ((*origin).*list)[i].c_str() : nullptr;
+    } catch (...) {
+        return nullptr;
+    }
+}
+
+}  // namespace
+
+const char* latent_reader_light_group(const latent_reader* reader, uint64_t i) {
+    return name_of(reader, &c::Origin::light_groups, i);
+}
+
+const char* latent_reader_material(const latent_reader* reader, uint64_t i) {
+    return i == 0 ? nullptr : name_of(reader, &c::Origin::materials, i - 1);
+}
+
+const char* latent_reader_left_out(const latent_reader* reader, uint64_t i) {
+    const auto object = Readers::open().look_up(reader);
+    return object != nullptr && i < object->left_out.size() ? object->left_out[i].c_str() : nullptr;
+}
+
+void latent_reader_close(latent_reader* reader) { Readers::open().take(reader); }
 
 latent_status latent_cursor_open(const latent_reader* reader, const latent_selection* selection, latent_cursor** cursor,
                                  latent_error* error) {
     return c::guarded(error, [&]() -> Status {
         if (cursor == nullptr) return latent::usage_error("cursor is null");
         *cursor = nullptr;
-        if (reader == nullptr) return latent::usage_error("reader is null");
+        const auto object = Readers::open().find(reader, "reader");
+        if (!object) return object.error();
         latent_selection given{};
         if (selection != nullptr) {
             const Result<latent_selection> known = c::taken(selection, sizeof(latent_selection), "selection");
@@ -183,22 +246,24 @@ latent_status latent_cursor_open(const latent_reader* reader, const latent_selec
         const uint32_t columns = given.columns == 0 ? kAllColumns : given.columns;
         const Result<RecordSelection> made = selection_from(given, columns);
         if (!made) return made.error();
-        *cursor = new latent_cursor(*reader, *made, columns);
+        *cursor = Cursors::open().add(std::make_shared<latent_cursor>(*object, *made, columns));
         return {};
     });
 }
 
 latent_status latent_cursor_next(latent_cursor* cursor, latent_records* records, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (cursor == nullptr) return latent::usage_error("cursor is null");
+        const auto object = Cursors::open().find(cursor, "cursor");
+        if (!object) return object.error();
+        latent_cursor& its = **object;
         if (const auto fits = c::taken(records, sizeof(latent_records), "records"); !fits) return fits.error();
-        const Result<bool> more = cursor->records.next(cursor->page);
+        const Result<bool> more = its.records.next(its.page);
         if (!more) return more.error();
-        latent_records view = cursor->view.of(cursor->job, cursor->page, cursor->columns);
-        view.run = cursor->records.run();
-        view.page = cursor->records.page();
+        latent_records view = its.view.of(its.reader->gathering->job(), its.page, its.columns);
+        view.run = its.records.run();
+        view.page = its.records.page();
         return c::give(view, records, sizeof(latent_records), "records");
     });
 }
 
-void latent_cursor_close(latent_cursor* cursor) { delete cursor; }
+void latent_cursor_close(latent_cursor* cursor) { Cursors::open().take(cursor); }

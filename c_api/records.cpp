@@ -1,6 +1,9 @@
 #include "c_api/records.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <string>
 
 #include "c_api/abi.h"
 
@@ -17,8 +20,8 @@ Status copy(const T* from, std::size_t count, const char* name, std::vector<T>& 
     return {};
 }
 
-// The class of every record, and its share.
-void copy_classes(const latent_records& from, Records& to) {
+// The class of every record, and its share. Errors: kOutOfRange (a share that is not finite).
+Status copy_classes(const latent_records& from, Records& to) {
     if (from.record_class == nullptr) {
         to.record_class.assign(from.count, RecordClass::kCamera);
     } else {
@@ -27,10 +30,16 @@ void copy_classes(const latent_records& from, Records& to) {
     }
     if (from.share != nullptr) {
         to.share.assign(from.share, from.share + from.count);
+        const auto bad = std::ranges::find_if_not(to.share, [](float share) { return std::isfinite(share); });
+        if (bad != to.share.end()) {
+            const std::uint64_t sample = to.sample[static_cast<std::size_t>(bad - to.share.begin())];
+            return Error{ErrorCode::kOutOfRange, "sample " + std::to_string(sample) + ": a share that is not finite"};
+        }
     } else {
         to.share.resize(from.count);
         for (std::size_t i = 0; i < from.count; ++i) to.share[i] = to.record_class[i] == RecordClass::kCamera ? 1.0f : 0.0f;
     }
+    return {};
 }
 
 Status copy_pairs(const Job& job, const latent_records& from, Records& to) {
@@ -56,7 +65,7 @@ Result<Records> records_from(const Job& job, const latent_records* records) {
     if (Status s = copy(from.sample, from.count, "sample", to.sample); !s) return s.error();
     if (Status s = copy(from.u, from.count, "u", to.u); !s) return s.error();
     if (Status s = copy(from.v, from.count, "v", to.v); !s) return s.error();
-    copy_classes(from, to);
+    if (Status s = copy_classes(from, to); !s) return s.error();
     if (job.kind == RecordKind::kXyz) {
         if (Status s = copy(from.x, from.count, "x", to.x); !s) return s.error();
         if (Status s = copy(from.y, from.count, "y", to.y); !s) return s.error();

@@ -7,6 +7,7 @@
 
 #include "base/json.h"
 #include "c_api/abi.h"
+#include "c_api/handles.h"
 #include "c_api/job.h"
 #include "c_api/records.h"
 #include "sampledb/codec/record_check.h"
@@ -53,6 +54,8 @@ struct latent_writer {
 
 namespace {
 
+using Writers = c::Handles<latent_writer>;
+
 Result<PartOptions> part_options(const char* path, const latent_write_options* options) {
     if (path == nullptr) return latent::usage_error("path is null");
     const Result<latent_write_options> given = c::taken(options, sizeof(latent_write_options), "options");
@@ -91,35 +94,38 @@ latent_status latent_writer_open(const char* path, const latent_job* job, const 
         if (!part) return part.error();
         Result<std::unique_ptr<PartWriter>> opened = PartWriter::open(*part, *made);
         if (!opened) return opened.error();
-        *writer = new latent_writer(std::move(*made), part->range, std::move(*opened));
+        *writer = Writers::open().add(std::make_shared<latent_writer>(std::move(*made), part->range, std::move(*opened)));
         return {};
     });
 }
 
 size_t latent_writer_missing(const latent_writer* writer, latent_range* ranges, size_t capacity) {
-    if (writer == nullptr) return 0;
-    const std::span<const SampleRange> missing = writer->part->missing().ranges();
+    const auto object = Writers::open().look_up(writer);
+    if (object == nullptr) return 0;
+    const std::span<const SampleRange> missing = object->part->missing().ranges();
     for (size_t i = 0; ranges != nullptr && i < std::min(capacity, missing.size()); ++i)
         ranges[i] = {missing[i].first, missing[i].end};
     return missing.size();
 }
 
 int latent_writer_next(latent_writer* writer, latent_range* grain) {
-    if (writer == nullptr || grain == nullptr) return 0;
-    const SampleRange next = writer->grains.next();
+    const auto object = Writers::open().look_up(writer);
+    if (object == nullptr || grain == nullptr) return 0;
+    const SampleRange next = object->grains.next();
     *grain = {next.first, next.end};
     return next.empty() ? 0 : 1;
 }
 
 latent_status latent_writer_submit(latent_writer* writer, latent_range grain, const latent_records* records, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return latent::usage_error("writer is null");
+        const auto object = Writers::open().find(writer, "writer");
+        if (!object) return object.error();
         const SampleRange range{grain.first, grain.end};
-        if (Status s = writer->expect(range); !s) return s;
+        if (Status s = (*object)->expect(range); !s) return s;
         const auto checked = [&]() -> Result<Records> {
-            Result<Records> made = c::records_from(writer->job, records);
+            Result<Records> made = c::records_from((*object)->job, records);
             if (!made) return made;
-            if (Status s = check_records(writer->job, Coverage(range), *made); !s) return s.error();
+            if (Status s = check_records((*object)->job, Coverage(range), *made); !s) return s.error();
             return made;
         };
         Result<Records> made = Error{};
@@ -129,47 +135,53 @@ latent_status latent_writer_submit(latent_writer* writer, latent_range grain, co
             made = current_error();
         }
         if (!made) {
-            writer->expect_again(range);
+            (*object)->expect_again(range);
             return made.error();
         }
-        return writer->part->submit({range, std::move(*made)});
+        return (*object)->part->submit({range, std::move(*made)});
     });
 }
 
 latent_status latent_writer_checkpoint(latent_writer* writer, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return latent::usage_error("writer is null");
-        return writer->part->checkpoint();
+        const auto object = Writers::open().find(writer, "writer");
+        if (!object) return object.error();
+        return (*object)->part->checkpoint();
     });
 }
 
 void latent_writer_stop(latent_writer* writer) {
-    if (writer != nullptr) writer->part->give_up();
+    if (const auto object = Writers::open().look_up(writer)) object->part->give_up();
 }
 
 latent_status latent_writer_finish(latent_writer* writer, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return latent::usage_error("writer is null");
+        const auto object = Writers::open().find(writer, "writer");
+        if (!object) return object.error();
         {
-            const std::lock_guard lock(writer->mutex);
-            if (writer->finished) return latent::usage_error("the part is finished");
-            if (!writer->expected.empty() && !writer->part->published_elsewhere()) {
-                return latent::usage_error("samples " + to_string(writer->expected) + " were not submitted");
+            const std::lock_guard lock((*object)->mutex);
+            if ((*object)->finished) return latent::usage_error("the part is finished");
+            if (!(*object)->expected.empty() && !(*object)->part->published_elsewhere()) {
+                return latent::usage_error("samples " + to_string((*object)->expected) + " were not submitted");
             }
-            writer->finished = true;
+            (*object)->finished = true;
         }
-        return writer->part->finish();
+        return (*object)->part->finish();
     });
 }
 
 latent_status latent_writer_get_info(const latent_writer* writer, latent_writer_info* info, latent_error* error) {
     return c::guarded(error, [&]() -> Status {
-        if (writer == nullptr) return latent::usage_error("writer is null");
-        const WriterCounts counts = writer->part->counts();
+        const auto object = Writers::open().find(writer, "writer");
+        if (!object) return object.error();
+        const WriterCounts counts = (*object)->part->counts();
         const latent_writer_info value{sizeof value, counts.samples_committed, counts.bytes_written, counts.runs_written,
                                        counts.checkpoints_written};
         return c::give(value, info, sizeof(latent_writer_info), "info");
     });
 }
 
-void latent_writer_close(latent_writer* writer) { delete writer; }
+void latent_writer_close(latent_writer* writer) {
+    const auto object = Writers::open().take(writer);
+    if (object != nullptr && object.use_count() > 1) object->part->give_up();  // others that wait in a call return
+}

@@ -1,4 +1,4 @@
-# Libraries from Debian 12 (scripts/install names the packages).
+# Libraries from Debian 12 or 13 (scripts/install names the packages).
 find_package(Threads REQUIRED)
 find_package(fmt 9 CONFIG REQUIRED)
 find_package(tl-expected 1.0 CONFIG REQUIRED)
@@ -12,7 +12,10 @@ set(CMAKE_MESSAGE_LOG_LEVEL ERROR)
 find_package(Imath 3.1 CONFIG REQUIRED)
 find_package(OpenEXR 3.1 CONFIG REQUIRED)
 unset(CMAKE_MESSAGE_LOG_LEVEL)
-find_package(embree 3.13 CONFIG REQUIRED)
+find_package(embree 4 CONFIG QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3.13 CONFIG REQUIRED)
+endif()
 find_package(ZLIB REQUIRED)
 find_package(CURL 7.88 REQUIRED)
 find_path(NANOVDB_INCLUDE_DIR nanovdb/NanoVDB.h REQUIRED)

@@ -12,9 +12,10 @@ Result<std::unique_ptr<Pictures>> Pictures::create(std::uint64_t cache_bytes) {
     const auto create = module == nullptr ? nullptr : reinterpret_cast<Create>(dlsym(module, "latent_create_pictures"));
     if (create == nullptr) {
         const char* const reason = dlerror();
-        return Error{ErrorCode::kUnsupported,
-                     fmt::format("pictures cannot be read: the module latent_oiio.so (OpenImageIO) cannot be loaded: {}",
-                                 reason == nullptr ? "it was not built for this version" : reason)};
+        return Error{
+            ErrorCode::kUnsupported,
+            fmt::format("pictures cannot be read: install the package latent-pictures, or OpenImageIO and build again ({})",
+                        reason == nullptr ? "it was not built for this version" : reason)};
     }
     return std::unique_ptr<Pictures>(create(cache_bytes));
 }

@@ -19,11 +19,11 @@ struct PictureEncoding {
     float gamma = 1;
 };
 
-enum class PictureWrap : std::uint8_t { kRepeat, kBlack, kClamp };
+enum class PictureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kMirror };
 // kQuartic: rotationally symmetric in texels; between two of the smaller sizes as kTrilinear.
 enum class PictureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa, kQuartic };
 struct PictureSampling {
-    PictureWrap wrap = PictureWrap::kRepeat;
+    std::array<PictureWrap, 2> wrap{};  // along s and t
     PictureFilter filter = PictureFilter::kBilinear;
     int max_anisotropy = 8;
 };
@@ -63,7 +63,8 @@ class Pictures {
     // One line for each file in which `lookup` has met values that are NaN or infinite: they count as 0.
     virtual std::vector<std::string> warnings() const = 0;
     // All of a picture at once, beside the cache. Errors: those of `open`.
-    virtual Result<WholePicture> read(const std::string& path, const PictureEncoding& encoding) const = 0;
+    virtual Result<WholePicture> read(const std::string& path, const std::string& in_messages,
+                                      const PictureEncoding& encoding) const = 0;
 };
 
 }  // namespace latent::image

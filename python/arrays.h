@@ -11,10 +11,17 @@
 
 namespace latent::python {
 
-using Range = std::pair<std::uint64_t, std::uint64_t>;  // first, end
+using Range = std::pair<std::uint64_t, std::uint64_t>;      // first, end
+using JobHalves = std::pair<std::uint64_t, std::uint64_t>;  // of a job's id: high, low
 
 // NumPy's names of LATENT_U8 .. LATENT_F64.
 inline constexpr const char* kTypes[] = {"", "u1", "u2", "u4", "u8", "f4", "f8"};
+
+// Member `name` of what Python has checked.
+template <class T>
+T get(const pybind11::dict& given, const char* name) {
+    return given[name].cast<T>();
+}
 
 // A new array of `shape`, filled by a copy.
 template <class T>

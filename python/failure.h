@@ -8,8 +8,11 @@
 
 namespace latent::python {
 
+// One line of UTF-8: a message of C or of a tool, with its options as the arguments that Python has for them.
+std::string in_words_of_python(const std::string& message);
+
 struct Failure : std::runtime_error {
-    explicit Failure(const std::string& message) : std::runtime_error(message) {}
+    explicit Failure(const std::string& message) : std::runtime_error(in_words_of_python(message)) {}
 };
 
 inline void check(latent_status status, const latent_error& error) {

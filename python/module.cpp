@@ -2,6 +2,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <iterator>
+
 #include "c_api/latent.h"
 #include "python/failure.h"
 #include "python/reader.h"
@@ -14,17 +16,21 @@ PYBIND11_MODULE(_latent, m) {
     using namespace latent::python;
     py::register_exception<Failure>(m, "Error", PyExc_OSError);
     m.def("version", latent_version);
+    m.attr("types") = std::vector<std::string>(std::next(std::begin(kTypes)), std::end(kTypes));  // of extra columns
     m.def("merge", merge);
     m.def("develop", develop);
     py::class_<Reader, std::shared_ptr<Reader>>(m, "Reader")
-        .def(py::init<const std::vector<std::string>&, bool, bool>())
+        .def(py::init<const std::vector<std::string>&, std::optional<JobHalves>, bool, bool>())
         .def("job", &Reader::job)
         .def("info", &Reader::info)
         .def("coverage", &Reader::coverage)
-        .def("left_out", &Reader::left_out);
+        .def("left_out", &Reader::left_out)
+        .def("provenance", &Reader::provenance)
+        .def("light_groups", &Reader::light_groups)
+        .def("materials", &Reader::materials);
     py::class_<Pages>(m, "Pages")
         .def(py::init<std::shared_ptr<Reader>, std::optional<std::vector<std::string>>, std::optional<std::vector<double>>,
-                      std::optional<Range>, const std::string&, std::optional<Range>>())
+                      std::optional<Range>, std::uint32_t, std::optional<Range>>())
         .def("__iter__", [](py::object self) { return self; })
         .def("__next__", &Pages::next);
     py::class_<Writer>(m, "Writer")

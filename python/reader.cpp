@@ -38,11 +38,12 @@ py::array rows(const latent_records& r, const float* from, py::ssize_t k) {
 
 }  // namespace
 
-Reader::Reader(const std::vector<std::string>& paths, bool skip_duplicates, bool verify) {
+Reader::Reader(const std::vector<std::string>& paths, std::optional<JobHalves> job, bool skip_duplicates, bool verify) {
     std::vector<const char*> names;
     names.reserve(paths.size());
     for (const std::string& path : paths) names.push_back(path.c_str());
-    latent_read_options options{sizeof options, skip_duplicates, verify};
+    latent_read_options options{sizeof options, skip_duplicates, verify, 0, 0};
+    if (job) options.job_high = job->first, options.job_low = job->second;
     latent_error error;
     latent_reader* opened = nullptr;
     latent_status status;
@@ -111,23 +112,38 @@ std::vector<std::string> Reader::left_out() const {
     return items;
 }
 
+std::string Reader::provenance() const {
+    const char* json = nullptr;
+    latent_error error;
+    check(latent_reader_provenance(reader_.get(), &json, &error), error);
+    return json;
+}
+
+std::vector<std::string> Reader::light_groups() const {
+    std::vector<std::string> names;
+    while (const char* name = latent_reader_light_group(reader_.get(), names.size())) names.emplace_back(name);
+    return names;
+}
+
+std::vector<std::string> Reader::materials() const {
+    std::vector<std::string> names;
+    while (const char* name = latent_reader_material(reader_.get(), names.size() + 1)) names.emplace_back(name);
+    return names;
+}
+
 Pages::Pages(std::shared_ptr<Reader> reader, std::optional<std::vector<std::string>> columns,
-             std::optional<std::vector<double>> region, std::optional<Range> samples, const std::string& classes,
+             std::optional<std::vector<double>> region, std::optional<Range> samples, std::uint32_t classes,
              std::optional<Range> runs)
     : reader_(std::move(reader)), wanted_(std::move(columns)) {
     latent_selection selection{};
     selection.size = sizeof selection;
     selection.columns = columns_of_request();
-    selection.classes = classes == "camera" ? 1 : classes == "light" ? 2 : classes == "both" ? 0 : 3;
+    selection.classes = classes;
     if (samples) selection.samples = {samples->first, samples->second};
     if (runs) selection.runs = {runs->first, runs->second};
     if (region) {
-        if (region->size() != 4) throw py::value_error("region is (u0, v0, u1, v1)");
         selection.u0 = (*region)[0], selection.v0 = (*region)[1], selection.u1 = (*region)[2], selection.v1 = (*region)[3];
     }
-    // What is empty would mean "all" in C.
-    const bool nothing = (samples && samples->first >= samples->second) || (runs && runs->first >= runs->second);
-    if (nothing) throw py::value_error("samples or runs is empty");
     latent_error error;
     latent_cursor* opened = nullptr;
     check(latent_cursor_open(reader_->get(), &selection, &opened, &error), error);
@@ -139,8 +155,10 @@ py::dict Pages::next() {
     r.size = sizeof r;
     latent_error error;
     latent_status status;
+    std::unique_lock<std::mutex> turn(mutex_, std::defer_lock);  // until the columns are copied
     {
         const py::gil_scoped_release release;
+        turn.lock();
         status = latent_cursor_next(cursor_.get(), &r, &error);
     }
     check(status, error);
@@ -154,20 +172,15 @@ bool Pages::wants(const std::string& name) const {
 
 std::uint32_t Pages::columns_of_request() const {
     const latent_job& job = reader_->c_job();
-    const std::vector<std::string>& known = reader_->names();
     std::uint32_t columns = 0;
     bool extra = false;
     for (std::size_t i = 0; i < job.extra_count; ++i) extra |= wants(reader_->extra_name(i));
-    for (const std::string& name : wanted_.value_or(std::vector<std::string>{})) {
-        if (std::find(known.begin(), known.end(), name) == known.end()) throw py::key_error("no column " + name);
-    }
     if (wants("sample") || wants("class")) columns |= LATENT_SAMPLES;
     if (wants("u") || wants("v")) columns |= LATENT_POSITIONS;
     if (wants("share")) columns |= LATENT_SHARES;
     if (job.kind == LATENT_XYZ ? wants("x") || wants("y") || wants("z") : wants("power")) columns |= LATENT_VALUES;
     if (job.kind == LATENT_SPECTRAL && wants("wavelengths")) columns |= LATENT_VALUES | LATENT_WAVELENGTHS;
     if (extra) columns |= LATENT_EXTRA;
-    if (columns == 0) throw py::value_error("no columns");
     return columns;
 }
 

@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,12 +16,15 @@ namespace latent::python {
 
 class Reader {
  public:
-    Reader(const std::vector<std::string>& paths, bool skip_duplicates, bool verify);
+    Reader(const std::vector<std::string>& paths, std::optional<JobHalves> job, bool skip_duplicates, bool verify);
 
     pybind11::dict job() const;
     pybind11::dict info() const;
     pybind11::array coverage() const;
     std::vector<std::string> left_out() const;
+    std::string provenance() const;  // JSON
+    std::vector<std::string> light_groups() const;
+    std::vector<std::string> materials() const;
 
     // Of all columns; extra ones come last, as extra.NAME where the name is taken.
     const std::vector<std::string>& names() const { return names_; }
@@ -38,13 +42,14 @@ class Reader {
     std::size_t own_ = 0;  // of these, the ones that are not extra columns
 };
 
-// An iterator over pages: a dict of arrays for each.
+// An iterator over pages: a dict of arrays for each. `columns`: names of the reader.
 class Pages {
  public:
     Pages(std::shared_ptr<Reader> reader, std::optional<std::vector<std::string>> columns,
-          std::optional<std::vector<double>> region, std::optional<Range> samples, const std::string& classes,
+          std::optional<std::vector<double>> region, std::optional<Range> samples, std::uint32_t classes,
           std::optional<Range> runs);
 
+    // Threads that share an iterator take turns.
     pybind11::dict next();
 
  private:
@@ -57,6 +62,7 @@ class Pages {
     };
     std::shared_ptr<Reader> reader_;
     std::optional<std::vector<std::string>> wanted_;
+    std::mutex mutex_;
     std::unique_ptr<latent_cursor, Closer> cursor_;
 };
 

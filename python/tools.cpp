@@ -10,7 +10,6 @@
 #include "c_api/latent.h"
 #include "python/arrays.h"
 #include "python/failure.h"
-#include "sampledb/data/parse.h"
 #include "tools/develop/picture.h"
 #include "tools/develop/pixel_array.h"
 #include "tools/develop/report.h"
@@ -29,22 +28,16 @@ auto parsed(const Parse& parse, const std::string& text) {
     return *value;
 }
 
-template <class T>
-T get(const py::dict& options, const char* name) {
-    return options[name].cast<T>();
-}
-
 std::optional<sampledb::SampleRange> samples_of(const py::dict& options, const char* name) {
     const auto range = get<std::optional<Range>>(options, name);
     if (!range) return std::nullopt;
-    if (range->first >= range->second) throw py::value_error(std::string(name) + " is empty");
     return sampledb::SampleRange{range->first, range->second};
 }
 
 std::optional<sampledb::JobId> job_of(const py::dict& options) {
-    const auto job = get<std::optional<std::string>>(options, "job");
+    const auto job = get<std::optional<JobHalves>>(options, "job");
     if (!job) return std::nullopt;
-    return parsed(sampledb::parse_job_id, *job);
+    return sampledb::JobId{job->second, job->first};
 }
 
 develop::PictureOptions picture_options(const std::vector<std::string>& paths, const py::dict& given) {
@@ -118,7 +111,11 @@ py::tuple develop(const std::vector<std::string>& paths, const py::dict& given) 
     Result<develop::PictureReport> report = Error{};
     {
         const py::gil_scoped_release release;
-        report = develop::develop_picture(options, *picture, {});
+        try {
+            report = develop::develop_picture(options, *picture, {});
+        } catch (...) {
+            report = current_error();  // out of memory, above all
+        }
     }
     if (!report) throw Failure(report.error().message);
     // The array keeps the picture alive.
@@ -126,7 +123,10 @@ py::tuple develop(const std::vector<std::string>& paths, const py::dict& given) 
                                    [](void* held) { delete static_cast<std::shared_ptr<develop::PixelArray>*>(held); });
     const std::vector<std::size_t> shape = {picture->height(), picture->width(), picture->channels().size()};
     const py::array_t<float> pixels(shape, picture->pixels().data(), owner);
-    return py::make_tuple(pixels, picture->channels(), develop::losses(*report), report->warnings);
+    std::vector<std::string> warnings = develop::losses(*report);
+    warnings.insert(warnings.end(), report->warnings.begin(), report->warnings.end());
+    for (std::string& line : warnings) line = in_words_of_python(line);
+    return py::make_tuple(pixels, picture->channels(), warnings);
 }
 
 }  // namespace latent::python

@@ -119,8 +119,10 @@ Dyes published(const Columns& table, bool have_base) {
     for (std::size_t dye = 0; dye < 3; ++dye) {
         const Curve plotted = dyes.unit[dye];
         for (std::size_t i = 0; i < kNm; ++i) {
-            if (nm_of(i) < from) dyes.unit[dye][i] = plotted[static_cast<std::size_t>(std::ceil(from - kFirstNm))] * tail(dye, nm_of(i), from);
-            if (nm_of(i) > to) dyes.unit[dye][i] = plotted[static_cast<std::size_t>(std::floor(to - kFirstNm))] * tail(dye, nm_of(i), to);
+            if (nm_of(i) < from)
+                dyes.unit[dye][i] = plotted[static_cast<std::size_t>(std::ceil(from - kFirstNm))] * tail(dye, nm_of(i), from);
+            if (nm_of(i) > to)
+                dyes.unit[dye][i] = plotted[static_cast<std::size_t>(std::floor(to - kFirstNm))] * tail(dye, nm_of(i), to);
         }
     }
     return dyes;
@@ -132,8 +134,9 @@ Result<Dyes> dyes_of(const Material& material) {
     Result<Columns> table = need_table(material, "dyes", {"wavelength_nm"});
     if (!table) return table.error();
     const bool separate = !table->has("cyan");
-    table = need_table(material, "dyes",
-                       separate ? std::vector<std::string>{"midscale", "minimum"} : std::vector<std::string>{"cyan", "magenta", "yellow"});
+    table = need_table(
+        material, "dyes",
+        separate ? std::vector<std::string>{"midscale", "minimum"} : std::vector<std::string>{"cyan", "magenta", "yellow"});
     if (!table) return table.error();
     Dyes dyes = separate ? separated(*table) : published(*table, material.dyes_have_base);
     constexpr double kFrom[] = {600, 500, 400}, kTo[] = {730, 600, 500};

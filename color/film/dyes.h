@@ -10,9 +10,9 @@
 namespace latent::film {
 
 struct Dyes {
-    Curves unit;                    // cyan, magenta, yellow: peak density 1
-    std::optional<Curve> base{};    // spectral density without image, if it was published
-    double separation_rms = 0;      // density: how well the template fits, where the dyes were not published
+    Curves unit;                  // cyan, magenta, yellow: peak density 1
+    std::optional<Curve> base{};  // spectral density without image, if it was published
+    double separation_rms = 0;    // density: how well the template fits, where the dyes were not published
 };
 
 // Errors: those of the table.

@@ -11,9 +11,9 @@
 namespace latent::film {
 namespace {
 
-constexpr double kCoarsest = 4096;  // um
-constexpr int kFinest = 11;         // 2 um
-constexpr double kCloud = 6;        // um, half the width of a dye cloud
+constexpr double kCoarsest = 4096;     // um
+constexpr int kFinest = 11;            // 2 um
+constexpr double kCloud = 6;           // um, half the width of a dye cloud
 constexpr double kAperture = 42.5396;  // um, side of the square of the same area as the aperture of 48 um
 
 // Twice the integral of the tent of unit area over -kCloud .. kCloud: 0 far to the left, t far to the right.
@@ -69,7 +69,9 @@ std::uint64_t key_of(std::uint64_t seed, std::uint64_t layer, int level) {
 constexpr std::int64_t floor_half(std::int64_t v) { return v >> 1; }
 
 // Of the sheet that stands for films whose own was not published.
-Columns shape_for(const Material& film) { return common_table(film.positive() ? "kodak_ektachrome_100d.grain" : "kodak_5219.grain"); }
+Columns shape_for(const Material& film) {
+    return common_table(film.positive() ? "kodak_ektachrome_100d.grain" : "kodak_5219.grain");
+}
 constexpr const char* kLayer[] = {"r", "g", "b"};
 
 // The least densities of the layers, in the data sheet's densitometer.
@@ -102,7 +104,9 @@ Result<std::array<Table1, 3>> granularity(const Material& film, double pushed) {
     const Columns shape = *own ? **own : shape_for(film);
     const Columns shape_curves = common_table(film.positive() ? "kodak_ektachrome_100d.curves" : "kodak_5219.curves");
     const Triple base = least_densities(*own ? *curves : shape_curves);
-    const auto plain = [&](std::size_t c, double above_base) { return interpolated(base[c] + above_base, shape.values[0], shape[kLayer[c]]); };
+    const auto plain = [&](std::size_t c, double above_base) {
+        return interpolated(base[c] + above_base, shape.values[0], shape[kLayer[c]]);
+    };
     double scale = 1;
     if (!*own) {  // what the eye sees of the three layers at density 1 is the rms of the sheet
         constexpr double kVisual[] = {0.3, 0.6, 0.1};
@@ -142,26 +146,28 @@ GrainField::Span1 GrainField::seen_by(std::int64_t pixel) const {
 
 // Haar refinement: four children are their parent plus independent details, and their mean is their parent. Values have variance 1:
 // those of a level are twice as strong as their parents', in proportion to the reciprocal of their width.
-void GrainField::cells(std::uint64_t layer, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, Scratch& scratch) const {
+void GrainField::cells(std::uint64_t layer, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
+                       Scratch& scratch) const {
     struct Area {
         std::int64_t x0, y0, x1, y1;  // inclusive
     };
     std::array<Area, kFinest + 1> areas;
     areas[static_cast<std::size_t>(level_)] = {x0, y0, x1, y1};
     for (int level = level_; level-- > 0;) {
-        const Area& below = areas[static_cast<std::size_t>(level + 1)];
-        areas[static_cast<std::size_t>(level)] = {floor_half(below.x0), floor_half(below.y0), floor_half(below.x1), floor_half(below.y1)};
+        const Area& below = areas[static_cast<std::size_t>(level) + 1];
+        areas[static_cast<std::size_t>(level)] = {floor_half(below.x0), floor_half(below.y0), floor_half(below.x1),
+                                                  floor_half(below.y1)};
     }
     const auto width_of = [](const Area& a) { return static_cast<std::size_t>(a.x1 - a.x0 + 1); };
     scratch.coarse.resize(width_of(areas[0]) * static_cast<std::size_t>(areas[0].y1 - areas[0].y0 + 1));
     for (std::int64_t y = areas[0].y0; y <= areas[0].y1; ++y) {
         for (std::int64_t x = areas[0].x0; x <= areas[0].x1; ++x)
-            scratch.coarse[static_cast<std::size_t>(y - areas[0].y0) * width_of(areas[0]) + static_cast<std::size_t>(x - areas[0].x0)] =
-                normals(key_of(seed_, layer, 0), x, y).n[0];
+            scratch.coarse[static_cast<std::size_t>(y - areas[0].y0) * width_of(areas[0]) +
+                           static_cast<std::size_t>(x - areas[0].x0)] = normals(key_of(seed_, layer, 0), x, y).n[0];
     }
     for (int level = 0; level < level_; ++level) {
         const Area& from = areas[static_cast<std::size_t>(level)];
-        const Area& to = areas[static_cast<std::size_t>(level + 1)];
+        const Area& to = areas[static_cast<std::size_t>(level) + 1];
         const std::uint64_t key = key_of(seed_, layer, level + 1);
         const std::size_t width = width_of(to);
         scratch.fine.resize(width * static_cast<std::size_t>(to.y1 - to.y0 + 1));
@@ -190,7 +196,8 @@ void GrainField::fill(int x0, int y0, int width, int height, const std::array<fl
     for (int x = 0; x < width; ++x) columns.push_back(seen_by(x0 + x));
     for (int y = 0; y < height; ++y) rows.push_back(seen_by(y0 + y));
     const auto last_of = [](const Span1& span) { return span.first + static_cast<std::int64_t>(span.weights.size()) - 1; };
-    const std::int64_t cx0 = columns.front().first, cx1 = last_of(columns.back()), cy0 = rows.front().first, cy1 = last_of(rows.back());
+    const std::int64_t cx0 = columns.front().first, cx1 = last_of(columns.back()), cy0 = rows.front().first,
+                       cy1 = last_of(rows.back());
     const auto pixels = static_cast<std::size_t>(width);
     const auto cell_columns = static_cast<std::size_t>(cx1 - cx0 + 1), cell_rows = static_cast<std::size_t>(cy1 - cy0 + 1);
     for (int layer = 0; layer < layers_; ++layer) {

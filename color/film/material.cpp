@@ -172,16 +172,17 @@ Result<Columns> columns_from_text(std::string_view text) {
     if (rows.size() < 2) return Error{ErrorCode::kCorrupt, "needs at least two lines of numbers"};
     for (const color::CsvRow& row : rows) {
         if (row.fields.size() != out.names.size()) {
-            return color::csv_error(row.line, fmt::format("{} values for {} columns; gaps are not filled in: leave the whole line out, "
-                                                          "or write a value",
-                                                          row.fields.size(), out.names.size()));
+            return color::csv_error(row.line,
+                                    fmt::format("{} values for {} columns; gaps are not filled in: leave the whole line out, "
+                                                "or write a value",
+                                                row.fields.size(), out.names.size()));
         }
         for (std::size_t i = 0; i < row.fields.size(); ++i) {
             const std::optional<double> number = color::csv_number(row.fields[i]);
             if (!number) return color::csv_error(row.line, fmt::format("\"{}\" is not a finite number", row.fields[i]));
             if (i == 0 && !out.values[0].empty() && *number <= out.values[0].back())
-                return color::csv_error(row.line, fmt::format("{} must increase, but {} follows {}; sort the lines", out.names[0], *number,
-                                                              out.values[0].back()));
+                return color::csv_error(row.line, fmt::format("{} must increase, but {} follows {}; sort the lines", out.names[0],
+                                                              *number, out.values[0].back()));
             out.values[i].push_back(*number);
         }
     }
@@ -277,8 +278,7 @@ Result<Columns> need_table(const Material& material, std::string_view what, cons
     Result<std::optional<Columns>> found = find_table(material, what);
     if (!found) return found.error();
     const auto file = [&] { return (material.folder / fmt::format("{}.{}.csv", material.file, what)).string(); };
-    if (!*found)
-        return Error{ErrorCode::kNotFound, fmt::format("{}: no such file, but {} needs it", file(), material.title)};
+    if (!*found) return Error{ErrorCode::kNotFound, fmt::format("{}: no such file, but {} needs it", file(), material.title)};
     for (const std::string& column : columns) {
         if (!(*found)->has(column))
             return Error{ErrorCode::kCorrupt, fmt::format("{}: has no column {}, which {} needs", file(), column, material.title)};

@@ -24,11 +24,11 @@ struct Material {
     std::string balance;        // light of its neutral exposures: "D55", "3200K"
     char status = 'A';          // of its densities: 'A', 'M' [ISO5-3], 'v' visual (black and white)
     std::string process;
-    double speed_from_curves = 0;   // ISO speed that its curves have; 0: unknown
-    double rms = 0;                 // 1000 x rms of density through an aperture of 48 um, at density 1; 0: unknown
-    bool rms_measured = false;      // by the maker
-    std::string mtf, year, note;    // `mtf`: "yes", "copy of FILE", or ""
-    bool dyes_have_base = false;    // the plot of its dyes includes its base
+    double speed_from_curves = 0;    // ISO speed that its curves have; 0: unknown
+    double rms = 0;                  // 1000 x rms of density through an aperture of 48 um, at density 1; 0: unknown
+    bool rms_measured = false;       // by the maker
+    std::string mtf, year, note;     // `mtf`: "yes", "copy of FILE", or ""
+    bool dyes_have_base = false;     // the plot of its dyes includes its base
     std::filesystem::path folder{};  // of its tables; empty: those that are compiled in
 
     bool in_camera() const { return kind == Kind::kNegative || kind == Kind::kReversal; }

@@ -34,7 +34,8 @@ Result<MonoCurve> mono_film(const Material& film, double push) {
     }
     MonoCurve out{h, {}};
     const double base = std::ranges::min(curves->values[best]);
-    for (const double at : h) out.density.push_back(base + push_contrast(push) * (interpolated(at + push_speed(push), h, curves->values[best]) - base));
+    for (const double at : h)
+        out.density.push_back(base + push_contrast(push) * (interpolated(at + push_speed(push), h, curves->values[best]) - base));
     return out;
 }
 

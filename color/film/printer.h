@@ -40,8 +40,8 @@ class Printer {
 
     const Pack& pack() const { return pack_; }
     const Triple& trim() const { return trim_; }
-    const Triple& aim() const { return aim_; }       // log10 exposures of the layers for a grey card
-    const Curve& light() const { return light_; }    // behind the filters, times the time
+    const Triple& aim() const { return aim_; }     // log10 exposures of the layers for a grey card
+    const Curve& light() const { return light_; }  // behind the filters, times the time
     // log10 exposures of the layers, trimmed.
     Triple exposures(const Stock& paper, const Curve& density) const;
 

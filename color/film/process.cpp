@@ -31,7 +31,8 @@ Table1 tabulated(double first, double last, const std::function<double(double)>&
 }
 
 // log10 of the integrals of light 10^-density by three weights, over amounts of dye from `least` to `most`.
-Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves& weights, const Triple& least, const Triple& most) {
+Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves& weights, const Triple& least,
+                            const Triple& most) {
     constexpr int kN = Table3::kNodes;
     Table3 table;
     std::array<std::vector<Curve>, 3> passed;  // by dye: transmittance of the amount at each node
@@ -66,7 +67,7 @@ Table3 integrals_by_amounts(const Stock& stock, const Curve& light, const Curves
 }
 
 Error does_not_fit(const Material& film, std::string_view paper, const char* what) {
-    const char* fitting = !film.colour          ? "polymax, 2302 or scan"
+    const char* fitting = !film.colour      ? "polymax, 2302 or scan"
                           : film.positive() ? "light-table, projection, radiance or ilfochrome"
                                             : "endura, crystal-archive-dpii, 2383 or scan";
     return usage_error(fmt::format("{} is {}, and {} does not go with it; choose {}", film.name, what, paper, fitting));
@@ -90,7 +91,8 @@ Result<Process> Process::make(const ProcessSettings& settings) {
     process.push_ = settings.push;
     process.print_log_ = settings.print_stops * kLog10Of2;
     process.scan_ = settings.paper == "scan";
-    if (Status s = settings.film.colour ? process.make_colour(settings) : process.make_black_and_white(settings); !s) return s.error();
+    if (Status s = settings.film.colour ? process.make_colour(settings) : process.make_black_and_white(settings); !s)
+        return s.error();
     return process;
 }
 
@@ -102,7 +104,8 @@ Status Process::make_colour(const ProcessSettings& settings) {
     coupling_ = settings.couplers ? film_->usual_coupling() : Coupling{};
     const bool projected = settings.paper == "projection", viewed = projected || settings.paper == "light-table";
     if (!settings.contrast_filter.empty())
-        return usage_error(fmt::format("--contrast-filter: is for black-and-white paper, and {} is {}", material.name, indefinite(material)));
+        return usage_error(
+            fmt::format("--contrast-filter: is for black-and-white paper, and {} is {}", material.name, indefinite(material)));
     if ((viewed && !material.positive()) || (scan_ && material.positive()))
         return does_not_fit(material, settings.paper, indefinite(material));
     const auto process_grey = [&](const Triple& grey) { return film_->amounts(film_->coupled(grey, coupling_)); };
@@ -145,8 +148,8 @@ Status Process::make_colour(const ProcessSettings& settings) {
         }
         if (settings.pack) printer_->use(*settings.pack, *paper_, grey);
         const Triple& ymc = printer_->pack().ymc;
-        description_ = fmt::format("{} on {}, filters {:.0f}Y {:.0f}M {:.0f}C", material.name, found->name, 100 * ymc[0], 100 * ymc[1],
-                                   100 * ymc[2]);
+        description_ = fmt::format("{} on {}, filters {:.0f}Y {:.0f}M {:.0f}C", material.name, found->name, 100 * ymc[0],
+                                   100 * ymc[1], 100 * ymc[2]);
     }
     const Stock& last = paper_ ? *paper_ : *film_;
     const Triple base = seen(last, *viewing_, {});
@@ -165,7 +168,8 @@ Status Process::make_black_and_white(const ProcessSettings& settings) {
     white_ = color::RgbSpace::srgb().primaries.white;
     description_ = fmt::format("{} on {}", material.name, settings.paper);
     const double grey = interpolated(settings.grey[0], mono_h_, mono_density_);
-    if (settings.pack) return usage_error("--enlarger: the filters are for colour; use --contrast-filter for paper in black and white");
+    if (settings.pack)
+        return usage_error("--enlarger: the filters are for colour; use --contrast-filter for paper in black and white");
     if (scan_) {
         if (!settings.contrast_filter.empty()) return usage_error("--contrast-filter: needs a paper, not a scan");
         constexpr double kAround = 0.3;
@@ -176,7 +180,8 @@ Status Process::make_black_and_white(const ProcessSettings& settings) {
         fill_tables();
         return {};
     }
-    if (settings.paper == "light-table" || settings.paper == "projection") return does_not_fit(material, settings.paper, indefinite(material));
+    if (settings.paper == "light-table" || settings.paper == "projection")
+        return does_not_fit(material, settings.paper, indefinite(material));
     const Result<Material> found = find_material(settings.paper, false);
     if (!found) return found.error();
     if (found->colour) return does_not_fit(material, found->name, indefinite(material));
@@ -246,7 +251,8 @@ void Process::fill_tables() {
         } else {
             t.slope[0] = -1;
             t.offset[0] = static_cast<float>(paper_offset_);
-            t.print[0] = tabulated(paper_h_.front(), paper_h_.back(), [&](double h) { return -interpolated(h, paper_h_, paper_density_); });
+            t.print[0] =
+                tabulated(paper_h_.front(), paper_h_.back(), [&](double h) { return -interpolated(h, paper_h_, paper_density_); });
         }
         const Triple white = mono_xyz(scale);
         t.matrix = {static_cast<float>(white[0]), 0, 0, 0, static_cast<float>(white[1]), 0, 0, 0, static_cast<float>(white[2])};
@@ -256,8 +262,7 @@ void Process::fill_tables() {
     const std::vector<double>& h = film_->log_exposures();
     constexpr double kShoulderDecades = 4;
     const double last = h.back() + (film_->material().kind == Kind::kNegative ? kShoulderDecades : 0) + std::abs(push_);
-    for (std::size_t c = 0; c < 3; ++c)
-        t.film[c] = tabulated(h.front(), last, [&](double at) { return film_->amount(c, at); });
+    for (std::size_t c = 0; c < 3; ++c) t.film[c] = tabulated(h.front(), last, [&](double at) { return film_->amount(c, at); });
     const float sign = film_->material().positive() ? -1 : 1;
     t.coupling = {sign * static_cast<float>(coupling_.adjacent), sign * static_cast<float>(coupling_.adjacent),
                   sign * static_cast<float>(coupling_.far)};

@@ -16,13 +16,13 @@ namespace latent::film {
 
 struct ProcessSettings {
     Material film;
-    double push = 0;  // stops that the film is developed longer
-    Triple grey{};    // log10 exposures [lux s] of the grey card that the print is made for
-    std::string paper;  // "scan", "light-table", "projection", or of material.h
-    bool couplers = true;  // layers hold each other back
-    bool trim = true;      // the print's contrasts are matched, so that greys are neutral; slides: their grey card is
-    std::optional<Triple> pack{};  // densities of the filters Y, M, C; else solved
-    double print_stops = 0;        // more light in the enlarger
+    double push = 0;                // stops that the film is developed longer
+    Triple grey{};                  // log10 exposures [lux s] of the grey card that the print is made for
+    std::string paper;              // "scan", "light-table", "projection", or of material.h
+    bool couplers = true;           // layers hold each other back
+    bool trim = true;               // the print's contrasts are matched, so that greys are neutral; slides: their grey card is
+    std::optional<Triple> pack{};   // densities of the filters Y, M, C; else solved
+    double print_stops = 0;         // more light in the enlarger
     std::string contrast_filter{};  // of paper with variable contrast: "00", "0" .. "5"; "": none
 };
 
@@ -46,7 +46,7 @@ class Process {
              const GrainRow* grain = nullptr) const;
 
     bool is_scan() const { return scan_; }
-    color::Chromaticity white() const { return white_; }  // what the print's neutrals look like
+    color::Chromaticity white() const { return white_; }       // what the print's neutrals look like
     double base_luminance() const { return base_luminance_; }  // Y of the print's white, relative to the viewing light
     const std::optional<Printer>& printer() const { return printer_; }
     const Triple& shift() const { return shift_; }
@@ -71,7 +71,7 @@ class Process {
     std::optional<Viewing> viewing_;
     Coupling coupling_;
     Triple shift_{};
-    double print_log_ = 0;           // log10 of the additional light in the enlarger
+    double print_log_ = 0;                  // log10 of the additional light in the enlarger
     Triple scan_grey_{}, scan_contrast_{};  // densities of a grey card, and how they rise with log exposure
     color::Matrix3 xyz_from_scan_{};
     // In black and white.

@@ -38,8 +38,14 @@ HWY_INLINE V log10_of(V x) {
 // 10^v = 2^n 2^f, |f| <= 1/2, by the series of 2^f, whose next term is below 1e-8.
 HWY_INLINE V power_of_ten(V v) {
     constexpr float kLog2Of10 = 3.32192809489F;
-    constexpr float kTaylor[] = {1.0F,             0.69314718056F,    0.240226506959F,   0.0555041086648F,
-                                 0.00961812910763F, 0.00133335581464F, 0.000154035303934F, 0.0000152527338041F};
+    constexpr float kTaylor[] = {1.0F,
+                                 0.69314718056F,
+                                 0.240226506959F,
+                                 0.0555041086648F,
+                                 0.00961812910763F,
+                                 0.00133335581464F,
+                                 0.000154035303934F,
+                                 0.0000152527338041F};
     const V t = hn::Min(hn::Max(hn::Mul(v, constant(kLog2Of10)), constant(-100)), constant(100));
     const V n = hn::Round(t), f = hn::Sub(t, n);
     V sum = constant(kTaylor[7]);
@@ -148,7 +154,8 @@ void process_row_of_target(const ProcessTables& t, float scale, const std::array
                             : in_colour(t, {exposure(0), exposure(1), exposure(2)}, row_grain, at);
         for (std::size_t c = 0; c < 3; ++c) {
             const float* m = &t.matrix[3 * c];
-            const V sum = hn::Add(hn::Add(hn::Mul(constant(m[0]), v.a), hn::Mul(constant(m[1]), v.b)), hn::Mul(constant(m[2]), v.c));
+            const V sum =
+                hn::Add(hn::Add(hn::Mul(constant(m[0]), v.a), hn::Mul(constant(m[1]), v.b)), hn::Mul(constant(m[2]), v.c));
             hn::StoreU(sum, d, to[c] + at);
         }
     };

@@ -24,14 +24,14 @@ struct Table3 {
 };
 
 struct ProcessTables {
-    bool mono = false;                     // the first layer is all there is
-    std::array<Table1, 3> film;            // amounts by log10 exposure
-    std::array<float, 3> coupling{};       // red and green, green and blue, red and blue; signed
-    std::array<float, 3> shift{};          // of the log exposures, after coupling
-    Table3 through;                        // amounts to log10 exposures of the print; or to log10 XYZ; none: amounts are densities
-    std::array<float, 3> slope{1, 1, 1}, offset{};  // applied to these
-    std::array<Table1, 3> print;           // amounts of the print by log10 exposure; mono: log10 Y; may be empty
-    Table3 look;                           // amounts of the print to log10 XYZ; may be empty
+    bool mono = false;                // the first layer is all there is
+    std::array<Table1, 3> film;       // amounts by log10 exposure
+    std::array<float, 3> coupling{};  // red and green, green and blue, red and blue; signed
+    std::array<float, 3> shift{};     // of the log exposures, after coupling
+    Table3 through;                   // amounts to log10 exposures of the print; or to log10 XYZ; none: amounts are densities
+    std::array<float, 3> slope{1, 1, 1}, offset{};           // applied to these
+    std::array<Table1, 3> print;                             // amounts of the print by log10 exposure; mono: log10 Y; may be empty
+    Table3 look;                                             // amounts of the print to log10 XYZ; may be empty
     std::array<float, 9> matrix{1, 0, 0, 0, 1, 0, 0, 0, 1};  // from 10^ of these to XYZ
 };
 

@@ -3,7 +3,7 @@
 
 namespace latent::film {
 
-inline double push_speed(double stops) { return 0.1 * stops; }         // s, log10 exposure
+inline double push_speed(double stops) { return 0.1 * stops; }          // s, log10 exposure
 inline double push_contrast(double stops) { return 1 + 0.15 * stops; }  // c; and of the grain
 
 }  // namespace latent::film

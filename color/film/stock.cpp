@@ -80,8 +80,9 @@ Status check_curves(const Material& material, const Columns& curves) {
     const std::vector<double>& h = curves.values[0];
     for (std::size_t i = 1; i < h.size(); ++i) {
         if (std::abs(h[i] - h[i - 1] - 0.05) < 1e-9) continue;
-        return Error{ErrorCode::kCorrupt, fmt::format("{}.curves.csv: log exposures must be 0.05 apart without gaps, but {} follows {}",
-                                                      material.file, h[i], h[i - 1])};
+        return Error{ErrorCode::kCorrupt,
+                     fmt::format("{}.curves.csv: log exposures must be 0.05 apart without gaps, but {} follows {}", material.file,
+                                 h[i], h[i - 1])};
     }
     if (h.size() < 20) return Error{ErrorCode::kCorrupt, fmt::format("{}.curves.csv: needs at least 20 rows", material.file)};
     return {};
@@ -149,8 +150,7 @@ Result<Stock> Stock::make(const Material& material) {
         for (std::size_t j = 0; j < kNm; ++j) stock.base_[j] += correction[j];
     }
     for (std::size_t i = 0; i < stock.h_.size(); ++i) {
-        const Triple a =
-            unmixed({densities[0][i], densities[1][i], densities[2][i]}, stock.base_, stock.dyes_, stock.weights_);
+        const Triple a = unmixed({densities[0][i], densities[1][i], densities[2][i]}, stock.base_, stock.dyes_, stock.weights_);
         for (std::size_t c = 0; c < 3; ++c) stock.amount_[c].push_back(a[c]);
     }
     for (std::size_t c = 0; c < 3; ++c) {
@@ -199,9 +199,8 @@ Triple Stock::most_amounts() const {
 }
 
 Triple Stock::coupled(const Triple& h, const Coupling& coupling) const {
-    const double k[3][3] = {{0, coupling.adjacent, coupling.far},
-                            {coupling.adjacent, 0, coupling.adjacent},
-                            {coupling.far, coupling.adjacent, 0}};
+    const double k[3][3] = {
+        {0, coupling.adjacent, coupling.far}, {coupling.adjacent, 0, coupling.adjacent}, {coupling.far, coupling.adjacent, 0}};
     const double sign = material_.positive() ? -1 : 1;
     Triple out = h;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -22,10 +22,10 @@ class Stock {
     const Material& material() const { return material_; }
     // log10 exposures of the curves, 0.05 apart: [lux s] of camera films; of print materials their own scale.
     const std::vector<double>& log_exposures() const { return h_; }
-    const Curve& base() const { return base_; }                  // spectral density without image
-    const Curves& dyes() const { return dyes_; }                 // spectral density of a unit amount
+    const Curve& base() const { return base_; }                   // spectral density without image
+    const Curves& dyes() const { return dyes_; }                  // spectral density of a unit amount
     const Curves& sensitivities() const { return sensitivity_; }  // see sensitivity_scale in docs/color.md, "Film"
-    double separation_rms() const { return separation_rms_; }    // of dyes separated by the template; 0: published dyes
+    double separation_rms() const { return separation_rms_; }     // of dyes separated by the template; 0: published dyes
 
     // The same, developed longer by these stops.
     Stock pushed(double stops) const;

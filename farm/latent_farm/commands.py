@@ -2,85 +2,96 @@
 import json
 import os
 import pathlib
-import sys
 
-from latent_farm import engines, frames, planning, slurm, strips, units
+from latent_farm import engines, film, frames, planning, ranges, slurm, strips, units
 from latent_farm import status as status_of
 from latent_farm.errors import DONE, Failure, Misuse
+from latent_farm.folder import Folder
+from latent_farm.names import check_name, shown
+from latent_farm.output import output_is_kept, say
 from latent_farm.plan import check_render_options
-from latent_farm.work import Work
+from latent_farm.prometheus import to_prometheus
+from latent_farm.work import Works
 
 
 def survey(args):
     """The work of all frames, and what is to be said if it will not fit on the disk."""
     check_render_options(args.options)
-    if args.engine is None:
-        args.engine = "slurm" if slurm.is_here() else "shell"
-    if args.hosts and args.engine != "parallel":
-        raise Misuse("--hosts: needs --engine parallel")
+    for option in args.options:
+        check_name(option, "options must not")
     if args.hosts:
+        if args.engine != "parallel":
+            raise Misuse("--hosts: needs --engine parallel")
         args.hosts = os.path.abspath(args.hosts)
+        check_name(args.hosts)
         if not engines.hosts_in(args.hosts):
             raise Failure(f"{args.hosts}: names no machine; write one per line")
-    works, reports = [], []
-    found = frames.frames_of(args)
-    for folder, own in found:
-        works.append(Work(folder, own, works[0].plan if works else None, 1 / len(found)))
-        reports.append(works[-1].report())
-    needed = sum(max(0, report["bytes_needed"]) for report in reports)
-    free = reports[0]["free_bytes"]
-    too_large = "" if needed <= free else (f"{args.out}: needs about {units.format_size(needed)} more, but only "
-                                           f"{units.format_size(free)} are free")
-    return works, reports, too_large
+    works = Works(args)
+    report = works.report()
+    too_large = "" if report["fits"] else (f"{args.out}: needs about {units.format_size(report['bytes_needed'])} more, but only "
+                                           f"{units.format_size(report['free_bytes'])} are free")
+    return works, report, too_large
 
 
-def to_text(report):
-    text = (f"{units.counted(report['samples'], 'sample')} in {units.counted(report['tasks'], 'task')} of {report['task_samples']} "
-            f"({units.format_duration(report['task_seconds'])} each), runs of {report['run_samples']}\n")
+def to_text(report, free):
+    each = units.format_duration(report["task_seconds"])
+    size = f"1 task ({each})" if report["tasks"] == 1 else f"{report['tasks']} tasks of {report['task_samples']} ({each} each)"
+    text = f"{units.counted(report['samples'], 'sample')} in {size}, runs of {min(report['samples'], report['run_samples'])}\n"
     if report["missing_samples"]:
-        tasks = f"task{'' if report['missing_tasks'].isdigit() else 's'} {report['missing_tasks']}"
-        text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {tasks}; about "
+        text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {ranges.tasks_text(report['missing_tasks'])}; about "
                  f"{units.format_duration(report['seconds'])} with {report['machines']} at a time\n")
-    text += (f"disk: {units.format_size(report['bytes'])} when finished, {units.format_size(report['free_bytes'])} free\n")
+    text += (f"disk: {units.format_size(report['bytes'])} when finished, {units.format_size(free)} free\n")
     if not report["steps"]:
         return text + "nothing is left to do" + units.left_out(report) + "\n"
     return text + "\n" + "\n".join(report["commands"]) + "\n"
 
 
-def show(reports, as_json):
+def show(report, as_json):
     if as_json:
-        print(json.dumps(reports[0] if len(reports) == 1 else reports, indent=2))
-    else:
-        print("\n".join((f"{report['folder']}: " if len(reports) > 1 else "") + to_text(report) for report in reports), end="")
-    sys.stdout.flush()
+        return say(json.dumps(report, indent=2) + "\n")
+    several = len(report["frames"]) > 1
+    texts = [(f"{shown(frame['folder'])}: " if several else "") + to_text(frame, report["free_bytes"]) for frame in report["frames"]]
+    last = report["commands"][sum(len(frame["commands"]) for frame in report["frames"]):]
+    say("\n".join([*texts, "".join(line + "\n" for line in last)] if last else texts))
+
+
+def engine_of(args):
+    """What was asked for, what the plan remembers, or what is here."""
+    remembered = [folder.read_plan().engine for folder in frames.planned(args.out)[:1]]
+    return args.engine or (remembered or ["slurm" if slurm.is_here() else "shell"])[0]
 
 
 def plan_command(args):
-    _, reports, too_large = survey(args)
+    args.engine = engine_of(args)
+    _, report, too_large = survey(args)
     if too_large:
         planning.note(too_large)
-    show(reports, args.json)
+    with output_is_kept():
+        show(report, args.json)
     return DONE
 
 
 def submit_command(args):
+    args.engine = engine_of(args)
     engines.check(args.engine)
-    for folder in frames.planned(args.out):
+    for folder in [Folder(args.out), *frames.planned(args.out)]:
         if waiting := slurm.in_queue(folder):
             raise Failure(f"{folder.path}: still in Slurm's queue: {', '.join(waiting[:4])}{' ...' if len(waiting) > 4 else ''}; "
                           "wait for them, or cancel them with scancel")
-    works, reports, too_large = survey(args)
+    works, report, too_large = survey(args)
     if too_large and not args.ignore_space:
         raise Failure(too_large + "; to submit anyway, use --ignore-space")
     if args.engine != "slurm":
-        show(reports, args.json)
-        return engines.run([line for work in works for line in work.lines])
-    for work, report in zip(works, reports):
-        report["jobs"] = work.chain.submit(work.stages)
-    show(reports, args.json)
-    jobs = [job for report in reports for job in report["jobs"]]
-    if jobs and not args.json:
-        print(f"submitted: jobs {', '.join(jobs)}")
+        show(report, args.json)
+        return engines.run(report["commands"])
+    numbers = works.submit()
+    for frame, jobs in zip(report["frames"], numbers):
+        frame["jobs"] = jobs
+    report["jobs"] = [number for jobs in numbers for number in jobs]
+    with output_is_kept():
+        show(report, args.json)
+        if report["jobs"] and not args.json:
+            say(f"submitted: jobs {', '.join(report['jobs'])}\n")
     return DONE
 
 
@@ -90,7 +101,11 @@ def resume_command(args):
 
 
 def status_command(args):
-    print(status_of.status(frames.existing(args.out), args.json, args.stalled_after), end="")
+    report, now = status_of.status(Folder(args.out), frames.existing(args.out), args.stalled_after)
+    if args.json:
+        say(json.dumps(report, indent=2) + "\n")
+    else:
+        say(to_prometheus(report["frames"]) if args.prometheus else status_of.text_of_all(report, now))
     return DONE
 
 
@@ -99,5 +114,13 @@ def join_command(args):
     return DONE
 
 
+def film_command(args):
+    output = pathlib.Path(args.output or Folder(args.folder).film)
+    if output.exists() and not args.force:
+        raise Failure(f"{output}: exists; choose another name, or use --force")
+    film.make([folder.print for folder in frames.existing(args.folder)], args.fps, output)
+    return DONE
+
+
 RUN = {"plan": plan_command, "submit": submit_command, "resume": resume_command, "status": status_command,
-       "join": join_command}
+       "join": join_command, "film": film_command}

@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import sys
 
-from latent_farm import ranges
+from latent_farm import files, ranges
 from latent_farm.errors import FAILED, Failure, STOPPED
 
 
@@ -18,38 +18,47 @@ def check(engine):
 def hosts_in(path):
     """The machines of a --sshloginfile: its lines, without comments."""
     try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            lines = [line.split("#")[0].strip() for line in file]
-    except OSError as error:
-        raise Failure(f"{path}: cannot be read: {error.strerror}") from None
-    return [line for line in lines if line]
+        text = files.read(path).decode(errors="replace")
+    except FileNotFoundError:
+        raise Failure(f"{path}: no such file") from None
+    return [line for line in (line.split("#")[0].strip() for line in text.splitlines()) if line]
 
 
-def numbers_of(tasks):
-    """A shell command that prints the numbers of the tasks."""
-    parts = [f"seq {first} {end - 1}" for first, end in ranges.union((task, task + 1) for task in tasks)]
-    return "; ".join(parts)
+def _command(folder, stage):
+    return shlex.join([str(folder.path / "run"), stage.script])
+
+
+def _each(stage, command):
+    """A loop of the shell, where `command` finds the number of a task in $k."""
+    numbers = "; ".join(f"seq {first} {end - 1}" for first, end in ranges.union((task, task + 1) for task in stage.tasks))
+    return f"for k in $({numbers}); do {command}; done"
+
+
+def _line(folder, stages, array):
+    return " && ".join(_command(folder, stage) if stage.tasks is None else array(stage) for stage in stages)
 
 
 def shell_line(folder, stages):
     """Task after task, stage after stage; ends where one of them fails."""
-    def array(stage):
-        return f"(for k in $({numbers_of(stage.tasks)}); do {shlex.quote(str(folder.script(stage.name)))} $k || exit; done)"
-    return _line(folder, stages, array)
+    return _line(folder, stages, lambda stage: f"({_each(stage, _command(folder, stage) + ' $k || exit')})")
 
 
 def parallel_line(folder, stages, hosts):
-    where = f"--sshloginfile {shlex.quote(hosts)} " if hosts else ""
-    log = shlex.quote(str(folder.logs / "parallel.log"))
+    """parallel reads whole commands: what it finds in a command of its own, such as {} or {= =}, it would replace."""
+    options = ["--will-cite", "--jobs", "1", *(["--sshloginfile", hosts] if hosts else []),
+               "--retries", "3", "--joblog", f"+{folder.logs / 'parallel.log'}"]
 
     def array(stage):
-        script = shlex.quote(shlex.quote(str(folder.script(stage.name))))  # it passes through two shells
-        return f"({numbers_of(stage.tasks)}) | parallel --will-cite --jobs 1 {where}--retries 3 --joblog +{log} {script}"
+        command = shlex.join(["printf", r"%s %d\n", _command(folder, stage)])
+        return f"({_each(stage, command + ' $k')}) | {shlex.join(['parallel', *options])}"
     return _line(folder, stages, array)
 
 
-def _line(folder, stages, array):
-    return " && ".join(array(stage) if stage.tasks is not None else shlex.quote(str(folder.script(stage.name))) for stage in stages)
+def lines_of(folder, plan, stages):
+    """The commands that run stages of a plan here."""
+    if not stages:
+        return []
+    return [parallel_line(folder, stages, plan.hosts) if plan.engine == "parallel" else shell_line(folder, stages)]
 
 
 def run(lines):

@@ -3,17 +3,26 @@ import argparse
 import glob
 import os
 import pathlib
+import re
 
-from latent_farm.errors import check_is_no_url, Failure, Misuse
-from latent_farm.plan import Folder
+from latent_farm.errors import Failure, Misuse
+from latent_farm.folder import Folder
+from latent_farm.names import check_is_no_url, check_name
 
 
 def planned(out):
     """The folder itself, if it holds a plan, or those of the frames in it."""
     check_is_no_url(out, "a plan is a folder")
+    if not out:
+        raise Misuse("the name of the folder is empty")
     if Folder(out).has_plan():
         return [Folder(out)]
-    return [Folder(path.parent) for path in sorted(pathlib.Path(out).glob("*/plan.json"))]
+    return sorted((Folder(path.parent) for path in pathlib.Path(out).glob("*/plan.json")), key=lambda folder: in_order(folder.path.name))
+
+
+def in_order(name):
+    """A key that puts shot.9 before shot.10."""
+    return [(int(word), "") if word.isdecimal() else (-1, word) for word in re.split(r"(\d+)", name)]
 
 
 def existing(out):
@@ -28,12 +37,17 @@ def scenes_of(names):
     """Scene files; a pattern that the shell has left alone stands for those that match it."""
     for name in names:
         check_is_no_url(name, "a scene is a file")
-    return [scene for name in names for scene in (not os.path.exists(name) and sorted(glob.glob(name)) or [name])]
+    scenes = [scene for name in names for scene in (not os.path.exists(name) and sorted(glob.glob(name)) or [name])]
+    for scene in scenes:
+        check_name(os.path.abspath(scene))
+    return scenes
 
 
 def name_of(scene):
     """frame.0001 for frame.0001.pbrt and frame.0001.pbrt.gz."""
-    return pathlib.Path(pathlib.Path(scene).name.removesuffix(".gz")).stem
+    name = pathlib.Path(scene).name
+    stem = pathlib.Path(name.removesuffix(".gz")).stem
+    return name if stem in ("", ".", "..") else stem  # ...pbrt
 
 
 def frames_of(args):

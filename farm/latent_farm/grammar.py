@@ -4,19 +4,24 @@ import shlex
 
 from latent_farm import units
 from latent_farm.help import Command
+from latent_farm.names import check_name
+from latent_farm.plan import ENGINES, FPS, MOST_TASKS, STEPS
 
 FORMATS = """Numbers accept K, M, G, T (powers of 1000) and Ki, Mi, Gi, Ti (powers of 1024).
 SIZE is in bytes, where K, M, G, T are powers of 1024.
 TIME is in seconds, or like 90s, 10m, 1.5h or 1h30m."""
-STATUSES = """Exit status: 0 done; 1 failed; 2 wrong usage; 75 interrupted, all finished work
-saved: run the same command again to resume."""
+STATUSES = """Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not
+be written; 75 interrupted, all finished work saved: run the same command again
+to resume."""
 
 
-def number(least):
+def number(least, most=MOST_TASKS):
     def parse(text):
         value = units.parse_number(text)
         if value is None or not least <= value < 2**63 or value != int(value):
             raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least {least}")
+        if value > most:
+            raise argparse.ArgumentTypeError(f"'{text}' is more than {most}")
         return int(value)
     return parse
 
@@ -36,30 +41,57 @@ def tasks(text):
 
 
 def words(text):
-    return shlex.split(text)
+    try:
+        found = shlex.split(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"'{text}': {str(error).lower()}") from None
+    for word in found:
+        check_name(word, "options must not")
+    return found
+
+
+def text(given):
+    check_name(given, "options must not")
+    return given
+
+
+def fps(text):
+    value = units.parse_number(text)
+    if value is None or not FPS[0] <= value <= FPS[1]:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of frames per second")
+    return float(value)
+
+
+def time_limit(text):
+    return 0 if text == "auto" else units.parse_duration(text)
 
 
 def add_steps(command):
-    """The options that say how steps are run."""
+    """The options that say how steps are run. The plan remembers them."""
     command.option("--engine", "slurm|parallel|shell", "scheduler of the tasks (default: slurm if sbatch is installed, else shell)",
-                   choices=["slurm", "parallel", "shell"])
+                   choices=ENGINES)
     command.option("--hosts", "FILE", "machines for --engine parallel, one per line, in the format of parallel --sshloginfile")
     command.option("--machines", "N", "expected number of concurrent tasks, for their size and the prediction (default: from Slurm or --hosts, else 1)",
                    type=number(1))
-    command.option("--cpus", "N", "processors per task (default: all that a machine has)", type=number(1), default=0)
+    command.option("--cpus", "N", "processors per task; 0: all that a machine has", type=number(0), shown_default="0")
     command.option("--memory", "SIZE", "memory per task, for Slurm (default: 1.5 times the measured memory)",
                    type=units.parse_size)
-    command.option("--time", "TIME", "time limit of a task, for Slurm; a task that reaches it is requeued and resumes "
-                   "(default: about twice the expected time)", type=units.parse_duration)
-    command.option("--throttle", "N", "maximum number of tasks of an array that run at once", type=number(1), default=0)
-    command.option("--sbatch", "OPTIONS", "options for sbatch, such as --sbatch=\"--partition=long\"", type=words, default=[])
-    command.option("--develop", "OPTIONS", "options for latent-develop, such as --develop=\"--size 4096\"", type=words, default=[])
+    command.option("--time", "auto|TIME", "time limit of a task, for Slurm; a task that reaches it is requeued and resumes "
+                   "(default: auto, about twice the expected time)", type=time_limit)
+    command.option("--throttle", "N", "maximum number of tasks of an array of Slurm that run at once; 0: no limit", type=number(0), shown_default="0")
+    command.option("--sbatch", "OPTIONS", "options for sbatch, such as --sbatch=\"--partition=long\"", type=words)
+    command.option("--develop", "OPTIONS", "options for latent-develop, such as --develop=\"--size 4096\"", type=words)
     command.option("--strips", "N", "develop the picture in N strips at the same time; needs --develop=\"--size WxH\"", type=number(1),
-                   default=0, shown_default="1")
-    command.option("--compact", None, "merge many small runs into a few large ones, so that crops and strips read less; does not change a finished merge")
+                   shown_default="1")
+    command.option("--compact", None, "merge many small runs into a few large ones, so that crops and strips read less; does not change a finished merge",
+                   default=None)
     command.option("--checkpoint", "TIME", "interval at which finished work is committed to disk",
                    type=units.parse_duration, shown_default="60s")
-    command.option("--until", "render|merge|develop", "last step to run", choices=["render", "merge", "develop"], shown_default="develop")
+    command.option("--print", "OPTIONS", "print the picture, as picture.png, with these options of latent-convert, such as --print=\"--sensitivity 1.6\"",
+                   type=words)
+    command.option("--fps", "N", "frames per second of the film that ffmpeg, if installed, makes of the prints of an animation", type=fps, shown_default="24")
+    command.option("--on-done", "COMMAND", "command of the shell to run when all is done; $folder is the folder of the plan", type=text)
+    command.option("--until", "|".join(STEPS), "last step to run", choices=STEPS, shown_default="develop, or print")
     command.option("--ignore-space", None, "submit even if the files are not expected to fit on the disk")
     command.option("--json", None, "print the report as JSON on standard output")
 
@@ -121,8 +153,8 @@ Examples:
 {FORMATS}
 
 Use resume when tasks have failed or were cancelled. It lists the missing tasks
-and runs only these, then merge and develop. Repeat --engine, --hosts, --sbatch,
---throttle and --time if you used them: they are not part of the plan.
+and runs only these, then the later steps. The plan remembers all options; one
+that you give again replaces the old one.
 
 Examples:
   latent-farm resume night
@@ -137,17 +169,20 @@ Examples:
 {FORMATS}
 
 Reads only the files in DIR, so it works with every engine, and while tasks run.
-The speed and last commit of a machine are taken from the parts it writes.
+The speed and last commit of a machine are taken from the parts it writes, and
+why a task failed from its log.
 
 Examples:
   latent-farm status night
   latent-farm status night --json
+  latent-farm status night --prometheus >night.prom
 
 {STATUSES}""")
     status.argument("out", "folder of the plan", metavar="DIR")
     status.option("--stalled-after", "TIME", "time without a commit after which a part counts as stalled", type=units.parse_duration, default=300.0,
                   shown_default="5m")
     status.option("--json", None, "print the report as JSON on standard output")
+    status.option("--prometheus", None, "print it as metrics for Prometheus, for the textfile collector of its node_exporter")
     join = Command("latent-farm join", "Join the strips of a picture.", "latent-farm join STRIP... -o FILE.exr [OPTIONS]", f"""
 latent-farm submit --strips runs this command. Each STRIP is a picture made by
 latent-develop --crop: all columns, from a row that is a multiple of 256 up to
@@ -160,5 +195,18 @@ Examples:
     join.argument("strip", "strips of one picture, in any order", metavar="STRIP", nargs="+")
     join.option("-o,--output", "FILE", "picture to write", required=True)
     join.option("--force", None, "replace an existing output")
-    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "join": join}
+    film = Command("latent-farm film", "Make a film of the prints of an animation.", "latent-farm film DIR [OPTIONS]", f"""
+latent-farm submit --print runs this command when all frames are printed. It
+needs ffmpeg. The frames are in the order of their names, and of numbers in
+these.
+
+Examples:
+  latent-farm film shots --fps 25 -o shots.mp4
+
+{STATUSES}""")
+    film.argument("folder", "folder of the frames", metavar="DIR")
+    film.option("--fps", "N", "frames per second", type=fps, default=24.0, shown_default="24")
+    film.option("-o,--output", "FILE.mp4", "film to write (default: DIR/film.mp4)")
+    film.option("--force", None, "replace an existing output")
+    tool.commands = {"plan": plan, "submit": submit, "resume": resume, "status": status, "join": join, "film": film}
     return tool

@@ -1,62 +1,95 @@
-"""The plan of a render, DIR/plan.json: which samples each task renders, with what settings, and what was predicted."""
-import contextlib
+"""The plan of a render: which samples each task renders, with what settings, how the steps are run, and what was predicted."""
 import dataclasses
-import json
 import math
 import os
-import pathlib
 import re
 import typing
 
-from latent_farm.errors import Failure, Misuse
+from latent_farm.errors import Misuse
+from latent_farm.schema import BOOLEAN, HEX, TEXT, TEXTS, member, one_of, real, whole
+from latent_farm.units import MOST_SECONDS
 
 VERSION = 1
 MOST_RUNS = 1 << 20  # of a file
+MOST_TASKS = 1 << 20
+MOST_SAMPLES = 1 << 62
+FPS = 0.001, 1000  # frames per second
 TILE = 256  # pixels: the sides of a picture's tiles; strips are whole rows of tiles
+ENGINES = ("slurm", "parallel", "shell")
+STEPS = ("render", "merge", "develop", "print")
 
 
 class Stage(typing.NamedTuple):
     """A step of a plan, of which nothing begins before all of the one before is done."""
 
-    name: str  # render, merge, develop or join
+    name: str  # render, merge, develop, join or print; film or done, when all frames are finished
     tasks: list | None = None  # numbers, for a script that takes one; else it is run once
+
+    @property
+    def script(self):
+        return "task" if self.name == "render" else self.name
 
 
 @dataclasses.dataclass
 class Plan:
     """Task k renders samples k * task_samples up to the next task's, or to `samples`."""
 
-    scene: str
-    spp: float
-    options: list  # of latent-render, beyond those that follow from the plan
-    samples: int
-    task_samples: int
-    run_samples: int
-    job: str
-    rate: float  # samples per second of one task, as predicted
-    bytes_per_sample: float
-    memory: int  # bytes that a task takes
-    machines: int  # that work at once, as far as is known; for predictions only
-    cpus: int  # of a task; 0: all that the machine has
-    develop: list  # options of latent-develop
-    develop_since: float = 0  # when these were chosen; an older picture is another
-    strips: int = 1  # of the picture, one for each job of latent-develop, as far as it has rows of tiles
-    compact: bool = False  # the merged file has few large runs
-    until: str = "develop"  # the last step: render, merge or develop
-    checkpoint: float = 60  # seconds
-    version: int = VERSION
+    scene: str = member(TEXT)
+    spp: float = member(real(0, 1e15))
+    options: list = member(TEXTS)  # of latent-render, beyond those that follow from the plan
+    samples: int = member(whole(1, MOST_SAMPLES))
+    task_samples: int = member(whole(1, MOST_SAMPLES))
+    run_samples: int = member(whole(1, MOST_SAMPLES))
+    job: str = member(HEX)
+    rate: float = member(real(1e-9, 1e15))  # samples per second of one task, as predicted
+    bytes_per_sample: float = member(real(0, 1e6))
+    memory: int = member(whole(1, 1 << 62))  # bytes that a task takes
+    machines: int = member(whole(1, MOST_TASKS), default=1)  # that work at once, as far as is known; for predictions only
+    cpus: int = member(whole(0, MOST_TASKS), default=0)  # of a task; 0: all that the machine has
+    develop: list = member(TEXTS, default_factory=list)  # options of latent-develop
+    develop_since: float = member(real(0, 1e12), default=0)  # when these were chosen; an older picture is another
+    strips: int = member(whole(1, MOST_TASKS), default=1)  # of the picture, one for each job of latent-develop
+    compact: bool = member(BOOLEAN, default=False)  # the merged file has few large runs
+    print: list = member(TEXTS, default_factory=list)  # options of latent-convert
+    print_since: float = member(real(0, 1e12), default=0)  # when these were chosen
+    fps: float = member(real(*FPS), default=24)  # of the film of all frames
+    on_done: str = member(TEXT, default="")  # a command of the shell, for when all is done
+    until: str = member(one_of(*STEPS), default="develop")  # the last step
+    checkpoint: float = member(real(0, MOST_SECONDS), default=60)  # seconds
+    engine: str = member(one_of(*ENGINES), default="shell")
+    hosts: str = member(TEXT, default="")  # the file that lists the machines of parallel; empty: this machine
+    time: float = member(real(0, MOST_SECONDS), default=0)  # seconds that Slurm gives a task; 0: as predicted, with room
+    throttle: int = member(whole(0, MOST_TASKS), default=0)  # tasks of an array of Slurm that run at once; 0: all
+    sbatch: list = member(TEXTS, default_factory=list)  # options of sbatch
+    version: int = member(whole(VERSION, VERSION), default=VERSION)
 
-    def __post_init__(self):
-        """Fails if a file held something else."""
-        for field in dataclasses.fields(self):
-            if not isinstance(getattr(self, field.name), (int, float) if field.type is float else field.type):
-                raise TypeError
-        if min(self.samples, self.task_samples, self.run_samples, self.rate, self.strips) <= 0:
-            raise ValueError
+    def check(self):
+        """That the members fit together. Errors: Misuse, whose text names the option that mends it."""
+        if self.tasks > MOST_TASKS:
+            raise Misuse(f"{self.tasks} tasks: a plan has at most {MOST_TASKS}; use fewer --tasks")
+        most = MOST_RUNS * self.run_samples
+        if self.task_samples > most:
+            raise Misuse(f"{self.tasks} task{'' if self.tasks == 1 else 's'} of {self.task_samples} samples: a file holds at most 2^20 runs, "
+                         f"here of {self.run_samples} samples; use --tasks {math.ceil(self.samples / most)} or more")
+        if self.samples > most and self.until != "render" and not self.compact:
+            raise Misuse(f"{self.samples} samples in runs of {self.run_samples} do not fit into one merged file, which holds at most 2^20 "
+                         "runs; use --until render, and develop the parts")
+        if self.strips == 1:
+            return
+        if not size_of(self.develop):
+            raise Misuse('--strips: needs the size of the picture, such as --develop="--size 30000x20000"')
+        for option in ("--mipmap", "--crop", "--budget", "--fraction"):
+            if any(word.split("=")[0] == option for word in self.develop):
+                raise Misuse(f"--strips: does not go with {option} of latent-develop")
 
     @property
     def tasks(self):
-        return math.ceil(self.samples / self.task_samples)
+        return -(-self.samples // self.task_samples)
+
+    @property
+    def name(self):
+        """The scene's, as a word."""
+        return re.sub(r"[^\w.-]", "_", os.path.splitext(os.path.basename(self.scene))[0])[:60]
 
     @property
     def seconds(self):
@@ -86,8 +119,8 @@ class Plan:
 
     @property
     def steps_left_out(self):
-        steps = ["render", "merge", "develop"]
-        return steps[steps.index(self.until) + 1:]
+        """Of those that make a picture."""
+        return list(STEPS[STEPS.index(self.until) + 1:STEPS.index("print")])
 
     @property
     def strip_rows(self):
@@ -103,32 +136,20 @@ class Plan:
     def range_of(self, task):
         return task * self.task_samples, min((task + 1) * self.task_samples, self.samples)
 
+    def tasks_of(self, ranges):
+        """The numbers of the tasks that render any of these samples, ascending."""
+        end, found = 0, []
+        for first, last in ranges:
+            begin = max(end, first // self.task_samples)
+            end = max(end, -(-last // self.task_samples))
+            found.extend(range(begin, end))
+        return found
+
 
 def size_of(develop):
     """Width and height that --size WxH of latent-develop asks for; none if it asks for less."""
-    found = re.search(r"--size[ =](\d+)x(\d+)(?: |$)", " ".join(develop))
+    found = re.search(r"--size[ =]([1-9]\d{0,8})x([1-9]\d{0,8})(?: |$)", " ".join(develop), re.ASCII)
     return (int(found[1]), int(found[2])) if found else None
-
-
-def check_runs(plan):
-    """That each part fits into a file, and the merged file too."""
-    most = MOST_RUNS * plan.run_samples
-    if plan.task_samples > most:
-        raise Misuse(f"{plan.tasks} task{'' if plan.tasks == 1 else 's'} of {plan.task_samples} samples: a file holds at most 2^20 runs, "
-                     f"here of {plan.run_samples} samples; use --tasks {math.ceil(plan.samples / most)} or more")
-    if plan.samples > most and plan.until != "render" and not plan.compact:
-        raise Misuse(f"{plan.samples} samples in runs of {plan.run_samples} do not fit into one merged file, which holds at most 2^20 runs; "
-                     "use --until render, and develop the parts")
-
-
-def check_strips(plan):
-    if plan.strips == 1:
-        return
-    if not size_of(plan.develop):
-        raise Misuse('--strips: needs the size of the picture, such as --develop="--size 30000x20000"')
-    for option in ("--mipmap", "--crop", "--budget", "--fraction"):
-        if any(word.split("=")[0] == option for word in plan.develop):
-            raise Misuse(f"--strips: does not go with {option} of latent-develop")
 
 
 def strip_name(task):
@@ -139,78 +160,16 @@ def part_name(task):
     return f"part-{task:05}.latent"
 
 
-class Folder:
-    """The folder of a plan, and what lies in it."""
-
-    def __init__(self, path):
-        self.path = pathlib.Path(os.path.abspath(path))
-        self.plan_file = self.path / "plan.json"
-        self.parts = self.path / "parts"
-        self.logs = self.path / "logs"
-        self.merged = self.path / "samples.latent"
-        self.picture = self.path / "picture.exr"
-        self.strips = self.path / "strips"
-        self.jobs = self.path / "jobs.json"
-
-    def script(self, stage):
-        return self.path / ("task" if stage == "render" else stage)
-
-    def has_plan(self):
-        return self.plan_file.exists()
-
-    def read_plan(self):
-        try:
-            data = json.loads(self.plan_file.read_text())
-            if data.get("version") != VERSION:
-                raise Failure(f"{self.plan_file}: made by another version of latent-farm")
-            return Plan(**data)
-        except FileNotFoundError:
-            raise Failure(f"{self.path}: holds no plan; make one with latent-farm plan") from None
-        except OSError as error:
-            raise Failure(f"{self.plan_file}: cannot be read: {error.strerror}") from None
-        except (ValueError, TypeError, AttributeError):
-            raise Failure(f"{self.plan_file}: damaged, or not a plan of latent-farm") from None
-
-    def write_plan(self, plan):
-        self.write(self.plan_file, json.dumps(dataclasses.asdict(plan), indent=2) + "\n")
-
-    def make(self):
-        try:
-            self.parts.mkdir(parents=True, exist_ok=True)
-            self.logs.mkdir(exist_ok=True)
-        except OSError as error:
-            raise Failure(f"{error.filename}: cannot create the folder: {error.strerror}") from None
-
-    @contextlib.contextmanager
-    def made(self):
-        """The folder as a plan needs it; if that comes to nothing, it is gone again, unless it was there."""
-        was_there = self.path.exists()
-        self.make()
-        try:
-            yield
-        except BaseException:
-            for folder in [self.parts, self.logs] if was_there else [self.parts, self.logs, self.path]:
-                with contextlib.suppress(OSError):  # not empty
-                    folder.rmdir()
-            raise
-
-    def write(self, path, text, mode=0o644):
-        """A file appears under its name when it is complete."""
-        temporary = path.with_name(f".{path.name}.{os.getpid()}")
-        try:
-            temporary.write_text(text)
-            temporary.chmod(mode)
-            temporary.replace(path)
-        except OSError as error:
-            temporary.unlink(missing_ok=True)
-            raise Failure(f"{path}: cannot be written: {error.strerror}") from None
-
-
-TAKEN = {"-o", "--output", "--spp", "--samples", "--shard", "--threads", "--dry-run", "--json", "--force", "--quiet", "-q", "--checkpoint",
-         "--max-time", "--more-than"}
+OWN = "write it before the --"
+INSIDE = "latent-farm gives every task its own; --tasks says how many there are"
+ALWAYS = "tasks of a farm do without it"
+TAKEN = {"--spp": OWN, "--checkpoint": OWN, "--samples": INSIDE, "--shard": INSIDE, "--threads": "use --cpus, before the --",
+         "-o": "parts are written into the folder that --out names", "--output": "parts are written into the folder that --out names",
+         **dict.fromkeys(("--dry-run", "--json", "--force", "--quiet", "-q", "--max-time", "--more-than"), ALWAYS)}
 
 
 def check_render_options(options):
     for option in options:
-        if option.split("=")[0] in TAKEN:
-            raise Misuse(f"{option.split('=')[0]}: is set by latent-farm; see latent-farm plan --help")
+        name = option.split("=")[0]
+        if name in TAKEN:
+            raise Misuse(f"{name} of latent-render: {TAKEN[name]}")

@@ -8,6 +8,7 @@ import typing
 
 from latent_farm import sizing, tools, units
 from latent_farm.errors import Failure, Misuse
+from latent_farm.names import shown
 from latent_farm.plan import Plan
 
 
@@ -39,29 +40,49 @@ def trial(folder, arguments, spp, cpus):
                  answer["bytes"] / answer["samples"])
 
 
-def make_plan(folder, args, machines, like=None):
+REMEMBERED = ("memory", "cpus", "develop", "strips", "compact", "checkpoint", "print", "fps", "on_done", "until", "engine", "hosts", "sbatch",
+              "time", "throttle")
+
+
+def choose(plan, args):
+    """What was asked for on the command line replaces what the plan holds."""
+    developed, printed = (plan.develop, plan.strips), plan.print
+    if args.print is not None or args.fps is not None:
+        plan.until = "print"
+    for name in REMEMBERED:
+        if getattr(args, name) is not None:
+            setattr(plan, name, getattr(args, name))
+    if (plan.develop, plan.strips) != developed:
+        plan.develop_since = time.time()
+    if plan.print != printed:
+        plan.print_since = time.time()
+
+
+def make_plan(folder, args, cpus, machines, like=None):
     """Measures and cuts. `folder` has its parts folder. `like`: a plan of a similar scene, which was measured for longer."""
     scene = os.path.abspath(args.scene)
     arguments = [scene, *args.options]
-    found = trial(folder, [*arguments, *(BRIEF if like else [])], args.spp, args.cpus)
+    found = trial(folder, [*arguments, *(BRIEF if like else [])], args.spp, cpus)
     rate = like.rate if like else found.rate
     tasks = args.tasks or sizing.count_tasks(found.samples / rate, machines)
     fixed = any(option.split("=")[0] == "--run-samples" for option in args.options)
     task_samples, run_samples = sizing.cut(found.samples, tasks, found.run_samples, may_shorten=not fixed)
     if run_samples != found.run_samples:  # which makes another job
-        found = trial(folder, [*arguments, "--run-samples", str(run_samples), *BRIEF], args.spp, args.cpus)
+        found = trial(folder, [*arguments, "--run-samples", str(run_samples), *BRIEF], args.spp, cpus)
     made = math.ceil(found.samples / task_samples)
     if made < args.tasks:
         note(f"--tasks {args.tasks}: there are {units.counted(made, 'task')}, since tasks consist of whole runs, here of {run_samples} samples")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024
-    return Plan(scene=scene, spp=args.spp, options=args.options, samples=found.samples, task_samples=task_samples,
+    plan = Plan(scene=scene, spp=args.spp, options=args.options, samples=found.samples, task_samples=task_samples,
                 run_samples=run_samples, job=found.job, rate=rate, bytes_per_sample=found.bytes_per_sample,
-                memory=args.memory or max(1 << 30, peak * 3 // 2), machines=machines, cpus=args.cpus, develop=args.develop,
-                strips=args.strips or 1, compact=args.compact,
-                until=args.until or "develop", checkpoint=args.checkpoint or 60)
+                memory=max(1 << 30, peak * 3 // 2), machines=machines, cpus=cpus)
+    choose(plan, args)
+    plan.develop_since = plan.print_since = 0
+    plan.check()
+    return plan
 
 
-def extend_plan(folder, plan, args, machines):
+def extend(folder, plan, args, machines):
     """An existing plan with more samples, or just as it is. The size of tasks and runs stays: parts are there already."""
     if args.scene and os.path.abspath(args.scene) != plan.scene:
         raise Misuse(f"{folder.path}: holds a plan for {plan.scene}; choose another --out")
@@ -74,21 +95,13 @@ def extend_plan(folder, plan, args, machines):
     if args.spp and args.spp < plan.spp:
         raise Misuse(f"--spp {args.spp:g}: the plan in {folder.path} has --spp {plan.spp:g}; to use fewer samples, "
                      "develop with --samples")
+    choose(plan, args)
+    plan.machines = machines or plan.machines
     if args.spp and args.spp > plan.spp:
         found = trial(folder, [plan.scene, *plan.render_options], args.spp, plan.cpus)
         check_job(plan, found.job)
         plan.spp, plan.samples, plan.rate = args.spp, found.samples, found.rate
-    if args.cpus:
-        plan.cpus = args.cpus
-    plan.memory = args.memory or plan.memory
-    chosen = args.develop or plan.develop, args.strips or plan.strips
-    if chosen != (plan.develop, plan.strips):
-        (plan.develop, plan.strips), plan.develop_since = chosen, time.time()
-    plan.compact = args.compact or plan.compact
-    plan.until = args.until or plan.until
-    plan.checkpoint = args.checkpoint or plan.checkpoint
-    plan.machines = machines or plan.machines
-    return plan
+    plan.check()
 
 
 def check_scene(folder, plan):
@@ -104,4 +117,4 @@ def check_job(plan, job):
 
 
 def note(text):
-    print(f"latent-farm: {text}", file=sys.stderr)
+    print(f"latent-farm: {shown(text)}", file=sys.stderr)

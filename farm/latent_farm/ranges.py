@@ -37,6 +37,11 @@ def text(ranges, most=8):
     return shown + (f" and {len(ranges) - most} more" if len(ranges) > most else "")
 
 
+def tasks_text(listed):
+    """What `array_list` returned, with a noun: task 3, tasks 0-3,7."""
+    return f"task{'' if listed.isdigit() else 's'} {listed}"
+
+
 def array_list(numbers):
     """As Slurm's --array takes them: 0-3,7."""
     joined = union((number, number + 1) for number in numbers)

@@ -6,11 +6,12 @@ import re
 import shutil
 import time
 
-from latent_farm import ranges, tools
+from latent_farm import film as film_of
+from latent_farm import logs, ranges, tools
 from latent_farm.plan import Stage, part_name, strip_name
 
 BATCH = 100  # files of one call of latent-inspect
-NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?")
+NAME = re.compile(r"part-(\d+)\.latent(\.part\..+)?", re.ASCII)
 
 
 @dataclasses.dataclass
@@ -49,11 +50,15 @@ class State:
         return ranges.union([*self.merged, *(r for file in self.files for r in file.held)])
 
 
-def date_of(origin):
+def origin_of(info):
+    """(host, when it began, samples that earlier attempts had rendered) of a file, as far as it says."""
+    origin = info["origin"] if isinstance(info["origin"], dict) else {}
+    host, date, before = (origin.get(key) for key in ("host", "date", "committed_before"))
     try:
-        return calendar.timegm(time.strptime(origin.get("date", ""), "%Y-%m-%dT%H:%M:%SZ"))
-    except ValueError:
-        return float("inf")
+        begun = calendar.timegm(time.strptime(date, "%Y-%m-%dT%H:%M:%SZ"))
+    except (TypeError, ValueError, OverflowError):
+        begun = float("inf")
+    return host if isinstance(host, str) and host else "unknown", begun, before if type(before) is int else 0
 
 
 def read_state(folder, plan):
@@ -75,6 +80,9 @@ def take(state, folder, plan, path, info):
         status = path.stat()
     except FileNotFoundError:
         return  # published or made superfluous since the folder was listed
+    except OSError as error:
+        state.left_out.append((str(path), error.strerror))
+        return
     name = NAME.fullmatch(path.name)
     attempt = bool(name and name[2])
     if "error" in info:
@@ -90,9 +98,8 @@ def take(state, folder, plan, path, info):
         state.merged = ranges.union(held)
         return
     state.left_out += [(str(path), reason) for reason in info["damage"]]
-    origin = info["origin"] if isinstance(info["origin"], dict) else {}
-    state.files.append(PartFile(path.name, int(name[1]), attempt, held, origin.get("host", "unknown"), date_of(origin),
-                                status.st_mtime, status.st_size, 0 if attempt else origin.get("committed_before", 0)))
+    host, begun, before = origin_of(info)
+    state.files.append(PartFile(path.name, int(name[1]), attempt, held, host, begun, status.st_mtime, status.st_size, 0 if attempt else before))
 
 
 def unfinished(plan, state):
@@ -101,9 +108,8 @@ def unfinished(plan, state):
     for file in state.files:
         if not file.attempt:
             published.setdefault(file.task, []).extend(file.held)
-    return [task for task in range(plan.tasks)
-            if ranges.missing(plan.range_of(task), state.merged) and
-            ranges.missing(plan.range_of(task), ranges.union(published.get(task, [])))]
+    return [task for task in plan.tasks_of(ranges.missing((0, plan.samples), state.merged))
+            if ranges.missing(plan.range_of(task), ranges.union(published.get(task, [])))]
 
 
 def stages_left(folder, plan, state, tasks):
@@ -114,13 +120,28 @@ def stages_left(folder, plan, state, tasks):
     merge = [*render, Stage("merge")] if tasks or ranges.missing((0, plan.samples), state.merged) else []
     if plan.until == "merge":
         return merge
-    merged = float("inf") if merge else max(plan.develop_since, folder.merged.stat().st_mtime)
+    develop = [] if not merge and is_newer(folder.picture, folder.merged, plan.develop_since) else [Stage("develop")]
+    if develop and plan.strips > 1:
+        strips = [task for task in plan.strip_tasks if merge or not is_newer(folder.strips / strip_name(task), folder.merged, plan.develop_since)]
+        develop = [*([Stage("develop", strips)] if strips else []), Stage("join")]
+    if plan.until == "develop" or not merge + develop and is_newer(folder.print, folder.picture, plan.print_since):
+        return merge + develop
+    return [*merge, *develop, Stage("print")]
 
-    def is_made(picture):
-        return picture.exists() and picture.stat().st_mtime >= merged
-    if is_made(folder.picture):
-        return merge
-    if plan.strips == 1:
-        return [*merge, Stage("develop")]
-    strips = [task for task in plan.strip_tasks if not is_made(folder.strips / strip_name(task))]
-    return [*merge, *([Stage("develop", strips)] if strips else []), Stage("join")]
+
+def is_newer(made, source, since=0):
+    """Whether a file was made of what `source` is now, and after that time."""
+    try:
+        return made.is_file() and made.stat().st_mtime >= max(since, source.stat().st_mtime)
+    except OSError:
+        return False
+
+
+def last_stages(folder, plan, works):
+    """What is to be done when all frames are finished: `works` has the folder and the stages of each."""
+    busy = any(stages for _, stages in works)
+    film = []
+    if plan.until == "print" and len(works) > 1 and film_of.is_possible():
+        film = [] if not busy and all(is_newer(folder.film, frame.print) for frame, _ in works) else [Stage("film")]
+    again = plan.on_done and logs.failure(folder, "done", None)
+    return [*film, *([Stage("done")] if plan.on_done and (busy or film or again) else [])]

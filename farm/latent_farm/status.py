@@ -1,9 +1,12 @@
 """latent-farm status: what is done, what is missing, who works, and how long the rest takes."""
-import json
 import statistics
 import time
 
-from latent_farm import ranges, state, units
+from latent_farm import logs, ranges, state, units
+from latent_farm.names import shown
+from latent_farm.plan import Stage
+
+MOST_SHOWN = 8  # failures, in text
 
 
 def machines_of(plan, files, unfinished, now, stalled_after):
@@ -36,6 +39,7 @@ def summary(folder, plan, found, now, stalled_after):
     tasks = state.unfinished(plan, found)
     machines, stalled = machines_of(plan, found.files, set(tasks), now, stalled_after)
     lacking = ranges.missing((0, plan.samples), found.held())
+    stages = state.stages_left(folder, plan, found, tasks)
     rate = sum(machine["samples_per_second"] for machine in machines.values())
     lacks = ranges.size(lacking)
     working = sum(machine["working"] for machine in machines.values())
@@ -51,56 +55,71 @@ def summary(folder, plan, found, now, stalled_after):
         "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
         "free_bytes": found.free, "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
         "until": plan.until, "steps_left_out": plan.steps_left_out, "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
-        "steps_left": [stage.name for stage in state.stages_left(folder, plan, found, tasks)],
+        "steps_left": [stage.name for stage in stages],
+        "failed": [failed._asdict() for failed in logs.failures(folder, stages)],
     }
 
 
 def to_text(report, now):
     done = 100 * report["committed"] / report["samples"]
-    lines = [f"{report['scene']}, {report['spp']:g} sample{'' if report['spp'] == 1 else 's'} per pixel, job {report['job']}",
+    lines = [f"{shown(report['scene'])}, {report['spp']:g} sample{'' if report['spp'] == 1 else 's'} per pixel, job {report['job']}",
              f"samples: {report['committed']} of {report['samples']} committed ({done:.1f} %)",
              f"tasks:   {report['tasks_finished']} of {report['tasks']} finished, {report['tasks_working']} being rendered"]
     if report["missing_samples"]:
         lines.append(f"missing: samples {ranges.text([tuple(r) for r in report['missing_samples']])}")
     if report["missing_tasks"]:
-        lines.append(f"         tasks --array={report['missing_tasks']}")
+        lines.append(f"         {ranges.tasks_text(report['missing_tasks'])}")
     if report["samples_per_second"]:
         left = report["seconds_left"]
         lines.append(f"rate:    {units.format_count(report['samples_per_second'])} samples/s, {units.format_duration(left)} left")
     lines.append(f"disk:    {units.format_size(report['bytes'])} used, {units.format_size(report['bytes_when_finished'])} "
                  f"when finished, {units.format_size(report['free_bytes'])} free")
+    lines += failures_text(report["failed"])
     if report["steps_left"]:
         lines.append(f"left:    {', '.join(report['steps_left'])}")
     else:
         lines.append("all done" + units.left_out(report))
     if report["machines"]:
         lines += ["", f"{'machine':<20} {'finished':>8} {'samples':>10} {'samples/s':>10}  last commit"]
-    for host, machine in sorted(report["machines"].items()):
+    for name, machine in sorted(report["machines"].items()):
+        host = shown(name, 60)
         ago = units.format_duration(max(0, now - machine["last_commit"])) + " ago"
         rate = units.format_count(machine["samples_per_second"]) if machine["working"] else "-"
         lines.append(f"{host:<20} {machine['parts']:>8} {units.format_count(machine['samples']):>10} {rate:>10}  {ago}")
-    lines += [f"stalled: {name}" for name in report["stalled"]]
-    lines += [f"left out: {item['place']}: {item['reason']}" for item in report["left_out"]]
+    lines += [f"stalled: {shown(name)}" for name in report["stalled"]]
+    lines += [f"left out: {shown(item['place'])}: {shown(item['reason'])}" for item in report["left_out"]]
     return "\n".join(lines) + "\n"
 
 
-def status(folders, as_json, stalled_after):
-    """Of one folder, or of the frames of an animation."""
+def status(whole, folders, stalled_after):
+    """Of one scene, or of the frames of an animation, in the folder `whole`; and the time at which it was so."""
     now = time.time()
-    reports = []
-    for folder in folders:
-        plan = folder.read_plan()
-        reports.append(summary(folder, plan, state.read_state(folder, plan), now, stalled_after))
-    if as_json:
-        return json.dumps(reports[0] if len(reports) == 1 else reports, indent=2) + "\n"
-    return "\n".join(to_text(report, now) for report in reports) + (totals(reports) if len(reports) > 1 else "")
+    plans = [folder.read_plan() for folder in folders]
+    reports = [summary(folder, plan, state.read_state(folder, plan), now, stalled_after) for folder, plan in zip(folders, plans)]
+    last = state.last_stages(whole, plans[0], [(folder, report["steps_left"]) for folder, report in zip(folders, reports)])
+    samples, committed, rate = (sum(report[key] for report in reports) for key in ("samples", "committed", "samples_per_second"))
+    left = samples - committed
+    return {
+        "folder": str(whole.path), "engine": plans[0].engine, "samples": samples, "committed": committed, "samples_per_second": rate,
+        "seconds_left": 0 if not left else left / rate if rate else None, "complete": not left,
+        "frames_done": sum(not report["steps_left"] for report in reports), "steps_left": [stage.name for stage in last],
+        "failed": [failed._asdict() for failed in logs.failures(whole, [Stage("film"), Stage("done")])], "frames": reports}, now
 
 
-def totals(reports):
-    done = sum(not report["steps_left"] for report in reports)
-    samples, committed = (sum(report[key] for report in reports) for key in ("samples", "committed"))
-    rate = sum(report["samples_per_second"] for report in reports)
-    text = f"\n{done} of {len(reports)} frames are done; {committed} of {samples} samples committed ({100 * committed / samples:.1f} %)"
-    if rate and committed < samples:
-        text += f", {units.format_duration((samples - committed) / rate)} left"
-    return text + "\n"
+def text_of_all(report, now):
+    texts = [to_text(frame, now) for frame in report["frames"]]
+    if len(texts) > 1:
+        done = 100 * report["committed"] / report["samples"]
+        text = f"{report['frames_done']} of {len(texts)} frames are done; {report['committed']} of {report['samples']} samples committed ({done:.1f} %)"
+        texts.append(text + (f", {units.format_duration(report['seconds_left'])} left" if report["seconds_left"] else "") + "\n")
+    last = [f"then:    {', '.join(report['steps_left'])}"] * bool(report["steps_left"]) + failures_text(report["failed"])
+    return "\n".join(texts) + "".join(line + "\n" for line in last)
+
+
+def failures_text(failed):
+    """What failed and why, in lines."""
+    lines = []
+    for item in failed[:MOST_SHOWN]:
+        what = item["step"] if item["task"] is None else f"{item['step']} {item['task']}"
+        lines += [f"failed:  {what} on {shown(item['host'], 60)}: {shown(item['reason'], 300)}", f"         log: {item['log']}"]
+    return lines + [f"         and {len(failed) - MOST_SHOWN} more"] * (len(failed) > MOST_SHOWN)

@@ -2,6 +2,7 @@
 import os
 import struct
 
+from latent_farm import files
 from latent_farm.errors import Failure
 
 MAGIC, TILED = 20000630, 0x200
@@ -13,7 +14,7 @@ class Strip:
     def __init__(self, path):
         self.path = path
         try:
-            self.file = path.open("rb")
+            self.file = files.opened(path)
             self.size = os.fstat(self.file.fileno()).st_size
             self._read_header()
         except FileNotFoundError:
@@ -107,8 +108,6 @@ def write(strips, file):
         row += strip.down
     file.seek(len(header))
     file.write(struct.pack(f"<{len(offsets)}Q", *offsets))
-    file.flush()
-    os.fsync(file.fileno())
 
 
 def join(paths, output, replace):
@@ -116,12 +115,5 @@ def join(paths, output, replace):
         raise Failure(f"{output}: exists; choose another name, or use --force")
     strips = sorted((Strip(path) for path in paths), key=lambda strip: strip.window[1])
     check(strips)
-    temporary = output.with_name(f".{output.name}.{os.getpid()}")
-    try:
-        with temporary.open("xb") as file:
-            write(strips, file)
-        temporary.replace(output)
-    except OSError as error:
-        raise Failure(f"{output}: cannot be written: {error.strerror}") from None
-    finally:
-        temporary.unlink(missing_ok=True)
+    with files.written(output) as file:
+        write(strips, file)

@@ -8,6 +8,8 @@ import sys
 
 from latent_farm.errors import Failure, Misuse, USAGE
 
+TEXT = {"encoding": "utf-8", "errors": "surrogateescape"}  # as names of files are read
+
 
 def path_of(name):
     """Beside latent-farm itself, or on the PATH."""
@@ -21,7 +23,7 @@ def path_of(name):
 def output_of(command):
     """The standard output of a command that must succeed."""
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, **TEXT)
     except OSError as error:
         raise Failure(f"{command[0]}: {error.strerror}") from None
     if done.returncode != 0:
@@ -40,7 +42,7 @@ def forecast(arguments, output):
 def info(files):
     """What latent-inspect says about each file, in their order; of one that cannot be read, its error."""
     command = [path_of("latent-inspect"), "info", "--json", "--quiet", *map(str, files)]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, **TEXT)
     try:
         answer = json.loads(done.stdout)
     except ValueError:

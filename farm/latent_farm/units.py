@@ -2,6 +2,8 @@
 import argparse
 import re
 
+MOST_SECONDS = 1e9  # that an option can ask for
+
 
 def parse_duration(text):
     """Seconds of 90, 10m or 1h30m."""
@@ -9,7 +11,10 @@ def parse_duration(text):
     if not text or not match:
         raise argparse.ArgumentTypeError(f"'{text}' is not a time (try 90, 10m or 1h30m)")
     hours, minutes, seconds = (float(part or 0) for part in match.groups())
-    return 3600 * hours + 60 * minutes + seconds
+    total = 3600 * hours + 60 * minutes + seconds
+    if not total <= MOST_SECONDS:
+        raise argparse.ArgumentTypeError(f"'{text}' is longer than 30 years")
+    return total
 
 
 def parse_number(text, kilo=1000):
@@ -24,7 +29,7 @@ def parse_number(text, kilo=1000):
 def parse_size(text):
     """Bytes of 512M or 1.5G, where K, M, G and T are powers of 1024."""
     value = parse_number(text, 1024)
-    if value is None or not value < 2**63:
+    if value is None or not 1 <= value <= 2**62:
         raise argparse.ArgumentTypeError(f"'{text}' is not a size (try 512M or 1.5G)")
     return int(value)
 
@@ -40,9 +45,11 @@ def left_out(report):
 
 
 def format_duration(seconds):
-    """As "12s", "42m" or "3h05m"."""
+    """As "12s", "42m", "3h05m" or "7 days"."""
     if seconds < 100:
         return f"{seconds:.0f}s"
+    if seconds > 100 * 3600:
+        return f"{seconds / 86400:.0f} days" if seconds < 36525 * 86400 else "over 100 years"
     minutes = round(seconds / 60)
     return f"{minutes}m" if minutes < 60 else f"{minutes // 60}h{minutes % 60:02}m"
 

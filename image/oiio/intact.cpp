@@ -192,6 +192,9 @@ Status check_tiff(const std::string& path) {
     const std::uint64_t bytes = std::filesystem::file_size(path, error);
     if (tiff == nullptr || error) return {};  // which readers refuse
     while (true) {
+        std::uint16_t bits = 0;
+        if (TIFFGetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, &bits) == 0)  // one bit, which OpenImageIO takes for eight
+            return damaged("it does not say how many bits a sample has (BitsPerSample)");
         const std::uint32_t pieces = TIFFIsTiled(tiff.get()) ? TIFFNumberOfTiles(tiff.get()) : TIFFNumberOfStrips(tiff.get());
         if (pieces > bytes) return cut_off();
         for (std::uint32_t i = 0; i < pieces; ++i) {

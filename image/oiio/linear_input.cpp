@@ -6,12 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>
 
 #include "image/oiio/claimed_size.h"
+#include "image/oiio/radiance_input.h"
 #include "image/plausible_size.h"
 
 namespace latent::image {
@@ -50,12 +50,12 @@ constexpr std::array kMagics = {
     Magic{"RIFF", "webp"},
 };
 // Names whose files always begin with one of these.
-constexpr std::array<std::string_view, 15> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "pfm", "ppm",
-                                                          "pgm", "pbm", "pnm",  "bmp", "gif",  "dds", "webp"};
+constexpr std::array<std::string_view, 17> kExtensions = {"png", "jpg", "jpeg", "tif", "tiff", "exr", "hdr", "rgbe", "pfm",
+                                                          "ppm", "pgm", "pbm",  "pnm", "bmp",  "gif", "dds", "webp"};
 
-// The format by the first bytes of a file, else by its name ("" if that has no extension); none if the name is that of a format
-// whose first bytes these are not. OpenImageIO would try every format that it knows, one after another.
-std::optional<std::string> format_of(const std::filesystem::path& path) {
+// The format by the first bytes of a file; TGA, which has no such bytes, by the name. OpenImageIO could read many others, from
+// films to volumes: their readers have seen fewer strangers' files than these, so they are given none.
+Result<std::string> format_of(const std::filesystem::path& path) {
     std::array<char, 4> front{};
     std::ifstream(path, std::ios::binary).read(front.data(), front.size());
     const std::string_view bytes(front.data(), front.size());
@@ -63,11 +63,12 @@ std::optional<std::string> format_of(const std::filesystem::path& path) {
         if (bytes.starts_with(magic.bytes)) return magic.format;
     }
     std::string extension = path.extension().string();
-    if (extension.empty()) return extension;
-    extension.erase(0, 1);
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (std::ranges::find(kExtensions, extension) != kExtensions.end()) return std::nullopt;
-    return extension;
+    if (extension == ".tga") return "targa";
+    if (!extension.empty() && std::ranges::find(kExtensions, extension.substr(1)) != kExtensions.end())
+        return Error{ErrorCode::kCorrupt, "the file is not a picture of the format that its name says"};
+    return Error{ErrorCode::kUnsupported,
+                 "its format is none of PNG, JPEG, TIFF, OpenEXR, Radiance HDR, PFM, PNM, TGA, BMP, GIF, DDS and WebP"};
 }
 
 // OpenImageIO divides by these.
@@ -109,13 +110,13 @@ bool LinearInput::open(const std::string&, OIIO::ImageSpec& spec, const OIIO::Im
         return false;
     }
     if (!is_plausible(static_cast<std::int64_t>(claimed.width), static_cast<std::int64_t>(claimed.height))) return false;
-    const std::optional<std::string> format = format_of(path);
+    const Result<std::string> format = format_of(path);
     if (!format) {
-        errorfmt("the file is not a picture of the format that its name says");
+        errorfmt("{}", format.error().message);
         return false;
     }
     OIIO::ImageSpec file_spec;
-    file_ = format->empty() ? nullptr : OIIO::ImageInput::create(*format);
+    file_ = *format == "hdr" ? std::make_unique<RadianceInput>() : OIIO::ImageInput::create(*format);
     if (!file_ || !file_->open(path.string(), file_spec, hints)) {
         errorf("%s", file_ ? file_->geterror() : OIIO::geterror());
         file_.reset();
@@ -144,6 +145,12 @@ void LinearInput::take_spec() {
     m_spec = file_->spec();
     m_spec.set_format(OIIO::TypeDesc::FLOAT);
     m_spec.channelformats.clear();
+    is_grey_with_alpha_ = m_spec.nchannels == 2 && m_spec.alpha_channel == 1;
+    if (is_grey_with_alpha_) {
+        m_spec.nchannels = 4;
+        m_spec.channelnames = {"R", "G", "B", "A"};
+        m_spec.alpha_channel = 3;
+    }
     m_spec.erase_attribute("oiio:ConstantColor");  // hints of maketx, in the file's encoding
     m_spec.erase_attribute("oiio:AverageColor");
 }
@@ -163,6 +170,13 @@ bool LinearInput::finish(bool read, float* values, std::size_t pixels, int x, in
     if (!read) {
         errorf("%s", file_->geterror());
         return false;
+    }
+    if (is_grey_with_alpha_) {  // the last first: each pixel moves behind where it was
+        for (std::size_t i = pixels; i-- > 0;) {
+            const float grey = values[2 * i], alpha = values[2 * i + 1];
+            for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] = grey;
+            values[4 * i + 3] = alpha;
+        }
     }
     const auto channels = static_cast<std::size_t>(m_spec.nchannels);
     if (refused_ != nullptr && file_->spec().format.is_floating_point()) {
@@ -190,7 +204,7 @@ bool LinearInput::read_native_scanline(int subimage, int miplevel, int y, int z,
 bool LinearInput::read_native_scanlines(int subimage, int miplevel, int ybegin, int yend, int z, void* data) {
     const lock_guard one_at_a_time(*this);
     if (!seek_subimage(subimage, miplevel)) return false;
-    const bool read = file_->read_scanlines(0, miplevel, ybegin, yend, z, 0, m_spec.nchannels, OIIO::TypeDesc::FLOAT, data);
+    const bool read = file_->read_scanlines(0, miplevel, ybegin, yend, z, 0, file_->spec().nchannels, OIIO::TypeDesc::FLOAT, data);
     return finish(read, static_cast<float*>(data), static_cast<std::size_t>(m_spec.width) * static_cast<std::size_t>(yend - ybegin),
                   0, ybegin);
 }

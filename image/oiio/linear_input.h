@@ -62,6 +62,7 @@ class LinearInput final : public OIIO::ImageInput {
     std::unique_ptr<OIIO::ImageInput> file_;
     int level_ = 0;
     bool is_encoded_ = false;
+    bool is_grey_with_alpha_ = false;  // in the file: here it is RGBA
     PictureEncoding encoding_;
     RefusedValues* refused_ = nullptr;
     std::vector<float> table_;  // of 8 bits

@@ -107,14 +107,15 @@ class OiioPictures final : public Pictures {
 
     void lookup(std::uint32_t index, const PictureSampling& sampling, float s, float t, const std::array<float, 2>& d0,
                 const std::array<float, 2>& d1, std::array<float, 4>& out) const override {
-        constexpr TextureOpt::Wrap kWraps[] = {TextureOpt::WrapPeriodic, TextureOpt::WrapBlack, TextureOpt::WrapClamp};
+        constexpr TextureOpt::Wrap kWraps[] = {TextureOpt::WrapPeriodic, TextureOpt::WrapBlack, TextureOpt::WrapClamp,
+                                               TextureOpt::WrapMirror};
         constexpr TextureOpt::MipMode kMips[] = {TextureOpt::MipModeOneLevel, TextureOpt::MipModeOneLevel,
                                                  TextureOpt::MipModeTrilinear, TextureOpt::MipModeAniso};
         const Handle& handle = handles_[index];
-        if (sampling.filter == PictureFilter::kQuartic)
-            return reconstruct(handle, kWraps[static_cast<std::size_t>(sampling.wrap)], s, t, d0, d1, out);
+        if (sampling.filter == PictureFilter::kQuartic) return reconstruct(handle, sampling.wrap, s, t, d0, d1, out);
         TextureOpt options;
-        options.swrap = options.twrap = kWraps[static_cast<std::size_t>(sampling.wrap)];
+        options.swrap = kWraps[static_cast<std::size_t>(sampling.wrap[0])];
+        options.twrap = kWraps[static_cast<std::size_t>(sampling.wrap[1])];
         options.mipmode = kMips[static_cast<std::size_t>(sampling.filter)];
         options.interpmode = sampling.filter == PictureFilter::kPoint ? TextureOpt::InterpClosest : TextureOpt::InterpBilinear;
         options.anisotropic = sampling.max_anisotropy;
@@ -140,8 +141,9 @@ class OiioPictures final : public Pictures {
         return out;
     }
 
-    Result<WholePicture> read(const std::string& path, const PictureEncoding& encoding) const override {
-        const FileName file{path, path};
+    Result<WholePicture> read(const std::string& path, const std::string& in_messages,
+                              const PictureEncoding& encoding) const override {
+        const FileName file{path, in_messages};
         if (const Status intact = check_intact(path); !intact) return error_of(file, intact.error().message);
         LinearInput input;
         OIIO::ImageSpec spec;
@@ -150,7 +152,7 @@ class OiioPictures final : public Pictures {
         if (!info) return info.error();
         WholePicture picture{*info};
         if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width || spec.height != spec.full_height)
-            return Error{ErrorCode::kUnsupported, fmt::format("{}: its data window differs from its display window", path)};
+            return Error{ErrorCode::kUnsupported, fmt::format("{}: its data window differs from its display window", in_messages)};
         picture.values.resize(spec.image_pixels() * static_cast<std::size_t>(spec.nchannels));
         if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, picture.values.data()))
             return error_of(file, input.geterror());
@@ -158,6 +160,7 @@ class OiioPictures final : public Pictures {
     }
 
  private:
+    using Wraps = std::array<PictureWrap, 2>;
     using Sizes = std::vector<std::array<float, 2>>;
     struct Handle {
         OIIO::TextureSystem::TextureHandle* texture;
@@ -184,7 +187,7 @@ class OiioPictures final : public Pictures {
     }
 
     // The size whose texels are as large as the footprint, or the two about it; the texels of each by the quartic.
-    void reconstruct(const Handle& handle, TextureOpt::Wrap wrap, float s, float t, const std::array<float, 2>& d0,
+    void reconstruct(const Handle& handle, const Wraps& wrap, float s, float t, const std::array<float, 2>& d0,
                      const std::array<float, 2>& d1, std::array<float, 4>& out) const {
         out = {};
         const auto texels = [&](const std::array<float, 2>& d) {
@@ -204,7 +207,7 @@ class OiioPictures final : public Pictures {
 
     // out += weight times the picture of a level at (s, t): its texels within a radius of two, by (1 - rho)^2 (1 + 2 rho + s rho^2)
     // of their distance, over the sum of that. It rings a little, as sharp pictures need.
-    bool add_level(const Handle& handle, TextureOpt::Wrap wrap, int level, float s, float t, float weight,
+    bool add_level(const Handle& handle, const Wraps& wrap, int level, float s, float t, float weight,
                    std::array<float, 4>& out) const {
         constexpr int kRadius = 2, kSide = 2 * kRadius;
         constexpr float kS = -6;
@@ -230,7 +233,7 @@ class OiioPictures final : public Pictures {
     }
 
     // `side` x `side` texels of a level from (x0, y0) on, row by row, continued beyond the edges of the picture.
-    bool read_texels(const Handle& handle, TextureOpt::Wrap wrap, int level, int x0, int y0, int side, float* out) const {
+    bool read_texels(const Handle& handle, const Wraps& wrap, int level, int x0, int y0, int side, float* out) const {
         const int width = static_cast<int>(handle.sizes[static_cast<std::size_t>(level)][0]),
                   height = static_cast<int>(handle.sizes[static_cast<std::size_t>(level)][1]);
         TextureOpt options;
@@ -239,13 +242,22 @@ class OiioPictures final : public Pictures {
                                          0, 1, 0, handle.channels, OIIO::TypeDesc::FLOAT, to);
         };
         if (x0 >= 0 && y0 >= 0 && x0 + side <= width && y0 + side <= height) return read(x0, y0, side, out);
-        const auto wrapped = [&](int i, int n) {  // -1: black
-            if (wrap == TextureOpt::WrapClamp) return std::clamp(i, 0, n - 1);
-            if (wrap == TextureOpt::WrapPeriodic) return (i % n + n) % n;
+        const auto wrapped = [](int i, int n, PictureWrap how) {  // -1: black
+            const auto modulo = [&](int period) { return (i % period + period) % period; };
+            switch (how) {
+                case PictureWrap::kRepeat:
+                    return modulo(n);
+                case PictureWrap::kClamp:
+                    return std::clamp(i, 0, n - 1);
+                case PictureWrap::kMirror:
+                    return std::min(modulo(2 * n), 2 * n - 1 - modulo(2 * n));
+                case PictureWrap::kBlack:
+                    break;
+            }
             return i >= 0 && i < n ? i : -1;
         };
         for (int i = 0; i < side * side; ++i) {
-            const int x = wrapped(x0 + i % side, width), y = wrapped(y0 + i / side, height);
+            const int x = wrapped(x0 + i % side, width, wrap[0]), y = wrapped(y0 + i / side, height, wrap[1]);
             if (x >= 0 && y >= 0 && !read(x, y, 1, out + i * handle.channels)) return false;
         }
         return true;

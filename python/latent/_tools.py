@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 
-from . import _latent
+from . import _arguments, _latent
+from ._arguments import Path
 
-Path = Union[str, "os.PathLike[str]"]
+_LEVELS = ["stored", "quick", "full"]  # as latent_merge_options.verify counts them
+_MOST_THREADS = 4096
 
 
 class LatentWarning(UserWarning):
@@ -36,12 +37,13 @@ def merge(
     rewrite many small runs as a few large ones. job: 32 hexadecimal digits, if folders hold several. memory: bytes. threads: at most;
     0: all. Returns counts (samples, files, runs_in, runs_out, camera_records, light_records, bytes) and left_out, a list of lines.
     """
-    levels = {"stored": 0, "quick": 1, "full": 2}
-    if verify not in levels:
-        raise ValueError("verify is 'quick', 'stored' or 'full'")
-    options = {"verify": levels[verify], "replace": replace, "require": require, "compact": compact,
-               "skip_duplicates": skip_duplicates, "keep_going": keep_going, "job": job, "memory": memory, "threads": threads}
-    return _latent.merge([os.fspath(path) for path in paths], os.fspath(output), options)
+    options = {
+        "verify": _LEVELS.index(_arguments.choice("verify", verify, _LEVELS)), "replace": _arguments.flag("replace", replace),
+        "require": _arguments.optional(_arguments.interval, "require", require), "compact": _arguments.flag("compact", compact),
+        "skip_duplicates": _arguments.flag("skip_duplicates", skip_duplicates), "keep_going": _arguments.flag("keep_going", keep_going),
+        "job": _arguments.optional(_arguments.job_id, "job", job), "memory": _arguments.whole("memory", memory, 1),
+        "threads": _arguments.whole("threads", threads, 0, _MOST_THREADS)}
+    return _latent.merge(_arguments.paths(paths), _arguments.path("output", output), options)
 
 
 def develop(*paths: Path, **options: Any) -> np.ndarray:
@@ -101,23 +103,44 @@ def _develop(
     threads: int = 0,
 ) -> tuple[np.ndarray, list[str]]:
     """Pixels (height, width, channels), and the names of the channels."""
-    if image not in ("both", "camera", "light"):
-        raise ValueError("image is 'both', 'camera' or 'light'")
-    if estimator not in ("standard", "ratio"):
-        raise ValueError("estimator is 'standard' or 'ratio'")
-    if estimator == "ratio" and spectral_bins:
-        raise ValueError("the ratio estimator is of colours: it has no spectral_bins")
-    factor = 0.0 if filter_factor == "auto" else float(filter_factor)
-    if filter_factor != "auto" and not 0 < factor < float("inf"):
-        raise ValueError("filter_factor is a number above 0, or 'auto'")
+    if _arguments.choice("estimator", estimator, ["standard", "ratio"]) == "ratio" and spectral_bins:
+        raise ValueError("estimator: 'ratio' is of colours, so it has no spectral_bins")
+    if isinstance(filter_factor, str) and filter_factor == "auto":
+        filter_factor = 0
+    elif _arguments.real("filter_factor", filter_factor) <= 0:
+        raise ValueError(f"filter_factor: {_arguments.shown(filter_factor)} is not above 0, or 'auto'")
+    if not isinstance(spectral_bins, str):
+        spectral_bins = str(_arguments.whole("spectral_bins", spectral_bins, 1))
     options = {
-        "size": "" if size is None else "x".join(str(side) for side in np.atleast_1d(size)),
-        "crop": crop, "filter": filter, "observer": os.fspath(observer), "camera_xyz": camera_xyz,
-        "raw_balance": raw_balance, "lens_filter": lens_filter,
-        "filter_factor": factor, "lights": list(lights), "dim_fireflies": dim_fireflies, "image": image, "ratio": estimator == "ratio",
-        "spectral_bins": str(spectral_bins), "layers": ",".join(layers), "halves": halves, "samples": samples, "job": job,
-        "skip_duplicates": skip_duplicates, "memory": memory, "threads": threads}
-    pixels, names, left_out, advice = _latent.develop([os.fspath(path) for path in paths], options)
-    for line in [*left_out, *advice]:
+        "size": _arguments.optional(_size, "size", size) or "",
+        "crop": _arguments.optional(_crop, "crop", crop), "filter": _arguments.text("filter", filter),
+        "observer": b"" if observer == "" else _arguments.path("observer", observer), "camera_xyz": _arguments.flag("camera_xyz", camera_xyz),
+        "raw_balance": _arguments.flag("raw_balance", raw_balance), "lens_filter": _arguments.text("lens_filter", lens_filter),
+        "filter_factor": float(filter_factor), "lights": _arguments.texts("lights", lights),
+        "dim_fireflies": _arguments.flag("dim_fireflies", dim_fireflies),
+        "image": _arguments.choice("image", image, ["both", "camera", "light"]), "ratio": estimator == "ratio",
+        "spectral_bins": _arguments.text("spectral_bins", spectral_bins), "layers": ",".join(_arguments.texts("layers", layers)),
+        "halves": _arguments.flag("halves", halves), "samples": _arguments.optional(_arguments.interval, "samples", samples),
+        "job": _arguments.optional(_arguments.job_id, "job", job), "skip_duplicates": _arguments.flag("skip_duplicates", skip_duplicates),
+        "memory": _arguments.whole("memory", memory, 1), "threads": _arguments.whole("threads", threads, 0, _MOST_THREADS)}
+    pixels, names, lines = _latent.develop(_arguments.paths(paths), options)
+    for line in lines:
         warnings.warn(line, LatentWarning, stacklevel=3)
     return pixels, names
+
+
+def _size(name: str, value: Any) -> str:
+    """As latent-develop takes it."""
+    sides = _arguments.wholes(name, value, "(width, height)", 1) if isinstance(value, (tuple, list, np.ndarray)) else [
+        _arguments.whole(name, value, 1)]
+    return "x".join(map(str, sides))
+
+
+def _crop(name: str, value: Any) -> tuple[int, ...]:
+    x0, y0, x1, y1 = _arguments.wholes(name, value, "(x0, y0, x1, y1)", 0, 2**63 - 1)
+    if not (x0 < x1 and y0 < y1):
+        raise ValueError(f"{name}: {_arguments.shown(value)} is not (x0, y0, x1, y1) with x0 < x1 and y0 < y1")
+    return x0, y0, x1, y1
+
+
+_develop.__qualname__ = "develop"  # as messages about unknown arguments call it

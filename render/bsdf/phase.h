@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "render/math/vec.h"
+#include "render/scene/description.h"
 #include "render/spectral/sampled_spectrum.h"
 
 namespace latent::render {
@@ -22,14 +23,13 @@ struct PhaseFunction {
 // Of media that are in the same place: each scatters its share of the light, in each wavelength another.
 //   p(wo, wi) = sum share_i p_i(wo, wi),   its density: the same with the mean shares
 struct PhaseMixture {
-    static constexpr std::uint32_t kMost = 7;
     struct Part {
         PhaseFunction phase;
         float mean = 0;
         const SampledSpectrum* share = nullptr;
     };
     std::uint32_t count = 0;
-    std::array<Part, kMost> parts;
+    std::array<Part, kMostSummed> parts;
 };
 
 // One of both.

@@ -45,15 +45,11 @@ Camera Camera::moved_to(const Affined& world_from_camera) const {
     return c;
 }
 
-Vec3f Camera::lens_point(float s, float t) const {
-    if (!has_lens()) return {};
-    const Vec2f p = sample_disk(s, t);
-    return {p.x * lens_radius_, p.y * lens_radius_, 0};
-}
+Vec2f Camera::lens_point(float s, float t) const { return has_lens() ? sample_disk(s, t) : Vec2f{0, 0}; }
 
-void Camera::ray(double u, double v, float s, float t, Vec3f& origin, Vec3f& direction) const {
+void Camera::ray(double u, double v, const Vec2f& lens, Vec3f& origin, Vec3f& direction) const {
     const float x = static_cast<float>(x0_ + u * (x1_ - x0_)), y = static_cast<float>(y1_ + v * (y0_ - y1_));
-    Vec3f o = lens_point(s, t), d;
+    Vec3f o = on_lens(lens), d;
     switch (kind_) {
         case CameraKind::kPerspective:
             d = {x - o.x / focal_distance_, y - o.y / focal_distance_, 1};  // towards the point in focus, over its distance
@@ -126,9 +122,9 @@ bool Camera::connect(const Vec3f& p, float s, float t, CameraPoint& out) const {
         out.w = world_.z;
         out.distance = local.z;
     } else {
-        const Vec3f lens = lens_point(s, t);
+        out.lens = lens_point(s, t);
+        const Vec3f lens = on_lens(out.lens);
         out.p = world_.point(lens);
-        out.spread = spread(lens);
         const Vec3f to = p - out.p;
         out.distance = length(to);
         if (!(out.distance > 0)) return false;
@@ -150,7 +146,7 @@ bool Camera::hit_lens(const Vec3f& o, const Vec3f& d, float t_max, CameraPoint& 
     out.w = -d;
     out.distance = t;
     out.parallel = false;
-    out.spread = spread(lens);
+    out.lens = {lens.x / lens_radius_, lens.y / lens_radius_};
     out.jacobian = jacobian(out.w);
     return film_position(lens, to_camera(out.w), out.u, out.v);
 }

@@ -5,6 +5,7 @@
 
 #include "base/result.h"
 #include "render/math/vec.h"
+#include "render/sampling/sampler.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -15,7 +16,7 @@ struct CameraPoint {
     Vec3f w;         // unit, from p towards the scene
     float distance;  // from the point in the scene
     float u, v;      // on the film, in [0,1); of 595 nm if the lens splits wavelengths
-    Vec2f spread;    // where those fall: (u, v) + spread x defocus(lambda)
+    Vec2f lens{};    // p on the unit disk of the lens; (0, 0) without one
     // |d(u,v) / d omega|, at p kept fixed, for directions about w; orthographic: |d(u,v) / dA|, A an area square to w.
     float jacobian;
     bool parallel;  // orthographic: rays of one direction, no spreading with distance
@@ -29,8 +30,13 @@ class Camera {
     // The same elsewhere: of the kind and scale that `make` took.
     Camera moved_to(const Affined& world_from_camera) const;
 
-    // The ray of film point (u, v) through the lens point drawn with (s, t).
-    void ray(double u, double v, float s, float t, Vec3f& origin, Vec3f& direction) const;
+    // The point of the unit disk that (s, t) draw, or the sample's numbers; (0, 0) without a lens.
+    Vec2f lens_point(float s, float t) const;
+    Vec2f lens_point(const SampleNumbers& numbers) const {
+        return has_lens() ? lens_point(numbers(Dimension::kLensU), numbers(Dimension::kLensV)) : Vec2f{0, 0};
+    }
+    // The ray of film point (u, v) through that point of the lens.
+    void ray(double u, double v, const Vec2f& lens, Vec3f& origin, Vec3f& direction) const;
     // |d(u,v) / d omega| for rays along unit d: their density [1/sr] as u, v are uniform. Orthographic: per area square to d.
     float jacobian(const Vec3f& d) const;
     bool parallel() const { return kind_ == CameraKind::kOrthographic; }
@@ -49,8 +55,8 @@ class Camera {
     double defocus(double lambda_nm) const {
         return 1 / (focal_distance_ + focal_slope_ * (lambda_nm - 595)) - 1 / focal_distance_;
     }
-    // Of the lens point drawn with (s, t).
-    Vec2f spread(float s, float t) const { return spread(lens_point(s, t)); }
+    // Film points at `lens` of the unit disk are spread over (u, v) + spread x defocus(lambda).
+    Vec2f spread(const Vec2f& lens) const { return {lens.x * lens_radius_ / (x1_ - x0_), lens.y * lens_radius_ / (y0_ - y1_)}; }
 
     bool has_lens() const { return lens_radius_ > 0; }
     float lens_area() const { return kPi * lens_radius_ * lens_radius_; }
@@ -61,8 +67,7 @@ class Camera {
  private:
     Camera() = default;
     Vec3f to_camera(const Vec3f& v) const { return {dot(v, world_.x), dot(v, world_.y), dot(v, world_.z)}; }
-    Vec3f lens_point(float s, float t) const;  // in camera space
-    Vec2f spread(const Vec3f& lens) const { return {lens.x / (x1_ - x0_), lens.y / (y0_ - y1_)}; }
+    Vec3f on_lens(const Vec2f& p) const { return {p.x * lens_radius_, p.y * lens_radius_, 0}; }  // in camera space
     // The film point of a ray through `lens` (camera space) along unit d. False: outside of the film in every wavelength.
     bool film_position(const Vec3f& lens, const Vec3f& d, float& u, float& v) const;
     bool film_of_window(float x, float y, float& u, float& v) const;

@@ -20,6 +20,23 @@ Vec3f derivative_of_unit(const Vec3d& n, const Vec3d& dn) {
     return Vec3f((dn - unit * dot(unit, dn)) / size);
 }
 
+// The numbers are those of the corners, and of their weights' derivatives.
+template <std::size_t N>
+AmongVertices among(const MeshDescription& mesh, const std::uint32_t* corners, const std::array<double, N>& weight,
+                    const std::array<double, N>& du, const std::array<double, N>& dv) {
+    AmongVertices out;
+    if (mesh.colors.empty() && mesh.more_uvs.empty()) return out;
+    out.mesh = &mesh;
+    for (std::size_t i = 0; i < N; ++i) {
+        const auto finite = [](double x) { return std::abs(x) < 1e30 ? static_cast<float>(x) : 0.0f; };
+        out.vertex[i] = corners[i];
+        out.weight[i] = static_cast<float>(weight[i]);
+        out.du[i] = finite(du[i]);
+        out.dv[i] = finite(dv[i]);
+    }
+    return out;
+}
+
 SurfaceCoordinates triangle(const PlacedShape& placed, std::uint32_t primitive, Vec2f at, const Vec3f& ns) {
     const ShapeDescription& shape = placed.shape;
     const MeshDescription& mesh = *shape.mesh;
@@ -38,6 +55,8 @@ SurfaceCoordinates triangle(const PlacedShape& placed, std::uint32_t primitive, 
     const double determinant = a * e - b * d;
     const auto per_u = [&](const Vec3d& x1, const Vec3d& x2) { return (x1 * e - x2 * b) / determinant; };
     const auto per_v = [&](const Vec3d& x1, const Vec3d& x2) { return (x2 * a - x1 * d) / determinant; };
+    c.vertices = among<3>(mesh, v, {1.0 - at.x - at.y, at.x, at.y}, {(b - e) / determinant, e / determinant, -b / determinant},
+                          {(d - a) / determinant, -d / determinant, a / determinant});
     c.dpdu = Vec3f(per_u(e1, e2));
     c.dpdv = Vec3f(per_v(e1, e2));
     const float area = length_squared(cross(c.dpdu, c.dpdv));
@@ -72,6 +91,11 @@ SurfaceCoordinates patch(const PlacedShape& placed, std::uint32_t primitive, Vec
         const double determinant = ds.x * dt.y - ds.y * dt.x;
         dsdu = dt.y / determinant, dsdv = -dt.x / determinant, dtdu = -ds.y / determinant, dtdv = ds.x / determinant;
     }
+    const double s = at.x, t = at.y;
+    const auto along = [&](double ds, double dt) {
+        return std::array{-ds * (1 - t) - dt * (1 - s), ds * (1 - t) - dt * s, dt * (1 - s) - ds * t, ds * t + dt * s};
+    };
+    c.vertices = among<4>(mesh, v, {(1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t}, along(dsdu, dtdu), along(dsdv, dtdv));
     c.dpdu = Vec3f(dpds * dsdu + dpdt * dtdu);
     c.dpdv = Vec3f(dpds * dsdv + dpdt * dtdv);
     const float area = length_squared(cross(c.dpdu, c.dpdv));
@@ -94,9 +118,9 @@ SurfaceCoordinates patch(const PlacedShape& placed, std::uint32_t primitive, Vec
     }
     if (!(length_squared(n) > 0)) return c;
     const double side = dot(n, Vec3d(ns)) < 0 ? -1 : 1;
-    const Vec3d s(derivative_of_unit(n, dnds)), t(derivative_of_unit(n, dndt));
-    c.dndu = Vec3f((s * dsdu + t * dtdu) * side);
-    c.dndv = Vec3f((s * dsdv + t * dtdv) * side);
+    const Vec3d ns_ds(derivative_of_unit(n, dnds)), ns_dt(derivative_of_unit(n, dndt));
+    c.dndu = Vec3f((ns_ds * dsdu + ns_dt * dtdu) * side);
+    c.dndv = Vec3f((ns_ds * dsdv + ns_dt * dtdv) * side);
     return c;
 }
 

@@ -38,6 +38,8 @@ Result<std::unique_ptr<Geometry>> Geometry::build(const SceneDescription& scene,
     return std::unique_ptr<Geometry>(std::move(*geometry));
 }
 
+std::string Geometry::embree_version() { return RTC_VERSION_STRING; }
+
 // Of what went wrong, Embree says more here than by rtcGetDeviceError. Any thread.
 void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) {
     const Error error =
@@ -49,8 +51,7 @@ void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) 
 
 SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
     SceneHandle scene(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene.get(),
-                     bounds_media_ ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene.get(), bounds_media_ ? RTC_SCENE_FLAG_ROBUST | kRayFilter : RTC_SCENE_FLAG_ROBUST);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (shapes[i].is_invisible()) continue;
         RTCGeometry geometry = new_geometry(device_.get(), shapes[i]);
@@ -179,12 +180,11 @@ void EmbreeGeometry::open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) c
 
 std::optional<SurfaceHit> EmbreeGeometry::intersect_any(const Ray& ray, std::vector<PassedSurface>* passed) const {
     if (!is_traceable(ray.o, ray.d)) return std::nullopt;
-    TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max, .passed_each = passed};
-    rtcInitIntersectContext(&context.embree);
+    TraceContext context{.embree = new_context(), .world = &world_, .t_max = ray.t_max, .passed_each = passed};
     RTCRayHit rayhit{embree_ray(ray), {}};
     rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_.get(), &context.embree, &rayhit);
+    embree_intersect(scene_.get(), context.embree, rayhit);
     const RTCHit& found = rayhit.hit;
     if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
@@ -207,11 +207,9 @@ std::vector<SurfaceHit> EmbreeGeometry::surfaces_at(const Interaction& at, const
     const Ray around{at.p - d * reach, d, 2 * reach, time};
     if (!bounds_media_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
     std::vector<MetSurface> met;
-    TraceContext context{.embree = {}, .world = &world_, .t_max = around.t_max, .met = &met, .met_but = except};
-    rtcInitIntersectContext(&context.embree);
-    context.embree.filter = gather_met;
+    TraceContext context{.embree = new_context(), .world = &world_, .t_max = around.t_max, .met = &met, .met_but = except};
     RTCRay shadow = embree_ray(around);
-    rtcOccluded1(scene_.get(), &context.embree, &shadow);
+    embree_occluded(scene_.get(), context.embree, shadow, context.filter());
     for (const MetSurface& surface : met) {
         const SurfaceHit hit = surface_on(surface.on, around, surface.t);
         if (contains(hit, at)) surfaces.push_back(hit);
@@ -223,20 +221,18 @@ SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { re
 
 bool EmbreeGeometry::occluded(const Ray& ray) const {
     if (!is_traceable(ray.o, ray.d)) return true;
-    TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max};
-    rtcInitIntersectContext(&context.embree);
+    TraceContext context{.embree = new_context(), .world = &world_, .t_max = ray.t_max};
     RTCRay shadow = embree_ray(ray);
-    rtcOccluded1(scene_.get(), &context.embree, &shadow);
+    embree_occluded(scene_.get(), context.embree, shadow, context.filter());
     return shadow.tfar < 0;
 }
 
 float EmbreeGeometry::passed(const Ray& ray) const {
     if (!is_traceable(ray.o, ray.d)) return 0;
     float passed = 1;
-    TraceContext context{.embree = {}, .world = &world_, .t_max = ray.t_max, .passed = &passed};
-    rtcInitIntersectContext(&context.embree);
+    TraceContext context{.embree = new_context(), .world = &world_, .t_max = ray.t_max, .passed = &passed};
     RTCRay shadow = embree_ray(ray);
-    rtcOccluded1(scene_.get(), &context.embree, &shadow);
+    embree_occluded(scene_.get(), context.embree, shadow, context.filter());
     return shadow.tfar < 0 ? 0 : passed;
 }
 

@@ -1,12 +1,11 @@
-// render/geometry/embree_geometry.h: Geometry on Embree 3.
+// render/geometry/embree_geometry.h: Geometry on Embree.
 #pragma once
-
-#include <embree3/rtcore.h>
 
 #include <memory>
 #include <vector>
 
 #include "base/first_error.h"
+#include "render/geometry/embree.h"
 #include "render/geometry/embree_motion.h"
 #include "render/geometry/geometry.h"
 #include "render/geometry/placed_shape.h"

@@ -1,5 +1,6 @@
 #include "render/geometry/embree_motion.h"
 
+#include "render/geometry/embree_shapes.h"
 #include "render/math/next_float.h"
 #include "render/scene/bounds.h"
 
@@ -55,7 +56,7 @@ void intersect(const RTCIntersectFunctionNArguments* args) {
     inside.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     if (!enter(moving, inside.ray)) return;
     args->context->instID[0] = args->geomID;
-    rtcIntersect1(moving.object, args->context, &inside);
+    embree_intersect(moving.object, *args->context, inside);
     args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
     if (inside.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
     rayhit.hit = inside.hit;
@@ -69,7 +70,7 @@ void occluded(const RTCOccludedFunctionNArguments* args) {
     RTCRay inside = ray;
     if (!enter(moving, inside)) return;
     args->context->instID[0] = args->geomID;
-    rtcOccluded1(moving.object, args->context, &inside);
+    embree_occluded(moving.object, *args->context, inside, trace_context(args->context).filter());
     args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
     if (inside.tfar < 0) ray.tfar = -kInfinity;
 }

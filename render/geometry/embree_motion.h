@@ -2,8 +2,7 @@
 // has at its time, in double. Embree's own instances with motion would do that in float, and with another decomposition.
 #pragma once
 
-#include <embree3/rtcore.h>
-
+#include "render/geometry/embree.h"
 #include "render/geometry/placed_shape.h"
 
 namespace latent::render {

@@ -10,7 +10,6 @@ namespace latent::render {
 
 namespace {
 
-TraceContext& trace_context(RTCIntersectContext* context) { return *reinterpret_cast<TraceContext*>(context); }
 Vec3f direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
 Vec3d point_on(const RTCRay& ray, double t) { return Vec3d(ray.org_x, ray.org_y, ray.org_z) + Vec3d(direction_of(ray)) * t; }
 
@@ -70,8 +69,8 @@ std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t
 }
 
 // The first hit that is not in a hole.
-std::optional<ExactHit> first_solid(const PlacedShape& placed, RTCIntersectContext* context, unsigned shape,
-                                    std::uint32_t primitive, RTCRay ray) {
+std::optional<ExactHit> first_solid(const PlacedShape& placed, EmbreeContext* context, unsigned shape, std::uint32_t primitive,
+                                    RTCRay ray) {
     while (true) {
         const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
         if (!hit) return hit;
@@ -83,8 +82,8 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, RTCIntersectConte
 }
 
 // For every ray that comes near: inlined, or the hit would be passed on through memory.
-[[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, RTCIntersectContext* context,
-                                                                unsigned shape, std::uint32_t primitive, const RTCRay& ray) {
+[[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, EmbreeContext* context, unsigned shape,
+                                                                std::uint32_t primitive, const RTCRay& ray) {
     return placed.is_always_met() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
 }
 

@@ -2,8 +2,7 @@
 // settled in double; everything else is user geometry, solved in double.
 #pragma once
 
-#include <embree3/rtcore.h>
-
+#include "render/geometry/embree.h"
 #include "render/geometry/placed_shape.h"
 
 namespace latent::render {
@@ -24,9 +23,12 @@ struct PassedTube {
     double distance, radius;
 };
 
+// Embree's filter of rays that gather `met`.
+void gather_met(const RTCFilterFunctionNArguments* args);
+
 // Of every ray.
 struct TraceContext {
-    RTCIntersectContext embree;  // what Embree passes on: the first member
+    EmbreeContext embree;  // the first member, which Embree passes on
     const PlacedWorld* world;
     float t_max;  // of the ray: Embree's own shrinks to the hits that it finds
     // Surfaces that are there in part let every ray pass, and this gathers what they let pass: the product, or each by itself,
@@ -37,10 +39,10 @@ struct TraceContext {
     std::vector<MetSurface>* met = nullptr;
     const PrimitivePoint* met_but = nullptr;
     std::vector<PassedTube> passed_tubes{};  // Embree may find a crossing of a tube more than once; it counts once
-};
 
-// Embree's filter for that.
-void gather_met(const RTCFilterFunctionNArguments* args);
+    RTCFilterFunctionN filter() const { return met == nullptr ? nullptr : gather_met; }
+};
+inline TraceContext& trace_context(EmbreeContext* context) { return *reinterpret_cast<TraceContext*>(context); }
 
 // `placed` stays where it is.
 RTCGeometry new_geometry(RTCDevice device, PlacedShape& placed);

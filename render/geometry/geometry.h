@@ -1,4 +1,4 @@
-// render/geometry/geometry.h: where rays meet surfaces. Embree 3 underneath; spheres, disks and curved patches are solved in
+// render/geometry/geometry.h: where rays meet surfaces. Embree underneath; spheres, disks and curved patches are solved in
 // double.
 #pragma once
 
@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "render/geometry/spawn_ray.h"
 #include "render/math/vec.h"
+#include "render/scene/among_vertices.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -47,6 +48,7 @@ struct SurfaceCoordinates {
     Vec2f uv;
     Vec3f dpdu, dpdv;  // not parallel
     Vec3f dndu, dndv;  // of the shading normal, turned as SurfaceHit::ns
+    AmongVertices vertices;
 };
 
 // A primitive that emits: one triangle, one whole sphere or another quadric (of a uniform scale). What it emits is render/light's
@@ -86,6 +88,8 @@ class Geometry {
     static Result<std::unique_ptr<Geometry>> build(const SceneDescription& scene, const std::string& simd,
                                                    const Opacity* opacity = nullptr);
     virtual ~Geometry() = default;
+    // Such as "4.3.3": of Embree, which records depend on.
+    static std::string embree_version();
 
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;

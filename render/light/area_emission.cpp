@@ -14,7 +14,9 @@ void EmissionPattern::multiply(std::uint32_t primitive, const EmissionPoint& at,
     TexturePoint point{};
     point.p = at.p;
     point.n = at.ng;
-    point.uv = geometry->coordinates(hit).uv;
+    const SurfaceCoordinates coordinates = geometry->coordinates(hit);
+    point.uv = coordinates.uv;
+    point.vertices = coordinates.vertices;
     point.spectra = &spectra;
     if (picture) value *= picture->at(point);
     if (!at.is_met) value *= std::clamp(alpha.at(point), 0.0f, 1.0f);

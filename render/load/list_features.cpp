@@ -47,9 +47,12 @@ std::string list_features() {
     text += "\nparameters, and values of parameters, beyond pbrt-v4\n" + parameters;
     text += "\nglTF 2.0 (.gltf, .glb)\n" + paragraph("extensions", known_extensions());
     text += "\nWavefront OBJ (.obj, .mtl)\n";
-    text += paragraph("geometry", std::initializer_list<std::string_view>{"v", "vt", "vn", "f", "mtllib", "usemtl"});
-    text += paragraph("materials", std::initializer_list<std::string_view>{"newmtl", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr",
-                                                                           "illum", "Pr", "Pm", "Pc", "Pcr", "map_Kd", "map_d"});
+    using Words = std::initializer_list<std::string_view>;
+    text += paragraph("geometry", Words{"v", "vt", "vn", "f", "s", "mtllib", "usemtl"});
+    text += paragraph("materials",
+                      Words{"newmtl", "Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr"});
+    text += paragraph("maps", Words{"map_Kd", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Pr", "map_Pm", "map_Ps", "map_Pc",
+                                    "map_Pcr", "norm", "map_bump"});
     return text;
 }
 

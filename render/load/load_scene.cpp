@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <map>
+
 #include "base/file.h"
 #include "render/load/gltf/gltf.h"
 #include "render/load/obj/obj.h"
@@ -14,9 +16,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::size_t kMaxIncludes = 64;          // one inside another
-constexpr std::size_t kMostIncluded = 1'000'000;  // in all
-
+constexpr std::size_t kMaxIncludes = 64;   // one inside another
 constexpr std::size_t kBeginning = 65536;  // bytes that a format is recognised by
 
 std::string all_of(const std::vector<std::string>& messages) { return fmt::format("{}", fmt::join(messages, "\n")); }
@@ -48,19 +48,26 @@ class PbrtLoader {
  private:
     // Errors: the file cannot be read, or is none of pbrt's; what is wrong in it goes to the diagnostics.
     Status file(const std::filesystem::path& path, std::size_t depth) {
-        const Result<std::string> text = SceneFiles::read_text(path);
-        if (!text) return text.error();
+        const Result<std::string> text = files_.include(path);
+        if (!text) {
+            stopped_ = text.error().code == ErrorCode::kOutOfRange;  // so would be the rest
+            return text.error();
+        }
         std::vector<std::string>& names = scene_.description.files;
-        const auto index = static_cast<std::uint32_t>(names.size());
-        names.push_back(path.string());
-        DirectiveReader reader(*text, index);
+        const auto [index, is_new] = indexes_.try_emplace(path, static_cast<std::uint32_t>(names.size()));
+        if (is_new) names.push_back(path.string());
+        DirectiveReader reader(*text, index->second);
+        bool begun = false;  // there was a directive
         while (!stopped_) {
             const auto directive = reader.next();
-            if (!begun_ && !(directive && *directive)) {
+            if (!begun && !(directive && *directive)) {
                 const std::string_view format = foreign_format(*text);
-                if (!format.empty() || directive) return not_pbrt(path, format);
+                if (!format.empty() || (directive && depth == 0)) return not_pbrt(path, format);
+                // What a scene includes may be any file of this machine: it is not quoted.
+                if (!directive && depth > 0 && !directive.error().is_of_pbrt_v3)
+                    return not_pbrt(path, "its first word is not a directive");
             }
-            begun_ = true;
+            begun = true;
             if (!directive) {
                 lose(directive.error());
                 is_v3_ = is_v3_ || directive.error().is_of_pbrt_v3;
@@ -91,10 +98,6 @@ class PbrtLoader {
         if (depth == kMaxIncludes) {
             stopped_ = true;  // it may include itself more than once
             return lose({d.where, fmt::format("{}: files are nested more than {} deep", d.name, kMaxIncludes)});
-        }
-        if (++included_ > kMostIncluded) {
-            stopped_ = true;
-            return lose({d.where, fmt::format("{}: more than {} files are included", d.name, kMostIncluded)});
         }
         if (import && !builder_.in_world()) return lose({d.where, "Import: must come after WorldBegin"});
         if (import) builder_.begin_import(d.where);
@@ -132,15 +135,15 @@ class PbrtLoader {
     Diagnostics diagnostics_;
     SceneBuilder builder_;
     SourceLocation end_;
-    std::vector<std::filesystem::path> open_{path_};  // each included by the one before
-    std::size_t included_ = 0;                        // files so far
-    bool begun_ = false;                              // there was a directive, or an error
-    bool is_v3_ = false;                              // one had a type or a word of pbrt-v3
-    bool garbled_ = false;                            // there was an error of syntax
-    bool stopped_ = false;                            // nothing more is read
+    std::vector<std::filesystem::path> open_{path_};          // each included by the one before
+    std::map<std::filesystem::path, std::uint32_t> indexes_;  // in the description's list of files
+    bool is_v3_ = false;                                      // one had a type or a word of pbrt-v3
+    bool garbled_ = false;                                    // there was an error of syntax
+    bool stopped_ = false;                                    // nothing more is read
 };
 
-Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra) {
+Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat format, color::RgbSpectra rgb_spectra,
+                               const ModelOptions& options) {
     Result<std::string> bytes = SceneFiles::read_text(path);
     if (!bytes) return bytes.error();
     if (format == SceneFormat::kObj && (bytes->empty() || bytes->find('\0') != bytes->npos))
@@ -149,19 +152,28 @@ Result<LoadedScene> load_model(const std::filesystem::path& path, SceneFormat fo
     LoadedScene scene = nothing_with(rgb_spectra);
     scene.description.files.push_back(path.string());
     Diagnostics diagnostics(scene.description.files);
-    const SceneFiles files(path);
+    SceneFiles files(path);
     const ModelColors colors(rgb_spectra);
-    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, diagnostics)
+    Result<Model> model = format == SceneFormat::kGltf ? read_gltf(*bytes, path.string(), files, colors, options, diagnostics)
                                                        : read_obj(*bytes, path.string(), files, colors, diagnostics);
     if (!model) return model.error();
     if (!diagnostics.errors().empty()) return Error{ErrorCode::kUnsupported, all_of(diagnostics.errors())};
     if (model->shapes.empty() && model->scene.instances.empty())
         return Error{ErrorCode::kUnsupported, path.string() + ": has no triangles"};
+    const auto missing = [&](std::string_view what, const std::string& name, const std::vector<std::string>& names) {
+        return usage_error(fmt::format("--{0} {1}: {2} has no {0} of this name{3}", what, name, path.string(),
+                                       names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "))));
+    };
+    if (!options.camera.empty() && !model->has_camera) return missing("camera", options.camera, model->cameras);
+    if (!options.variant.empty() && !model->has_variant) return missing("variant", options.variant, model->variants);
     scene.embedded = std::move(model->embedded);
-    for (const std::string& added : complete(std::move(*model), colors.emission({1, 1, 1}), scene.description))
-        scene.added.push_back(fmt::format("{}: {}", path.string(), added));
+    const Result<std::vector<std::string>> added =
+        complete(std::move(*model), options, colors.emission({1, 1, 1}), scene.description);
+    if (!added) return added.error();
+    for (const std::string& what : *added) scene.added.push_back(fmt::format("{}: {}", path.string(), what));
     scene.description.rgb_spectra = rgb_spectra;
     scene.warnings = diagnostics.warnings();
+    scene.notes = diagnostics.notes();
     return scene;
 }
 
@@ -178,12 +190,18 @@ Result<std::string> beginning_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra) {
+Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator, color::RgbSpectra rgb_spectra,
+                               const ModelOptions& model) {
     const Result<std::string> beginning = beginning_of(path);
     if (!beginning) return beginning.error();
     const SceneFormat format = scene_format(path, *beginning);
-    if (format == SceneFormat::kPbrt) return PbrtLoader(path, replace_integrator, rgb_spectra).load();
-    return load_model(path, format, rgb_spectra);
+    if (format != SceneFormat::kPbrt) return load_model(path, format, rgb_spectra, model);
+    if (model != ModelOptions{})
+        return usage_error(fmt::format(
+            "{}: --camera, --variant, --view, --up, --no-stage, --lens-radius, --focus and --sky are for glTF and OBJ; a pbrt "
+            "scene says these itself",
+            path.string()));
+    return PbrtLoader(path, replace_integrator, rgb_spectra).load();
 }
 
 }  // namespace latent::render

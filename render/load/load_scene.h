@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/result.h"
+#include "render/load/model/options.h"
 #include "render/scene/description.h"
 
 namespace latent::render {
@@ -23,8 +24,8 @@ struct LoadedScene {
 // message then holds one line for each, all of them.
 //
 // With `replace_integrator`, that of a pbrt scene is replaced: whatever its name is, the picture is as asked. `rgb_spectra` says
-// what the colours of the scene stand for.
+// what the colours of the scene stand for. `model` is for glTF and OBJ: kUsage if a pbrt scene is given any of it.
 Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator = false,
-                               color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth);
+                               color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth, const ModelOptions& model = {});
 
 }  // namespace latent::render

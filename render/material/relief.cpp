@@ -4,7 +4,9 @@ namespace latent::render {
 
 Relief::Relief(const MaterialDescription& d, const Textures& textures)
     : displacement_(textures.source(d.displacement)),
-      normals_(displacement_.texture == nullptr && d.normal_map != kNone ? &textures.image(d.normal_map) : nullptr) {}
+      normals_(displacement_.texture == nullptr && d.normal_map != kNone ? &textures.image(d.normal_map) : nullptr),
+      scale_(d.normal_scale),
+      follow_v_(d.normals_follow_v) {}
 
 void Relief::tilt(const TexturePoint& point, const SurfaceCoordinates& c, SurfaceHit& hit) const {
     if (is_flat()) return;
@@ -19,6 +21,7 @@ void Relief::tilt(const TexturePoint& point, const SurfaceCoordinates& c, Surfac
             TexturePoint there = point;
             there.p = point.p + along * by;
             there.uv = {point.uv.x + uv.x * by, point.uv.y + uv.y * by};
+            there.vertices = point.vertices.moved(uv.x * by, uv.y * by);
             return (displacement_.at(there) - h) / by;
         };
         const auto step = [](float x, float y) {
@@ -32,7 +35,8 @@ void Relief::tilt(const TexturePoint& point, const SurfaceCoordinates& c, Surfac
     } else {
         const std::array<float, 4> rgb = normals_->at(point);
         const Frame frame = Frame::from_z_x(n, tu);
-        tilted = frame.to_world({2 * rgb[0] - 1, 2 * rgb[1] - 1, 2 * rgb[2] - 1});
+        const float x = scale_ * (2 * rgb[0] - 1), y = scale_ * (2 * rgb[1] - 1);
+        tilted = frame.to_world({x, follow_v_ && dot(frame.y, tv) < 0 ? -y : y, 2 * rgb[2] - 1});
         du = tu;
     }
     const float size = length(tilted);

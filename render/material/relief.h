@@ -20,6 +20,8 @@ class Relief {
  private:
     FloatSource displacement_;
     const ImageLookup* normals_;
+    float scale_;
+    bool follow_v_;
 };
 
 }  // namespace latent::render

@@ -43,7 +43,7 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     develop::PictureOptions picture;
     picture.inputs = {trial->file};
     picture.output = trial->folder.path() / "preview.exr";
-    picture.size = width_for(job, trial->report.samples);
+    picture.size = width_for(job, trial->samples);
     picture.dim_fireflies = true;
     picture.threads = options.threads;
     const Result<develop::PictureReport> developed = develop::develop_picture(picture, {});
@@ -52,17 +52,11 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     convert::ConvertOptions print;
     print.input = picture.output;
     print.outputs = {preview_path(options)};
-    print.auto_exposure = true;
     print.threads = options.threads;
     print.replace = true;
-    Result<convert::ConvertReport> printed = convert::convert(print, {});
-    // Then no exposure could be chosen.
-    const bool is_black = !printed && printed.error().code == ErrorCode::kOutOfRange;
-    if (is_black) {
-        print.auto_exposure = false;
-        printed = convert::convert(print, {});
-    }
+    const Result<convert::ConvertReport> printed = convert::convert(print, {});
     if (!printed) return printed.error();
+    const bool is_black = !printed->auto_sigma;
     return Preview{preview_path(options), printed->width, printed->height, printed->sigma, is_black, *expected};
 }
 

@@ -3,19 +3,70 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "base/simd.h"
+#include "base/url.h"
 #include "render/load/list_features.h"
 #include "render/program/arguments.h"
 #include "render/program/help.h"
 
 namespace latent::render {
 
+namespace {
+
+// What to do with a file of another kind, by its name; empty if it may be a scene.
+std::string no_scene(const std::filesystem::path& path) {
+    constexpr std::string_view kModels[] = {".3ds", ".abc", ".c4d", ".dae", ".fbx",  ".ma",   ".max", ".mb",
+                                            ".ply", ".skp", ".stl", ".usd", ".usda", ".usdc", ".usdz"};
+    const std::string name = shown_name(path), stem = path.stem().string(), extension = path.extension().string();
+    if (extension == ".latent")
+        return fmt::format("{}: holds samples, which are rendered already; develop them: latent-develop {} -o {}.exr", name,
+                           path.string(), stem);
+    if (extension == ".exr")
+        return fmt::format("{}: is a picture; print it: latent-convert {} -o {}.png", name, path.string(), stem);
+    if (extension == ".blend")
+        return fmt::format(
+            "{}: export it first (in Blender: File, Export, glTF 2.0; tick Cameras and Punctual Lights), then: "
+            "latent-render {}.glb",
+            name, stem);
+    if (std::ranges::find(kModels, extension) != std::end(kModels))
+        return fmt::format(
+            "{}: export it as glTF (.glb) first, from the program that made it or from Blender, then: "
+            "latent-render {}.glb",
+            name, stem);
+    return "";
+}
+
+// What glTF and OBJ files cannot say, or say more than once.
+void add_model_arguments(CLI::App& app, ModelOptions& model) {
+    app.add_option("--camera", model.camera, "camera of a glTF file, by its name or its node's (default: the first)")
+        ->type_name("NAME");
+    app.add_option("--variant", model.variant, "variant of the materials of a glTF file, by its name")->type_name("NAME");
+    cli::add_choice<ModelView>(
+        app, "--view", model.view,
+        {{"three-quarter", ModelView::kThreeQuarter}, {"front", ModelView::kFront}, {"top", ModelView::kTop}},
+        "side from which a model without a camera is seen");
+    cli::add_choice<bool>(app, "--up", model.is_z_up, {{"y", false}, {"z", true}}, "axis of a model that points up");
+    app.add_flag_callback(
+        "--no-stage", [&model] { model.stage = false; }, "no ground under a model without camera and lights");
+    cli::add_positive_number(app, "--lens-radius", model.lens_radius, "radius of the lens of a model's camera, in its units")
+        ->default_str("");
+    cli::add_positive_number(app, "--focus", model.focus, "distance at which it is sharp (default: the middle of the model)")
+        ->default_str("");
+    app.add_option("--sky", model.sky, "picture of the sky of a model, in longitude and latitude")->type_name("FILE");
+}
+
+}  // namespace
+
 void add_arguments(CLI::App& app, CommandLine& line) {
-    app.add_option("SCENE", line.settings.scene, "scene file (.pbrt, .gltf, .glb, .obj)")->required();
+    app.add_option("SCENE", line.settings.scene, "scene file (.pbrt, .gltf, .glb, .obj)")
+        ->required()
+        ->check(CLI::Validator([](const std::string& name) { return no_scene(name); }, ""));
     app.add_option("-o,--output", line.options.output,
                    "file to write: one part of the job (for --dry-run and --preview, by default: SCENE's name, in this folder)")
         ->check(cli::ends_in(".latent"));
-    auto* spp = cli::add_positive_number(app, "--spp", line.settings.spp, "samples per pixel, at --resolution");
+    auto* spp = cli::add_positive_number(app, "--spp", line.settings.spp, "samples per pixel of --resolution");
     auto* samples = cli::add_parsed(app, "--samples", line.settings.samples, parse_samples, "samples A to B-1, instead of --spp")
                         ->excludes(spp)
                         ->type_name("A:B");
@@ -26,8 +77,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_parsed(app, "--shard", line.settings.shard, parse_shard, "shard to render, out of N; I is 0 to N-1")->type_name("I/N");
     cli::add_parsed(
         app, "--resolution", line.settings.resolution, parse_resolution,
-        "image size to which --spp and the filtering of textures refer (default: the scene's); samples have no pixels, and "
-        "the picture keeps the shape of the scene's film")
+        "picture size in pixels to render for (default: the scene's); you can still develop any other size. It sets how "
+        "many samples --spp makes, and how finely textures are filtered")
         ->type_name("WxH");
     cli::add_choice<std::optional<IntegratorKind>>(app, "--integrator", line.settings.integrator,
                                                    {{"path", IntegratorKind::kPath}, {"bdpt", IntegratorKind::kBdpt}},
@@ -50,8 +101,8 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     app.add_flag("--light-groups", line.settings.light_groups,
                  "store the light of lights with different names separately, for latent-develop --light");
     cli::add_parsed(app, "--aov", line.settings.aovs, parse_aovs,
-                    "also store features of the surface that each sample sees, for latent-develop --layers: a list of albedo, "
-                    "normal, depth, position, id")
+                    "also store features of the surface that each sample sees (albedo, normal, depth, position, id), for "
+                    "latent-develop --layers, and where and when its light met the lens (lens, time); a list of these")
         ->type_name("albedo,normal,...");
     cli::add_count(app, "--precision", line.settings.precision,
                    "mantissa bits of each stored value; 23 keeps all, fewer are rounded without bias", 1u, 23u);
@@ -77,6 +128,7 @@ void add_arguments(CLI::App& app, CommandLine& line) {
     cli::add_duration(app, "--preview", line.preview_seconds,
                       "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
         ->excludes(dry);
+    add_model_arguments(app, line.settings.model);
     app.add_flag("--strict", line.settings.strict, "refuse the scene if anything that may affect its samples is ignored");
     app.add_flag_callback(
         "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },

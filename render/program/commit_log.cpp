@@ -15,7 +15,8 @@ std::string CommitLog::line(const Committed& committed, Clock::time_point now, b
     if (!(committed.samples_per_second > 0)) return line;
     const double left = static_cast<double>(range_ - committed.samples) / committed.samples_per_second;
     if (left > 0) line += fmt::format(", {} left", format_duration(left));
-    return line + fmt::format(", {:.3f} M samples/s, {} written", committed.samples_per_second / 1e6, format_size(committed.bytes));
+    return line +
+           fmt::format(", {} samples/s, {} written", format_count(committed.samples_per_second), format_size(committed.bytes));
 }
 
 }  // namespace latent::render

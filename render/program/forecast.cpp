@@ -55,7 +55,7 @@ Error TrialPlace::explained(const Error& error) const {
 
 Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const TrialPlace& place,
                            const std::atomic<bool>& stop) {
-    Trial out{TemporaryPath(place.parent / (".latent-trial-" + make_nonce())), {}, {}};
+    Trial out{.folder = TemporaryPath(place.parent / (".latent-trial-" + make_nonce())), .file = {}};
     const std::filesystem::path& folder = out.folder.path();
     std::error_code error;
     if (!std::filesystem::create_directory(folder, error)) {
@@ -68,11 +68,18 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
     trial.max_seconds = seconds;
     Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return place.explained(report.error());
-    if (report->samples == 0)
+    // Finished samples of a run whose other grains were given up may not be committed: only what is counts.
+    if (report->committed == 0)
         return Error{ErrorCode::kStopped,
                      fmt::format("the {} ended before any sample was finished{}", place.purpose, stop ? "" : place.if_too_short)};
-    out.report = *report;
-    out.file = std::filesystem::directory_iterator(folder)->path();  // the part, or an attempt at it
+    out.samples = report->committed;
+    out.bytes = report->written.bytes_written;
+    out.seconds_per_sample = report->seconds_per_sample;
+    const std::filesystem::directory_iterator part(folder, error);  // the part, or an attempt at it
+    if (error || part == std::filesystem::directory_iterator())
+        return Error{ErrorCode::kIo,
+                     fmt::format("{}: the samples of the {} are gone; {}", folder.string(), place.purpose, place.remedy)};
+    out.file = part->path();
     return out;
 }
 
@@ -94,10 +101,9 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, co
     Forecast out;
     const Result<sampledb::Coverage> missing = begin_forecast(job, options, out);
     if (!missing) return missing.error();
-    const auto measured = static_cast<double>(trial.report.samples);
-    out.measured_samples = trial.report.samples;
-    out.seconds = trial.report.seconds_per_sample * static_cast<double>(missing->size());
-    out.bytes = scaled(trial.report.written.bytes_written, static_cast<double>(out.samples) / measured);
+    out.measured_samples = trial.samples;
+    out.seconds = trial.seconds_per_sample * static_cast<double>(missing->size());
+    out.bytes = scaled(trial.bytes, static_cast<double>(out.samples) / static_cast<double>(trial.samples));
     return out;
 }
 
@@ -117,7 +123,7 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
     for (int i = 1; i < most && trial && !stop; ++i) {
         Result<Trial> again = render_trial(job, options, seconds, place, stop);
         if (!again) break;
-        const bool is_warm = again->report.seconds_per_sample > 0.7 * trial->report.seconds_per_sample;
+        const bool is_warm = again->seconds_per_sample > 0.7 * trial->seconds_per_sample;
         trial = std::move(again);
         if (is_warm) break;
     }

@@ -35,8 +35,10 @@ double trial_seconds(const RenderOptions& options);
 // A short render, in a folder of its own that is gone with it.
 struct Trial {
     TemporaryPath folder;
-    std::filesystem::path file;
-    RenderReport report;
+    std::filesystem::path file;     // what it committed
+    std::uint64_t samples = 0;      // in it, at least one
+    std::uint64_t bytes = 0;        // of it
+    double seconds_per_sample = 0;  // RenderReport's
 };
 // Where a trial makes its folder, what it is for ("preview"), what to do if that cannot be: "choose another folder with -o", and
 // what if no sample was finished: "; give it more time".
@@ -49,7 +51,7 @@ struct TrialPlace {
     // Replaces the error of a full disk, which names a hidden folder, by one that says what to do.
     Error explained(const Error& error) const;
 };
-// Of `seconds`. Errors: those of `render`, and kStopped if not one sample was finished.
+// Renders for `seconds`. Errors: those of `render`, and kStopped if no sample was committed.
 Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, double seconds, const TrialPlace& place,
                            const std::atomic<bool>& stop);
 

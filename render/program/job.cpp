@@ -56,6 +56,14 @@ IntegratorSettings integrator_settings(const RenderSettings& settings, const Sce
     return out;
 }
 
+Status check_aovs(const AovSettings& aovs, const SceneDescription& scene) {
+    if (aovs.lens && !(scene.camera.lens_radius > 0))
+        return usage_error("--aov lens: the camera of this scene is a pinhole; give it a lens radius");
+    if (aovs.time && (!has_motion(scene) || scene.shutter.open == scene.shutter.close))
+        return usage_error("--aov time: nothing moves in this scene while the shutter is open");
+    return {};
+}
+
 // Of fields that few jobs have: no other field is as large.
 constexpr std::uint64_t kAovTag = 0x616f760000000000;  // "aov"
 
@@ -152,7 +160,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     auto out = std::make_unique<RenderJob>();
     Result<std::string> simd = choose_simd(settings.simd);
     if (!simd) return simd.error();
-    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra);
+    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra, settings.model);
     if (!scene) return scene.error();
     if (settings.strict && !scene->warnings.empty())
         return Error{ErrorCode::kUnsupported,
@@ -169,6 +177,7 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     out->settings.simd = std::move(*simd);
     if (settings.light_groups) out->settings.light_groups = groups_of(description, out->light_groups.size());
     const IntegratorSettings& integrator_options = out->settings;
+    if (const Status possible = check_aovs(settings.aovs, description); !possible) return possible.error();
     out->raw_sample_bytes =
         bytes_per_sample(integrator_options, description.camera.focal_slope != 0 && description.camera.lens_radius > 0);
     Result<std::unique_ptr<Integrator>> integrator = make_integrator(description, integrator_options);

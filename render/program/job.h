@@ -40,9 +40,10 @@ struct RenderSettings {
     std::uint32_t run_samples = 0;    // 0: such that a run is near 64 MiB
     std::uint64_t texture_cache = 0;  // TextureSettings::cache_bytes
     color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth;  // what the colours of the scene stand for
-    bool light_groups = false;                                   // records say whose light they are
-    AovSettings aovs{};                                          // records say what is seen
-    std::string simd = "best";                                   // or a level of base/simd.h
+    ModelOptions model{};
+    bool light_groups = false;  // records say whose light they are
+    AovSettings aovs{};         // records say what is seen
+    std::string simd = "best";  // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
     std::optional<Resolution> resolution;

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/size.h"
+#include "base/stopwatch.h"
 #include "render/program/commit_log.h"
 #include "sampledb/write/grain_queue.h"
 
@@ -101,7 +102,7 @@ void tell(const Progress& progress, const Work& work, const SampleRange& range, 
           const sampledb::PartWriter& writer) {
     const std::uint64_t samples = work.samples();
     progress(static_cast<double>(before + samples) / static_cast<double>(range.size()),
-             fmt::format("{:.3f} M samples/s, {} written", static_cast<double>(samples) / work.seconds() / 1e6,
+             fmt::format("{} samples/s, {} written", format_count(static_cast<double>(samples) / work.seconds()),
                          format_size(writer.counts().bytes_written)));
 }
 
@@ -150,7 +151,8 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     RenderReport report;
     report.elsewhere = total > 0 && writer.published_elsewhere();
     report.complete = report.elsewhere || work.samples() == total;
-    const Status closed = report.complete ? writer.finish() : writer.checkpoint();
+    const Status closed =
+        report.complete ? writer.finish(fmt::format(R"({{"cpu_seconds":{:.1f}}})", cpu_seconds())) : writer.checkpoint();
     if (!closed) return closed.error();
     tell(options, log, work, writer, true);
     report.samples = work.samples();

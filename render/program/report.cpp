@@ -9,6 +9,7 @@
 #include "base/hash.h"
 #include "base/json.h"
 #include "base/size.h"
+#include "render/geometry/geometry.h"
 #include "render/scene/shape_counts.h"
 
 namespace latent::render {
@@ -75,7 +76,7 @@ std::string to_text(const RenderReport& report, const RenderJob& job, bool json)
         return json_text(out) + "\n";
     }
     std::string rendered =
-        fmt::format("{} rendered in {} ({:.3f} M samples/s)", report.samples, format_duration(report.seconds), rate / 1e6);
+        fmt::format("{} rendered in {} ({} samples/s)", report.samples, format_duration(report.seconds), format_count(rate));
     if (report.complete && report.samples == 0 && !report.elsewhere) rendered = "nothing left to render";
     if (job.range.empty()) rendered = "an empty shard";
     return fmt::format("job {}\nsamples {}:{}, {}, {} written\n{}", to_hex(job.job.id), job.range.first, job.range.end, rendered,
@@ -175,12 +176,11 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings, std
     if (settings.rgb_spectra == color::RgbSpectra::kBasis) out["rgb_spectra"] = "basis";
     out["seed"] = integrator.seed;
     if (settings.samples || !settings.more_than.empty()) out["samples"] = {job.all.first, job.all.end};
-    if (!settings.samples) {
-        out["spp"] = settings.spp;
-        out["resolution"] = {job.resolution.width, job.resolution.height};
-    }
+    if (!settings.samples) out["spp"] = settings.spp;
+    out["resolution"] = {job.resolution.width, job.resolution.height};
     if (settings.shard.count > 1) out["shard"] = fmt::format("{}/{}", settings.shard.index, settings.shard.count);
     out["simd"] = job.settings.simd;
+    out["embree"] = Geometry::embree_version();
     out["render_epoch"] = kRenderEpoch;
     if (settings.aovs.any()) out["aovs"] = to_text(settings.aovs);
     if (settings.aovs.id) {

@@ -10,18 +10,15 @@
 
 namespace latent::render {
 
-class Camera;
-
-// Its numbers, its wavelengths and the one it keeps where it is dispersed, its time and the camera as that is then. Used by one
-// thread, which draws from `random` in the same order each time.
+// Its numbers, its wavelengths and the one it keeps where it is dispersed, and its time. Used by one thread, which draws from
+// `random` in the same order each time.
 struct SampleState {
     SampleNumbers numbers;
     SampledSpectra& spectra;
     std::uint32_t kept;
     std::optional<Random> randoms{};  // begun when first asked: most samples need none
     float time = 0;                   // of all motions: from 0, their start, to 1
-    const Camera* camera = nullptr;
-    std::uint64_t shadow_rays = 0;  // tests of visibility between two points so far
+    std::uint64_t shadow_rays = 0;    // tests of visibility between two points so far
 
     Uniform random() {
         if (!randoms) randoms.emplace(numbers(Dimension::kRandom).bits);

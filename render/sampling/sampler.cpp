@@ -77,8 +77,8 @@ void Sampler::add_radical(std::uint32_t dimension, std::uint32_t base, std::uint
     radical_of_[dimension] = static_cast<std::uint8_t>(radicals_.size());
 }
 
-Uniform Sampler::at(std::uint64_t n, std::uint64_t key, std::uint32_t dimension) const {
-    const std::uint64_t random = mix(key + (std::uint64_t{dimension} + 1) * 0x9e3779b97f4a7c15u);
+Uniform Sampler::at(std::uint64_t n, std::uint64_t key, std::uint64_t dimension) const {
+    const std::uint64_t random = mix(key + (dimension + 1) * 0x9e3779b97f4a7c15u);
     if (dimension >= kTabulated || radical_of_[dimension] == 0) return {random};
     const Radical& r = radicals_[radical_of_[dimension] - 1];
     constexpr std::uint64_t kExact = std::uint64_t{1} << 52;

@@ -53,6 +53,10 @@ struct Dimension {
     static std::uint32_t of_light_vertex(std::uint32_t vertex, std::uint32_t what) {
         return kLightVertices + vertex * kBlock + what;
     }
+    // The same decision behind that many interfaces, on the line from the vertex before.
+    static std::uint64_t behind(std::uint32_t interfaces, std::uint32_t dimension) {
+        return (std::uint64_t{interfaces} << 24) + dimension;
+    }
 };
 
 // The film position of sample n is Halton(2, 3)(n), so samples of one pixel, at whatever size the film is developed, are those
@@ -72,9 +76,9 @@ class Sampler {
     Sampler(std::uint64_t seed, const std::vector<std::uint32_t>& important, const std::vector<Sharing>& sharing = {});
 
     // 60 bits of it differ from sample to sample, or all 64.
-    Uniform at(std::uint64_t n, std::uint32_t dimension) const { return at(n, key_of(n), dimension); }
+    Uniform at(std::uint64_t n, std::uint64_t dimension) const { return at(n, key_of(n), dimension); }
     // `key`: key_of(n), for whoever asks for many numbers of a sample.
-    Uniform at(std::uint64_t n, std::uint64_t key, std::uint32_t dimension) const;
+    Uniform at(std::uint64_t n, std::uint64_t key, std::uint64_t dimension) const;
     std::uint64_t key_of(std::uint64_t n) const { return mix(n + seed_); }
 
  private:
@@ -103,7 +107,7 @@ class SampleNumbers {
  public:
     SampleNumbers(const Sampler& sampler, std::uint64_t n) : sampler_(&sampler), n_(n), key_(sampler.key_of(n)) {}
     std::uint64_t sample() const { return n_; }
-    Uniform operator()(std::uint32_t dimension) const { return sampler_->at(n_, key_, dimension); }
+    Uniform operator()(std::uint64_t dimension) const { return sampler_->at(n_, key_, dimension); }
 
  private:
     const Sampler* sampler_;

@@ -62,6 +62,8 @@ struct MaterialDescription {
     std::shared_ptr<const MeasuredBrdf> measured{};               // of a closure that is made of measurements
     FloatInput displacement{};                                    // along the normal, by a texture alone
     std::uint32_t normal_map = kNone;                  // index into SceneDescription::textures, unless there is a displacement
+    float normal_scale = 1;                            // of its x and y
+    bool normals_follow_v = false;                     // its y axis is that of v; else it is to the left of its x axis, that of u
     std::array<std::uint32_t, 2> mixed{kNone, kNone};  // mix: materials
     SourceLocation location{};
 
@@ -70,6 +72,9 @@ struct MaterialDescription {
         return found != numbers.end() ? found->second : FloatInput(otherwise);
     }
 };
+
+// Media that may add up to one, their sums resolved; what is scattered by each is kept apart (render/bsdf/phase.h).
+inline constexpr std::uint32_t kMostSummed = 7;
 
 // Henyey-Greenstein. sigma_a and sigma_s are scaled by the density of the volume, which is 1 everywhere if it is uniform; a
 // spectral volume replaces them.
@@ -134,10 +139,12 @@ enum class ShapeKind : std::uint8_t { kTriangles, kBilinear, kTube, kSphere, kDi
 // Triangles, patches or tubes. Vertices are in the space of the world or of the object that the shape belongs to, counted from the
 // origin of either.
 struct MeshDescription {
-    std::vector<Vec3f> positions{};        // of tubes: the points of cubic Bezier curves, their axes
-    std::vector<Vec3f> normals{};          // per vertex, unit length, or empty; of tubes, per segment: where v = 0 as it begins
-    std::vector<Vec2f> uvs{};              // per vertex, or empty
-    std::vector<float> radii{};            // of tubes, per point
+    std::vector<Vec3f> positions{};  // of tubes: the points of cubic Bezier curves, their axes
+    std::vector<Vec3f> normals{};    // per vertex, unit length, or empty; of tubes, per segment: where v = 0 as it begins
+    std::vector<Vec2f> uvs{};        // per vertex, or empty
+    std::vector<std::vector<Vec2f>> more_uvs{};  // further sets, each per vertex
+    std::vector<std::array<float, 4>> colors{};  // linear sRGB and alpha, per vertex, or empty
+    std::vector<float> radii{};                  // of tubes, per point
     std::vector<std::uint32_t> indices{};  // 3 per triangle, 4 per patch (p00 p10 p01 p11); of tubes: the first of four points
 };
 

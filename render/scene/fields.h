@@ -48,8 +48,8 @@ void each_field(Of<SpectrumInput> auto& input, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MappingDescription> auto& mapping, Visit&& visit) {
-    auto& [kind, scale_u, scale_v, delta_u, delta_v, v1, v2, texture_from_world] = mapping;
-    visit(kind, scale_u, scale_v, delta_u, delta_v, v1, v2, texture_from_world);
+    auto& [kind, uv_set, s, t, delta_u, delta_v, v1, v2, texture_from_world] = mapping;
+    visit(kind, uv_set, s, t, delta_u, delta_v, v1, v2, texture_from_world);
 }
 
 template <class Visit>
@@ -61,17 +61,18 @@ void each_field(Of<PictureDescription> auto& picture, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<TextureDescription> auto& texture, Visit&& visit) {
-    auto& [kind, is_spectrum, role, numbers, spectra, amount, mapping, picture, is_solid, direction, octaves, roughness, scale,
-           variation, location] = texture;
-    visit(kind, is_spectrum, role, numbers, spectra, amount, mapping, picture, is_solid, direction, octaves, roughness, scale,
-          variation);
+    auto& [kind, is_spectrum, role, numbers, spectra, amount, mapping, picture, tint, by_vertex_color, is_solid, direction, octaves,
+           roughness, scale, variation, location] = texture;
+    visit(kind, is_spectrum, role, numbers, spectra, amount, mapping, picture, tint, by_vertex_color, is_solid, direction, octaves,
+          roughness, scale, variation);
     visit.label(location);
 }
 
 template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
-    auto& [type, name, numbers, spectra, options, remap_roughness, measured, displacement, normal_map, mixed, location] = material;
-    visit(type, numbers, spectra, options, remap_roughness, displacement);
+    auto& [type, name, numbers, spectra, options, remap_roughness, measured, displacement, normal_map, normal_scale,
+           normals_follow_v, mixed, location] = material;
+    visit(type, numbers, spectra, options, remap_roughness, displacement, normal_scale, normals_follow_v);
     if (material.measured) visit(measured);
     visit.template index<TextureDescription>(normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
@@ -169,8 +170,8 @@ void each_field(Of<LightDescription> auto& light, Visit&& visit) {
 
 template <class Visit>
 void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
-    auto& [positions, normals, uvs, radii, indices] = mesh;
-    visit(positions, normals, uvs, indices);
+    auto& [positions, normals, uvs, more_uvs, colors, radii, indices] = mesh;
+    visit(positions, normals, uvs, more_uvs, colors, indices);
     if (!mesh.radii.empty()) visit(radii);
 }
 

@@ -38,21 +38,22 @@ enum class SpectrumRole : std::uint8_t { kReflectance, kUnbounded };
 enum class MappingKind : std::uint8_t { kUv, kSpherical, kCylindrical, kPlanar };
 struct MappingDescription {
     MappingKind kind = MappingKind::kUv;
-    double scale_u = 1, scale_v = 1;  // uv
-    double delta_u = 0, delta_v = 0;  // uv, planar
-    Vec3d v1{1, 0, 0}, v2{0, 1, 0};   // planar
-    Affined texture_from_world{};     // of places counted from SceneDescription::origin
+    std::uint32_t uv_set = 0;                // uv: 0 for MeshDescription::uvs, i for more_uvs[i - 1]
+    std::array<double, 2> s{1, 0}, t{0, 1};  // uv: (s, t) = (s . (u, v), t . (u, v)) + delta
+    double delta_u = 0, delta_v = 0;         // uv, planar
+    Vec3d v1{1, 0, 0}, v2{0, 1, 0};          // planar
+    Affined texture_from_world{};            // of places counted from SceneDescription::origin
 };
 
-enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kOctahedralSphere };
+enum class TextureWrap : std::uint8_t { kRepeat, kBlack, kClamp, kMirror, kOctahedralSphere };
 enum class TextureFilter : std::uint8_t { kPoint, kBilinear, kTrilinear, kEwa, kQuartic };
 
 // A picture, which stays in its file.
 struct PictureDescription {
     std::string path{};
-    std::string name{};  // in messages: the place where the scene names it, and its path
-    Hash128 content{};   // of the file
-    TextureWrap wrap = TextureWrap::kRepeat;
+    std::string name{};                 // in messages: the place where the scene names it, and its path
+    Hash128 content{};                  // of the file
+    std::array<TextureWrap, 2> wrap{};  // along s and t; kOctahedralSphere: both
     TextureFilter filter = TextureFilter::kBilinear;
     double max_anisotropy = 8;  // ewa
     bool is_srgb = true;        // integers of the file; else x^gamma
@@ -67,8 +68,9 @@ enum class TextureKind : std::uint8_t {
     kScale,
     kMix,
     kThreshold,
-    kImage,
-    kNormalMap,  // a picture that is no number and no spectrum
+    kImage,        // a picture
+    kVertexColor,  // the colours of a mesh's vertices; white where it has none
+    kNormalMap,    // a picture that is no number and no spectrum
     kCheckerboard,
     kDots,
     kBilerp,
@@ -91,14 +93,16 @@ struct TextureDescription {
     // constant, scale, threshold: the first; mix, checkerboard, directionmix: two; dots: inside, outside; bilerp: v00 v01 v10 v11
     std::array<FloatInput, 4> numbers{};
     std::array<SpectrumInput, 4> spectra{};
-    FloatInput amount{};                // scale: the factor; mix: of the second; threshold: from which on it is 1, not 0
-    MappingDescription mapping{};       // of those that depend on the place
-    PictureDescription picture{};       // image
-    bool is_solid = false;              // checkerboard: of cubes
-    Vec3d direction{0, 1, 0};           // directionmix: unit
-    std::uint32_t octaves = 8;          // fbm, wrinkled, marble, veins, wood, clouds
-    double roughness = 0.5;             // the same: weight of an octave over that before it
-    double scale = 1, variation = 0.2;  // marble, veins, wood, clouds
+    FloatInput amount{};                     // scale: the factor; mix: of the second; threshold: from which on it is 1, not 0
+    MappingDescription mapping{};            // of those that depend on the place
+    PictureDescription picture{};            // image
+    std::array<double, 4> tint{1, 1, 1, 1};  // image, vertexcolor: factors of R, G, B and alpha, before they become a spectrum
+    bool by_vertex_color = false;            // image: times the colours of the vertices, too
+    bool is_solid = false;                   // checkerboard: of cubes
+    Vec3d direction{0, 1, 0};                // directionmix: unit
+    std::uint32_t octaves = 8;               // fbm, wrinkled, marble, veins, wood, clouds
+    double roughness = 0.5;                  // the same: weight of an octave over that before it
+    double scale = 1, variation = 0.2;       // marble, veins, wood, clouds
     SourceLocation location{};
 };
 

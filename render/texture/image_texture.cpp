@@ -27,6 +27,8 @@ image::PictureWrap wrap_of(TextureWrap wrap) {
             return image::PictureWrap::kRepeat;
         case TextureWrap::kBlack:
             return image::PictureWrap::kBlack;
+        case TextureWrap::kMirror:
+            return image::PictureWrap::kMirror;
         case TextureWrap::kClamp:
         case TextureWrap::kOctahedralSphere:
             break;
@@ -56,8 +58,10 @@ ImageLookup::ImageLookup(const TextureDescription& d, const image::Pictures& pic
     : mapping_(d.mapping),
       pictures_(&pictures),
       info_(info),
-      sampling_{wrap_of(d.picture.wrap), filter_of(d.picture.filter), static_cast<int>(d.picture.max_anisotropy)},
-      octahedral_(d.picture.wrap == TextureWrap::kOctahedralSphere),
+      sampling_{{wrap_of(d.picture.wrap[0]), wrap_of(d.picture.wrap[1])},
+                filter_of(d.picture.filter),
+                static_cast<int>(d.picture.max_anisotropy)},
+      octahedral_(d.picture.wrap[0] == TextureWrap::kOctahedralSphere),
       invert_(d.picture.invert),
       scale_(static_cast<float>(d.picture.scale)) {}
 
@@ -75,18 +79,12 @@ std::array<float, 4> ImageLookup::at(const TexturePoint& point) const {
     return out;
 }
 
-float FloatImage::at(const TexturePoint& point) const {
-    const std::array<float, 4> x = image_.at(point);
-    const image::PictureInfo& info = image_.info();
-    if (channel_ == 3) return x[3];
-    if (info.channels == 1) return x[0];
-    if (channel_ < info.channels) return x[channel_];
-    return info.is_opaque ? (x[0] + x[1] + x[2]) / 3 : x[3];
-}
-
-SpectrumImage::SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file,
-                             const RgbColors& colors)
-    : image_(image), role_(role), convert_(false), colors_(colors) {
+ColorProduct::ColorProduct(const TextureDescription& d, std::optional<ImageLookup> picture, const color::Matrix3& srgb_from_file)
+    : picture_(std::move(picture)),
+      by_vertex_color_(d.by_vertex_color || d.kind == TextureKind::kVertexColor),
+      is_tinted_(std::ranges::any_of(d.tint, [](double x) { return x != 1; })),
+      convert_(false) {
+    for (std::size_t i = 0; i < 4; ++i) tint_[i] = static_cast<float>(d.tint[i]);
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
             matrix_[i][j] = static_cast<float>(srgb_from_file.m[i][j]);
@@ -95,21 +93,42 @@ SpectrumImage::SpectrumImage(const ImageLookup& image, SpectrumRole role, const 
     }
 }
 
-const SampledSpectrum* SpectrumImage::at(const TexturePoint& point) const {
-    const std::array<float, 4> x = image_.at(point);
-    SampledSpectrum& out = point.spectra->allocate();
-    if (image_.info().channels == 1) {
-        const float grey = std::max(x[0], 0.0f);
-        out = SampledSpectrum(role_ == SpectrumRole::kReflectance ? std::min(grey, 1.0f) : grey);
-        return &out;
+std::array<float, 4> ColorProduct::at(const TexturePoint& point) const {
+    std::array<float, 4> out{1, 1, 1, 1};
+    if (picture_) {
+        out = picture_->at(point);
+        if (picture_->info().channels == 1) out = {out[0], out[0], out[0], 1};
     }
-    float rgb[3] = {std::max(x[0], 0.0f), std::max(x[1], 0.0f), std::max(x[2], 0.0f)};
     if (convert_) {
-        const float own[3] = {rgb[0], rgb[1], rgb[2]};
+        const float own[3] = {std::max(out[0], 0.0f), std::max(out[1], 0.0f), std::max(out[2], 0.0f)};
         for (std::size_t i = 0; i < 3; ++i)
-            rgb[i] = std::max(0.0f, matrix_[i][0] * own[0] + matrix_[i][1] * own[1] + matrix_[i][2] * own[2]);
+            out[i] = std::max(0.0f, matrix_[i][0] * own[0] + matrix_[i][1] * own[1] + matrix_[i][2] * own[2]);
     }
-    colors_.evaluate(rgb, role_, *point.spectra, out);
+    const auto times = [&](const std::array<float, 4>& factor) {
+        for (std::size_t i = 0; i < 4; ++i) out[i] *= factor[i];
+    };
+    if (by_vertex_color_) times(point.vertices.color());
+    if (is_tinted_) times(tint_);
+    return out;
+}
+
+float FloatColor::at(const TexturePoint& point) const {
+    const std::array<float, 4> x = color_.at(point);
+    if (channel_ == 3) return x[3];
+    if (color_.channels() == 1) return x[0];
+    if (channel_ < color_.channels()) return x[channel_];
+    return color_.is_opaque() ? (x[0] + x[1] + x[2]) / 3 : x[3];
+}
+
+const SampledSpectrum* SpectrumColor::at(const TexturePoint& point) const {
+    const std::array<float, 4> x = color_.at(point);
+    const float rgb[3] = {std::max(x[0], 0.0f), std::max(x[1], 0.0f), std::max(x[2], 0.0f)};
+    SampledSpectrum& out = point.spectra->allocate();
+    if (color_.is_grey() && rgb[0] == rgb[1] && rgb[1] == rgb[2]) {
+        out = SampledSpectrum(role_ == SpectrumRole::kReflectance ? std::min(rgb[0], 1.0f) : rgb[0]);
+    } else {
+        colors_.evaluate(rgb, role_, *point.spectra, out);
+    }
     return &out;
 }
 

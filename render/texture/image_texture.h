@@ -1,5 +1,7 @@
-// render/texture/image_texture.h: textures that are pictures.
+// render/texture/image_texture.h: textures that are pictures or colours of vertices.
 #pragma once
+
+#include <optional>
 
 #include "color/tristimulus.h"
 #include "image/pictures.h"
@@ -8,7 +10,6 @@
 
 namespace latent::render {
 
-// What both kinds of texture look up.
 class ImageLookup {
  public:
     // `pictures` outlives it.
@@ -27,28 +28,46 @@ class ImageLookup {
     float scale_;
 };
 
-// One channel (3: alpha), or the mean of them, or alpha if it varies.
-class FloatImage final : public FloatTexture {
+// A factor times a picture, times the colours of the mesh's vertices: R, G, B and alpha, each of which a texture may lack.
+class ColorProduct {
  public:
-    FloatImage(const ImageLookup& image, std::uint8_t channel) : image_(image), channel_(channel) {}
+    // Without a picture: the colours of the vertices.
+    ColorProduct(const TextureDescription& description, std::optional<ImageLookup> picture, const color::Matrix3& srgb_from_file);
+
+    std::array<float, 4> at(const TexturePoint& point) const;
+    // Whether a spectrum of equal R, G and B is constant: if the picture is of colours, it becomes one as any other does.
+    bool is_grey() const { return !picture_ || picture_->info().channels == 1; }
+    std::uint32_t channels() const { return by_vertex_color_ ? 4 : picture_->info().channels; }
+    bool is_opaque() const { return !picture_ || picture_->info().is_opaque; }
+
+ private:
+    std::optional<ImageLookup> picture_;
+    bool by_vertex_color_, is_tinted_, convert_;
+    std::array<float, 4> tint_;
+    float matrix_[3][3];
+};
+
+// One channel (3: alpha), or the mean of them, or alpha if it varies.
+class FloatColor final : public FloatTexture {
+ public:
+    FloatColor(const ColorProduct& color, std::uint8_t channel) : color_(color), channel_(channel) {}
     float at(const TexturePoint& point) const override;
 
  private:
-    ImageLookup image_;
+    ColorProduct color_;
     std::uint8_t channel_;
 };
 
 // Colours are made spectral after filtering.
-class SpectrumImage final : public SpectrumTexture {
+class SpectrumColor final : public SpectrumTexture {
  public:
-    SpectrumImage(const ImageLookup& image, SpectrumRole role, const color::Matrix3& srgb_from_file, const RgbColors& colors);
+    SpectrumColor(const ColorProduct& color, SpectrumRole role, const RgbColors& colors)
+        : color_(color), role_(role), colors_(colors) {}
     const SampledSpectrum* at(const TexturePoint& point) const override;
 
  private:
-    ImageLookup image_;
+    ColorProduct color_;
     SpectrumRole role_;
-    bool convert_;
-    float matrix_[3][3];
     RgbColors colors_;
 };
 

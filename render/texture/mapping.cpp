@@ -14,7 +14,9 @@ TextureCoordinates coordinates(Vec2f st, const Vec3f& ds, const Vec3f& dt, const
 
 Mapping::Mapping(const MappingDescription& d)
     : kind_(d.kind),
-      scale_{static_cast<float>(d.scale_u), static_cast<float>(d.scale_v)},
+      uv_set_(d.uv_set),
+      s_{static_cast<float>(d.s[0]), static_cast<float>(d.s[1])},
+      t_{static_cast<float>(d.t[0]), static_cast<float>(d.t[1])},
       delta_{static_cast<float>(d.delta_u), static_cast<float>(d.delta_v)},
       v1_(d.v1),
       v2_(d.v2),
@@ -22,9 +24,19 @@ Mapping::Mapping(const MappingDescription& d)
 
 TextureCoordinates Mapping::operator()(const TexturePoint& point) const {
     if (kind_ == MappingKind::kUv) {
-        return {{scale_[0] * point.uv.x + delta_[0], scale_[1] * point.uv.y + delta_[1]},
-                {scale_[0] * point.duvdx.x, scale_[1] * point.duvdx.y},
-                {scale_[0] * point.duvdy.x, scale_[1] * point.duvdy.y}};
+        Vec2f uv = point.uv, dx = point.duvdx, dy = point.duvdy;
+        const AmongVertices& at = point.vertices;
+        if (uv_set_ > 0 && at.mesh != nullptr && uv_set_ <= at.mesh->more_uvs.size()) {
+            const std::vector<Vec2f>& set = at.mesh->more_uvs[uv_set_ - 1];
+            const Vec2f du = at.sum(set, at.du), dv = at.sum(set, at.dv);
+            const auto along = [&](Vec2f d) { return Vec2f{du.x * d.x + dv.x * d.y, du.y * d.x + dv.y * d.y}; };
+            uv = at.sum(set, at.weight);
+            dx = along(dx);
+            dy = along(dy);
+        }
+        const auto mapped = [&](Vec2f x) { return Vec2f{s_.x * x.x + s_.y * x.y, t_.x * x.x + t_.y * x.y}; };
+        const Vec2f st = mapped(uv);
+        return {{st.x + delta_[0], st.y + delta_[1]}, mapped(dx), mapped(dy)};
     }
     const Vec3f p = texture_from_world_.point(point.p), dpdx = texture_from_world_.vector(point.dpdx),
                 dpdy = texture_from_world_.vector(point.dpdy);

@@ -20,7 +20,9 @@ class Mapping {
 
  private:
     MappingKind kind_;
-    float scale_[2], delta_[2];
+    std::uint32_t uv_set_;
+    Vec2f s_, t_;
+    float delta_[2];
     Vec3f v1_, v2_;
     Affinef texture_from_world_;
 };

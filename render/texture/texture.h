@@ -3,6 +3,7 @@
 #pragma once
 
 #include "render/math/vec.h"
+#include "render/scene/among_vertices.h"
 #include "render/spectral/spectra.h"
 
 namespace latent::render {
@@ -13,8 +14,9 @@ struct TexturePoint {
     Vec3f p;
     Vec3f n;  // shading normal, unit
     Vec2f uv;
-    Vec3f dpdx, dpdy;                   // the footprint: what the point stands for is an ellipse with these as its axes
-    Vec2f duvdx, duvdy;                 // the same in uv
+    Vec3f dpdx, dpdy;    // the footprint: what the point stands for is an ellipse with these as its axes
+    Vec2f duvdx, duvdy;  // the same in uv
+    AmongVertices vertices{};
     SampledSpectra* spectra = nullptr;  // for spectra alone
 };
 

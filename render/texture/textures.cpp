@@ -61,17 +61,18 @@ struct Textures::Builder {
         if (!at->second) errors.push_back(at->second.error().message);
         return at->second;
     }
-    std::unique_ptr<FloatTexture> make_image(float, const TextureDescription& d, const ImageLookup& image) {
-        return std::make_unique<FloatImage>(image, d.picture.channel);
+    std::unique_ptr<FloatTexture> make_color(float, const TextureDescription& d, const std::optional<ImageLookup>& picture) {
+        return std::make_unique<FloatColor>(ColorProduct(d, picture, {}), d.picture.channel);
     }
-    std::unique_ptr<SpectrumTexture> make_image(const SampledSpectrum*, const TextureDescription& d, const ImageLookup& image) {
+    std::unique_ptr<SpectrumTexture> make_color(const SampledSpectrum*, const TextureDescription& d,
+                                                const std::optional<ImageLookup>& picture) {
         color::Matrix3 to_srgb;
-        if (image.info().chromaticities) {
-            const Result<color::Matrix3> matrix = color::srgb_from(*image.info().chromaticities);
+        if (picture && picture->info().chromaticities) {
+            const Result<color::Matrix3> matrix = color::srgb_from(*picture->info().chromaticities);
             if (matrix) to_srgb = *matrix;
             if (!matrix) errors.push_back(matrix.error().at(d.picture.name).message);
         }
-        return std::make_unique<SpectrumImage>(image, d.role, to_srgb, colors());
+        return std::make_unique<SpectrumColor>(ColorProduct(d, picture, to_srgb), d.role, colors());
     }
     std::unique_ptr<FloatTexture> make_noise(float, const TextureDescription& d) {
         const NoiseKind kind = d.kind == TextureKind::kFbm        ? NoiseKind::kFbm
@@ -104,8 +105,10 @@ struct Textures::Builder {
                 break;
             case TextureKind::kImage:
                 if (const Result<image::PictureInfo>& info = open(d.picture))
-                    return make_image(Value{}, d, ImageLookup(d, *out.pictures_, *info));
+                    return make_color(Value{}, d, ImageLookup(d, *out.pictures_, *info));
                 break;
+            case TextureKind::kVertexColor:
+                return make_color(Value{}, d, std::nullopt);
             case TextureKind::kCheckerboard:
                 return std::make_unique<Checkerboard<Value>>(d.mapping, d.is_solid, input(0), input(1));
             case TextureKind::kDots:

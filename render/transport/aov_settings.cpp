@@ -9,11 +9,10 @@ namespace latent::render {
 
 namespace {
 
-constexpr Switch<AovSettings> kNames[] = {{"albedo", &AovSettings::albedo},
-                                          {"normal", &AovSettings::normal},
-                                          {"depth", &AovSettings::depth},
-                                          {"position", &AovSettings::position},
-                                          {"id", &AovSettings::id}};
+constexpr Switch<AovSettings> kNames[] = {{"albedo", &AovSettings::albedo}, {"normal", &AovSettings::normal},
+                                          {"depth", &AovSettings::depth},   {"position", &AovSettings::position},
+                                          {"id", &AovSettings::id},         {"lens", &AovSettings::lens},
+                                          {"time", &AovSettings::time}};
 
 }  // namespace
 
@@ -40,6 +39,8 @@ std::vector<sampledb::ExtraColumnSpec> aov_columns(const AovSettings& aovs) {
     add(aovs.depth, ColumnType::kF32, {"depth"});
     add(aovs.position, ColumnType::kF32, {"position.x", "position.y", "position.z"});
     add(aovs.id, ColumnType::kU32, {"object", "material"});
+    add(aovs.lens, ColumnType::kU8, {"lens.x", "lens.y"});
+    add(aovs.time, ColumnType::kU8, {"shutter"});
     return columns;
 }
 

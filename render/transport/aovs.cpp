@@ -30,10 +30,15 @@ void append(const AovSettings& settings, const Seen& seen, std::span<sampledb::E
     if (settings.depth) put(seen.depth);
     if (settings.position) put_vector(seen.position);
     if (settings.id) put(seen.object), put(seen.material);
+    // In 1/256 of the range.
+    const auto put_fraction = [&](float x) { put(static_cast<std::uint8_t>(std::clamp(x * 256, 0.0f, 255.0f))); };
+    if (settings.lens) put_fraction((seen.lens.x + 1) / 2), put_fraction((seen.lens.y + 1) / 2);
+    if (settings.time) put_fraction(seen.time);
 }
 
 Aovs::Aovs(const World& world, const AovSettings& settings, std::uint32_t max_depth)
     : world_(world),
+      looks_(settings.sees_surfaces()),
       follows_deltas_(settings.albedo || settings.normal),
       most_deltas_(follows_deltas_ ? std::min(max_depth, kMostDeltas) : 0) {
     const color::IntegerNmSpectrum light = color::sampled_at_integer_nm(color::illuminant_d65());
@@ -67,13 +72,14 @@ std::array<float, 3> Aovs::xyz_of(const SampledSpectrum& albedo, const Wavelengt
     return xyz;
 }
 
-Seen Aovs::look(SampleState& sample, double u, double v) const {
+Seen Aovs::look(SampleState& sample, const Camera& camera, double u, double v) const {
     Seen seen;
     seen.depth = kInfinity;
-    const bool lens = sample.camera->has_lens();
+    seen.lens = camera.lens_point(sample.numbers);
+    seen.time = sample.numbers(Dimension::kTime);
+    if (!looks_) return seen;
     Vec3f origin, d;
-    sample.camera->ray(u, v, lens ? sample.numbers(Dimension::kLensU) : Uniform{},
-                       lens ? sample.numbers(Dimension::kLensV) : Uniform{}, origin, d);
+    camera.ray(u, v, seen.lens, origin, d);
     Interaction at{origin, 0, {}};
     SampledSpectrum passed(1.0f);  // of the light that comes by mirrors and glass
     bool dispersed = false;

@@ -14,6 +14,8 @@
 namespace latent::render {
 
 struct Seen {
+    Vec2f lens{};    // where the ray met the lens, on the unit disk
+    float time = 0;  // from 0, when the shutter opens, to 1
     // Of the first surface that scatters light in other ways than a mirror or smooth glass, seen in or through these.
     std::array<float, 3> albedo{};  // XYZ under D65; white has Y = 1
     Vec3f normal{};
@@ -32,7 +34,7 @@ class Aovs {
     Aovs(const World& world, const AovSettings& settings, std::uint32_t max_depth);
     // Along the ray of film point (u, v), with the numbers that the camera subpath takes: no record's light changes by it. Media
     // are looked through.
-    Seen look(SampleState& sample, double u, double v) const;
+    Seen look(SampleState& sample, const Camera& camera, double u, double v) const;
 
  private:
     static constexpr std::uint32_t kMostDeltas = 64;
@@ -40,6 +42,7 @@ class Aovs {
     std::array<float, 3> xyz_of(const SampledSpectrum& albedo, const Wavelengths& w) const;
 
     const World& world_;
+    bool looks_;  // at surfaces
     bool follows_deltas_;
     std::uint32_t most_deltas_;
     // CIE 1931 times D65, at integer nm: three values, and a fourth, 0, for vectors; their sums, with Y = 1.

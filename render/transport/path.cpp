@@ -20,16 +20,14 @@ constexpr double kEven = 3;
 // One path from the camera, at its last vertex.
 class Path {
  public:
-    Path(const World& world, SampleState& sample, std::uint32_t max_depth, Radiance& camera)
-        : world_(world), lights_(world.lights()), sample_(sample), max_depth_(max_depth), camera_(camera) {}
+    Path(const World& world, SampleState& sample, std::uint32_t max_depth, Radiance& seen)
+        : world_(world), lights_(world.lights()), sample_(sample), max_depth_(max_depth), seen_(seen) {}
 
-    void trace(double u, double v) {
-        const bool lens = sample_.camera->has_lens();
+    void trace(const Camera& camera, Vec2d film) {
         Vec3f origin;
-        sample_.camera->ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{},
-                            lens ? sample_.numbers(Dimension::kLensV) : Uniform{}, origin, d_);
+        camera.ray(film.x, film.y, camera.lens_point(sample_.numbers), origin, d_);
         at_ = {origin, 0, {}};
-        medium_ = world_.medium_at_start(at_, d_, sample_.camera->medium(), sample_);
+        medium_ = world_.medium_at_start(at_, d_, camera.medium(), sample_);
         Scattering scattering;
         for (; find_vertex(scattering) && depth_ < max_depth_; ++depth_) {
             if (!scattering.is_delta()) sample_light(scattering);
@@ -39,6 +37,9 @@ class Path {
 
  private:
     Uniform number(std::uint32_t what) const { return sample_.numbers(Dimension::of_camera_vertex(depth_, what)); }
+    Uniform number_on(const Segment& segment, std::uint32_t what) const {
+        return sample_.numbers(Dimension::behind(segment.index, Dimension::of_camera_vertex(depth_, what)));
+    }
 
     // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
     bool find_vertex(Scattering& scattering) {
@@ -49,14 +50,13 @@ class Path {
             medium_ = segment.medium;
             if (medium_ != kNone) {
                 const Medium& medium = world_.medium(medium_);
-                const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
                 segment_ = segment;
-                if (depth_ < max_depth_) sample_point_light(medium, again);
+                if (depth_ < max_depth_) sample_point_light(medium);
                 SampledSpectrum emitted(0.0f);
-                step_ =
-                    medium.sample_step(segment, number(Dimension::kDistanceChannel + again), number(Dimension::kDistance + again),
-                                       sample_, beta_, medium.is_emissive() ? &emitted : nullptr);
-                if (medium.is_emissive()) camera_.add(emitted, dispersed_, sample_.kept, sample_.k(), kNone);
+                step_ = medium.sample_step(segment, number_on(segment, Dimension::kDistanceChannel),
+                                           number_on(segment, Dimension::kDistance), sample_, beta_,
+                                           medium.is_emissive() ? &emitted : nullptr);
+                if (medium.is_emissive()) seen_.add(emitted, dispersed_, kNone);
                 if (step_.scattered) {
                     at_ = {segment.o + d_ * step_.t, 0, {}};
                     scattering = medium.phase(at_.p, sample_);
@@ -93,7 +93,7 @@ class Path {
             const float light_pdf = lights_.probability(i, at_.p, context_) * light.pdf_omega(at_.p, context_, hit);
             value *= power_heuristic(pdf_ * transmittance_, light_pdf);
         }
-        camera_.add(value, dispersed_, sample_.kept, sample_.k(), light.id());
+        seen_.add(value, dispersed_, light.id());
     }
 
     Equiangular equiangular_to(const PointSource& light) const {
@@ -103,14 +103,14 @@ class Path {
     // One vertex more on the segment, for the light of a point alone, chosen by its power P, at a distance drawn evenly in the
     // angle at the light (equiangular). With p the density of the walk's own distances and q the probability of the light in
     // sample_light, the balance heuristic makes f / (P p_E) into f / (q p + P p_E), and so f / (q p) there.
-    void sample_point_light(const Medium& medium, std::uint32_t again) {
+    void sample_point_light(const Medium& medium) {
         if (lights_.size() == 0) return;
-        const std::uint32_t i = lights_.choose(number(Dimension::kEquiangularLight + again));
+        const std::uint32_t i = lights_.choose(number_on(segment_, Dimension::kEquiangularLight));
         const PointSource* source = lights_[i].point_source();
         if (source == nullptr) return;
         const Equiangular equiangular = equiangular_to(*source);
         if (equiangular.is_empty()) return;
-        const float t = equiangular.sample(number(Dimension::kEquiangular + again));
+        const float t = equiangular.sample(number_on(segment_, Dimension::kEquiangular));
         const Interaction at{segment_.o + d_ * t, 0, {}};
         LightPoint point;
         if (!lights_[i].sample_point(at.p, {}, {}, {}, point)) return;
@@ -121,7 +121,7 @@ class Path {
         if (!receive(at, medium.phase(at.p, sample_), lights_[i], point, medium_, value, line)) return;
         const float power = lights_.probability(i), place = lights_.probability(i, at.p, {});
         value *= point.falloff / (power * (walk_pdf * (place / power) + equiangular.pdf(t)));
-        camera_.add(value, dispersed_, sample_.kept, sample_.k(), lights_[i].id());
+        seen_.add(value, dispersed_, lights_[i].id());
     }
 
     void sample_light(const Scattering& scattering) {
@@ -147,7 +147,7 @@ class Path {
             value *= step_.density / (step_.density + pdf);
         }
         if (light.can_be_met()) value *= power_heuristic(light_pdf, scattering_pdf * line.transmittance);
-        camera_.add(value, dispersed_ || scattering.disperses(wo, point.wi), sample_.kept, sample_.k(), light.id());
+        seen_.add(value, dispersed_ || scattering.disperses(wo, point.wi), light.id());
     }
 
     // value *= what comes from a point of the light and goes on along -d_. False: nothing does.
@@ -188,7 +188,7 @@ class Path {
     const LightSet& lights_;
     SampleState& sample_;
     std::uint32_t max_depth_;
-    Radiance& camera_;
+    Radiance& seen_;
 
     Interaction at_;             // the last vertex
     MediumInterface interface_;  // there, if it is on a surface
@@ -211,9 +211,8 @@ class PathIntegrator final : public Transport {
     using Transport::Transport;
 
  protected:
-    void trace_paths(SampleState& sample, double u, double v, bool, Radiance& camera, sampledb::Records&,
-                     RadianceFaults&) const override {
-        Path(world(), sample, settings().max_depth, camera).trace(u, v);
+    void trace_paths(const TracedSample& sample, Vec2d film, bool, Radiance& seen) const override {
+        Path(world(), sample.state, settings().max_depth, seen).trace(sample.camera, film);
     }
 };
 

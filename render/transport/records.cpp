@@ -26,13 +26,11 @@ SampledSpectrum only_at(const SampledSpectrum& value, std::uint32_t i) {
     return out;
 }
 
-const Seen kNothingSeen;  // by a light record
-
 }  // namespace
 
-RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups, const AovSettings& aovs)
-    : kind_(kind), with_groups_(with_groups), aovs_(aovs) {
-    if (with_groups) columns_.push_back({kLightGroupColumn, sampledb::ColumnType::kU8, {}});
+RecordMaker::RecordMaker(sampledb::RecordKind kind, const LightGroups& groups, const AovSettings& aovs)
+    : kind_(kind), groups_(groups), aovs_(aovs) {
+    if (groups.any()) columns_.push_back({kLightGroupColumn, sampledb::ColumnType::kU8, {}});
     for (const sampledb::ExtraColumnSpec& column : aov_columns(aovs)) columns_.push_back({column.name, column.type, {}});
     for (std::size_t c = 0; c < 3; ++c) {
         const color::IntegerNmSpectrum curve = color::sampled_at_integer_nm(color::Observer::cie1931().curve(static_cast<int>(c)));
@@ -40,57 +38,66 @@ RecordMaker::RecordMaker(sampledb::RecordKind kind, bool with_groups, const AovS
     }
 }
 
-void RecordMaker::camera(std::uint64_t n, std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Seen& seen,
-                         const Wavelengths& w, std::uint32_t kept, sampledb::Records& out, RadianceFaults& faults,
-                         std::uint32_t only) const {
-    put_groups(n, u, v, sampledb::RecordClass::kCamera, radiance, seen, w, kept, only, out, faults);
+void SampleRecords::camera(std::uint32_t u, std::uint32_t v, const Radiance& radiance, const Seen& seen, std::uint32_t only) {
+    put_groups({sampledb::RecordClass::kCamera, u, v, only}, radiance, seen);
 }
 
-void RecordMaker::light(std::uint64_t n, float u, float v, const Radiance& radiance, const Wavelengths& w, std::uint32_t kept,
-                        sampledb::Records& out, RadianceFaults& faults, std::uint32_t only) const {
-    put_groups(n, static_cast<std::uint32_t>(u * 0x1p32f), static_cast<std::uint32_t>(v * 0x1p32f), sampledb::RecordClass::kLight,
-               radiance, kNothingSeen, w, kept, only, out, faults);
+void SampleRecords::light(const CameraPoint& point, const Radiance& radiance) {
+    const Seen seen{.lens = point.lens, .time = sample_.numbers(Dimension::kTime)};
+    const auto put_at = [&](float u, float v, std::uint32_t only) {
+        const auto fixed = [](float x) { return static_cast<std::uint32_t>(x * 0x1p32f); };
+        put_groups({sampledb::RecordClass::kLight, fixed(u), fixed(v), only}, radiance, seen);
+    };
+    if (!camera_.splits_wavelengths()) return put_at(point.u, point.v, kAllWavelengths);
+    const Wavelengths& w = sample_.spectra.wavelengths;
+    for (std::uint32_t i = 0; i < w.k; ++i) {
+        const auto defocus = static_cast<float>(camera_.defocus(static_cast<double>(w.lambda_nm[i])));
+        const Vec2f spread = camera_.spread(point.lens);
+        const float u = point.u + spread.x * defocus, v = point.v + spread.y * defocus;
+        if (u >= 0 && u < 1 && v >= 0 && v < 1) put_at(u, v, i);
+    }
 }
 
-void RecordMaker::put_groups(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class,
-                             const Radiance& radiance, const Seen& seen, const Wavelengths& w, std::uint32_t kept,
-                             std::uint32_t only, sampledb::Records& out, RadianceFaults& faults) const {
-    const bool camera = record_class == sampledb::RecordClass::kCamera, all = only == kAllWavelengths;
+void SampleRecords::put_groups(const Place& place, const Radiance& radiance, const Seen& seen) {
+    const Wavelengths& w = sample_.spectra.wavelengths;
+    const bool camera = place.record_class == sampledb::RecordClass::kCamera, all = place.only == kAllWavelengths;
     float share = !camera ? 0.0f : all ? 1.0f : 1 / static_cast<float>(w.k);  // of the first record of the position
     bool any = false;
-    const auto fill_extra = [&](std::uint32_t group) {
-        if (columns_.empty()) return;
-        if (out.extra.empty()) out.extra = columns_;
-        if (with_groups_) out.extra[0].values.push_back(static_cast<std::byte>(group));
-        append(aovs_, seen, std::span(out.extra).subspan(with_groups_ ? 1 : 0));
-    };
     for (std::uint32_t group = 0; group < radiance.groups(); ++group) {
         const RadianceSum& sum = radiance.of(group);
         SampledSpectrum power = sum.sum * w.weight;
-        if (!all) power = only_at(power, only);
-        if (!is_valid(power, faults) || power.is_black()) continue;
-        put(n, u, v, record_class, std::exchange(share, 0.0f), sum.has_all && all, &power, w, all ? kept : only, out);
-        fill_extra(group);
+        if (!all) power = only_at(power, place.only);
+        if (!is_valid(power, out_.faults) || power.is_black()) continue;
+        put(place, std::exchange(share, 0.0f), &power, sum.has_all && all);
+        put_extra(group, seen);
         any = true;
     }
     if (any || !camera) return;
-    put(n, u, v, record_class, share, false, nullptr, w, kept, out);
-    fill_extra(0);
+    put(place, share, nullptr, false);
+    put_extra(0, seen);
 }
 
-// `power`: null for a black record.
-void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampledb::RecordClass record_class, float share,
-                      bool has_all, const SampledSpectrum* power, const Wavelengths& w, std::uint32_t kept,
-                      sampledb::Records& out) const {
-    out.sample.push_back(n);
-    out.record_class.push_back(record_class);
-    out.u.push_back(u);
-    out.v.push_back(v);
+void SampleRecords::put_extra(std::uint32_t group, const Seen& seen) {
+    if (maker_.columns_.empty()) return;
+    std::vector<sampledb::ExtraColumn>& extra = out_.records.extra;
+    if (extra.empty()) extra = maker_.columns_;
+    const bool with_groups = maker_.groups_.any();
+    if (with_groups) extra[0].values.push_back(static_cast<std::byte>(group));
+    append(maker_.aovs_, seen, std::span(extra).subspan(with_groups ? 1 : 0));
+}
+
+void SampleRecords::put(const Place& place, float share, const SampledSpectrum* power, bool has_all) {
+    const Wavelengths& w = sample_.spectra.wavelengths;
+    sampledb::Records& out = out_.records;
+    out.sample.push_back(sample_.numbers.sample());
+    out.record_class.push_back(place.record_class);
+    out.u.push_back(place.u);
+    out.v.push_back(place.v);
     out.share.push_back(share);
-    if (kind_ == sampledb::RecordKind::kXyz) {
+    if (maker_.kind_ == sampledb::RecordKind::kXyz) {
         std::array<float, 4> xyz{};
         for (std::uint32_t i = 0; power && i < w.k; ++i) {
-            const std::array<float, 4>&a = observer_[w.below[i]], &b = observer_[w.below[i] + 1];
+            const std::array<float, 4>&a = maker_.observer_[w.below[i]], &b = maker_.observer_[w.below[i] + 1];
             for (std::size_t c = 0; c < 4; ++c) xyz[c] += (*power)[i] * (a[c] + w.fraction[i] * (b[c] - a[c]));
         }
         out.x.push_back(xyz[0]);
@@ -107,6 +114,7 @@ void RecordMaker::put(std::uint64_t n, std::uint32_t u, std::uint32_t v, sampled
         out.index.push_back(sampledb::kNoIndex);
         out.power.insert(out.power.end(), power->v, power->v + w.k);
     } else {
+        const std::uint32_t kept = place.only == kAllWavelengths ? sample_.kept : place.only;
         out.pairs.push_back(1);
         out.index.push_back(static_cast<std::uint16_t>(kept));
         out.power.push_back((*power)[kept]);

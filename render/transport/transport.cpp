@@ -12,7 +12,7 @@ Transport::Transport(std::unique_ptr<World> world, const IntegratorSettings& set
       density_(wavelength_density(world_->lights().spectra())),
       wavelengths_(density_, settings.batch),
       sampler_(settings.seed, important_dimensions(*world_), shared_dimensions()),
-      records_(settings.record, settings.light_groups.any(), settings.aovs),
+      records_(settings.record, settings_.light_groups, settings.aovs),
       aovs_(*world_, settings.aovs, settings.max_depth),
       of_thread_([this] { return OfThread{SampledSpectra(world_->library())}; }) {}
 
@@ -23,12 +23,23 @@ void Transport::trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& f
     wavelengths_.draw(numbers(Dimension::kXi).fraction32(), spectra.wavelengths);
     spectra.start_sample();
     const std::uint32_t kept = numbers(Dimension::kKeptWavelength).index(spectra.wavelengths.k);
-    SampleState sample{numbers, spectra, kept};
-    sample.time = world_->time(world_->moves() ? numbers(Dimension::kTime) : Uniform{});
-    const std::optional<Camera> moved = world_->camera_at(sample.time);
-    sample.camera = moved ? &*moved : &world_->camera();
-    trace(sample, out, faults);
-    of_thread.shadow_rays += sample.shadow_rays;
+    SampleState state{numbers, spectra, kept};
+    state.time = world_->time(world_->moves() ? numbers(Dimension::kTime) : Uniform{});
+    const std::optional<Camera> moved = world_->camera_at(state.time);
+    const Camera& camera = moved ? *moved : world_->camera();
+    SampleRecords records(records_, state, camera, {out, faults});
+    const TracedSample sample{state, camera, records};
+
+    const sampledb::FilmPosition at = sampledb::halton23(n, settings_.positions);
+    const Vec2d film{at.u * 0x1p-32, at.v * 0x1p-32};
+    if (camera.splits_wavelengths()) {
+        trace_split(sample, film);
+    } else {
+        Radiance seen(settings_.light_groups, state);
+        trace_paths(sample, film, false, seen);
+        records.camera(at.u, at.v, seen, look(sample, film));
+    }
+    of_thread.shadow_rays += state.shadow_rays;
 }
 
 std::uint64_t Transport::shadow_rays() const {
@@ -37,46 +48,40 @@ std::uint64_t Transport::shadow_rays() const {
     return sum;
 }
 
-void Transport::trace(SampleState& sample, sampledb::Records& out, RadianceFaults& faults) const {
-    const std::uint64_t n = sample.numbers.sample();
-    const sampledb::FilmPosition film = sampledb::halton23(n, settings_.positions);
-    if (world_->camera().splits_wavelengths()) return trace_split(sample, film.u * 0x1p-32, film.v * 0x1p-32, out, faults);
-    Radiance camera(settings_.light_groups);
-    trace_paths(sample, film.u * 0x1p-32, film.v * 0x1p-32, false, camera, out, faults);
-    const Seen seen = settings_.aovs.any() ? aovs_.look(sample, film.u * 0x1p-32, film.v * 0x1p-32) : Seen{};
-    records_.camera(n, film.u, film.v, camera, seen, sample.spectra.wavelengths, sample.kept, out, faults);
+Seen Transport::look(const TracedSample& sample, Vec2d film) const {
+    return settings_.aovs.any() ? aovs_.look(sample.state, sample.camera, film.x, film.y) : Seen{};
 }
 
 // The film points of all wavelengths are spread evenly over the film: one that lies beyond an edge comes back over the opposite
 // edge. A ray belongs to those that go round equally often, so a sample near an edge has several.
-void Transport::trace_split(SampleState& sample, double u, double v, sampledb::Records& out, RadianceFaults& faults) const {
-    const Camera& camera = *sample.camera;
-    const Wavelengths& w = sample.spectra.wavelengths;
-    const Vec2f spread = camera.spread(sample.numbers(Dimension::kLensU), sample.numbers(Dimension::kLensV));
+void Transport::trace_split(const TracedSample& sample, Vec2d film) const {
+    const Camera& camera = sample.camera;
+    const Wavelengths& w = sample.state.spectra.wavelengths;
+    const Vec2f spread = camera.spread(camera.lens_point(sample.state.numbers));
     struct Place {
-        double u, v, rounds_u, rounds_v;
-        bool operator==(const Place& b) const { return rounds_u == b.rounds_u && rounds_v == b.rounds_v; }
+        Vec2d at, rounds;
+        bool operator==(const Place& b) const { return rounds.x == b.rounds.x && rounds.y == b.rounds.y; }
     };
     const auto place_of = [&](std::uint32_t i) {
         const double defocus = camera.defocus(static_cast<double>(w.lambda_nm[i]));
-        const double at_u = u + static_cast<double>(spread.x) * defocus, at_v = v + static_cast<double>(spread.y) * defocus;
-        return Place{at_u, at_v, std::floor(at_u), std::floor(at_v)};
+        const Vec2d at{film.x + static_cast<double>(spread.x) * defocus, film.y + static_cast<double>(spread.y) * defocus};
+        return Place{at, {std::floor(at.x), std::floor(at.y)}};
     };
     std::array<bool, kMaxWavelengths> recorded{};
     bool again = false;
     for (std::uint32_t i = 0; i < w.k; ++i) {
         if (recorded[i]) continue;
         const Place ray = place_of(i);
-        Radiance radiance(settings_.light_groups);
-        trace_paths(sample, u - ray.rounds_u, v - ray.rounds_v, again, radiance, out, faults);
-        const Seen seen = settings_.aovs.any() ? aovs_.look(sample, u - ray.rounds_u, v - ray.rounds_v) : Seen{};
+        const Vec2d ray_film{film.x - ray.rounds.x, film.y - ray.rounds.y};
+        Radiance radiance(settings_.light_groups, sample.state);
+        trace_paths(sample, ray_film, again, radiance);
+        const Seen seen = look(sample, ray_film);
         again = true;
         for (std::uint32_t j = i; j < w.k; ++j) {
             const Place place = place_of(j);
             if (!(place == ray)) continue;
             const auto fixed = [](double x) { return static_cast<std::uint32_t>(std::min(x * 0x1p32, 0x1p32 - 1)); };
-            records_.camera(sample.numbers.sample(), fixed(place.u - place.rounds_u), fixed(place.v - place.rounds_v), radiance,
-                            seen, w, sample.kept, out, faults, j);
+            sample.records.camera(fixed(place.at.x - place.rounds.x), fixed(place.at.y - place.rounds.y), radiance, seen, j);
             recorded[j] = true;
         }
     }

@@ -26,6 +26,13 @@ inline float survival_probability(const SampledSpectrum& beta, float eta2, bool 
     return scatterings < 64 || probability < most ? probability : most;
 }
 
+// One sample: its numbers, the camera at its time, and the way into records.
+struct TracedSample {
+    SampleState& state;
+    const Camera& camera;
+    SampleRecords& records;
+};
+
 class Transport : public Integrator {
  public:
     Transport(std::unique_ptr<World> world, const IntegratorSettings& settings);
@@ -38,18 +45,16 @@ class Transport : public Integrator {
     std::uint64_t shadow_rays() const final;
 
  protected:
-    // Adds to `camera` what the camera sees at film point (u, v); may append light records, unless the same sample is traced
-    // `again` from another film point.
-    virtual void trace_paths(SampleState& sample, double u, double v, bool again, Radiance& camera, sampledb::Records& out,
-                             RadianceFaults& faults) const = 0;
+    // Adds to `seen` what the camera sees at film point (u, v); may write light records, unless the same sample is traced `again`
+    // from another film point.
+    virtual void trace_paths(const TracedSample& sample, Vec2d film, bool again, Radiance& seen) const = 0;
 
     const World& world() const { return *world_; }
     const IntegratorSettings& settings() const { return settings_; }
-    const RecordMaker& records() const { return records_; }
 
  private:
-    void trace(SampleState& sample, sampledb::Records& out, RadianceFaults& faults) const;
-    void trace_split(SampleState& sample, double u, double v, sampledb::Records& out, RadianceFaults& faults) const;
+    void trace_split(const TracedSample& sample, Vec2d film) const;
+    Seen look(const TracedSample& sample, Vec2d film) const;
 
     std::unique_ptr<World> world_;
     IntegratorSettings settings_;

@@ -6,6 +6,7 @@ void fill_in(const SurfaceHit& hit, const SurfaceCoordinates& c, const Footprint
     point.p = hit.p;
     point.n = hit.ns;
     point.uv = c.uv;
+    point.vertices = c.vertices;
     footprint.at(hit.p, hit.ng, point.dpdx, point.dpdy);
     // d = dpdu x + dpdv y, as nearly as a vector off the plane of both can be.
     const float a = dot(c.dpdu, c.dpdu), b = dot(c.dpdu, c.dpdv), d = dot(c.dpdv, c.dpdv), determinant = a * d - b * b;

@@ -1,12 +1,13 @@
 #include "sampledb/codec/page_layout.h"
 
 #include "base/hash.h"
+#include "sampledb/data/limits.h"
 #include "sampledb/data/unreadable.h"
 
 namespace latent::sampledb {
 
 std::uint64_t content_hash(const std::vector<ColumnEntry>& table) {
-    std::array<std::uint64_t, 32> hashes;
+    std::array<std::uint64_t, kColumnCount + kMaxExtraColumns> hashes;
     assert(table.size() <= hashes.size());
     for (std::size_t i = 0; i < table.size(); ++i) hashes[i] = table[i].hash;
     return hash64(std::as_bytes(std::span(hashes).first(table.size())));

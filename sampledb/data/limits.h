@@ -12,10 +12,12 @@ inline constexpr std::uint64_t kMaxPagesPerRun = std::uint64_t{1} << 20;
 inline constexpr std::uint64_t kMaxIntervalsPerRun = std::uint64_t{1} << 16;
 inline constexpr std::uint64_t kMaxRecordsPerPage = 6144;                     // of any job; max_page_records says it of one
 inline constexpr std::uint64_t kMaxPairsPerPage = 3072 * 28;                  // of all its records
-inline constexpr std::uint64_t kMaxDecodedPage = std::uint64_t{2} << 20;      // 6144 records of 16 wide columns, and their pairs
+inline constexpr std::uint64_t kMaxExtraPerPage = 6144 * 128;                 // bytes of its extra columns
+inline constexpr std::uint64_t kMaxDecodedPage = std::uint64_t{2} << 20;      // of all its columns
 inline constexpr std::uint64_t kMaxStoredOverhead = std::uint64_t{64} << 10;  // a stored page is at most this larger than decoded
 inline constexpr std::size_t kMaxProvenanceSize = std::size_t{512} << 10;
-inline constexpr std::size_t kMaxExtraColumns = 16;
-inline constexpr std::size_t kMaxNameSize = 64;  // UTF-8 bytes of an extra column's name
+inline constexpr std::size_t kMaxExtraColumns = 128;
+inline constexpr std::size_t kFewExtraColumns = 16;  // what readers before version 0.2 take
+inline constexpr std::size_t kMaxNameSize = 64;      // UTF-8 bytes of an extra column's name
 
 }  // namespace latent::sampledb

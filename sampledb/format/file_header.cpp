@@ -12,7 +12,10 @@ constexpr std::size_t kKnotSize = 12;
 
 // The lowest version that says it all, so that programs that know no higher one read what they can.
 std::uint16_t minor_of(const Job& job) { return job.precision < kFullPrecision ? 1 : 0; }
-std::uint64_t features_of(const Job& job) { return kFooterFeature | (job.precision < kFullPrecision ? kPrecisionFeature : 0); }
+std::uint64_t features_of(const Job& job) {
+    return kFooterFeature | (job.precision < kFullPrecision ? kPrecisionFeature : 0) |
+           (job.extra.size() > kFewExtraColumns ? kManyColumnsFeature : 0);
+}
 
 Bytes encode_job(const FileHeader& header) {
     const Job& job = header.job;
@@ -133,7 +136,7 @@ Result<FileHeader> decode_file_header(ByteSpan bytes, std::uint64_t* copy_size) 
     const std::uint64_t body_hash = in.get<std::uint64_t>();
     in.take(16);
     if (in.get<std::uint64_t>() != hash64(bytes.first(kFrontSize - 8))) return corrupt("header checksum mismatch");
-    if (Status s = check_version(major, features, kPrecisionFeature | kFooterFeature); !s) return s.error();
+    if (Status s = check_version(major, features, kPrecisionFeature | kFooterFeature | kManyColumnsFeature); !s) return s.error();
     if (size % kBlock != 0 || size == 0 || size > kMaxHeaderSize || body_size > size - kFrontSize) {
         return corrupt("a header of impossible size");
     }

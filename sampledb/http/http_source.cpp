@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint64_t kLeastAhead = 256 << 10, kMostAhead = 4 << 20;
 }  // namespace
 
-Result<std::shared_ptr<const HttpSource>> HttpSource::open(const std::string& url, std::shared_ptr<BlockCache> cache) {
+Result<std::shared_ptr<const HttpSource>> HttpSource::open(const std::string& url, std::shared_ptr<RangeCache> cache) {
     Result<RemoteFile> file = cache->open(url);
     if (!file) return file.error();
     return std::make_shared<const HttpSource>(std::move(*file), std::move(cache));

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/url.h"
-#include "sampledb/http/block_cache.h"
+#include "sampledb/http/range_cache.h"
 #include "sampledb/read/byte_source.h"
 
 namespace latent::sampledb {
@@ -16,15 +16,15 @@ namespace latent::sampledb {
 class HttpSource final : public ByteSource {
  public:
     // Sources may share a cache. Errors: those of HttpConnection.
-    static Result<std::shared_ptr<const HttpSource>> open(const std::string& url, std::shared_ptr<BlockCache> cache);
+    static Result<std::shared_ptr<const HttpSource>> open(const std::string& url, std::shared_ptr<RangeCache> cache);
 
-    std::uint64_t size() const override { return file_.size; }
+    std::uint64_t size() const override { return file_.version.size; }
     Status read(std::uint64_t offset, std::span<std::byte> into) const override;
     std::string name() const override { return shown_name(file_.url); }
     void expect_scattered_reads() const override { scattered_ = true; }
     void will_read(std::uint64_t offset, std::uint64_t length) const override { cache_->announce(file_, offset, length); }
 
-    HttpSource(RemoteFile file, std::shared_ptr<BlockCache> cache) : file_(std::move(file)), cache_(std::move(cache)) {}
+    HttpSource(RemoteFile file, std::shared_ptr<RangeCache> cache) : file_(std::move(file)), cache_(std::move(cache)) {}
 
  private:
     // Reads that follow each other, such as those of an index and of its pages in turn.
@@ -36,7 +36,7 @@ class HttpSource final : public ByteSource {
     void read_ahead(std::uint64_t offset, std::uint64_t size) const;
 
     RemoteFile file_;
-    std::shared_ptr<BlockCache> cache_;
+    std::shared_ptr<RangeCache> cache_;
     mutable std::atomic<bool> scattered_ = false;
     mutable std::mutex mutex_;
     mutable std::array<Stream, 4> streams_;

@@ -41,7 +41,8 @@ void Transfers::work() {
         lock.unlock();
         Result<Fetched> fetched = Fetched{};
         const Status status = caught([&]() -> Status {
-            fetched = connection.get(transfer.url, transfer.offset, transfer.size, stop_);
+            fetched =
+                connection.get(transfer.url, transfer.offset, transfer.size, transfer.known ? &*transfer.known : nullptr, stop_);
             return {};
         });
         transfer.done(status ? std::move(fetched) : Result<Fetched>(status.error()));

@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +18,7 @@ namespace latent::sampledb {
 struct Transfer {
     std::string url;
     std::uint64_t offset = 0, size = 0;
+    std::optional<RemoteVersion> known;         // HttpConnection::get
     std::function<void(Result<Fetched>)> done;  // called by a thread of its own
 };
 

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "base/hash.h"
 #include "base/url.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/data/limits.h"
+#include "sampledb/data/z_order.h"
 #include "sampledb/format/frames.h"
 #include "sampledb/read/footer_reader.h"
 #include "sampledb/read/run_walk.h"
@@ -180,7 +182,7 @@ Status verify_page(const ByteSource& source, const PageInfo& info, std::size_t n
     const auto corrupt = [&](std::string_view what) {
         return Error{ErrorCode::kCorrupt, fmt::format("page {}: {}", number, what)};
     };
-    if (level != VerifyLevel::kFull) return hash64(*stored) == info.stored_hash ? Status{} : corrupt("checksum mismatch");
+    if (level < VerifyLevel::kFull) return hash64(*stored) == info.stored_hash ? Status{} : corrupt("checksum mismatch");
     if (Status s = decoder.decode(job, info, *stored, ColumnSet{}, page, true); !s)
         return s.error().at(fmt::format("page {}", number));
     const int shift = 32 - info.node.level;
@@ -188,6 +190,29 @@ Status verify_page(const ByteSource& source, const PageInfo& info, std::size_t n
         if (shift < 32 && (page.u[row] >> shift != info.node.x || page.v[row] >> shift != info.node.y))
             return corrupt("a record outside its node");
         if (!coverage.contains(page.sample[row])) return corrupt("a record outside the run's coverage");
+    }
+    return {};
+}
+
+Status verify_order(const ByteSource& source, const RunInfo& run, const Job& job) {
+    const Result<RunIndex> index = read_run_index(source, run, job);
+    if (!index) return index.error();
+    PageDecoder decoder;
+    Page page;
+    std::uint32_t last = 0;
+    for (std::size_t number = 0; number < index->pages.size(); ++number) {
+        const PageInfo& info = index->pages[number];
+        if (number > 0 && info.record_class != index->pages[number - 1].record_class) last = 0;
+        if (Status s = read_page(source, info, job, ColumnSet{}, decoder, page); !s) return s;
+        for (std::size_t row = 0; row < page.count; ++row) {
+            const std::uint32_t z = z_prefix(page.u[row], page.v[row]);
+            if (z < std::exchange(last, z))
+                return Error{ErrorCode::kCorrupt, fmt::format("page {}: its records are not in order", number)};
+            if (info.part == NodePart::kAnywhere) continue;
+            const bool is_lower = (page.v[row] >> (31 - info.node.level) & 1) != 0;
+            if (is_lower != (info.part == NodePart::kLower))
+                return Error{ErrorCode::kCorrupt, fmt::format("page {}: a record outside its half of a square", number)};
+        }
     }
     return {};
 }
@@ -270,7 +295,8 @@ Status verify_run(const ByteSource& source, const RunInfo& run, const Job& job, 
     const Result<Coverage> again = scan_run_index(source, run, job, [&](const PageInfo& info) {
         return verify_page(source, info, number++, *coverage, job, level, decoder, page);
     });
-    return again ? Status{} : Status(again.error());
+    if (!again) return again.error();
+    return level == VerifyLevel::kOrdered ? verify_order(source, run, job) : Status{};
 }
 
 Result<FileContents> read_frames(const ByteSource& source) {

@@ -23,7 +23,9 @@ enum class VerifyLevel : std::uint8_t {
     kHeaders,  // header only; from a footer: the footer's copy of it
     kQuick,    // header, index and one page
     kStored,   // every stored byte
-    kFull,     // every stored byte; every column decoded and compared with its content hash; every record where it belongs
+    kFull,     // every stored byte; every column decoded and compared with its content hash; every record in its node and coverage
+    kOrdered,  // kFull, and what readers rely on without checking: records in order, and in the halves of squares that find_parts
+               // names
 };
 
 // A file as found. The runs are those that passed the level asked for; damage lists what did not, and what is wrong with the

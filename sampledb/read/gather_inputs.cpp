@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <functional>
 #include <map>
+#include <tuple>
 
 #include "base/url.h"
 #include "sampledb/data/unreadable.h"
@@ -143,6 +144,11 @@ Status InputReader::take_file(const InputFile& input, FoundFile opened) {
         return {};
     }
     report_state(input, file);
+    for_each_origin(file, [&](std::string_view origin) {
+        const std::optional<Resolution> pixels = resolution_in(origin);
+        const auto size = [](const Resolution& r) { return std::tuple(std::uint64_t{r.width} * r.height, r.width); };
+        if (pixels && (!found_.resolution || size(*found_.resolution) < size(*pixels))) found_.resolution = pixels;
+    });
     const std::uint32_t number = static_cast<std::uint32_t>(found_.files.size());
     found_.files.push_back(input.path);
     if (options_.announced_reads) opened.source->expect_scattered_reads();

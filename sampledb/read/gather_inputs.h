@@ -17,6 +17,7 @@ struct GatheredInputs {
     Job job;
     std::vector<std::filesystem::path> files;  // those of the job
     std::vector<SelectedRun> runs;             // to choose from, in no particular order
+    std::optional<Resolution> resolution;      // Gathering::resolution
     std::uint64_t list_memory = 0;             // bytes that the runs take, those that choosing takes included
     GatherReport report;                       // what was left out so far
 };

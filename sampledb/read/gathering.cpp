@@ -26,7 +26,9 @@ std::size_t most_open_files() {
 }
 
 constexpr std::uint64_t kIndexCost = 256;  // bytes to hold an index, without its pages
-constexpr std::size_t kIndexesAhead = 32;  // of remote files, on their way
+// Runs whose indexes are on their way from a server: so many, and more of small ones.
+constexpr std::size_t kRunsAhead = 32;
+constexpr std::uint64_t kBytesAhead = 4 << 20;
 
 class OpenGathering final : public Gathering {
  public:
@@ -45,6 +47,7 @@ class OpenGathering final : public Gathering {
                      Page& page) const override;
     void will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const override;
     std::uint64_t bytes_read() const override { return bytes_read_; }
+    std::optional<Resolution> resolution() const override { return resolution_; }
     std::uint64_t list_memory() const override { return list_memory_; }
 
  private:
@@ -60,6 +63,7 @@ class OpenGathering final : public Gathering {
     std::vector<SelectedRun> runs_;
     Coverage coverage_;
     GatherReport report_;
+    std::optional<Resolution> resolution_;
     std::uint64_t list_memory_ = 0;
 
     mutable std::mutex mutex_;
@@ -75,6 +79,7 @@ Status OpenGathering::gather() {
     job_ = std::move(inputs->job);
     files_ = std::move(inputs->files);
     report_ = std::move(inputs->report);
+    resolution_ = inputs->resolution;
     list_memory_ = inputs->list_memory;
     select(std::move(inputs->runs));
     if (options_.samples) cut_to_samples();
@@ -136,7 +141,8 @@ Result<std::shared_ptr<const ByteSource>> OpenGathering::source(std::size_t file
 
 // Indexes are nearly always read run after run, and from afar each would be waited for.
 void OpenGathering::announce_indexes(std::size_t run) const {
-    const std::size_t end = std::min(run + 1 + kIndexesAhead, runs_.size());
+    std::size_t end = std::min(run + 1 + kRunsAhead, runs_.size());
+    for (std::uint64_t bytes = 0; end < runs_.size() && (bytes += runs_[end].header.size()) <= kBytesAhead;) ++end;
     for (std::size_t next = std::max(run, announced_.exchange(end)); next < end; ++next) {
         const SelectedRun& selected = runs_[next];
         const Result<std::shared_ptr<const ByteSource>> from = source(selected.file);

@@ -13,6 +13,7 @@
 #include "sampledb/data/job.h"
 #include "sampledb/data/page.h"
 #include "sampledb/read/file_reader.h"
+#include "sampledb/read/provenance.h"
 #include "sampledb/read/selection.h"
 
 namespace latent::sampledb {
@@ -30,7 +31,7 @@ struct GatherOptions {
     bool keep_going = false;                     // what is wrong with a file named one by one costs that file, as in a folder
     std::optional<JobId> job;                    // keep this job, leave others out
     std::optional<SampleRange> samples;          // only these sample numbers
-    VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull reads every byte once more
+    VerifyLevel verify = VerifyLevel::kHeaders;  // runs that fail are left out; kFull and kOrdered read every byte once more
     std::vector<DamagedRun> damaged;             // left out as well
     bool announced_reads = false;                // pages are announced by `will_read`: nothing else is read ahead
     // --memory of the tool, in bytes: the list of runs may take three quarters of it (or 256 KiB), indexes held at once an eighth;
@@ -73,6 +74,9 @@ class Gathering {
     virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
     virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
     virtual const GatherReport& report() const = 0;
+
+    // Pixels of the picture that the samples were rendered for, the largest if files differ; none if no file says.
+    virtual std::optional<Resolution> resolution() const { return std::nullopt; }
 
     // Bytes that the list of runs takes, of their intervals too.
     virtual std::uint64_t list_memory() const { return 0; }

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "base/json.h"
+#include "sampledb/read/provenance.h"
+
 namespace latent::sampledb {
 
 namespace {
@@ -13,6 +16,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPart = ".part.";
+
+// " (latent-render 0.1.0, render epoch 4)", as far as a file tells: another version makes another job of the same scene.
+std::string made_by(const FileContents& file) {
+    const std::string provenance = quote_provenance(file.header.provenance_json, kHeaderProvenanceDepth).json;
+    const auto program = nlohmann::json::parse(member_of(provenance, "program"), nullptr, false);
+    const std::string_view epoch = member_of(provenance, "render_epoch");
+    if (!program.is_string()) return "";
+    return fmt::format(" ({}{})", program.get<std::string>(), epoch.empty() ? "" : fmt::format(", render epoch {}", epoch));
+}
 
 }  // namespace
 
@@ -23,8 +35,8 @@ fs::path new_attempt(const fs::path& name) { return name.string() + kPart + make
 Status check_same_job(const FoundFile& file, const Job& job) {
     const Status same = same_job(file.contents.header.job, job);
     if (same) return same;
-    return Error{ErrorCode::kMismatch, fmt::format("{}: holds {}; choose another name for the output, or start over with --force",
-                                                   file.source->name(), same.error().message)};
+    return Error{ErrorCode::kMismatch, fmt::format("{}{}: holds {}; choose another name for the output, or start over with --force",
+                                                   file.source->name(), made_by(file.contents), same.error().message)};
 }
 
 std::vector<fs::path> attempts_of(const fs::path& name) {

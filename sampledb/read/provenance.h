@@ -3,8 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "sampledb/read/file_reader.h"
 
 namespace latent::sampledb {
 
@@ -19,5 +25,24 @@ struct QuotedProvenance {
 
 // `depth`: one of the two above.
 QuotedProvenance quote_provenance(std::string_view stored, std::size_t depth);
+
+// Gives `take` the JSON objects in which a file tells how its samples were made: that of its header, and those of the parts that
+// were merged into it.
+void for_each_origin(const FileContents& file, const std::function<void(std::string_view)>& take);
+
+// What origins say, in the words of docs/format.md, "Registry". Each is empty where an origin does not say it.
+
+// Pixels of the picture that the samples were counted for.
+struct Resolution {
+    std::uint32_t width, height;
+};
+std::optional<Resolution> resolution_in(std::string_view origin);
+
+// Lights that records keep apart, in the order of their numbers. Lights without a name are called by their number.
+struct NamedLights {
+    std::string name;
+    std::string spectrum;  // JSON; empty: they have different ones, or it is not known
+};
+std::vector<NamedLights> lights_in(std::string_view origin);
 
 }  // namespace latent::sampledb

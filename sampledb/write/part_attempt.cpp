@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/hidden_name.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/read/part_name.h"
@@ -66,7 +67,7 @@ Status PartAttempt::commit(const RunHeader& header) {
 
 bool PartAttempt::vanished() const {
     struct stat info;
-    return ::fstat(file_.descriptor(), &info) == 0 && info.st_nlink == 0;
+    return ::fstat(file_.descriptor(), &info) == 0 && info.st_nlink == 0 && !is_named(file_.descriptor(), path());
 }
 
 Status PartAttempt::restore() {
@@ -79,9 +80,9 @@ Status PartAttempt::restore() {
     return sync_folder(folder_of(name_));
 }
 
-Status PartAttempt::publish() {
+Status PartAttempt::publish(const std::string& provenance) {
     if (!has_footer_) {
-        const Result<Bytes> footer = encode_footer(runs_, "", end_);
+        const Result<Bytes> footer = encode_footer(runs_, provenance, end_);
         if (!footer) return footer.error().at(name_.string());
         if (Status s = file_.write_all(end_, *footer); !s) return s;
         if (Status s = file_.sync_data(); !s) return s;

@@ -28,9 +28,9 @@ class PartAttempt {
     // Everything that was appended, under a new name.
     Status restore();
 
-    // Writes the footer and gives the file its final name as well. Errors: kExists if that is taken, kNotFound if the attempt
-    // vanished, kIo, kNoSpace.
-    Status publish();
+    // Writes the footer, with this provenance, and gives the file its final name as well. Errors: kExists if that is taken,
+    // kNotFound if the attempt vanished, kIo, kNoSpace.
+    Status publish(const std::string& provenance);
 
     std::uint64_t size() const { return end_; }
     const std::vector<RunInfo>& runs() const { return runs_; }

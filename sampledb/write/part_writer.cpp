@@ -89,7 +89,7 @@ Status PartWriter::checkpoint() {
     return parts_->committer ? parts_->committer->status() : Status{};
 }
 
-Status PartWriter::finish() {
+Status PartWriter::finish(const std::string& finished_json) {
     if (parts_->committer) {
         // Where another writer has published the part, the committer is about to close the window, if it has not yet.
         const Coverage unsubmitted = parts_->window.unsubmitted();
@@ -101,7 +101,8 @@ Status PartWriter::finish() {
         if (Status s = parts_->committer->status(); !s) return s;
     }
     if (!published_elsewhere()) {
-        if (Status s = parts_->publisher.publish(); !s) return s;
+        const std::string provenance = finished_json.empty() ? "" : fmt::format(R"({{"finished":{}}})", finished_json);
+        if (Status s = parts_->publisher.publish(provenance); !s) return s;
     }
     parts_->publisher.remove_superfluous();
     return {};

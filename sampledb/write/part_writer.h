@@ -52,8 +52,9 @@ class PartWriter {
     Status checkpoint();
 
     // Everything missing was submitted: writes what is left, adds runs of other attempts, the footer, publishes NAME.latent, and
-    // removes the attempts that it makes superfluous.
-    Status finish();
+    // removes the attempts that it makes superfluous. `finished_json`: members that join the provenance of the header, a JSON
+    // object; empty: none.
+    Status finish(const std::string& finished_json = "");
 
     // Whether another writer has published NAME.latent with the whole range: nothing is left to render, and `finish` has little to
     // do. Looked at whenever a run or checkpoint has been committed.

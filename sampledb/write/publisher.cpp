@@ -29,9 +29,9 @@ Status Publisher::append(ByteSpan run) {
     return {};
 }
 
-Status Publisher::publish() {
+Status Publisher::publish(const std::string& provenance) {
     Status done = copy_adopted();
-    if (done) done = give_name();
+    if (done) done = give_name(provenance);
     return done || published_elsewhere() ? Status{} : done;
 }
 
@@ -52,9 +52,9 @@ Status Publisher::copy_adopted() {
     return {};
 }
 
-Status Publisher::give_name() {
+Status Publisher::give_name(const std::string& provenance) {
     for (;;) {
-        const Status named = attempt_->publish();
+        const Status named = attempt_->publish(provenance);
         if (named) return {};
         const Result<Published> published = look_at_published(name_, job_, range_);
         if (!published) return published.error();  // the name went to another job or range

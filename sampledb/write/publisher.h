@@ -29,9 +29,10 @@ class Publisher {
     Status append(ByteSpan run);
     // A run of the result that another attempt holds. It is copied at the end: until then it is safe where it is.
     void adopt(const StoredRun& run) { adopted_.push_back(run); }
-    // Copies the adopted runs, and names the file NAME.latent. It is no error if another writer has done so. Errors: kIo, kNoSpace,
-    // kMismatch (the name went to another job or range), and those of a run that can no longer be read.
-    Status publish();
+    // Copies the adopted runs, and names the file NAME.latent, with this provenance in its footer. It is no error if another writer
+    // has done so. Errors: kIo, kNoSpace, kMismatch (the name went to another job or range), and those of a run that can no longer
+    // be read.
+    Status publish(const std::string& provenance);
     // Removes the attempts that NAME.latent makes superfluous.
     void remove_superfluous() const;
 
@@ -41,7 +42,7 @@ class Publisher {
 
  private:
     Status copy_adopted();
-    Status give_name();
+    Status give_name(const std::string& provenance);
 
     const std::filesystem::path name_;
     const Job& job_;

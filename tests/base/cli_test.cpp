@@ -36,6 +36,39 @@ TEST(Cli, AnUnknownChoiceNamesThoseThereAre) {
                 "^tool: --gamut: unknown choice 'foo'; choose from luminance, grey; see --help\n$");
 }
 
+TEST(Cli, AnOptionOfOtherProgramsNamesWhatServesHere) {
+    const auto parse_with = [](std::string option) {
+        char name[] = "tool";
+        char* arguments[] = {name, option.data(), nullptr};
+        CLI::App app{"", "tool"};
+        ::_exit(parse(app, 2, arguments).value_or(0));
+    };
+    EXPECT_EXIT(parse_with("--exposure"), ::testing::ExitedWithCode(kUsage),
+                "^tool: unknown argument --exposure: [^\n]*--sensitivity[^\n]*; see --help\n$");
+    EXPECT_EXIT(parse_with("--denoise"), ::testing::ExitedWithCode(kUsage),
+                "^tool: unknown argument --denoise: there is no denoiser[^\n]*; see --help\n$");
+    EXPECT_EXIT(parse_with("--temperature=5000"), ::testing::ExitedWithCode(kUsage), "--white 5200K[^\n]*; see --help\n$");
+}
+
+TEST(Cli, WithoutACommandTheFileGetsOne) {
+    const auto parse_with = [](std::vector<std::string> words) {
+        words.insert(words.begin(), "tool");
+        std::vector<char*> arguments;
+        for (std::string& word : words) arguments.push_back(word.data());
+        CLI::App app{"", "tool"};
+        app.require_subcommand(1);
+        for (const char* command : {"info", "verify"}) app.add_subcommand(command, "");
+        ::_exit(parse(app, static_cast<int>(arguments.size()), arguments.data()).value_or(0));
+    };
+    EXPECT_EXIT(parse_with({}), ::testing::ExitedWithCode(kUsage), "^tool: a command is missing: info, verify; see --help\n$");
+    EXPECT_EXIT(parse_with({"/dev/null"}), ::testing::ExitedWithCode(kUsage),
+                "^tool: a command is missing; try: tool info /dev/null; see --help\n$");
+    EXPECT_EXIT(parse_with({"verfy"}), ::testing::ExitedWithCode(kUsage),
+                "^tool: unknown command verfy; did you mean verify\\?; see --help\n$");
+    EXPECT_EXIT(parse_with({"zzz"}), ::testing::ExitedWithCode(kUsage),
+                "^tool: unknown command zzz; choose from info, verify; see --help\n$");
+}
+
 TEST(Cli, AMisspeltOptionIsTheFirstThingSaidWithThoseThatAreNear) {
     const auto parse_with = [](std::string option) {
         double seconds = 0;

@@ -116,6 +116,11 @@ TEST_F(FileTest, WhatIsNotARegularFileIsRefusedAtOnce) {
         EXPECT_EQ(file.error().code, ErrorCode::kForeign);
         EXPECT_EQ(file.error().message, path.string() + ": not a regular file");
     }
+    fs::create_symlink("loop", folder_ / "loop");
+    const Result<File> loop = File::open_read(folder_ / "loop");
+    ASSERT_FALSE(loop);
+    EXPECT_EQ(loop.error().code, ErrorCode::kForeign);
+    EXPECT_TRUE(loop.error().message.ends_with("loop: a symbolic link that leads back to itself")) << loop.error().message;
 }
 
 TEST_F(FileTest, FoldersAndMissingFilesAreNamed) {

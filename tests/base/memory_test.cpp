@@ -50,6 +50,14 @@ TEST_F(ControlGroups, OfAnotherNamespaceOnlyTheOutermostIsSeen) {
     EXPECT_EQ(limit_of(""), kNone);
 }
 
+TEST(DefaultMemory, IsAtMostHalfOfWhatIsUsableAndAtMostAGibibyte) {
+    for (const std::uint64_t usable : {std::uint64_t{200} << 20, std::uint64_t{3} << 30, std::uint64_t{1} << 40}) {
+        EXPECT_LE(default_memory(usable), usable / 2);
+        EXPECT_LE(default_memory(usable), std::uint64_t{1} << 30);
+    }
+    EXPECT_EQ(default_memory(std::uint64_t{2} << 30), std::uint64_t{1} << 30);
+}
+
 TEST(UsableMemory, IsThere) { EXPECT_GT(usable_memory(), std::uint64_t{1} << 20); }
 
 }  // namespace

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -12,6 +15,7 @@
 #include <set>
 #include <thread>
 
+#include "base/printable.h"
 #include "c_api/latent.h"
 #include "tests/c_api/submitted_grain.h"
 #include "tests/faults/process.h"
@@ -270,6 +274,21 @@ TEST(CApi, ColumnsThatWereNotAskedForAreNull) {
     EXPECT_EQ(r.extra, nullptr);
 }
 
+TEST(CApi, ACursorGoesOnWhenItsReaderIsClosed) {
+    const TemporaryFolder folder;
+    const Job job = synthetic::make_short_job();
+    write_all(open_writer(folder / "a.latent", CJob(job), kSamples).get(), job, 1);
+    Reader reader = open_reader(folder / "a.latent");
+    latent_cursor* opened = nullptr;
+    ASSERT_EQ(latent_cursor_open(reader.get(), nullptr, &opened, nullptr), LATENT_OK);
+    const Cursor cursor(opened);
+    reader.reset();
+    latent_records r{};
+    r.size = sizeof r;
+    ASSERT_EQ(latent_cursor_next(opened, &r, nullptr), LATENT_OK);
+    EXPECT_GT(r.count, 0u);
+}
+
 TEST(CApi, InfoAndRunsAddUpToTheFile) {
     const TemporaryFolder folder;
     const Job job = synthetic::make_short_job();
@@ -437,6 +456,187 @@ TEST(CApi, MisuseIsAnErrorWithAMessage) {
     refused(latent_cursor_open(nullptr, nullptr, &cursor, &error), LATENT_USAGE);
     refused(latent_cursor_next(nullptr, nullptr, &error), LATENT_USAGE);
     EXPECT_EQ(latent_reader_left_out(read.get(), 0), nullptr);
+}
+
+TEST(CApi, AReaderTellsHowItsSamplesWereMade) {
+    const TemporaryFolder folder;
+    const Job job = synthetic::make_short_job();
+    const CJob c_job(job);
+    latent_write_options options = options_for(2048);
+    options.provenance = R"({"light_groups": [{"name": "lamp"}, {}], "materials": ["glass", 7]})";
+    latent_writer* writer = nullptr;
+    ASSERT_EQ(latent_writer_open((folder / "a.latent").c_str(), &c_job.c, &options, &writer, nullptr), LATENT_OK);
+    write_all(writer, job, 1);
+    latent_writer_close(writer);
+    const Reader reader = open_reader(folder / "a.latent");
+    const char* json = nullptr;
+    ASSERT_EQ(latent_reader_provenance(reader.get(), &json, nullptr), LATENT_OK);
+    EXPECT_EQ(std::string(json), R"({"parts":[{"provenance":)" + std::string(options.provenance) + R"(,"samples":[[0,2048]]}]})");
+    EXPECT_STREQ(latent_reader_light_group(reader.get(), 0), "lamp");
+    EXPECT_STREQ(latent_reader_light_group(reader.get(), 1), "");
+    EXPECT_EQ(latent_reader_light_group(reader.get(), 2), nullptr);
+    EXPECT_EQ(latent_reader_material(reader.get(), 0), nullptr);
+    EXPECT_STREQ(latent_reader_material(reader.get(), 1), "glass");
+    EXPECT_STREQ(latent_reader_material(reader.get(), 2), "");
+    EXPECT_EQ(latent_reader_material(reader.get(), 3), nullptr);
+}
+
+// Handles that are null, made up, closed, or of what failed to open: every function answers.
+TEST(CApi, FunctionsOnHandlesThatAreNotOpenEndInAStatus) {
+    const TemporaryFolder folder;
+    const std::string path = folder / "a.latent";
+    const Job job = synthetic::make_short_job();
+    const CJob c_job(job);
+    const Records made = synthetic::make_records(job, {0, 1024});
+    const CRecords records(made);
+    const latent_write_options options = options_for(1024);
+    latent_error error{};
+    std::vector<latent_writer*> writers = {nullptr, reinterpret_cast<latent_writer*>(std::uintptr_t{0xDEADBEEF0})};
+    latent_writer* writer = reinterpret_cast<latent_writer*>(&error);
+    ASSERT_EQ(latent_writer_open((folder / "none" / "a.latent").c_str(), &c_job.c, &options, &writer, nullptr), LATENT_NOT_FOUND);
+    writers.push_back(writer);
+    ASSERT_EQ(latent_writer_open(path.c_str(), &c_job.c, &options, &writer, nullptr), LATENT_OK);
+    ASSERT_EQ(latent_writer_submit(writer, {0, 1024}, &records.c, nullptr), LATENT_OK);
+    ASSERT_EQ(latent_writer_finish(writer, nullptr), LATENT_OK);
+    latent_writer_close(writer);
+    writers.push_back(writer);
+    const auto refused = [&](latent_status status) {
+        EXPECT_EQ(status, LATENT_USAGE);
+        EXPECT_GT(std::strlen(error.message), 5u);
+        error = {};
+    };
+    for (latent_writer* const gone : writers) {
+        latent_range grain{7, 7};
+        latent_writer_info info{};
+        info.size = sizeof info;
+        EXPECT_EQ(latent_writer_missing(gone, &grain, 1), 0u);
+        EXPECT_EQ(latent_writer_next(gone, &grain), 0);
+        refused(latent_writer_submit(gone, {0, 1024}, &records.c, &error));
+        refused(latent_writer_checkpoint(gone, &error));
+        refused(latent_writer_finish(gone, &error));
+        refused(latent_writer_get_info(gone, &info, &error));
+        latent_writer_stop(gone);
+        latent_writer_close(gone);
+    }
+
+    std::vector<latent_reader*> readers = {nullptr, reinterpret_cast<latent_reader*>(writers.back())};
+    latent_reader* reader = nullptr;
+    const std::string absent = folder / "absent.latent";
+    const char* const names[] = {path.c_str(), absent.c_str()};
+    ASSERT_EQ(latent_reader_open(&names[1], 1, nullptr, &reader, nullptr), LATENT_NOT_FOUND);
+    readers.push_back(reader);
+    ASSERT_EQ(latent_reader_open(names, 1, nullptr, &reader, nullptr), LATENT_OK);
+    latent_cursor* cursor = nullptr;
+    ASSERT_EQ(latent_cursor_open(reader, nullptr, &cursor, nullptr), LATENT_OK);
+    latent_reader_close(reader);
+    readers.push_back(reader);
+    latent_records read{};
+    read.size = sizeof read;
+    ASSERT_EQ(latent_cursor_next(cursor, &read, nullptr), LATENT_OK);  // outlives its reader
+    EXPECT_GT(read.count, 0u);
+    latent_cursor_close(cursor);
+    refused(latent_cursor_next(cursor, &read, &error));
+    latent_cursor_close(cursor);
+    refused(latent_cursor_next(reinterpret_cast<latent_cursor*>(reader), &read, &error));
+    for (latent_reader* const gone : readers) {
+        latent_job its_job{};
+        its_job.size = sizeof its_job;
+        latent_reader_info info{};
+        info.size = sizeof info;
+        latent_run run{};
+        run.size = sizeof run;
+        latent_range range{};
+        refused(latent_reader_job(gone, &its_job, &error));
+        refused(latent_reader_get_info(gone, &info, &error));
+        refused(latent_reader_run(gone, 0, &run, &error));
+        refused(latent_cursor_open(gone, nullptr, &cursor, &error));
+        EXPECT_EQ(cursor, nullptr);
+        EXPECT_EQ(latent_reader_coverage(gone, &range, 1), 0u);
+        EXPECT_EQ(latent_reader_left_out(gone, 0), nullptr);
+        const char* json = "";
+        refused(latent_reader_provenance(gone, &json, &error));
+        EXPECT_EQ(json, nullptr);
+        EXPECT_EQ(latent_reader_light_group(gone, 0), nullptr);
+        EXPECT_EQ(latent_reader_material(gone, 1), nullptr);
+        latent_reader_close(gone);
+    }
+}
+
+TEST(CApi, ClosingAWriterEndsTheCallsOfOtherThreads) {
+    const TemporaryFolder folder;
+    const Job job = synthetic::make_short_job();
+    const CJob c_job(job);
+    for (int i = 0; i < 10; ++i) {
+        const latent_write_options options = options_for(std::uint64_t{1} << 22);
+        latent_writer* writer = nullptr;
+        ASSERT_EQ(latent_writer_open((folder / "a.latent").c_str(), &c_job.c, &options, &writer, nullptr), LATENT_OK);
+        latent_range first;
+        ASSERT_EQ(latent_writer_next(writer, &first), 1);  // never submitted: in the end, all wait for it
+        std::atomic<int> submitted = 0;
+        std::vector<std::thread> threads;
+        for (int t = 0; t < 3; ++t) {
+            threads.emplace_back([&, writer] {
+                latent_range grain;
+                while (latent_writer_next(writer, &grain) != 0) {
+                    const Records made = synthetic::make_records(job, {grain.first, grain.end});
+                    const CRecords records(made);
+                    if (latent_writer_submit(writer, grain, &records.c, nullptr) != LATENT_OK) return;
+                    ++submitted;
+                }
+            });
+        }
+        while (submitted < 10 * i) std::this_thread::yield();
+        latent_writer_close(writer);
+        for (std::thread& thread : threads) thread.join();
+    }
+}
+
+// Shares, jobs, and words of messages.
+TEST(CApi, WhatIsNotFiniteOrOfAnotherJobIsRefusedInWordsOfC) {
+    const TemporaryFolder folder;
+    Job job = synthetic::make_short_job();
+    for (const char* name : {"a.latent", "b.latent"}) {
+        ++job.id.low;
+        write_all(open_writer(folder / name, CJob(job), 2048).get(), job, 1);
+    }
+    const std::string whole = folder / ".";
+    const char* const paths[] = {whole.c_str()};
+    latent_reader* reader = nullptr;
+    latent_error error{};
+    EXPECT_EQ(latent_reader_open(paths, 1, nullptr, &reader, &error), LATENT_MISMATCH);
+    EXPECT_NE(std::strstr(error.message, "; choose one with options.job_low and job_high"), nullptr) << error.message;
+    latent_read_options one{};
+    one.size = sizeof one;
+    one.job_low = job.id.low, one.job_high = job.id.high;
+    ASSERT_EQ(latent_reader_open(paths, 1, &one, &reader, &error), LATENT_OK) << error.message;
+    const Reader closer(reader);
+    latent_job read{};
+    read.size = sizeof read;
+    ASSERT_EQ(latent_reader_job(reader, &read, &error), LATENT_OK);
+    EXPECT_EQ(read.id_low, job.id.low);
+    // As programs have it that were compiled before there were jobs to choose from.
+    one.size = offsetof(latent_read_options, job_low);
+    EXPECT_EQ(latent_reader_open(paths, 1, &one, &reader, &error), LATENT_MISMATCH);
+
+    const Writer writer = open_writer(folder / "c.latent", CJob(job), 1024);
+    for (const float bad : {std::nanf(""), INFINITY, -INFINITY}) {
+        Records made = synthetic::make_records(job, {0, 1024});
+        made.share[5] = bad;
+        const CRecords records(made);
+        EXPECT_EQ(latent_writer_submit(writer.get(), {0, 1024}, &records.c, &error), LATENT_OUT_OF_RANGE);
+        EXPECT_EQ(std::string(error.message), "sample " + std::to_string(made.sample[5]) + ": a share that is not finite");
+    }
+    // Names of any bytes and length: one line of UTF-8, cut between characters.
+    for (const std::string& name : {std::string("\xff\n\x1b[2J"), "x" + std::string(1500, '\xc3'), [] {
+                                        std::string text = "y";
+                                        for (int i = 0; i < 700; ++i) text += "\u00e9";
+                                        return text;
+                                    }()}) {
+        const char* const bad[] = {name.c_str()};
+        EXPECT_NE(latent_reader_open(bad, 1, nullptr, &reader, &error), LATENT_OK);
+        const std::string message = error.message;
+        EXPECT_EQ(printable_line(message), message);
+    }
 }
 
 TEST(CApi, StructsOfANewerHeaderAreTakenIfTheirNewFieldsAreZero) {

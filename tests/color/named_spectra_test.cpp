@@ -32,9 +32,9 @@ TEST(NamedSpectra, EveryNameGivesASpectrumOverTheWholeRange) {
 }
 
 TEST(NamedSpectra, UnknownNamesAreAnsweredWithTheNearOnes) {
-    EXPECT_THAT(named_spectrum("glass-F2").error().message, testing::HasSubstr("glass-BK7, glass-BAF10"));
-    EXPECT_THAT(named_spectrum("metal-Ag").error().message, testing::HasSubstr("metal-Ag-eta"));
-    EXPECT_THAT(named_spectrum("D65").error().message, testing::HasSubstr("stdillum-*"));
+    EXPECT_THAT(named_spectrum("glass-F2").error().message, ::testing::HasSubstr("glass-BK7, glass-BAF10"));
+    EXPECT_THAT(named_spectrum("metal-Ag").error().message, ::testing::HasSubstr("metal-Ag-eta"));
+    EXPECT_THAT(named_spectrum("D65").error().message, ::testing::HasSubstr("stdillum-*"));
     EXPECT_EQ(named_spectrum("").error().code, ErrorCode::kNotFound);
 }
 

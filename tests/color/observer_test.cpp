@@ -127,8 +127,8 @@ TEST(Observer, BadTablesAreRefusedWithTheirLine) {
         const Result<Observer> observer = Observer::from_csv(text, "bad");
         return observer ? std::string("accepted") : observer.error().message;
     };
-    using testing::HasSubstr;
-    using testing::StartsWith;
+    using ::testing::HasSubstr;
+    using ::testing::StartsWith;
     EXPECT_THAT(message(""), HasSubstr("at least two lines"));
     EXPECT_THAT(message("# nothing\nlambda,v\n"), HasSubstr("at least two lines"));
     EXPECT_THAT(message("400,1\n"), HasSubstr("at least two lines"));
@@ -151,7 +151,7 @@ TEST(Observer, TablesWithAGapOrThatEndTooEarlyAreRefused) {
         const Result<Observer> observer = Observer::from_csv(text, "bad");
         return observer ? std::string("accepted") : observer.error().message;
     };
-    using testing::StartsWith;
+    using ::testing::StartsWith;
     const auto rows = [](int from, int to, const std::string& rest = ",1\n") {
         std::string text;
         for (int nm = from; nm <= to; nm += 10) text += std::to_string(nm) + rest;

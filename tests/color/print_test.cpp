@@ -81,7 +81,7 @@ struct Worst {
     }
 };
 
-class PrintLaws : public testing::TestWithParam<Gamut> {};
+class PrintLaws : public ::testing::TestWithParam<Gamut> {};
 
 TEST_P(PrintLaws, EveryColourIsDisplayableAndKeepsItsPrintedLuminance) {
     const Matrix3 from_e = *adaptation_matrix({1.0 / 3, 1.0 / 3}, {0.3127, 0.3290});
@@ -90,7 +90,7 @@ TEST_P(PrintLaws, EveryColourIsDisplayableAndKeepsItsPrintedLuminance) {
         const RgbSpace space = *RgbSpace::parse(name);
         for (const Matrix3& adaptation : {Matrix3{}, from_e}) {
             for (const double sigma : {1e-3, 0.3, 1.0, 7.0, 1e4}) {
-                SCOPED_TRACE(testing::Message() << name << " sigma " << sigma << (adaptation == Matrix3{} ? "" : " adapted"));
+                SCOPED_TRACE(::testing::Message() << name << " sigma " << sigma << (adaptation == Matrix3{} ? "" : " adapted"));
                 const Print print = make_print(space, sigma, GetParam(), adaptation);
                 const Planes& in = name == "srgb" && sigma == 1.0 ? random : grid;
                 PrintReport report, reference_report;
@@ -231,7 +231,7 @@ TEST_P(PrintLaws, RowsOfAnyLengthCountWhatTheDisplayShowsBlackOrWhite) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Operators, PrintLaws, testing::Values(Gamut::kLuminance, Gamut::kGrey),
+INSTANTIATE_TEST_SUITE_P(Operators, PrintLaws, ::testing::Values(Gamut::kLuminance, Gamut::kGrey),
                          [](const auto& operation) { return operation.param == Gamut::kLuminance ? "luminance" : "grey"; });
 
 struct EdgeCase {
@@ -265,7 +265,7 @@ TEST(Print, EdgeCasesAreBlackWhiteOrGreyAndCounted) {
             const Print print = make_print(RgbSpace::srgb(), 1, gamut, adaptation);
             for (const EdgeCase& c : cases) {
                 if (adaptation == from_e && std::isfinite(c.x + c.y + c.z)) continue;  // another luminance
-                SCOPED_TRACE(testing::Message() << c.x << ' ' << c.y << ' ' << c.z);
+                SCOPED_TRACE(::testing::Message() << c.x << ' ' << c.y << ' ' << c.z);
                 PrintReport report, row_report;
                 const Rgb rgb = print.pixel({c.x, c.y, c.z}, report);
                 Planes in;
@@ -450,8 +450,8 @@ TEST(Print, ImpossibleSettingsAreRefused) {
     for (const double sigma : {0.0, -1.0, std::nan(""), 1e300, double{kInf}})
         EXPECT_FALSE(Print::create(srgb, {.sigma = sigma})) << sigma;
     const RgbSpace ap0 = *RgbSpace::parse("0.7347,0.2653,0,1,0.0001,-0.077,0.32168,0.33767");
-    EXPECT_THAT(Print::create(ap0, {.gamut = Gamut::kLuminance}).error().message, testing::HasSubstr("blue primary"));
-    EXPECT_THAT(Print::create(ap0, {.gamut = Gamut::kGrey}).error().message, testing::HasSubstr("blue primary"));
+    EXPECT_THAT(Print::create(ap0, {.gamut = Gamut::kLuminance}).error().message, ::testing::HasSubstr("blue primary"));
+    EXPECT_THAT(Print::create(ap0, {.gamut = Gamut::kGrey}).error().message, ::testing::HasSubstr("blue primary"));
     EXPECT_TRUE(Print::create(ap0, {.gamut = Gamut::kClip}));
     EXPECT_TRUE(Print::create(ap0, {.tone = Tone::kNone}));
     EXPECT_EQ(*gamut_by_name("grey"), Gamut::kGrey);

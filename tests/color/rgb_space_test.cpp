@@ -10,7 +10,7 @@
 namespace latent::color {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(RgbSpace, LuminanceRowsAreThoseOfTheStandards) {
     struct Known {

@@ -133,7 +133,7 @@ TEST(RgbToSpectrum, WideGamutsGiveTheNearestReflectance) {
         const RgbToSpectrum wide(*RgbSpace::parse(name), illuminant_d65());
         for (int corner = 0; corner < 27; ++corner) {
             const Rgb rgb{corner % 3 / 2.0, corner / 3 % 3 / 2.0, corner / 9 / 2.0};
-            SCOPED_TRACE(testing::Message() << name << ' ' << rgb.r << ' ' << rgb.g << ' ' << rgb.b);
+            SCOPED_TRACE(::testing::Message() << name << ' ' << rgb.r << ' ' << rgb.g << ' ' << rgb.b);
             const auto error_of = [&](const SigmoidSpectrum& s) {
                 const Rgb back = wide.rgb_of(s);
                 return std::hypot(back.r - rgb.r, back.g - rgb.g, back.b - rgb.b);

@@ -13,19 +13,19 @@
 namespace latent::color {
 namespace {
 
-Spectrum samples(std::vector<double> lambda_nm, std::vector<double> value, Outside outside = Outside::kZero) {
+Spectrum values_at(std::vector<double> lambda_nm, std::vector<double> value, Outside outside = Outside::kZero) {
     return *Spectrum::from_samples(std::move(lambda_nm), std::move(value), outside);
 }
 
 TEST(Spectrum, IsLinearBetweenSamplesAndEndsAsItWasTold) {
-    const Spectrum zero = samples({400, 500, 600}, {1, 3, 2});
+    const Spectrum zero = values_at({400, 500, 600}, {1, 3, 2});
     EXPECT_EQ(zero(400), 1);
     EXPECT_EQ(zero(450), 2);
     EXPECT_EQ(zero(550), 2.5);
     EXPECT_EQ(zero(600), 2);
     EXPECT_EQ(zero(399.999), 0);
     EXPECT_EQ(zero(600.001), 0);
-    const Spectrum clamped = samples({400, 500, 600}, {1, 3, 2}, Outside::kClamped);
+    const Spectrum clamped = values_at({400, 500, 600}, {1, 3, 2}, Outside::kClamped);
     EXPECT_EQ(clamped(100), 1);
     EXPECT_EQ(clamped(900), 2);
     EXPECT_EQ(Spectrum()(500), 0);
@@ -50,9 +50,9 @@ TEST(Spectrum, RefusesSamplesThatAreNoFunction) {
 // Between knots the product is a parabola; a fine midpoint sum (error ~ h^2) must approach the exact integral, jumps included.
 TEST(Spectrum, IntegralOfProductIsExact) {
     EXPECT_DOUBLE_EQ(integral_of_product(Spectrum::constant(2), Spectrum::constant(3)), 6 * 470);
-    EXPECT_DOUBLE_EQ(integral_of_product(samples({400, 410}, {0, 1}), samples({400, 410}, {0, 1})), 10.0 / 3);
-    EXPECT_DOUBLE_EQ(integral_of_product(samples({300, 365}, {1, 1}), Spectrum::constant(1)), 5);
-    const Spectrum box = samples({500.25, 600.75}, {2, 1}), saw = samples({360, 512.5, 513, 830}, {0, 1, 0.25, 0.5});
+    EXPECT_DOUBLE_EQ(integral_of_product(values_at({400, 410}, {0, 1}), values_at({400, 410}, {0, 1})), 10.0 / 3);
+    EXPECT_DOUBLE_EQ(integral_of_product(values_at({300, 365}, {1, 1}), Spectrum::constant(1)), 5);
+    const Spectrum box = values_at({500.25, 600.75}, {2, 1}), saw = values_at({360, 512.5, 513, 830}, {0, 1, 0.25, 0.5});
     double sum = 0;
     constexpr int kSteps = 470'000;
     for (int i = 0; i < kSteps; ++i) {
@@ -63,7 +63,7 @@ TEST(Spectrum, IntegralOfProductIsExact) {
 }
 
 TEST(Spectrum, IntegerNmSamplesAreItsValuesThere) {
-    const IntegerNmSpectrum s = sampled_at_integer_nm(samples({359.5, 590.25}, {0, 230.75}));
+    const IntegerNmSpectrum s = sampled_at_integer_nm(values_at({359.5, 590.25}, {0, 230.75}));
     for (int i = 0; i < kIntegerNmCount; ++i) EXPECT_EQ(s.value[i], i <= 230 ? static_cast<float>(i) + 0.5F : 0) << i;
 }
 
@@ -84,7 +84,7 @@ TEST(Spectrum, BlackbodyPeaksWhereWienSaysAndHasThePublishedColour) {
 TEST(Spectrum, PhotometricSumOfKnownLights) {
     EXPECT_NEAR(photometric_sum(Spectrum::constant(1)), 106.856917, 1e-6);
     EXPECT_NEAR(photometric_sum(*Spectrum::blackbody(2856)), 37.1556, 1e-4);
-    EXPECT_NEAR(photometric_sum(samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0})), 3.05199, 1e-5);
+    EXPECT_NEAR(photometric_sum(values_at({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0})), 3.05199, 1e-5);
 }
 
 TEST(VisibleDensity, IsTheSlopeOfItsCdf) {

@@ -16,7 +16,7 @@ constexpr const char* kCurves[] = {"film", "linear", "reinhard", "filmic", "dens
 TEST(ToneCurve, RisesFromBlackOverHalfTowardsWhite) {
     for (const char* name : kCurves) {
         for (const double contrast : {0.5, 1.0, 2.5}) {
-            SCOPED_TRACE(testing::Message() << name << ' ' << contrast);
+            SCOPED_TRACE(::testing::Message() << name << ' ' << contrast);
             const ToneCurve curve = *ToneCurve::make(name, contrast, 0);
             EXPECT_EQ(curve(0), 0);
             EXPECT_EQ(curve(-1), 0);
@@ -72,7 +72,7 @@ TEST(ToneCurve, EveryCurveKeepsLuminanceExactly) {
     const RgbSpace& srgb = RgbSpace::srgb();
     for (const char* name : kCurves) {
         for (const auto& [contrast, black] : {std::pair{1.0, 0.0}, {1.7, 0.0}, {1.0, 0.02}}) {
-            SCOPED_TRACE(testing::Message() << name << ' ' << contrast << ' ' << black);
+            SCOPED_TRACE(::testing::Message() << name << ' ' << contrast << ' ' << black);
             const ToneCurve curve = *ToneCurve::make(name, contrast, black);
             const Tone tone = curve.is_film() ? Tone::kFilm : Tone::kCurve;
             for (const Gamut gamut : {Gamut::kLuminance, Gamut::kGrey}) {

@@ -13,7 +13,7 @@ TEST(Bands, BlocksCoverTheAreaOnceAndKeepPairsOfPixelsTogether) {
     for (const int tile : {0, 1, 16, 64, 256}) {
         for (const Rect& area : {Rect{0, 0, 700, 900}, {3, 5, 640, 611}, {1, 1, 2, 2}, {699, 0, 700, 900}, {0, 899, 700, 900}}) {
             for (const std::uint64_t memory : {std::uint64_t{8} << 20, std::uint64_t{1} << 30}) {
-                SCOPED_TRACE(testing::Message()
+                SCOPED_TRACE(::testing::Message()
                              << "tile " << tile << ", area " << area.x0 << "," << area.y0 << "," << area.x1 << "," << area.y1);
                 image::ExrImage image;
                 image.data_window = {0, 0, 700, 900};

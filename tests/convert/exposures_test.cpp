@@ -1,4 +1,6 @@
 // Several prints in one pass, their tone, and what is found out about their colours.
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "tests/convert/test_picture.h"
@@ -42,7 +44,8 @@ TEST_F(Exposures, ThatCannotBeAreRefused) {
                                                   {"--stops", "101"},
                                                   {"--stops", "1,nan"},
                                                   {"--stops", "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17"},
-                                                  {"--key", "0.2"},
+                                                  {"-s", "1", "--key", "0.2"},
+                                                  {"-s", "1", "--auto"},
                                                   {"--auto", "--key", "1"},
                                                   {"--tone", "aces"},
                                                   {"--tone", "density:1,2"},
@@ -92,10 +95,88 @@ TEST_F(Exposures, TheKeyIsTheGreyThatTheMeanPrintsAt) {
     }
 }
 
+TEST_F(Exposures, AreChosenFromTheSceneWhateverItIsPrintedFor) {
+    write_picture(folder_ / "a.exr", {.width = 300, .height = 200, .tile = 64});
+    double chosen = 0;
+    for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{},
+                                                                                      {"--auto"},
+                                                                                      {"--white", "A"},
+                                                                                      {"--profile", "display-p3"},
+                                                                                      {"--adapt", "cat16", "--white", "3000K"},
+                                                                                      {"--crop", "10,20,30,40"}}) {
+        std::vector<std::string> arguments = {at("a.exr"), "-o", at("a.png"), "--force", "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const testing::Outcome outcome = run_tool(arguments);
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const auto report = nlohmann::json::parse(outcome.out);
+        if (more.empty()) chosen = report["sensitivity"];
+        EXPECT_EQ(report["sensitivity"], chosen) << outcome.out;
+        EXPECT_EQ(report["auto_sensitivity"], chosen);
+        EXPECT_NEAR(report["exposure_ev"].get<double>(), std::log2(chosen), 1e-12);
+    }
+    // A sensitivity that is given is kept, and the report says what would have been chosen.
+    const testing::Outcome given = run_tool({at("a.exr"), "-o", at("a.png"), "-s", "64", "--force"});
+    EXPECT_NE(given.out.find(fmt::format("sensitivity    64 (+6.00 EV); --auto would choose {} (", chosen)), std::string::npos)
+        << given.out;
+    // Stops are relative to it.
+    const testing::Outcome pushed = run_tool({at("a.exr"), "-o", at("a.png"), "--stops", "2", "--force", "--json"});
+    EXPECT_EQ(nlohmann::json::parse(pushed.out)["sensitivity"], 4 * chosen);
+}
+
+TEST_F(Exposures, WithoutATonePixelsKeepTheirValuesUnlessOneIsAskedFor) {
+    write_picture(folder_ / "a.exr", {.width = 30, .height = 20});
+    const auto sensitivity = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments = {at("a.exr"), "-o", at("a.out.exr"), "--tone", "none", "--force", "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return nlohmann::json::parse(run_tool(arguments).out)["sensitivity"].get<double>();
+    };
+    EXPECT_EQ(sensitivity({}), 1);
+    EXPECT_NE(sensitivity({"--auto"}), 1);
+    EXPECT_EQ(sensitivity({"--key", "0.18"}), sensitivity({"--auto"}));
+}
+
+TEST_F(Exposures, OfAPictureWithoutLightIsOneWithAWarning) {
+    write_picture(folder_ / "a.exr", {.width = 4, .height = 4}, [](int, int) -> std::array<float, 3> { return {0, 0, 0}; });
+    for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{{}, {"--auto"}}) {
+        std::vector<std::string> arguments = {at("a.exr"), "-o", at("a.png"), "--force", "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const testing::Outcome outcome = run_tool(arguments);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find("a.exr: has no light, so the print is black"), std::string::npos) << outcome.err;
+        EXPECT_EQ(nlohmann::json::parse(outcome.out)["sensitivity"], 1);
+    }
+}
+
+TEST_F(Exposures, BitsAreForTheOutputsThatHaveThem) {
+    write_picture(folder_ / "a.exr", {.width = 40, .height = 30});
+    const testing::Outcome outcome = run_tool({at("a.exr"), "-o", at("a.png"), "-o", at("a.dzi"), "--bits", "16"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("note: --bits is only for the other outputs: "), std::string::npos) << outcome.err;
+    EXPECT_EQ(image::decode_png(folder_ / "a.png").format.sample, image::SampleType::kU16);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "a.dzi"));
+    EXPECT_EQ(run_tool({at("a.exr"), "-o", at("b.jpg"), "-o", at("b.dzi"), "--bits", "16"}).status, 2);
+}
+
+TEST_F(Exposures, NamesMayBeAsLongAsTheSystemAllows) {
+    write_picture(folder_ / "a.exr", {.width = 4, .height = 4});
+    const std::string name = std::string(251, 'n') + ".png";
+    for (const char* again : {"--quiet", "--force"}) EXPECT_EQ(run_tool({at("a.exr"), "-o", at(name), again}).status, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / name));
+    for (const std::string no_file : {"-", "/dev/stdout", "/dev/stdout.png"}) {
+        const testing::Outcome outcome = run_tool({at("a.exr"), "-o", no_file});
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_NE(outcome.err.find(no_file + ": outputs are files"), std::string::npos) << outcome.err;
+    }
+}
+
 TEST_F(Exposures, TheWidthOnPaperSetsTheResolution) {
     write_picture(folder_ / "a.exr", {.width = 1000, .height = 10});
     ASSERT_EQ(run_tool({at("a.exr"), "-o", at("a.png"), "--paper-width", "100"}).status, 0);
     EXPECT_EQ(image::decode_png(folder_ / "a.png").x_resolution, 10000);  // 254 per inch, in metres
+    const testing::Outcome coarse = run_tool({at("a.exr"), "-o", at("a.png"), "--paper-width", "1524", "--force"});
+    EXPECT_EQ(coarse.status, 0);
+    EXPECT_NE(coarse.err.find("only 17 per inch"), std::string::npos) << coarse.err;
+    EXPECT_NE(coarse.err.find("a picture 9000 pixels wide has 150"), std::string::npos) << coarse.err;
     for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--paper-width", "0"},
                                                   {"--paper-width", "100", "--dpi", "300"},
                                                   {"--paper-width", "0.1"},
@@ -117,7 +198,7 @@ TEST_F(Exposures, AProofShowsWhatIsClipped) {
         return {0.95f * 0.5f, 0.5f, 1.09f * 0.5f};
     });
     const testing::Outcome outcome =
-        run_tool({at("a.exr"), "-o", at("a.png"), "--show", "clipped", "--no-dither", "--gamut-report"});
+        run_tool({at("a.exr"), "-o", at("a.png"), "-s", "1", "--show", "clipped", "--no-dither", "--gamut-report"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_NE(outcome.out.find("hue            shifted by "), std::string::npos) << outcome.out;
     const image::Decoded png = image::decode_png(folder_ / "a.png");

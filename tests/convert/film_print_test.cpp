@@ -19,10 +19,12 @@ class FilmPrint : public PrintTest {
         for (float& v : light) v *= 0.025F / 0.18F;
         return light;
     }
-    void write(const std::string& name, const std::string& film, const std::string& index = "400", const Light& light = exposures) const {
-        write_picture(folder_ / name, {.chromaticities = std::nullopt,
-                                       .texts = {{"latentFilm", film}, {"latentExposureIndex", index}, {"latentPush", "0"}}},
-                      light);
+    void write(const std::string& name, const std::string& film, const std::string& index = "400",
+               const Light& light = exposures) const {
+        write_picture(
+            folder_ / name,
+            {.chromaticities = std::nullopt, .texts = {{"latentFilm", film}, {"latentExposureIndex", index}, {"latentPush", "0"}}},
+            light);
     }
     static ConvertOptions on(const std::string& paper) {
         ConvertOptions options;
@@ -77,13 +79,42 @@ TEST_F(FilmPrint, AGreyCardIsNeutralAt18PercentOfTheLightAndAStopMoreIsTwiceTheE
     EXPECT_EQ(other[0], other[2]);
 }
 
+// By default, as a camera with a light meter does: the whole picture becomes a grey card, however bright its light is.
+TEST_F(FilmPrint, IsOfAFilmExposedForTheMeanOfThePictureUnlessASensitivityIsGiven) {
+    const auto code = [&](const std::string& output) { return static_cast<int>(image::decode_png(folder_ / output).pixels[0]); };
+    const auto tool = [&](const std::string& input, std::vector<std::string> more) {
+        more.insert(more.begin(), {at(input), "-o", at("a.png"), "--no-dither", "--force"});
+        const testing::Outcome done = run_tool(more);
+        EXPECT_EQ(done.status, 0) << done.err;
+        return done.out;
+    };
+    for (const auto& [film, paper] : {std::pair{"portra-400", "endura"}, {"portra-400", "scan"}, {"velvia-50", "light-table"}}) {
+        SCOPED_TRACE(std::string(film) + " " + paper);
+        const auto level = [](float h) { return [h](int, int) { return std::array{h, h, h}; }; };
+        write("card.exr", film, "400", level(0.025F));
+        write("bright.exr", film, "400", level(30));
+        tool("card.exr", {"--paper", paper, "-s", "1"});
+        const int card = code("a.png");
+        EXPECT_THAT(tool("bright.exr", {"--paper", paper}), HasSubstr("chosen from the picture"));
+        EXPECT_NEAR(code("a.png"), card, 1);
+        tool("bright.exr", {"--paper", paper, "--crop", "0,0,7,5", "--stops", "1"});
+        const int brighter = code("a.png");
+        EXPECT_GT(brighter, card + 5);
+        tool("bright.exr", {"--paper", paper, "--key", "0.36"});
+        EXPECT_NEAR(code("a.png"), brighter, 1);
+        tool("bright.exr", {"--paper", paper, "-s", "1"});
+        EXPECT_GT(code("a.png"), brighter);
+    }
+}
+
 TEST_F(FilmPrint, SaysWhatItWasMadeOf) {
     const Result<ConvertReport> report = print("film.exr", "a.png", on("endura"));
     ASSERT_TRUE(report);
     EXPECT_EQ(report->film, "portra-400 on endura, filters 54Y 46M 0C");
     EXPECT_EQ(report->tone, "paper");
     bool found = false;
-    for (const auto& [key, text] : image::decode_png(folder_ / "a.png").texts) found = found || (key == "Film" && text == report->film);
+    for (const auto& [key, text] : image::decode_png(folder_ / "a.png").texts)
+        found = found || (key == "Film" && text == report->film);
     EXPECT_TRUE(found);
 }
 
@@ -99,7 +130,8 @@ TEST_F(FilmPrint, WithoutAPaperOrOfWhatIsNotOnFilmIsRefusedWithWhatToDo) {
     };
     EXPECT_THAT(refused("film.exr", {}), AllOf(HasSubstr("exposures of a film, portra-400"), HasSubstr("--paper endura")));
     EXPECT_THAT(refused("xyz.exr", on("endura")), AllOf(HasSubstr("xyz.exr"), HasSubstr("latent-develop FILE.latent --film")));
-    EXPECT_THAT(refused("unknown.exr", on("endura")), AllOf(HasSubstr("unknown film 'kodachrome-2000'"), HasSubstr("--film FOLDER/NAME")));
+    EXPECT_THAT(refused("unknown.exr", on("endura")),
+                AllOf(HasSubstr("unknown film 'kodachrome-2000'"), HasSubstr("--film FOLDER/NAME")));
     EXPECT_THAT(refused("film.exr", on("light-table")), HasSubstr("portra-400 is a colour negative"));
     ConvertOptions options = on("endura");
     options.tone = "reinhard";
@@ -113,7 +145,8 @@ TEST_F(FilmPrint, WithoutAPaperOrOfWhatIsNotOnFilmIsRefusedWithWhatToDo) {
 }
 
 TEST_F(FilmPrint, OptionsAreReadFromTheCommandLine) {
-    const testing::Outcome done = run_tool({at("film.exr"), "-o", at("a.png"), "--paper", "supra endura", "--enlarger", "60,50,0", "--grain", "--format", "6x7"});
+    const testing::Outcome done = run_tool(
+        {at("film.exr"), "-o", at("a.png"), "--paper", "supra endura", "--enlarger", "60,50,0", "--grain", "--format", "6x7"});
     EXPECT_EQ(done.status, 0) << done.err;
     EXPECT_THAT(done.out, HasSubstr("filters 60Y 50M 0C"));
     EXPECT_EQ(run_tool({at("film.exr"), "-o", at("b.png"), "--paper", "endura", "--enlarger", "60,50"}).status, 2);

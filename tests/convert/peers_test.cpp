@@ -16,7 +16,7 @@ namespace {
 constexpr int kSide = 64, kPixels = kSide * kSide;
 
 // Greys and colours from black to white.
-std::array<float, 3> soft(int x, int y) {
+std::array<float, 3> soft_colours(int x, int y) {
     const float light = std::exp2(-8 + 11 * static_cast<float>(y) / kSide);
     return {light * (0.75f + 0.45f * static_cast<float>(x) / kSide), light, light * (1.5f - 1.1f * static_cast<float>(x) / kSide)};
 }
@@ -25,7 +25,7 @@ class Peers : public PrintTest {
  protected:
     static constexpr const char* kInks = "/usr/share/color/icc/ghostscript/default_cmyk.icc";
 
-    void SetUp() override { write_picture(folder_ / "a.exr", {kSide, kSide}, soft); }
+    void SetUp() override { write_picture(folder_ / "a.exr", {kSide, kSide}, soft_colours); }
 
     std::string peer(std::vector<std::string> command) const {
         command.insert(command.begin(), "/usr/bin/env");

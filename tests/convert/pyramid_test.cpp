@@ -44,7 +44,7 @@ TEST(Pyramid, EveryLevelIsTheMeanOfTheLevelAboveHoweverTheRowsArrive) {
         for (int side = std::max(width, height); side > 1; side = (side + 1) / 2) ++levels;
         const std::vector<PlanarRows> expected = reference(width, height, levels);
         for (const int piece : {1, 2, 3, 16, 100}) {
-            SCOPED_TRACE(testing::Message() << width << " x " << height << " in pieces of " << piece);
+            SCOPED_TRACE(::testing::Message() << width << " x " << height << " in pieces of " << piece);
             Pyramid pyramid(height, levels);
             std::vector<std::vector<float>> found(levels);
             for (int y = 0; y < height; y += piece) {

@@ -12,7 +12,7 @@
 namespace latent::convert {
 namespace {
 
-constexpr int kWidth = 24, kHeight = 4;
+constexpr int kColumns = 24, kRows = 4;
 
 struct NamedPlane {
     std::string channel;
@@ -20,20 +20,20 @@ struct NamedPlane {
 };
 
 void write_planes(const std::filesystem::path& path, const std::vector<NamedPlane>& planes) {
-    Imf::Header header(kWidth, kHeight);
+    Imf::Header header(kColumns, kRows);
     header.compression() = Imf::ZIP_COMPRESSION;
     std::vector<std::vector<float>> values(planes.size());
     Imf::FrameBuffer frame;
     for (std::size_t i = 0; i < planes.size(); ++i) {
-        for (int y = 0; y < kHeight; ++y) {
-            for (int x = 0; x < kWidth; ++x) values[i].push_back(static_cast<float>(planes[i].value(x, y)));
+        for (int y = 0; y < kRows; ++y) {
+            for (int x = 0; x < kColumns; ++x) values[i].push_back(static_cast<float>(planes[i].value(x, y)));
         }
         header.channels().insert(planes[i].channel, Imf::Channel(Imf::FLOAT));
-        frame.insert(planes[i].channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values[i].data()), 4, 4 * kWidth));
+        frame.insert(planes[i].channel, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values[i].data()), 4, 4 * kColumns));
     }
     Imf::OutputFile file(path.c_str(), header);
     file.setFrameBuffer(frame);
-    file.writePixels(kHeight);
+    file.writePixels(kRows);
 }
 
 // A patch of the ColorChecker in each column, under daylight, brighter from row to row; W m^-2 sr^-1 nm^-1.
@@ -71,16 +71,16 @@ class SpectralInput : public PrintTest {
         const color::Chromaticity neutral = seen_by.neutral();
         if (seen_by.kind() == color::ObserverKind::kCamera) seen_by = seen_by.as_eye(color::fit_camera(seen_by)->xyz_from_rgb);
         std::vector<std::array<double, 3>> seen;
-        for (int y = 0; y < kHeight; ++y) {
-            for (int x = 0; x < kWidth; ++x) {
+        for (int y = 0; y < kRows; ++y) {
+            for (int x = 0; x < kColumns; ++x) {
                 const color::Xyz xyz = color::xyz_from_spectrum(spectrum(x, y), seen_by);
                 seen.push_back({683 * xyz.x, 683 * xyz.y, 683 * xyz.z});
             }
         }
         std::vector<NamedPlane> xyz;
         for (std::size_t c = 0; c < 3; ++c)
-            xyz.push_back(
-                {std::string(1, "XYZ"[c]), [&seen, c](int x, int y) { return seen[static_cast<std::size_t>(y * kWidth + x)][c]; }});
+            xyz.push_back({std::string(1, "XYZ"[c]),
+                           [&seen, c](int x, int y) { return seen[static_cast<std::size_t>(y * kColumns + x)][c]; }});
         write_planes(folder_ / "xyz.exr", xyz);
         ConvertOptions of_spectrum, of_xyz;
         of_spectrum.observer = observer;
@@ -202,8 +202,8 @@ TEST_F(SpectralInput, ABrokenTableOfAnObserverIsRefusedWithItsLine) {
 // Without chromaticities, the space has to be guessed, or named.
 TEST_F(SpectralInput, ASpaceCanBeNamedIfTheFileHasNone) {
     write_picture(folder_ / "with.exr",
-                  {kWidth, kHeight, {}, 0, false, std::array{0.7f, 0.3f, 0.17f, 0.8f, 0.13f, 0.05f, 0.3127f, 0.329f}});
-    PictureLayout without{kWidth, kHeight};
+                  {kColumns, kRows, {}, 0, false, std::array{0.7f, 0.3f, 0.17f, 0.8f, 0.13f, 0.05f, 0.3127f, 0.329f}});
+    PictureLayout without{kColumns, kRows};
     without.chromaticities.reset();
     write_picture(folder_ / "without.exr", without);
     const testing::Outcome guessed = run_tool({at("without.exr"), "-o", at("a.png")});

@@ -95,6 +95,7 @@ class PrintTest : public ::testing::Test {
     std::string at(const std::string& name) const { return (folder_ / name).string(); }
 
     Result<ConvertReport> print(const std::string& input, const std::string& output, ConvertOptions options = {}) const {
+        if (!options.auto_exposure && !options.key) options.sensitivity = options.sensitivity.value_or(1);
         options.input = folder_ / input;
         options.outputs = {folder_ / output};
         return convert(options, {});

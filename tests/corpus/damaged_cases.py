@@ -180,9 +180,9 @@ def copied_footer():
 # ---- fields that contradict the page, with every hash right
 
 
-def header_field(place, layout, value):
+def header_field(place, layout, value, **fields):
     def make():
-        job, runs = two_runs("spectral")
+        job, runs = two_runs("spectral", **fields)
         file = File(job, runs)
         struct.pack_into("<" + layout, file.header, place, value)
         file.header = seal_header(file.header)
@@ -192,7 +192,8 @@ def header_field(place, layout, value):
 
 for name, place, layout, value, about in [
         ("major", 8, "H", 2, "major version 2"), ("copy-size", 12, "I", BLOCK + 1, "copy_size is not a multiple of 4096"),
-        ("feature-2", 16, "Q", 4, "an unknown feature bit"), ("feature-private", 16, "Q", 1 << 60, "a private feature bit"),
+        ("feature-3", 16, "Q", 8, "an unknown feature bit"),
+        ("feature-without-columns", 16, "Q", 6, "the feature of many extra columns, and none"), ("feature-private", 16, "Q", 1 << 60, "a private feature bit"),
         ("body-size", 24, "Q", BLOCK - 63, "body_size exceeds the copy"), ("aspect", 64 + 16, "I", 0, "an aspect of 0 : 2"),
         ("aspect-not-lowest", 64 + 16, "I", 4, "an aspect of 4 : 2"), ("kind", 64 + 24, "B", 3, "record kind 3"),
         ("sampler", 64 + 25, "B", 2, "position sampler 2"), ("k", 64 + 26, "H", 1025, "1025 wavelengths"),
@@ -200,9 +201,13 @@ for name, place, layout, value, about in [
         ("run-bytes", 64 + 40, "Q", 2**30 + 1, "R above its bound"),
         ("run-samples", 64 + 48, "I", 1500, "S is not a power of two"), ("knots", 64 + 60, "I", 1, "a density of one knot"),
         ("knots-descend", 64 + 72 + 8 + 12, "I", 100 << 20, "wavelengths of the knots descend"),
-        ("columns", 64 + 64, "I", 17, "17 extra columns"), ("provenance", 64 + 68, "I", 2**19 + 1, "too much provenance")]:
-    later = name in ("major", "feature-2", "feature-private")
+        ("columns", 64 + 64, "I", 129, "129 extra columns"), ("provenance", 64 + 68, "I", 2**19 + 1, "too much provenance")]:
+    later = name in ("major", "feature-3", "feature-private")
     case(f"header-{name}", REFUSED, LATER if later else "Header", about)(header_field(place, layout, value))
+
+
+case("header-columns-without-feature", REFUSED, "Header", "17 extra columns without their feature bit")(
+    header_field(16, "Q", 2, extra=[("column %d" % i, "u8") for i in range(17)]))
 
 
 def run_field(place, layout, value, keep=(1,)):

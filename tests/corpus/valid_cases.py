@@ -178,6 +178,15 @@ case("many-pages", VALID, "Pages", "records that need several pages, at several 
     one_run("explicit", samples=400, k=1024, light_paths=1))
 
 
+def few_values(job, records):
+    for record in records:
+        record.extra = tuple((record.sample + i) // 100 for i in range(len(job.extra)))
+
+
+case("wide-records", VALID, "Pages", "128 columns of 8 bytes, which leave 768 records to a page")(
+    one_run("xyz", few_values, samples=1024, halton=False, extra=[("column %d" % i, "u64") for i in range(128)]))
+
+
 # ---- header
 
 
@@ -230,7 +239,10 @@ for name, text in {"object": b'{"program": "corpus", "host": "a"}', "empty-objec
 REGISTERED = [("light_group", "u8"), ("camera", "u16"), ("time", "f32"), ("depth", "f32"), ("normal.x", "f32"), ("normal.y", "f32"),
               ("normal.z", "f32"), ("object", "u32")]
 for name, extra in {"of-each-type": [("a", "u8"), ("b", "u16"), ("c", "u32"), ("d", "u64"), ("e", "f32"), ("f", "f64")],
-                    "sixteen": [("column %d" % i, "u8") for i in range(16)], "registered": REGISTERED,
+                    "sixteen": [("column %d" % i, "u8") for i in range(16)],
+                    "seventeen": [("column %d" % i, "u8") for i in range(17)],
+                    "most": [("column %d" % i, ("u8", "u16", "u32", "u64", "f32", "f64")[i % 6]) for i in range(128)],
+                    "registered": REGISTERED,
                     "names": [("x" * 64, "u8"), ("\N{GREEK SMALL LETTER LAMDA}", "u16"), ("studio:matte", "f32"),
                     ("sample", "u32")]}.items():
     for kind in ("xyz", "explicit"):

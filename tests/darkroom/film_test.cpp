@@ -57,8 +57,8 @@ TEST_F(Films, HalfTheExposureIndexIsOneStopMore) {
     }
 }
 
-// From the 6500 K of the light to the 3200 K of the film: 1e6 / 3200 - 1e6 / 6500 = 159 mired. Daylight is not a blackbody, so grey is
-// not quite neutral.
+// From the 6500 K of the light to the 3200 K of the film: 1e6 / 3200 - 1e6 / 6500 = 159 mired. Daylight is not a blackbody, so grey
+// is not quite neutral.
 TEST_F(Films, ATungstenFilmSeesDaylightThroughAConversionFilterAsNearlyNeutral) {
     const std::string file = chart("stdillum-D65");
     const auto blue_over_red = [&](const std::vector<std::string>& options) {
@@ -66,15 +66,20 @@ TEST_F(Films, ATungstenFilmSeesDaylightThroughAConversionFilterAsNearlyNeutral) 
         return patch(picture, 2, 21).value / patch(picture, 0, 21).value;  // a grey patch
     };
     EXPECT_GT(blue_over_red(on("vision3-500t")), 2);
-    const color::Observer layers = film::film_observer(*film::find_material("vision3-500t", true), 500)->behind(*color::lens_filter("mired:159"), "", 1);
+    const color::Observer layers =
+        film::film_observer(*film::find_material("vision3-500t", true), 500)->behind(*color::lens_filter("mired:159"), "", 1);
     const color::Xyz expected = seen(patches()[21], color::illuminant_d65(), layers);
     EXPECT_NEAR(expected.z / expected.x, 1, 0.15);
-    EXPECT_NEAR(blue_over_red(on("vision3-500t", {"--lens-filter", "mired:159", "--filter-factor", "auto"})) / (expected.z / expected.x), 1, 0.01);
+    EXPECT_NEAR(
+        blue_over_red(on("vision3-500t", {"--lens-filter", "mired:159", "--filter-factor", "auto"})) / (expected.z / expected.x), 1,
+        0.01);
 }
 
 TEST_F(Films, OptionsThatDoNotGoTogetherAreRefused) {
     const std::string file = chart("stdillum-D65");
-    for (const auto& [option, value, message] : {std::tuple{"--observer", "cie1964", "--observer"}, {"--film", "porta-400", "portra-400"}, {"--push", "3", "from -1 to 2"}}) {
+    for (const auto& [option, value, message] : {std::tuple{"--observer", "cie1964", "--observer"},
+                                                 {"--film", "porta-400", "portra-400"},
+                                                 {"--push", "3", "from -1 to 2"}}) {
         std::vector<std::string> arguments{tool("latent-develop"), file, "-o", path("refused.exr"), option, value};
         if (std::string(option) != "--film") arguments.insert(arguments.end(), {"--film", "portra-400"});
         const Outcome outcome = run(arguments);

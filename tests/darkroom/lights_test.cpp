@@ -174,9 +174,11 @@ TEST_F(Lights, CurvesThatMakeNoiseAreWarnedOf) {
     const auto develop = [&](const std::string& setting) {
         return run({tool("latent-develop"), file, "-o", path("a.exr"), "--force", "--light", "candle=" + setting});
     };
-    const auto warned = [&](const Outcome& outcome) { return outcome.err.find("makes the picture noisy") != std::string::npos; };
-    for (const std::string& setting : {std::string("D65"), path("21.csv")}) EXPECT_TRUE(warned(develop(setting))) << setting;
-    for (const std::string& setting : {std::string("1500K"), path("20.csv")}) EXPECT_FALSE(warned(develop(setting))) << setting;
+    const auto warned = [&](const Outcome& outcome) { return outcome.err.find("and so is the noise") != std::string::npos; };
+    for (const std::string& setting : {std::string("D65"), path("21.csv"), std::string("21"), path("20.csv") + ",1.1"})
+        EXPECT_TRUE(warned(develop(setting))) << setting;
+    for (const std::string& setting : {std::string("1500K"), path("20.csv"), std::string("20")})
+        EXPECT_FALSE(warned(develop(setting))) << setting;
     const Outcome huge = develop(path("1e300.csv") + "," + path("1e300.csv"));
     EXPECT_EQ(huge.status, 1);
     EXPECT_NE(huge.err.find("not finite"), std::string::npos) << huge.err;

@@ -227,13 +227,14 @@ TEST(AovLayers, NeedTheirColumns) {
     const Status refused = channels->add_layers(job, {.normal = true});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::kUsage);
-    EXPECT_THAT(refused.error().message, testing::AllOf(testing::HasSubstr("normal.y"), testing::HasSubstr("--aov normal")));
+    EXPECT_THAT(refused.error().message, ::testing::AllOf(::testing::HasSubstr("normal.y"), ::testing::HasSubstr("--aov normal")));
 }
 
 TEST(AovLayers, HaveTheNamesThatOtherProgramsLookFor) {
     const RowLayout layout{3, kAovs};
-    EXPECT_THAT(layout.names({"R", "G", "B"}), testing::ElementsAre("R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y",
-                                                                    "N.Z", "Z", "P.X", "P.Y", "P.Z", "id.object", "id.material"));
+    EXPECT_THAT(layout.names({"R", "G", "B"}),
+                ::testing::ElementsAre("R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z", "P.X", "P.Y",
+                                       "P.Z", "id.object", "id.material"));
     EXPECT_EQ(layout.outputs(), kId + 2);
     const Result<Layers> parsed = parse_layers("id,position,depth,normal,albedo");
     ASSERT_TRUE(parsed);

@@ -16,7 +16,7 @@ using sampledb::Job;
 using sampledb::RecordClass;
 using sampledb::Records;
 
-constexpr std::uint64_t kMiB = 1 << 20;
+constexpr std::uint64_t kMebibyte = 1 << 20;
 
 // A part of the film where only every hundredth record is kept.
 struct Gap {
@@ -58,7 +58,7 @@ struct Totals {
 
 // Develops with all memory, then with little: no bit changes. Returns what little memory led to.
 Totals expect_the_same_with_little_memory(const MemoryGathering& gathering, Settings settings) {
-    settings.memory = 2048 * kMiB;
+    settings.memory = 2048 * kMebibyte;
     const Developed whole = develop_in_memory(gathering, settings, 1);
     EXPECT_EQ(whole.counts.batches, 1u);
     EXPECT_EQ(whole.counts.pages_decoded, whole.counts.pages);
@@ -67,7 +67,7 @@ Totals expect_the_same_with_little_memory(const MemoryGathering& gathering, Sett
     Totals totals;
     for (const std::uint64_t memory : {18, 22, 30}) {
         SCOPED_TRACE(memory);
-        settings.memory = memory * kMiB;
+        settings.memory = memory * kMebibyte;
         const Developed little = develop_in_memory(gathering, settings, 2);
         EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
         EXPECT_EQ(little.picture.order(), whole.picture.order());

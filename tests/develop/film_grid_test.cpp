@@ -19,7 +19,7 @@ constexpr Case kCases[] = {{512, 512, 2}, {300, 200, 4}, {9000, 7, 2}, {5, 900, 
 
 TEST(FilmGrid, BandsCutAnAxisIntoPixelsThatTheSameCellsReach) {
     for (const Case& c : kCases) {
-        SCOPED_TRACE(testing::Message() << c.width << " x " << c.height << ", " << c.reach);
+        SCOPED_TRACE(::testing::Message() << c.width << " x " << c.height << ", " << c.reach);
         const FilmGrid grid(c.width, c.height, c.reach);
         const std::int64_t from = c.width / 5, to = c.width - c.width / 9;
         std::vector<FilmGrid::Band> bands;
@@ -40,7 +40,7 @@ TEST(FilmGrid, BandsCutAnAxisIntoPixelsThatTheSameCellsReach) {
 
 TEST(FilmGrid, InnerPixelsAreThoseThatNoCellOutsideReaches) {
     for (const Case& c : kCases) {
-        SCOPED_TRACE(testing::Message() << c.width << " x " << c.height << ", " << c.reach);
+        SCOPED_TRACE(::testing::Message() << c.width << " x " << c.height << ", " << c.reach);
         const FilmGrid grid(c.width, c.height, c.reach);
         const std::int64_t all = std::int64_t{1} << grid.level();
         for (const auto& [first, last] :

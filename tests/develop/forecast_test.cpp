@@ -13,23 +13,59 @@
 namespace latent::develop {
 namespace {
 
-TEST(Forecast, TimeFollowsFromWhatAFewRunsTake) {
-    for (const double fixed : {0.0, 0.01, 3.0}) {
-        for (const double each : {0.0001, 0.01, 1.0}) {
+TEST(Forecast, CostFollowsFromWhatAFewRunsTake) {
+    for (const double fixed : {0.0, 0.01, 0.3}) {
+        for (const double each : {0.0001, 0.01, 0.2}) {
             for (const std::size_t runs : {1, 2, 30, 5000}) {
-                double spent = 0, last = 0;
-                const Trial trial = [&](std::size_t count) -> Result<double> {
-                    spent += last = fixed + each * static_cast<double>(count);
-                    return last;
+                double last = 0;
+                const Trial trial = [&](std::size_t count) -> Result<Cost> {
+                    last = fixed + each * static_cast<double>(count);
+                    return Cost{last, 2 * last};
                 };
-                const Result<double> seconds = seconds_for(runs, 2, trial);
-                ASSERT_TRUE(seconds);
-                EXPECT_NEAR(*seconds / (fixed + each * static_cast<double>(runs)), 1, 1e-9) << fixed << " " << each << " " << runs;
-                EXPECT_LE(spent, std::max(2.0 + last, 2 * fixed + 3 * each));
+                const Result<RunCost> cost = measure_runs(2, runs, trial);
+                ASSERT_TRUE(cost);
+                const Cost all = cost->of(static_cast<double>(runs));
+                EXPECT_NEAR(all.wall / (fixed + each * static_cast<double>(runs)), 1, 1e-9) << fixed << " " << each << " " << runs;
+                EXPECT_NEAR(all.cpu, 2 * all.wall, 1e-9 * all.wall);
+                EXPECT_LE(cost->spent.wall, std::max(2.0, last) + 1e-9);
             }
         }
     }
-    EXPECT_FALSE(seconds_for(5, 2, [](std::size_t) -> Result<double> { return Error{}; }));
+    EXPECT_FALSE(measure_runs(2, 5, [](std::size_t) -> Result<Cost> { return Error{}; }));
+}
+
+// Costs that are linear in pixels and runs, of pictures from small to far too large to be tried: the forecast is exact, and the
+// trials do not depend on the size.
+TEST(Forecast, OfAPictureOfAnySizeTakesNoLonger) {
+    struct Machine {
+        double setup, pixel, run;  // seconds
+    };
+    constexpr std::size_t kRuns = 400;
+    constexpr std::int64_t kPages = 16;  // of a run, one above the other on the film
+    for (const Machine& machine : {Machine{0.02, 60e-9, 0.25}, {0.001, 10e-9, 0.01}, {0, 200e-9, 0.5}}) {
+        for (const std::uint32_t side : {100u, 512u, 3000u, 18000u, 200000u}) {
+            double spent = 0;
+            const auto pixels = [](const PixelRect& r) { return static_cast<double>(r.width() * r.height()); };
+            const PictureTrial trial = [&](const TrialPicture& p) -> Result<TrialOutcome> {
+                const std::int64_t first = p.crop.y0 * kPages / p.height, last = (p.crop.y1 * kPages - 1) / p.height;
+                const auto pages = static_cast<double>(last - first + 1);
+                const double seconds =
+                    machine.setup + machine.pixel * pixels(p.crop) + machine.run * static_cast<double>(p.runs) * pages / kPages;
+                spent += seconds;
+                return TrialOutcome{{seconds, seconds}, static_cast<std::uint64_t>(pages) * 1000 * p.runs, 0};
+            };
+            const PixelRect whole{0, 0, side, side};
+            const Result<TrialOutcome> expected = extrapolate({side, side, whole, kRuns}, 1.5, trial);
+            ASSERT_TRUE(expected);
+            const double truth = machine.setup + machine.pixel * pixels(whole) + 1.5 * machine.run * kRuns;
+            // Where there is time for one run only, all that it takes counts as its own.
+            const double small = machine.setup + machine.pixel * (1 << 18), one = small + machine.run;
+            const double excess = 3 * one + machine.run > 0.9 ? small / machine.run : 0;
+            EXPECT_GE(expected->cost.cpu / truth, 1 - 0.01) << side << " " << machine.run;
+            EXPECT_LE(expected->cost.cpu / truth, 1 + 0.01 + excess) << side << " " << machine.run;
+            EXPECT_LE(spent, 0.9 + machine.run + 16 * 1.1 * (1 << 20) * machine.pixel + machine.setup) << side;
+        }
+    }
 }
 
 TEST(Forecast, WhatDoesNotFitOnTheDiskIsNotBegun) {
@@ -77,6 +113,7 @@ TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
         EXPECT_NEAR(forecast["expected_bytes"].get<double>() / size, 1, 0.2);
         EXPECT_TRUE(forecast["fits"]);
         EXPECT_GT(forecast["expected_seconds"], 0);
+        EXPECT_GT(forecast["expected_cpu_seconds"], 0);
         std::filesystem::remove(at("a.exr"));
     }
     const testing::Outcome text = run({"--dry-run"});

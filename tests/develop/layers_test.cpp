@@ -25,11 +25,12 @@ constexpr int kVariance = 3, kWeight = 6, kCount = 7, kHalf = 8;
 TEST(Layers, AreReadInAnyOrderAndOthersRefused) {
     EXPECT_EQ(*parse_layers("count,variance"), (Layers{.variance = true, .count = true}));
     EXPECT_EQ(*parse_layers("weight"), Layers{.weight = true});
-    for (const char* bad : {"", "shadow", "count,", "count,,weight", "Count"}) EXPECT_FALSE(parse_layers(bad)) << bad;
+    EXPECT_EQ(*parse_layers("gloss,weight,studio:matte,gloss"), (Layers{.weight = true, .columns = {"gloss", "studio:matte"}}));
+    for (const char* bad : {"", "count,", "count,,weight"}) EXPECT_FALSE(parse_layers(bad)) << bad;
     const RowLayout layout{3, kAll};
     EXPECT_THAT(layout.names({"R", "G", "B"}),
-                testing::ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "weight", "count", "half0.R",
-                                     "half0.G", "half0.B", "half1.R", "half1.G", "half1.B"));
+                ::testing::ElementsAre("R", "G", "B", "variance.R", "variance.G", "variance.B", "weight", "count", "half0.R",
+                                       "half0.G", "half0.B", "half1.R", "half1.G", "half1.B"));
     EXPECT_EQ(layout.outputs(), 14);
 }
 

@@ -1,6 +1,4 @@
 // Previews: pictures of some of the runs, spread evenly, nested, and as many as a budget of time allows.
-#include "tools/develop/preview.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "tests/support/gathered.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/arguments.h"
+#include "tools/develop/estimate.h"
 #include "tools/develop/subset.h"
 
 namespace latent::develop {
@@ -26,10 +25,10 @@ TEST(Budget, AsManyRunsAsFitByTheTimeThatAFewTake) {
         for (const double each : {0.0001, 0.01, 0.3}) {
             for (const double budget : {2.0, 10.0, 60.0}) {
                 double spent = 0;
-                const Trial trial = [&](std::size_t runs) -> Result<double> {
+                const Trial trial = [&](std::size_t runs) -> Result<Cost> {
                     const double seconds = fixed + each * static_cast<double>(runs);
                     spent += seconds;
-                    return seconds;
+                    return Cost{seconds, 0};
                 };
                 const Result<std::size_t> count = runs_within(budget, 100000, trial);
                 ASSERT_TRUE(count);
@@ -44,11 +43,11 @@ TEST(Budget, AsManyRunsAsFitByTheTimeThatAFewTake) {
 }
 
 TEST(Budget, OneRunIsDevelopedHoweverLongItTakes) {
-    const Trial slow = [](std::size_t) -> Result<double> { return 100.0; };
+    const Trial slow = [](std::size_t) -> Result<Cost> { return Cost{100, 0}; };
     EXPECT_EQ(*runs_within(1, 50, slow), 1u);
     EXPECT_EQ(*runs_within(-3, 50, slow), 1u);
-    EXPECT_EQ(*runs_within(1, 1, [](std::size_t) -> Result<double> { return Error{}; }), 1u);  // nothing to try
-    EXPECT_FALSE(runs_within(1, 50, [](std::size_t) -> Result<double> { return Error{}; }));
+    EXPECT_EQ(*runs_within(1, 1, [](std::size_t) -> Result<Cost> { return Error{}; }), 1u);  // nothing to try
+    EXPECT_FALSE(runs_within(1, 50, [](std::size_t) -> Result<Cost> { return Error{}; }));
 }
 
 TEST(Fraction, IsANumberAboveNoneAndUpToAll) {

@@ -15,15 +15,15 @@ constexpr std::size_t kSide = 64;  // pixels of a cell
 constexpr int kLanes = 4;
 
 // Records of one cell in segments of odd lengths.
-struct Records {
+struct SplatRecords {
     std::vector<std::uint32_t> x, y;
     std::vector<float> values;
     std::vector<Segment> segments;
     RecordColumns columns() const { return {x.data(), y.data(), values.data()}; }
 };
-Records make_records(std::size_t count) {
+SplatRecords make_records(std::size_t count) {
     std::mt19937 random(11);
-    Records records;
+    SplatRecords records;
     for (std::size_t i = 0; i < count + RecordColumns::kReadable; ++i) {
         records.x.push_back(static_cast<std::uint32_t>(random() % (kSide << 24)));
         records.y.push_back(static_cast<std::uint32_t>(random() % (kSide << 24)));
@@ -36,20 +36,20 @@ Records make_records(std::size_t count) {
 
 std::size_t window_side(const Filter& filter) { return kSide + static_cast<std::size_t>(filter.kernel().side()); }
 
-std::vector<double> window_of(const Filter& filter, Weights weights, const Records& records) {
+std::vector<double> window_of(const Filter& filter, Weights weights, const SplatRecords& records) {
     std::vector<double> window(window_side(filter) * window_side(filter) * kLanes);
     splat(filter.kernel(), kLanes, weights, records.columns(), records.segments, window.data(), window_side(filter));
     return window;
 }
 
 TEST(Splat, SumsAreThoseOfTheDefinitionAndCutSegmentsChangeNone) {
-    const Records records = make_records(3000);
-    Records whole = records;
+    const SplatRecords records = make_records(3000);
+    SplatRecords whole = records;
     whole.segments = {{0, 0, 3000}};
     for (const char* name : kFilters) {
         const Filter filter = *Filter::parse(name);
         for (const Weights weights : {Weights::kSigned, Weights::kPositive, Weights::kUnitSum}) {
-            SCOPED_TRACE(testing::Message() << name << ' ' << static_cast<int>(weights));
+            SCOPED_TRACE(::testing::Message() << name << ' ' << static_cast<int>(weights));
             const std::vector<double> window = window_of(filter, weights, records);
             EXPECT_EQ(window, window_of(filter, weights, whole));
             const int side = filter.kernel().side(), reach = filter.reach();
@@ -79,7 +79,7 @@ TEST(Splat, SumsAreThoseOfTheDefinitionAndCutSegmentsChangeNone) {
 }
 
 TEST(Splat, ThreeByThreePixelsGetTheVerySumsOfTheFourByFourAroundThem) {
-    const Records records = make_records(3000);
+    const SplatRecords records = make_records(3000);
     for (const char* name : {"quartic:-3,1.5", "quartic:-6,1.5", "quartic:-3,1.2", "gaussian:0.5,1.5"}) {
         const Filter filter = *Filter::parse(name);
         ASSERT_EQ(filter.kernel().covered, 3) << name;
@@ -100,14 +100,14 @@ TEST(Splat, ThreeByThreePixelsGetTheVerySumsOfTheFourByFourAroundThem) {
 }
 
 TEST(Splat, APatchHasTheVerySumsOfTheWindow) {
-    const Records records = make_records(3000);
+    const SplatRecords records = make_records(3000);
     for (const char* name : kFilters) {
         const Filter filter = *Filter::parse(name);
         const auto side = static_cast<std::int64_t>(window_side(filter));
         for (const Weights weights : {Weights::kSigned, Weights::kPositive, Weights::kUnitSum}) {
             const std::vector<double> window = window_of(filter, weights, records);
             for (const PixelRect& pixels : {PixelRect{0, 0, 5, 3}, {20, 30, 21, 31}, {side - 4, 7, side, 50}, {0, 0, side, side}}) {
-                SCOPED_TRACE(testing::Message() << name << ' ' << static_cast<int>(weights) << ' ' << pixels.x0);
+                SCOPED_TRACE(::testing::Message() << name << ' ' << static_cast<int>(weights) << ' ' << pixels.x0);
                 const PixelRect reach = patch_of(filter.kernel(), pixels);
                 std::vector<double> patch(static_cast<std::size_t>(reach.width() * reach.height() * kLanes));
                 splat_patch(filter.kernel(), kLanes, weights, records.columns(), records.segments, pixels, patch.data());

@@ -133,9 +133,51 @@ TEST_F(Tool, SizesFollowTheFilmAndTheNumberOfSamples) {
     EXPECT_EQ(size("301x203"), std::pair(0u, 0u));
     for (const char* bad : {"", "0", "x", "300x", "300x200x1", "-3", "9999999999", "300 x200", "1e-3"})
         EXPECT_EQ(size(bad), std::pair(0u, 0u)) << bad;
-    const Size chosen = default_size(job_, 16 * 600);
-    EXPECT_EQ(chosen.width, 30u);
-    EXPECT_EQ(chosen.height, 20u);
+}
+
+// The film is 3:2, and a run has kRun samples.
+TEST_F(Tool, ThePictureIsAsLargeAsItWasRenderedForWhateverTheSamples) {
+    const auto write = [&](const std::string& name, int runs, const std::string& provenance) {
+        std::vector<Coverage> coverages;
+        for (int run = 0; run < runs; ++run) coverages.push_back(Coverage({run * kRun, (run + 1) * kRun}));
+        synthetic::write_file(folder_ / name, synthetic::make_file(job_, coverages, true, {}, provenance).bytes);
+        return out(name);
+    };
+    const auto size = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments = {"-o", out("a.exr"), "--force", "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = develop(arguments);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        const auto report = nlohmann::json::parse(outcome.out);
+        const auto pixels = report["width"].get<double>() * report["height"].get<double>();
+        EXPECT_NEAR(report["samples_per_pixel"].get<double>() * pixels, report["available_samples"].get<double>(), 1e-6 * pixels);
+        return std::pair(report["width"].get<int>(), report["height"].get<int>());
+    };
+    for (const int runs : {1, 3}) EXPECT_EQ(size({write("a.latent", runs, R"({"resolution":[90,60]})")}), std::pair(90, 60));
+    EXPECT_EQ(size({write("rounded.latent", 1, R"({"resolution":[91,61]})")}), std::pair(91, 61));
+    EXPECT_EQ(size({write("square.latent", 1, R"({"resolution":[90,90]})")}), std::pair(90, 60));  // the film's shape
+    // Of several files, the largest, whatever their order.
+    const std::string large = write("large.latent", 2, R"({"resolution":[120,80]})");
+    EXPECT_EQ(size({out("a.latent"), large, "--skip-duplicates"}), std::pair(120, 80));
+    EXPECT_EQ(size({large, out("a.latent"), "--skip-duplicates"}), std::pair(120, 80));
+    // A merged file says what its parts said.
+    ASSERT_EQ(testing::run({testing::tool("latent-merge"), large, "-o", out("merged.latent")}).status, 0);
+    EXPECT_EQ(size({out("merged.latent")}), std::pair(120, 80));
+    // Files that do not say, or nonsense: at least 16 samples per pixel.
+    const int width = static_cast<int>(std::floor(std::sqrt(static_cast<double>(kRun) / 16 * 1.5)));
+    for (const char* nothing : {"", "{}", R"({"resolution":[0,60]})", R"({"resolution":"90x60"})", R"({"resolution":[90]})",
+                                R"({"resolution":[-90,60]})", R"({"resolution":[99999999999,1]})"})
+        EXPECT_EQ(size({write("old.latent", 1, nothing)}).first, width) << nothing;
+}
+
+TEST_F(Tool, ASizeThatIsOffTheFilmGetsOneThatFits) {
+    job_.aspect_width = 70000, job_.aspect_height = 1;
+    for (const char* text : {"1x1", "1"}) {
+        const Result<Size> size = parse_size_on_film(text, job_);
+        ASSERT_FALSE(size);
+        EXPECT_NE(size.error().message.find("; use 70000x1"), std::string::npos) << size.error().message;
+    }
+    EXPECT_TRUE(parse_size_on_film("70000x1", job_));
 }
 
 TEST_F(Tool, MisuseIsNamedAndLeavesNothing) {

@@ -10,9 +10,10 @@ import unittest
 from unittest import mock
 
 from support import FarmTest
-from latent_farm import engines, slurm
+from latent_farm import engines, files, scripts, slurm
 from latent_farm.errors import Failure
-from latent_farm.plan import Folder, Stage
+from latent_farm.folder import Folder
+from latent_farm.plan import Stage
 
 SBATCH = """#!{python}
 import json, pathlib, sys
@@ -22,6 +23,7 @@ with calls.open("a") as file:
     file.write(json.dumps(sys.argv[1:]) + "\\n")
 print(f"{{number}};cluster")
 """
+PLAN = types.SimpleNamespace(name="scene", sbatch=[], throttle=0)
 NAME = "a night's work AFTER $HOME"
 
 
@@ -52,12 +54,12 @@ class Commands(FarmTest):
             engines.check(engine)
 
     def test_the_lines_that_plan_prints_are_what_submit_runs(self):
-        chain = slurm.Chain(self.night, types.SimpleNamespace(), ["--comment=two words"], throttle=7)
+        chain = slurm.Chain(self.night, types.SimpleNamespace(name="scene", sbatch=["--comment=two words"], throttle=7))
         render, merge, develop = Stage("render", [0, 1, 5, 1500]), Stage("merge"), Stage("develop", [0, 1, 2])
         for stages in [render, merge, Stage("develop")], [merge, develop, Stage("join")], [render], [Stage("join")]:
-            numbers = chain.submit(stages)
+            numbers, _ = chain.submit(stages)
             submitted = self.called()
-            self.succeed("bash", "-ec", "\n".join(chain.lines(stages)))
+            self.succeed("bash", "-ec", "\n".join(chain.lines(stages)[0]))
             self.assertEqual(self.called(), submitted)
             self.assertEqual(numbers, [str(100 + i) for i in range(len(submitted))])
             self.assertEqual(json.loads(self.night.jobs.read_text()), numbers)
@@ -68,13 +70,13 @@ class Commands(FarmTest):
             path.write_text(f"#!/bin/sh\necho '{program}: error: no address' >&2\necho '{program}: fatal: no controller' >&2\nexit 1\n")
             path.chmod(0o755)
         with self.assertRaisesRegex(Failure, "^Slurm: sbatch: fatal: no controller; .*--engine shell$"):
-            slurm.Chain(self.night, types.SimpleNamespace()).submit([Stage("merge")])
+            slurm.Chain(self.night, PLAN).submit([Stage("merge")])
         self.night.jobs.write_text('["7"]')
         with self.assertRaisesRegex(Failure, "^Slurm: squeue: fatal: no controller; .*remove .*/jobs.json$"):
             slurm.in_queue(self.night)
 
     def test_each_stage_waits_for_all_jobs_of_the_one_before(self):
-        slurm.Chain(self.night, types.SimpleNamespace()).submit([Stage("render", [0, 1500]), Stage("merge"), Stage("develop")])
+        slurm.Chain(self.night, PLAN).submit([Stage("render", [0, 1500]), Stage("merge"), Stage("develop")])
         waits = [[word for word in call if word.startswith("--dependency")] for call in self.called()]
         self.assertEqual(waits, [[], [], ["--dependency=afterok:100:101"], ["--dependency=afterok:102"]])
 
@@ -89,6 +91,7 @@ class Commands(FarmTest):
         merge = self.night.path / "merge"
         merge.write_text('#!/bin/sh\necho merge >>"$(dirname "$0")/logs/ran"\n')
         merge.chmod(0o755)
+        files.write(self.night.path / "run", scripts.RUN, 0o777)
         done = subprocess.run(["/bin/sh", "-c", line], capture_output=True, text=True)
         ran = pathlib.Path(self.night.logs / "ran")
         lines = ran.read_text().split()

@@ -10,7 +10,7 @@ import sys
 import time
 import unittest
 
-from support import SCENE, SOURCE, TOOLS, FarmTest, run
+from support import SCENE, SOURCE, TOOLS, FarmTest, one_frame, run
 from latent_farm.strips import Strip
 
 
@@ -147,14 +147,14 @@ class Plan(FarmTest):
         rubbish = self.folder / "rubbish"
         shutil.copytree(night, rubbish)
         (rubbish / "plan.json").write_text("rubbish")
-        self.fail_with("plan.json: damaged, or not a plan", "latent-farm", "status", rubbish)
-        self.fail_with("plan.json: damaged, or not a plan", "latent-farm", "resume", rubbish, "--engine", "shell")
+        self.fail_with("plan.json: damaged, or made by another version of latent-farm: not JSON", "latent-farm", "status", rubbish)
+        self.fail_with("plan.json: damaged, or made by another version of latent-farm: not JSON", "latent-farm", "resume", rubbish, "--engine", "shell")
         shutil.copy(SOURCE / "scenes/cornell.pbrt", self.folder / "other.pbrt")
         farm = ["latent-farm", "plan", "--engine", "shell", "--out", night]
         self.fail_with("holds a plan for", *farm, self.folder / "other.pbrt", "--spp", 4, status=2)
         self.fail_with("has --spp 4", *farm, SCENE, "--spp", 2, status=2)
         self.fail_with("other options", *farm, SCENE, "--spp", 4, "--", "--seed", 7, status=2)
-        self.fail_with("is set by latent-farm", "latent-farm", "plan", SCENE, "--spp", 4, "--out", self.folder / "x", "--", "--shard", "0/2", status=2)
+        self.fail_with("--shard of latent-render: latent-farm gives every task its own", "latent-farm", "plan", SCENE, "--spp", 4, "--out", self.folder / "x", "--", "--shard", "0/2", status=2)
         self.fail_with("none.pbrt: cannot open: No such file", "latent-farm", "plan", self.folder / "none.pbrt", "--spp", 4, "--out", self.folder / "y")
         self.fail_with("holds no plan", "latent-farm", "resume", self.folder / "z")
         self.fail_with("holds no plan", "latent-farm", "status", self.folder / "z")
@@ -232,10 +232,10 @@ class Plan(FarmTest):
         film = self.folder / "film"
         arguments = ["--spp", 2, "--out", film, "--engine", "shell", "--machines", 6, "--", "--resolution", "64x64"]
         scenes = sorted(self.folder.glob("frame.*.pbrt"))
-        frames = json.loads(self.succeed("latent-farm", "plan", "--json", *scenes, *arguments).stdout)
+        frames = json.loads(self.succeed("latent-farm", "plan", "--json", *scenes, *arguments).stdout)["frames"]
         self.assertEqual([frame["tasks"] for frame in frames], [2, 2, 2])
         self.assertEqual(len({frame["job"] for frame in frames}), 3)
-        again = json.loads(self.succeed("latent-farm", "plan", "--json", self.folder / "frame.*.pbrt", *arguments).stdout)
+        again = json.loads(self.succeed("latent-farm", "plan", "--json", self.folder / "frame.*.pbrt", *arguments).stdout)["frames"]
         for what in ("folder", "job", "machines", "commands"):
             self.assertEqual([frame[what] for frame in again], [frame[what] for frame in frames])
         self.succeed("/bin/sh", "-c", frames[1]["commands"][0])
@@ -244,7 +244,7 @@ class Plan(FarmTest):
         pictures = {(film / f"frame.{number}/picture.exr").read_bytes() for number in range(3)}
         self.assertEqual(len(pictures), 3)
         status = json.loads(self.succeed("latent-farm", "status", film, "--json").stdout)
-        self.assertEqual([frame["steps_left"] for frame in status], [[], [], []])
+        self.assertEqual([frame["steps_left"] for frame in status["frames"]], [[], [], []])
         self.fail_with("frames of an animation", "latent-farm", "plan", scenes[0], *arguments, status=2)
         self.fail_with("same folder", "latent-farm", "plan", scenes[0], scenes[0], "--spp", 1, "--out", self.folder / "x", status=2)
 
@@ -292,23 +292,32 @@ class Plan(FarmTest):
 
     def test_wrong_arguments_are_explained_before_there_is_a_plan(self):
         farm = ["latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x"]
-        self.fail_with("none: cannot be read: No such file", *farm, "--engine", "parallel", "--hosts", self.folder / "none")
+        self.fail_with("none: no such file", *farm, "--engine", "parallel", "--hosts", self.folder / "none")
         (self.folder / "hosts").write_text("# node1\n\n")
         self.fail_with("hosts: names no machine", *farm, "--engine", "parallel", "--hosts", self.folder / "hosts")
         self.fail_with("at least 1, or auto", *farm, "--engine", "shell", "--tasks", "foo", status=2)
         self.fail_with("--bogus", *farm, "--engine", "shell", "--", "--bogus", status=2)
         self.assertFalse((self.folder / "x").exists())
 
-    def test_a_plan_file_with_other_contents_is_refused_in_plain_words(self):
-        self.plan(spp=1)
-        file = self.folder / "night/plan.json"
-        plan = json.loads(file.read_text())
-        without = {key: value for key, value in plan.items() if key != "samples"}
-        for text in ("rubbish", "[]", "\x00", json.dumps(without), json.dumps({**plan, "samples": "4"}), json.dumps({**plan, "task_samples": 0}),
-                     json.dumps({**plan, "more": 1})):
-            file.write_text(text)
-            done = self.fail_with("plan.json: damaged, or not a plan of latent-farm\n", "latent-farm", "status", self.folder / "night")
-            self.assertEqual(done.stdout, "")
+    def test_how_steps_are_run_is_remembered_until_it_is_changed(self):
+        (self.folder / "hosts").write_text("node1\n")
+        self.plan("--tasks", 2, "--hosts", self.folder / "hosts", "--develop=--size 16", "--checkpoint", "2m", engine="parallel")
+        def planned(*more):
+            return json.loads(self.succeed("latent-farm", "plan", SCENE, "--out", self.folder / "night", "--json", *more).stdout)
+        self.assertIn(f"--sshloginfile {self.folder / 'hosts'} ", planned()["commands"][0])
+        self.assertNotIn("--sshloginfile", planned("--hosts", "")["commands"][0])
+        self.assertEqual(planned("--engine", "shell")["engine"], "shell")
+        self.assertEqual(planned("--develop=")["engine"], "shell")
+        plan = json.loads((self.folder / "night/plan.json").read_text())
+        self.assertEqual((plan["checkpoint"], plan["develop"], plan["hosts"]), (120, [], ""))
+
+    def test_what_the_farm_decides_is_named_with_the_option_that_decides_it(self):
+        for option, advice in (("--spp=3", "write it before the --"), ("--threads", "use --cpus, before the --"), ("-o", "the folder that --out names")):
+            self.fail_with(advice, "latent-farm", "plan", SCENE, "--out", self.folder / "x", "--", option, status=2)
+
+    def test_one_task_has_no_more_samples_than_there_are(self):
+        done = self.succeed("latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x", "--engine", "shell", "--", "--resolution", "64x64")
+        self.assertRegex(done.stdout, r"^4096 samples in 1 task \(\d+s\), runs of 4096\n")
 
     def test_the_machines_are_those_of_a_file_wherever_the_commands_are_run(self):
         (self.folder / "hosts").write_text("node1\n")
@@ -334,8 +343,8 @@ class Plan(FarmTest):
     def test_numbers_are_written_as_for_every_tool(self):
         plan = ["latent-farm", "plan", SCENE, "--engine", "shell", "--out"]
         size = ["--json", "--", "--resolution", "16x16", "--run-samples", 1024]
-        written = json.loads(self.succeed(*plan, self.folder / "a", "--spp", "0.25Ki", "--tasks", "0.03K", *size).stdout)
-        plain = json.loads(self.succeed(*plan, self.folder / "b", "--spp", 256, "--tasks", 30, *size).stdout)
+        written = one_frame(json.loads(self.succeed(*plan, self.folder / "a", "--spp", "0.25Ki", "--tasks", "0.03K", *size).stdout))
+        plain = one_frame(json.loads(self.succeed(*plan, self.folder / "b", "--spp", 256, "--tasks", 30, *size).stdout))
         self.assertEqual(written["samples"], plain["samples"])
         self.assertEqual(written["tasks"], plain["tasks"])
         for option, text in (("--spp", "1Q"), ("--spp", "K"), ("--spp", "nan"), ("--tasks", "1.5"), ("--tasks", "-1"), ("--tasks", "1KiB")):
@@ -354,7 +363,7 @@ class Plan(FarmTest):
         self.assertGreater(len(said), 1)  # not only that the folder holds no plan
 
     def test_help_fits_80_columns_and_is_found_for_every_command(self):
-        for command in ([], ["plan"], ["submit"], ["resume"], ["status"], ["join"]):
+        for command in ([], ["plan"], ["submit"], ["resume"], ["status"], ["join"], ["film"]):
             text = self.succeed("latent-farm", *command, "--help").stdout
             self.assertLessEqual(max(map(len, text.splitlines())), 80)
             self.assertIn("Usage: latent-farm", text)

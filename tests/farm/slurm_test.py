@@ -9,12 +9,13 @@ import sys
 import time
 import unittest
 
-from support import SOURCE, TOOLS, FarmTest, run
+from support import SOURCE, TOOLS, FarmTest, one_frame, run
 
 CLUSTER = pathlib.Path(__file__).with_name("cluster")
 SCENE = SOURCE / "scenes/cornell.pbrt"
 OPTIONS = ["--resolution", "64x64", "--integrator", "bdpt", "--record", "xyz"]
 STATUS = re.compile(r"committed (\d+) of (\d+) samples")
+ATTEMPT = re.compile(r"(?m)^task \d+ on (.*), .*$")
 TAKEN_OVER = re.compile(r"(?m)committed (\d+) of \d+ samples \([\d.]+ %\)$")  # from earlier attempts: nothing was rendered yet
 SLOW = {"test_c_a_pulled_cable_makes_two_writers_and_no_damage", "test_d_preempted_tasks_resume",
         "test_e_tasks_at_their_time_limit_requeue_themselves"}
@@ -34,7 +35,8 @@ class Slurm(FarmTest):
         return done.stdout
 
     def farm(self, *arguments):
-        return json.loads(self.cluster("exec", "latent-farm", arguments[0], "--json", *arguments[1:]))
+        report = json.loads(self.cluster("exec", "latent-farm", arguments[0], "--json", *arguments[1:]))
+        return one_frame(report) if len(report["frames"]) == 1 else report
 
     def submit(self, *more, spp=200, tasks=6, command="submit", develop="--size 64"):
         """One processor for a task, so that two run on a node."""
@@ -59,9 +61,10 @@ class Slurm(FarmTest):
     def working_on(self, node):
         """The logs of tasks on a node that have committed something and are not done."""
         found = []
-        for log in self.night.glob("logs/render-*.log"):
-            attempt = log.read_text().rpartition("task ")[2]
-            if f" on {node}," in attempt and STATUS.search(attempt) and "rendered in" not in attempt:
+        for log in self.night.glob("logs/task-*.log"):
+            attempt = re.split(ATTEMPT, log.read_text())[-1]
+            host = re.findall(ATTEMPT, log.read_text())[-1:]
+            if host == [node] and STATUS.search(attempt) and "rendered in" not in attempt:
                 found.append(log)
         return found
 
@@ -78,9 +81,9 @@ class Slurm(FarmTest):
         """Of every task, each attempt begins with at least what the one before is known to have committed, and what it renders is all
         that is committed later. Returns the number of attempts that resumed."""
         attempts = resumed = kept = 0
-        for log in self.night.glob("logs/render-*.log"):
+        for log in self.night.glob("logs/task-*.log"):
             before = 0
-            for attempt in re.split(r"(?m)^task \d+ on .*$", log.read_text())[1:]:
+            for attempt in re.split(ATTEMPT, log.read_text())[2::2]:
                 found = [tuple(map(int, match)) for match in STATUS.findall(attempt)]
                 if not found:
                     continue
@@ -120,7 +123,7 @@ class Slurm(FarmTest):
         report = self.submit(spp=1800, tasks=3)
         self.wait_for(lambda: self.working_on("n2"), "n2 has committed something")
         self.cluster("unplug", "n2")
-        self.wait_for(lambda: any("attempt 2" in log.read_text() for log in self.night.glob("logs/render-*.log")), "a second writer")
+        self.wait_for(lambda: any("restart 1" in log.read_text() for log in self.night.glob("logs/task-*.log")), "a second writer")
         self.wait_for_end()
         self.cluster("plug", "n2")
         self.check_picture(report, spp=1800)
@@ -166,6 +169,30 @@ class Slurm(FarmTest):
         self.wait_for_end()
         self.assertEqual(self.farm("status", self.night)["steps_left"], [], self.logs())
         self.assertEqual(len(list(self.night.glob("logs/develop-*.log"))), 3)
+
+    def test_h_names_that_strangers_chose_are_only_names(self):
+        names = ['"; touch hacked; "', "'$(touch hacked)`touch hacked`", "%A_%a", "back\\\\slash\\", "-o", "{}", "#SBATCH --wrap", "é 日本"]
+        scenes = [self.folder / f"{name}.pbrt" for name in names]
+        for scene in scenes:
+            scene.write_bytes(SCENE.read_bytes())
+        self.farm("submit", *scenes, "--spp", 1, "--out", self.night, "--tasks", 1, "--cpus", 1, "--memory", "100M", "--", "--resolution", "16x16")
+        self.wait_for_end()
+        self.assertEqual({path.parent.name for path in self.night.glob("*/picture.exr")}, set(names), self.logs())
+        for name in names:
+            self.assertEqual({path.name for path in (self.night / name / "logs").iterdir()}, {"task-00000.log", "merge.log", "develop.log"})
+        self.assertEqual(list(self.folder.rglob("hacked")), [])
+
+    def test_i_frames_are_printed_and_a_command_runs_when_all_are_done(self):
+        scenes = [self.folder / f"frame.{number}.pbrt" for number in (1, 2)]
+        for scene in scenes:
+            scene.write_bytes(SCENE.read_bytes())
+        report = self.farm("submit", *scenes, "--spp", 1, "--out", self.night, "--tasks", 2, "--cpus", 1, "--memory", "100M", "--print=", "--on-done",
+                           "ls frame.*/picture.png >told", "--", "--resolution", "16x16")
+        self.assertEqual(len(report["jobs"]), 4 + 4 + len(report["steps"]))
+        refused = run(CLUSTER, self.lab, "exec", TOOLS / "latent-farm", "resume", self.night)
+        self.assertIn("still in Slurm's queue", refused.stderr)
+        self.wait_for_end()
+        self.assertEqual((self.night / "told").read_text().split(), [f"frame.{number}/picture.png" for number in (1, 2)], self.logs())
 
 
 def load(names):

@@ -9,7 +9,7 @@ from unittest import mock
 
 from support import SCENE, TOOLS, FarmTest
 from latent_farm import state
-from latent_farm.plan import Folder
+from latent_farm.folder import Folder
 from latent_farm.status import machines_of
 
 
@@ -28,7 +28,7 @@ class Status(FarmTest):
         self.assertEqual(status["tasks_finished"], 2)
         self.assertEqual(status["steps_left"], ["render", "merge", "develop"])
         text = self.succeed("latent-farm", "status", self.folder / "night").stdout
-        self.assertIn("--array=1,3", text)
+        self.assertIn("         tasks 1,3\n", text)
         self.assertIn(f"{length}:{2 * length}", text)
         self.assertIn("left:    render, merge, develop\n", text)
 

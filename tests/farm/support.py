@@ -20,6 +20,12 @@ def run(*command, **settings):
     return subprocess.run([str(program), *map(str, command[1:])], stdin=subprocess.DEVNULL, capture_output=True, text=True, **settings)
 
 
+def one_frame(report):
+    """The report on a plan of one scene."""
+    [frame] = report["frames"]
+    return {**report, **frame}
+
+
 class FarmTest(unittest.TestCase):
     """Every test has a folder of its own, self.folder."""
 
@@ -32,9 +38,9 @@ class FarmTest(unittest.TestCase):
         self.assertEqual(done.returncode, status, f"{command}\n{done.stdout}{done.stderr}")
         return done
 
-    def fail_with(self, text, *command, status=1):
+    def fail_with(self, text, *command, status=1, **settings):
         """One line on standard error that holds `text`."""
-        done = self.succeed(*command, status=status)
+        done = self.succeed(*command, status=status, **settings)
         self.assertIn(text, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         return done
@@ -42,10 +48,10 @@ class FarmTest(unittest.TestCase):
     def plan(self, *more, command="plan", spp=4, out="night", scene=SCENE, engine="shell", options=()):
         done = self.succeed("latent-farm", command, scene, "--spp", spp, "--out", self.folder / out, "--engine", engine, "--json", *more,
                             "--", "--resolution", "64x64", *options)
-        return json.loads(done.stdout)
+        return one_frame(json.loads(done.stdout))
 
     def status(self, out="night", *more):
-        return json.loads(self.succeed("latent-farm", "status", self.folder / out, "--json", *more).stdout)
+        return one_frame(json.loads(self.succeed("latent-farm", "status", self.folder / out, "--json", *more).stdout))
 
     def single_process(self, spp, run_samples, options=(), develop=()):
         """The picture of one process that renders everything, as bytes."""

@@ -51,7 +51,8 @@ TEST(FilmExposure, DaylightFilmSeesLampsOrangeAndTungstenFilmSeesDaylightBlue) {
 }
 
 TEST(FilmExposure, LogarithmsInvertPowers) {
-    for (const double x : {-30.0, -3.7, -1e-9, 0.0, 0.25, 1.0, 12.345}) EXPECT_NEAR(color::log10_of(color::power_of_ten(x)), x, 1e-14);
+    for (const double x : {-30.0, -3.7, -1e-9, 0.0, 0.25, 1.0, 12.345})
+        EXPECT_NEAR(color::log10_of(color::power_of_ten(x)), x, 1e-14);
 }
 
 }  // namespace

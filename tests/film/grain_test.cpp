@@ -41,8 +41,8 @@ std::vector<float> averaged(const std::vector<float>& in, int width, int factor)
     return out;
 }
 
-// An aperture of 48 um, moved over fine pixels: the standard deviation of what it sees, in units of the granularity. With 4000 places
-// that do not overlap, the standard error is 1.1 %; four of these are allowed.
+// An aperture of 48 um, moved over fine pixels: the standard deviation of what it sees, in units of the granularity. With 4000
+// places that do not overlap, the standard error is 1.1 %; four of these are allowed.
 TEST(Grain, ThroughAnApertureOf48MicrometresIsAsStrongAsTheDataSheetSays) {
     for (const double pixel_um : {3.0, 4.4, 8.0}) {
         SCOPED_TRACE(pixel_um);
@@ -58,7 +58,8 @@ TEST(Grain, ThroughAnApertureOf48MicrometresIsAsStrongAsTheDataSheetSays) {
                         // Parts of pixels at the rim, by 4 x 4 points.
                         double part = 0;
                         for (int s = 0; s < 16; ++s) {
-                            const double px = (x + (s % 4 + 0.5) / 4 - step / 2.0) * pixel_um, py = (y + (s / 4 + 0.5) / 4 - step / 2.0) * pixel_um;
+                            const double px = (x + (s % 4 + 0.5) / 4 - step / 2.0) * pixel_um,
+                                         py = (y + (s / 4 + 0.5) / 4 - step / 2.0) * pixel_um;
                             part += px * px + py * py < 24 * 24 ? 1.0 / 16 : 0;
                         }
                         area += part;
@@ -110,7 +111,8 @@ TEST(Grain, IsAsStrongEverywhere) {
         std::vector<double> squares(width);
         for (std::size_t i = 0; i < n.size(); ++i) squares[i % width] += n[i] * n[i] / height;
         const double mean = std::accumulate(squares.begin(), squares.end(), 0.0) / width;
-        for (const double s : squares) EXPECT_NEAR(s / mean, 1, 0.35);  // neighbours are not independent: some 500 numbers, 5 errors
+        for (const double s : squares)
+            EXPECT_NEAR(s / mean, 1, 0.35);  // neighbours are not independent: some 500 numbers, 5 errors
     }
 }
 
@@ -131,8 +133,9 @@ TEST(Grain, OfEveryFilmThatHasANumberIsTheNumberAtDensityOne) {
         }
         if (film.colour && (*own || film.positive())) continue;
         const auto at_one = [&](std::size_t c) { return static_cast<double>((*sigma)[c].y[20]); };
-        const double seen = film.colour ? std::sqrt(0.09 * at_one(0) * at_one(0) + 0.36 * at_one(1) * at_one(1) + 0.01 * at_one(2) * at_one(2))
-                                        : at_one(0);
+        const double seen =
+            film.colour ? std::sqrt(0.09 * at_one(0) * at_one(0) + 0.36 * at_one(1) * at_one(1) + 0.01 * at_one(2) * at_one(2))
+                        : at_one(0);
         EXPECT_NEAR(seen * 1000 / film.rms, 1, 0.001);
     }
 }

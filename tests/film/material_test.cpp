@@ -69,16 +69,21 @@ class OwnMaterial : public ::testing::Test {
         std::string text = "log10_exposure,r,g,b\n";
         for (int i = 0; i < 40; ++i) {
             const std::string d = std::to_string(0.2 + 0.05 * i);
-            if (i == 7 && !in_a_row.empty()) text += in_a_row + "\n";
-            else if (i != skipped) text += std::to_string(-2 + 0.05 * i) + "," + d + "," + d + "," + d + "\n";
+            if (i == 7 && !in_a_row.empty())
+                text += in_a_row + "\n";
+            else if (i != skipped)
+                text += std::to_string(-2 + 0.05 * i) + "," + d + "," + d + "," + d + "\n";
         }
         return text;
     }
     void SetUp() override {
-        write("materials.csv", "name,title,file,kind,exposure_index,balance,densitometry\nmine,My Film,mine,negative,100,D55,status M\n");
-        write("mine.sensitivity.csv", "wavelength_nm,log10_r,log10_g,log10_b\n400,-9,-9,0\n500,-9,0,-1\n600,0,-1,-9\n700,-1,-9,-9\n");
+        write("materials.csv",
+              "name,title,file,kind,exposure_index,balance,densitometry\nmine,My Film,mine,negative,100,D55,status M\n");
+        write("mine.sensitivity.csv",
+              "wavelength_nm,log10_r,log10_g,log10_b\n400,-9,-9,0\n500,-9,0,-1\n600,0,-1,-9\n700,-1,-9,-9\n");
         write("mine.curves.csv", curves(-1));
-        write("mine.dyes.csv", "wavelength_nm,cyan,magenta,yellow\n400,0.1,0.1,0.8\n450,0,0.1,1\n550,0.1,1,0.1\n650,1,0.1,0\n720,0.3,0,0\n");
+        write("mine.dyes.csv",
+              "wavelength_nm,cyan,magenta,yellow\n400,0.1,0.1,0.8\n450,0,0.1,1\n550,0.1,1,0.1\n650,1,0.1,0\n720,0.3,0,0\n");
     }
     std::string refused() const {
         const Result<Material> material = find_material(name("mine"), true);

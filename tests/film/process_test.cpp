@@ -25,8 +25,7 @@ Triple exposures(const Stock& film, const Curve& light, const Curve& reflectance
     Curve seen;
     for (std::size_t i = 0; i < kNm; ++i) seen[i] = light[i] * reflectance[i];
     Triple out;
-    for (std::size_t c = 0; c < 3; ++c)
-        out[c] = dot(seen, film.sensitivities()[c]) / 0.18 * 10 / film.material().exposure_index;
+    for (std::size_t c = 0; c < 3; ++c) out[c] = dot(seen, film.sensitivities()[c]) / 0.18 * 10 / film.material().exposure_index;
     return out;
 }
 
@@ -122,9 +121,16 @@ std::array<std::vector<float>, 3> rows(const Process& process, const std::array<
 
 std::vector<ProcessSettings> all_kinds() {
     std::vector<ProcessSettings> all;
-    for (const auto& [film, paper] : {std::pair{"portra-400", "endura"}, {"ektar-100", "supra-endura"}, {"vision3-500t", "2383"},
-                                      {"pro-400h", "crystal-archive-super-c"}, {"velvia-50", "light-table"}, {"kodachrome-64", "projection"},
-                                      {"provia-100f", "radiance"}, {"gold-200", "scan"}, {"tri-x-400", "polymax"}, {"tri-x-400", "scan"},
+    for (const auto& [film, paper] : {std::pair{"portra-400", "endura"},
+                                      {"ektar-100", "supra-endura"},
+                                      {"vision3-500t", "2383"},
+                                      {"pro-400h", "crystal-archive-super-c"},
+                                      {"velvia-50", "light-table"},
+                                      {"kodachrome-64", "projection"},
+                                      {"provia-100f", "radiance"},
+                                      {"gold-200", "scan"},
+                                      {"tri-x-400", "polymax"},
+                                      {"tri-x-400", "scan"},
                                       {"double-x", "2302"}}) {
         const Material material = *find_material(film, true);
         const double grey = color::log10_of(10 / material.exposure_index);
@@ -159,7 +165,8 @@ TEST(Process, RowsAreTheSameWithEveryInstructionSet) {
         SCOPED_TRACE(settings.film.name + " on " + settings.paper);
         const Process process = *Process::make(settings);
         auto in = random_exposures(101, 10 / settings.film.exposure_index, 8);
-        in[0][3] = 0, in[1][4] = -1, in[2][5] = std::numeric_limits<float>::quiet_NaN(), in[0][6] = std::numeric_limits<float>::infinity();
+        in[0][3] = 0, in[1][4] = -1, in[2][5] = std::numeric_limits<float>::quiet_NaN(),
+        in[0][6] = std::numeric_limits<float>::infinity();
         std::vector<std::array<std::vector<float>, 3>> results;
         color::with_every_simd_target([&] { results.push_back(rows(process, in)); });
         for (const auto& result : results) EXPECT_EQ(result, results[0]);
@@ -191,7 +198,7 @@ TEST(Process, AGreyCardIsNeutralAndGreysNearlySo) {
             const double h = 10 / settings.film.exposure_index * std::exp2(stops);
             const Triple lab_of = lab(process({h, h, h}), white);
             const double chroma = std::hypot(lab_of[1], lab_of[2]);
-                EXPECT_LT(chroma, stops == 0 ? 1 : 7);
+            EXPECT_LT(chroma, stops == 0 ? 1 : 7);
         }
     }
 }
@@ -210,8 +217,10 @@ TEST(Process, MoreLightInTheCameraMakesPrintsAndSlidesBrighterAndMoreInTheEnlarg
         if (settings.paper == "scan" || settings.paper == "light-table" || settings.paper == "projection") continue;
         settings.print_stops = 0.5;
         const double longer = (*Process::make(settings))({grey, grey, grey})[1], usual = process({grey, grey, grey})[1];
-        if (settings.film.positive()) EXPECT_GT(longer, usual);
-        else EXPECT_LT(longer, usual);
+        if (settings.film.positive())
+            EXPECT_GT(longer, usual);
+        else
+            EXPECT_LT(longer, usual);
     }
 }
 
@@ -238,11 +247,12 @@ TEST(Process, FiltersSetByHandMoveTheColourAwayFromNeutral) {
     EXPECT_GT(bluer[2] / bluer[1], 1.05 * automatic(grey)[2] / automatic(grey)[1]);
 }
 
-// Log exposures [1/100] from 0.04 above the least density to 0.9 of the way to the largest [ISO6846]: as computed from the data sheet
-// when its curves were digitised.
+// Log exposures [1/100] from 0.04 above the least density to 0.9 of the way to the largest [ISO6846]: as computed from the data
+// sheet when its curves were digitised.
 TEST(Process, PapersHaveTheExposureRangesOfTheirContrastFilters) {
     const Material paper = *find_material("polymax", false);
-    for (const auto& [filter, range] : {std::pair{"00", 177}, {"0", 136}, {"1", 121}, {"2", 112}, {"3", 97}, {"4", 81}, {"5", 55}, {"", 101}}) {
+    for (const auto& [filter, range] :
+         {std::pair{"00", 177}, {"0", 136}, {"1", 121}, {"2", 112}, {"3", 97}, {"4", 81}, {"5", 55}, {"", 101}}) {
         const MonoCurve curve = *mono_paper(paper, filter);
         const double least = std::ranges::min(curve.density), most = std::ranges::max(curve.density);
         const auto at = [&](double density) { return inverted(curve.log_exposure, curve.density, density); };
@@ -272,10 +282,13 @@ TEST(Process, PushingRaisesTheContrast) {
 }
 
 TEST(Process, WhatDoesNotGoTogetherIsRefusedWithWhatDoes) {
-    for (const auto& [film, paper, message] :
-         {std::tuple{"portra-400", "light-table", "endura"}, {"portra-400", "polymax", "endura"}, {"portra-400", "radiance", "endura"},
-          {"velvia-50", "endura", "light-table"}, {"velvia-50", "scan", "light-table"}, {"tri-x-400", "endura", "polymax"},
-          {"portra-400", "endurra", "did you mean endura"}}) {
+    for (const auto& [film, paper, message] : {std::tuple{"portra-400", "light-table", "endura"},
+                                               {"portra-400", "polymax", "endura"},
+                                               {"portra-400", "radiance", "endura"},
+                                               {"velvia-50", "endura", "light-table"},
+                                               {"velvia-50", "scan", "light-table"},
+                                               {"tri-x-400", "endura", "polymax"},
+                                               {"portra-400", "endurra", "did you mean endura"}}) {
         const Result<Process> process = Process::make({.film = *find_material(film, true), .grey = {-1, -1, -1}, .paper = paper});
         ASSERT_FALSE(process) << film << " " << paper;
         EXPECT_EQ(process.error().code, ErrorCode::kUsage);

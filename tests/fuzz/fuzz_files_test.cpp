@@ -5,7 +5,7 @@
 
 namespace latent::fuzz {
 
-std::vector<Target> all_targets() { return {header(), footer(), run(), page(), file(), part(), exr(), icc()}; }
+std::vector<Target> all_targets() { return {header(), footer(), run(), page(), file(), part(), http(), arguments(), exr(), icc()}; }
 
 // Else, mutants would end at the first checksum.
 TEST(FuzzMend, AFileThatWasMendedReadsAsBefore) {

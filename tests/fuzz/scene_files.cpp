@@ -25,10 +25,10 @@ void look_up_everything(const image::Pictures& pictures, const image::PictureInf
     using enum image::PictureFilter;
     using enum image::PictureWrap;
     for (const image::PictureFilter filter : {kPoint, kBilinear, kTrilinear, kEwa, kQuartic}) {
-        for (const image::PictureWrap wrap : {kRepeat, kBlack, kClamp}) {
+        for (const image::PictureWrap wrap : {kRepeat, kBlack, kClamp, kMirror}) {
             std::array<float, 4> out{};
-            pictures.lookup(info.index, {wrap, filter, 8}, 0.3f, 1.7f, {0.01f, 0}, {0, 0.2f}, out);
-            pictures.lookup(info.index, {wrap, filter, 8}, 1, 0, {0, 0}, {0, 0}, out);
+            pictures.lookup(info.index, {{wrap, wrap}, filter, 8}, 0.3f, 1.7f, {0.01f, 0}, {0, 0.2f}, out);
+            pictures.lookup(info.index, {{wrap, wrap}, filter, 8}, 1, 0, {0, 0}, {0, 0}, out);
         }
     }
 }
@@ -50,9 +50,9 @@ bool run_picture(ByteSpan bytes) {
     require(info->width > 0 && info->height > 0 && info->channels > 0, "a picture has pixels");
     if (std::uint64_t{info->width} * info->height > kMostPixels) return true;
     look_up_everything(*pictures, *info);
-    const bool is_sound = pictures->read(path.string(), {}).has_value();
+    const bool is_sound = pictures->read(path.string(), path.string(), {}).has_value();
     if (!is_exr && bytes.size() % 4 != 0) return is_sound;  // the next starts a cache of its own for others
-    const Result<render::LoadedPicture> whole = render::read_picture(path);
+    const Result<render::LoadedPicture> whole = render::read_picture(path, "a picture");
     if (!whole) return is_sound;
     for (const float value : whole->image.rgb) require(std::isfinite(value) && value >= 0, "light is finite and not below 0");
     return true;

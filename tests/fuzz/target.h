@@ -30,6 +30,10 @@ Target page();
 // files.cpp
 Target file();
 Target part();
+// http_answers.cpp
+Target http();
+// c_api.cpp
+Target arguments();
 // pictures.cpp
 Target exr();
 Target icc();

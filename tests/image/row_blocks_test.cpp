@@ -14,7 +14,7 @@ TEST(RowBlocks, EveryBlockHoldsItsRowsAndItsNeighbours) {
         for (const int block : {1, 3, 16}) {
             for (const int around : {0, 1, 2}) {
                 for (const int piece : {1, 2, 5, 40}) {
-                    SCOPED_TRACE(testing::Message()
+                    SCOPED_TRACE(::testing::Message()
                                  << height << " rows in blocks of " << block << " +- " << around << ", " << piece << " at a time");
                     RowBlocks blocks(height, 1, block, around, around);
                     int next = 0;

@@ -18,13 +18,13 @@ using nlohmann::json;
 using testing::Outcome;
 using testing::tool;
 
-constexpr std::uint64_t kS = synthetic::kShortRun;
-constexpr SampleRange kPrinted{kS / 4, 3 * kS + 100};  // cuts the first run and the last one
+constexpr std::uint64_t kRun = synthetic::kShortRun;
+constexpr SampleRange kPrinted{kRun / 4, 3 * kRun + 100};  // cuts the first run and the last one
 
-// As many columns as a file can have, of all types in turn.
+// More columns than the first readers took, of all types in turn.
 Job job_with_columns(RecordKind kind) {
     Job job = synthetic::make_short_job(kind);
-    for (std::size_t i = 0; i < kMaxExtraColumns; ++i)
+    for (std::size_t i = 0; i < 2 * kFewExtraColumns; ++i)
         job.extra.push_back({"studio:" + std::to_string(i), static_cast<ColumnType>(1 + i % 6)});
     return job;
 }
@@ -99,8 +99,9 @@ TEST_F(ExtraColumnsTest, ValuesStayWithTheirRecordsThroughMergeCompactSelectionA
     for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
         const Job job = job_with_columns(kind);
         const Records records = synthetic::make_records(job, kPrinted, scene);
-        write("a.latent", synthetic::make_file(job, synthetic::runs_between({0, kS, 2 * kS}), true, scene).bytes);
-        write("b.latent", synthetic::make_file(job, synthetic::runs_between({2 * kS, 3 * kS, 3 * kS + 500}), true, scene).bytes);
+        write("a.latent", synthetic::make_file(job, synthetic::runs_between({0, kRun, 2 * kRun}), true, scene).bytes);
+        write("b.latent",
+              synthetic::make_file(job, synthetic::runs_between({2 * kRun, 3 * kRun, 3 * kRun + 500}), true, scene).bytes);
         const auto merge = [&](std::vector<std::string> options) {
             std::vector<std::string> command = {tool("latent-merge"), folder_ / "a.latent", folder_ / "b.latent", "--force", "-o"};
             command.insert(command.end(), options.begin(), options.end());

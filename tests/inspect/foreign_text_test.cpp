@@ -44,7 +44,8 @@ class ForeignText : public InspectTest {
     Outcome merge(const fs::path& input) const {
         return run({tool("latent-merge"), input, "-o", folder_ / "merged.latent", "--force"});
     }
-    json merged_from() const { return json::parse(inspect({"info", "--json", folder_ / "merged.latent"}).out)["merged_from"]; }
+    json info_of(const fs::path& file) const { return json::parse(inspect({"info", "--json", file}).out); }
+    json merged_info() const { return info_of(folder_ / "merged.latent"); }
 };
 
 TEST_F(ForeignText, ProvenanceThatIsNoJsonObjectOrTooDeepIsShownAsTextAndSaidSo) {
@@ -63,14 +64,14 @@ TEST_F(ForeignText, ProvenanceThatIsNoJsonObjectOrTooDeepIsShownAsTextAndSaidSo)
         EXPECT_NE(text.out.find("the provenance in its footer is "), std::string::npos) << start;
         EXPECT_TRUE(is_plain(text.out)) << start;
         const json info = json::parse(as_json.out);
-        for (const char* member : {"origin", "merged_from"}) {
+        for (const char* member : {"origin", "parts"}) {
             ASSERT_TRUE(info[member].is_string()) << start;
             EXPECT_EQ(info[member].get<std::string>().substr(0, 4), bad.substr(0, 4));
         }
         const Outcome merged = merge(file);
         EXPECT_EQ(merged.status, 0) << merged.err;
         EXPECT_LT(merged.peak_rss_kib, kMostKib) << start;
-        EXPECT_EQ(merged_from()["parts"][0]["provenance"].get<std::string>().substr(0, 4), bad.substr(0, 4));
+        EXPECT_EQ(merged_info()["parts"][0]["differences"].get<std::string>().substr(0, 4), bad.substr(0, 4));
     }
 }
 
@@ -84,14 +85,34 @@ TEST_F(ForeignText, MergingCopiesProvenanceToTheLetterAndCountsEqualPartsOnce) {
     EXPECT_NE(read_text(folder_ / "merged.latent").find(R"({"parts":[{"a":[1,{}]},{"b":2}]})"), std::string::npos);
 }
 
+TEST_F(ForeignText, HowAFileWasMadeIsToldInOnePlaceBeforeAndAfterMerging) {
+    const std::string own = R"({"scene":"a","host":"x"})";
+    const fs::path part = write("a.latent", file_with(make_short_job(), own, R"({"finished":{"cpu_seconds":7.25}})"));
+    ASSERT_EQ(merge(part).status, 0);
+    for (const json& info : {info_of(part), merged_info()}) {
+        EXPECT_EQ(info["origin"], json::parse(R"({"scene":"a","host":"x","cpu_seconds":7.25})"));
+        EXPECT_EQ(info["cpu_seconds"], 7.25);
+    }
+    EXPECT_EQ(info_of(part)["parts"], json::array());
+    EXPECT_EQ(merged_info()["parts"], json::parse(R"([{"samples":[[0,100]],"differences":{}}])"));
+
+    const std::string parts = R"({"parts":[{"provenance":{"scene":"a","host":"x","cpu_seconds":1.5},"samples":[[0,50]]},)"
+                              R"({"provenance":{"cpu_seconds":2,"scene":"a","host":"y"},"samples":[[50,100]]}]})";
+    const json info = info_of(write("a.latent", file_with(make_short_job(), "", parts)));
+    EXPECT_EQ(info["origin"], json::parse(R"({"scene":"a"})"));
+    EXPECT_EQ(info["parts"], json::parse(R"([{"samples":[[0,50]],"differences":{"host":"x","cpu_seconds":1.5}},)"
+                                         R"({"samples":[[50,100]],"differences":{"cpu_seconds":2,"host":"y"}}])"));
+    EXPECT_EQ(info["cpu_seconds"], 3.5);
+}
+
 TEST_F(ForeignText, AProvenanceOfMorePartsThanAreKeptSaysThatItIsIncomplete) {
     std::string parts = R"({"parts":[)";
     for (int i = 0; i < 250'000; ++i) parts += (i > 0 ? ",{\"n\":" : "{\"n\":") + std::to_string(i) + "}";
     ASSERT_EQ(merge(write("a.latent", file_with(make_short_job(), "", parts + "]}"))).status, 0);
-    const json merged = merged_from();
+    const json merged = merged_info();
     EXPECT_GT(merged["parts"].size(), 100'000u);
     EXPECT_LT(merged["parts"].size(), 250'000u);
-    EXPECT_EQ(merged["incomplete"], true);
+    EXPECT_EQ(merged["parts_complete"], false);
 }
 
 TEST_F(ForeignText, NothingThatAFileNamesSteersATerminal) {

@@ -64,6 +64,25 @@ TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
     }
 }
 
+TEST_F(InspectTest, InfoListsTheGroupsOfLightsAndNoSpectra) {
+    const std::string origin =
+        R"({"program":"p","light_groups":[{"name":"lamp","spectrum":{"nm":[400,700],"value":[1,2],"goes_on":true}},)"
+        R"({"name":"sky"},{"name":""}]})";
+    const fs::path part = write("a.latent", synthetic::make_file(make_short_job(), four_runs(), true, {}, origin).bytes);
+    const fs::path merged = folder_ / "merged.latent";
+    ASSERT_EQ(run({tool("latent-merge"), part, "-o", merged}).status, 0);
+    for (const fs::path& file : {part, merged}) {
+        const Outcome text = inspect({"info", file});
+        EXPECT_NE(text.out.find("  lights      lamp, sky, 2\n"), std::string::npos) << text.out;
+        EXPECT_NE(text.out.find("latent-develop --light lamp=0.5\n"), std::string::npos) << text.out;
+        EXPECT_NE(text.out.find("(NAME=6500K): lamp\n"), std::string::npos) << text.out;
+        EXPECT_EQ(text.out.find("spectrum\""), std::string::npos) << text.out;
+        EXPECT_EQ(
+            json::parse(inspect({"info", "--json", file}).out)["light_groups"],
+            json::parse(R"([{"name":"lamp","spectrum":true},{"name":"sky","spectrum":false},{"name":"2","spectrum":false}])"));
+    }
+}
+
 TEST_F(InspectTest, ColumnsOfManyPagesAreEstimatedFromSome) {
     ASSERT_EQ(inspect({"gen", "-o", folder_ / "a.latent", "--records", "400k", "--light", "0.3", "--run-samples", "1024"}).status,
               0);

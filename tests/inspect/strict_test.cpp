@@ -274,6 +274,19 @@ TEST_F(Strict, RecordsOutOfOrderAreNamedOneByOne) {
     EXPECT_EQ(violations_of(write_pages({{.rows = rows}})).count(), 98u);
 }
 
+TEST_F(Strict, ARunThatBreaksWhatReadersRelyOnIsLostAndNoOther) {
+    std::vector<Row> mixed = diagonal(6000);
+    for (Row& row : mixed) row.u = row.v = row.sample % 2 == 0 ? 0 : ~0u;
+    for (Row& row : mixed) row.sample += 1 << 13;
+    const fs::path file = write_file({write_run(job_, Coverage(SampleRange{0, 1 << 13}), {{.rows = diagonal(100)}}),
+                                      write_run(job_, Coverage(SampleRange{1 << 13, 1 << 14}), {{.rows = mixed}})});
+    EXPECT_EQ(inspect({"verify", "--deep", file}).status, 0);
+    const Outcome developed = run({tool("latent-develop"), file, "--size", "1000", "-o", folder_ / "a.exr"});
+    EXPECT_EQ(developed.status, 3) << developed.err;
+    EXPECT_NE(developed.err.find("its records are not in order; samples 8192:16384 lost"), std::string::npos) << developed.err;
+    EXPECT_NE(developed.out.find("100 camera"), std::string::npos) << developed.out;
+}
+
 TEST_F(Strict, TheOrderGoesOnFromPageToPageOfAClass) {
     std::vector<Row> rows = diagonal(6200);
     for (Row& row : rows) row.u = row.v = 0;

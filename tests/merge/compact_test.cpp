@@ -21,7 +21,7 @@ using latent::testing::TemporaryFolder;
 using synthetic::gather;
 using synthetic::make_short_job;
 
-constexpr std::uint64_t kS = synthetic::kShortRun;
+constexpr std::uint64_t kRun = synthetic::kShortRun;
 
 class CompactTest : public ::testing::Test {
  protected:
@@ -49,7 +49,7 @@ class CompactTest : public ::testing::Test {
 
 std::vector<Coverage> intervals(std::uint64_t count) {
     std::vector<Coverage> runs;
-    for (std::uint64_t i = 0; i < count; ++i) runs.emplace_back(SampleRange{i * kS, (i + 1) * kS});
+    for (std::uint64_t i = 0; i < count; ++i) runs.emplace_back(SampleRange{i * kRun, (i + 1) * kRun});
     return runs;
 }
 
@@ -65,7 +65,7 @@ TEST_F(CompactTest, TheNewRunIsTheOneThatAllRecordsTogetherWouldHaveMade) {
             const fs::path small = write("small.latent", job, intervals(9));
             const MergeReport report = compact({small}, "large.latent");
             EXPECT_EQ(report.runs_out, 1u);
-            const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 9 * kS})});
+            const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 9 * kRun})});
             const auto large = gather({folder_ / "large.latent"}), expected = gather({whole});
             ASSERT_TRUE(large && expected);
             RunHeader header = large->runs()[0].header;
@@ -79,18 +79,18 @@ TEST_F(CompactTest, OnlyWholeIntervalsAreRewritten) {
     const Job job = make_short_job(RecordKind::kXyz);
     // 0..S whole; S..2S in two runs that were cut at R; 2S..3S a checkpoint; 3S..4S and 5S..6S whole; 6S..6S+100 the end of the
     // range.
-    const fs::path file =
-        write("a.latent", job,
-              {Coverage(SampleRange{0, kS}), Coverage(SampleRange{kS, kS + 3072}), Coverage(SampleRange{kS + 3072, 2 * kS}),
-               Coverage(SampleRange{2 * kS, 2 * kS + 1024}), Coverage(SampleRange{3 * kS, 4 * kS}),
-               Coverage(SampleRange{5 * kS, 6 * kS}), Coverage(SampleRange{6 * kS, 6 * kS + 100})});
+    const fs::path file = write(
+        "a.latent", job,
+        {Coverage(SampleRange{0, kRun}), Coverage(SampleRange{kRun, kRun + 3072}), Coverage(SampleRange{kRun + 3072, 2 * kRun}),
+         Coverage(SampleRange{2 * kRun, 2 * kRun + 1024}), Coverage(SampleRange{3 * kRun, 4 * kRun}),
+         Coverage(SampleRange{5 * kRun, 6 * kRun}), Coverage(SampleRange{6 * kRun, 6 * kRun + 100})});
     compact({file}, "out.latent");
     const auto out = gather({folder_ / "out.latent"}), in = gather({file});
     ASSERT_EQ(out->runs().size(), 4u);
-    EXPECT_EQ(out->runs()[0].coverage, Coverage::of({{0, 2 * kS}}));
-    EXPECT_EQ(out->runs()[1].coverage, Coverage::of({{2 * kS, 2 * kS + 1024}}));
+    EXPECT_EQ(out->runs()[0].coverage, Coverage::of({{0, 2 * kRun}}));
+    EXPECT_EQ(out->runs()[1].coverage, Coverage::of({{2 * kRun, 2 * kRun + 1024}}));
     EXPECT_EQ(out->runs()[1].header, in->runs()[3].header);  // as it was
-    EXPECT_EQ(out->runs()[2].coverage, Coverage::of({{3 * kS, 4 * kS}, {5 * kS, 6 * kS}}));
+    EXPECT_EQ(out->runs()[2].coverage, Coverage::of({{3 * kRun, 4 * kRun}, {5 * kRun, 6 * kRun}}));
     EXPECT_EQ(out->runs()[3].header, in->runs()[6].header);
     EXPECT_EQ(out->coverage(), in->coverage());
 }
@@ -100,11 +100,12 @@ TEST_F(CompactTest, ACompactedRunSupersedesWhatItWasMadeOfAndCanBeCompactedAgain
     const fs::path first = write("first.latent", job, intervals(3));
     compact({first}, "large.latent");
     const auto both = gather({folder_.path()});  // a folder with both files: nothing is counted twice
-    EXPECT_EQ(both->coverage(), Coverage(SampleRange{0, 3 * kS}));
+    EXPECT_EQ(both->coverage(), Coverage(SampleRange{0, 3 * kRun}));
     EXPECT_EQ(both->runs().size(), 1u);
-    const fs::path rest = write("rest.latent", job, {Coverage(SampleRange{3 * kS, 4 * kS}), Coverage(SampleRange{4 * kS, 5 * kS})});
+    const fs::path rest =
+        write("rest.latent", job, {Coverage(SampleRange{3 * kRun, 4 * kRun}), Coverage(SampleRange{4 * kRun, 5 * kRun})});
     compact({folder_ / "large.latent", rest}, "all.latent");
-    const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 5 * kS})});
+    const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 5 * kRun})});
     EXPECT_EQ(gather({folder_ / "all.latent"})->runs()[0].header.content_hash, gather({whole})->runs()[0].header.content_hash);
 }
 
@@ -140,7 +141,7 @@ TEST_F(CompactTest, NeitherThreadsNorMemoryChangeAByteOfANewRun) {
         RecordKind kind;
         std::uint64_t samples;  // of a run, which is several pages
     };
-    for (const Runs& runs : {Runs{RecordKind::kXyz, 24 * kS}, Runs{RecordKind::kSpectral, 10 * kS}}) {
+    for (const Runs& runs : {Runs{RecordKind::kXyz, 24 * kRun}, Runs{RecordKind::kSpectral, 10 * kRun}}) {
         std::vector<Coverage> ranges;
         for (std::uint64_t i = 0; i < 3; ++i) ranges.emplace_back(SampleRange{i * runs.samples, (i + 1) * runs.samples});
         const fs::path small = write("small.latent", make_short_job(runs.kind), ranges);

@@ -22,13 +22,13 @@ using synthetic::make_short_job;
 using synthetic::runs_between;
 using synthetic::runs_of;
 
-constexpr std::uint64_t kS = synthetic::kShortRun;
+constexpr std::uint64_t kSamples = synthetic::kShortRun;
 
 class MergeDamage : public ::testing::Test {
  protected:
     TemporaryFolder folder_;
     const Job job_ = make_short_job();
-    const std::vector<Coverage> four_ = runs_between({0, kS, 2 * kS, 3 * kS, 4 * kS});
+    const std::vector<Coverage> four_ = runs_between({0, kSamples, 2 * kSamples, 3 * kSamples, 4 * kSamples});
     const synthetic::FileBytes sound_ = synthetic::make_file(job_, four_);
     const fs::path out_ = folder_ / "out.latent";
 
@@ -98,7 +98,7 @@ TEST_F(MergeDamage, OfTwoHundredDamagedPartsNonePasses) {
             }
             ASSERT_FALSE(left_out.empty());
             EXPECT_EQ(left_out.front().place, (folder_ / "part.latent").string());
-            Coverage kept(SampleRange{0, 4 * kS});
+            Coverage kept(SampleRange{0, 4 * kSamples});
             for (std::size_t run = 0; run < 4; ++run) {
                 if (at >= inside(run) - 5000 && at < sound_.run_ends[run]) kept.remove(four_[run]);
             }
@@ -126,7 +126,7 @@ TEST_F(MergeDamage, TheSameSamplesElsewhereStandInForADamagedRun) {
     write("parts/c.latent", synthetic::make_file(job_, checkpoints).bytes);
     const Result<MergeReport> report = merge_to_out({folder_ / "parts"});
     ASSERT_TRUE(report) << report.error().message;
-    Coverage expected(SampleRange{kS, 4 * kS});
+    Coverage expected(SampleRange{kSamples, 4 * kSamples});
     for (const Coverage& checkpoint : checkpoints) expected.add(checkpoint);
     EXPECT_EQ(gather({out_})->coverage(), expected);
     EXPECT_EQ(report->gathering.left_out.size(), 2u);
@@ -183,7 +183,7 @@ TEST_F(MergeDamage, RequiredSamplesThatWereDamagedAreMissing) {
     MergeOptions options;
     options.inputs = {part};
     options.output = out_;
-    options.require = SampleRange{0, 4 * kS};
+    options.require = SampleRange{0, 4 * kSamples};
     const Result<MergeReport> report = merge(options);
     ASSERT_FALSE(report);
     EXPECT_EQ(report.error().code, ErrorCode::kMismatch);

@@ -97,8 +97,10 @@ class Tools(unittest.TestCase):
         random = np.random.default_rng(4)
         n, path = 20000, self.folder / "w.latent"
         u, v = random.random(n), random.random(n)
-        extra = {"depth": 1 + u, "object": (v > 0.5) + 7, "material": np.full(n, 3), "normal.x": u, "normal.y": v, "normal.z": u * v}
-        types = {"depth": "f4", "object": "u8", "material": "u2", "normal.x": "f4", "normal.y": "f4", "normal.z": "f4"}
+        extra = {"depth": 1 + u, "object": (v > 0.5) + 7, "material": np.full(n, 3), "normal.x": u, "normal.y": v, "normal.z": u * v,
+                 "R": 2 * u}
+        types = {"depth": "f4", "object": "u8", "material": "u2", "normal.x": "f4", "normal.y": "f4", "normal.z": "f4",
+                 "R": "f8"}
         with latent.Writer(path, job_id="2" * 32, samples=(0, n), extra=types) as part:
             part.write(sample=np.arange(n), u=u, v=v, x=u, y=u, z=u, extra=extra)
         tool("latent-inspect", "verify", "--deep", "--strict", path)
@@ -107,8 +109,34 @@ class Tools(unittest.TestCase):
         np.testing.assert_allclose(layers["Z"], 1 + layers["G"], rtol=1e-6)
         np.testing.assert_array_equal(layers["id.object"], np.repeat([[7], [8]], 8, 0) * np.ones((1, 16)))
         np.testing.assert_array_equal(layers["id.material"], 3)
-        with self.assertRaisesRegex(latent.Error, "--layers albedo: the files have no column albedo.x"):
+        # Any column, by its name.
+        own = latent.develop_layers(path, size=16, filter="box", layers=["object", "normal.y", "R"])
+        np.testing.assert_array_equal(own["object"], layers["id.object"])
+        np.testing.assert_array_equal(own["normal.y"], layers["N.Y"])
+        np.testing.assert_allclose(own["extra.R"], 2 * own["G"], rtol=1e-6)
+        picture = self.developed(path, "--size", "16", "--filter", "box", "--layers", "object,normal.y,R")
+        for name, layer in own.items():
+            np.testing.assert_array_equal(layer, picture[name], name)
+        with self.assertRaisesRegex(latent.Error, "layers gloss: no layer and no column of the files, which have depth, object, "):
+            latent.develop_layers(path, size=16, layers=["gloss"])
+        with self.assertRaisesRegex(latent.Error, "layers albedo: the files have no column albedo.x"):
             latent.develop_layers(path, size=16, layers=["albedo"])
+
+    def test_how_samples_were_made_is_the_same_before_and_after_a_merge(self):
+        names = {"light_groups": [{"name": "lamp", "spectrum": {"nm": [400, 700], "value": [1, 1]}}, {"name": "sk\u00ff"}, {}], "materials": ["glass", ""]}
+        paths = [self.folder / f"{i}.latent" for i in range(2)]
+        for i, path in enumerate(paths):
+            zeros = np.zeros(1024)
+            with latent.Writer(path, job_id="4" * 32, samples=(i * 1024, (i + 1) * 1024), provenance={"host": f"node{i}", **names}) as part:
+                part.write(sample=np.arange(1024) + i * 1024, u=zeros, v=zeros, x=zeros, y=zeros, z=zeros)
+        latent.merge(*paths, output=self.folder / "m.latent")
+        for night in (latent.open(*paths), latent.open(self.folder / "m.latent")):
+            self.assertEqual(night.parts, [{"provenance": {"host": f"node{i}", **names}, "samples": [(i * 1024, (i + 1) * 1024)]} for i in range(2)])
+            self.assertEqual((night.light_groups, night.materials), (["lamp", "sk\u00ff", ""], ["glass", ""]))
+        told = latent.info(self.folder / "m.latent")
+        self.assertEqual((told["parts"], told["materials"], told["samples"]), (night.parts, ["glass", ""], 2048))
+        silent = latent.open(self.generated())
+        self.assertEqual((silent.light_groups, silent.materials, silent.parts[0]["provenance"]), ([], [], {"program": "latent-inspect gen"}))
 
     def test_fireflies_and_raw_channels_are_those_of_the_tool(self):
         random = np.random.default_rng(5)
@@ -202,7 +230,7 @@ class Tools(unittest.TestCase):
         self.assertRaises(latent.Error, latent.develop, path, size=(10, 1000))
         self.assertRaises(latent.Error, latent.develop, path, size=10, crop=(0, 0, 11, 1))
         self.assertRaises(latent.Error, latent.develop_layers, path, layers=["depth"])
-        self.assertRaises(latent.Error, latent.develop, path, job="x")
+        self.assertRaises(ValueError, latent.develop, path, job="x")
         self.assertRaises(ValueError, latent.develop, path, image="none")
         self.assertRaises(ValueError, latent.develop, path, estimator="mean")
         self.assertRaises(ValueError, latent.develop, path, estimator="ratio", spectral_bins=7)

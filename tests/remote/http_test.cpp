@@ -33,7 +33,7 @@ class HttpTest : public ::testing::Test {
     }
 
     Result<std::shared_ptr<const HttpSource>> open(const std::string& path) const {
-        return HttpSource::open(server_url_ + path, std::make_shared<BlockCache>(patience_));
+        return HttpSource::open(server_url_ + path, std::make_shared<RangeCache>(patience_));
     }
     std::shared_ptr<const HttpSource> opened(const std::string& path) const {
         auto source = open(path);
@@ -105,16 +105,24 @@ TEST_F(HttpTest, WhatIsBeyondTheEndIsTruncated) {
     expect_bytes(*source, kSize - 2, 2);
 }
 
-TEST_F(HttpTest, AFileThatBecomesShorterIsTruncatedAndOneThatGrowsIsReadUpToWhereItWas) {
+TEST_F(HttpTest, AFileThatGrowsIsReadUpToWhereItWasAndOneThatBecomesShorterIsAnError) {
     const auto source = opened("plain/file");
     ASSERT_TRUE(source);
     std::filesystem::resize_file(folder_ / "file", kSize + 100'000);
     expect_bytes(*source, kSize - 50'000, 50'000);
     std::filesystem::resize_file(folder_ / "file", 1'000'000);
     Bytes some(1000);
-    EXPECT_EQ(source->read(2'000'000, some).error().code, ErrorCode::kTruncated);
-    EXPECT_EQ(source->read(999'500, some).error().code, ErrorCode::kTruncated);
-    expect_bytes(*source, 500'000, 1000);
+    for (const std::uint64_t offset : {500'000, 999'500, 2'000'000})
+        EXPECT_NE(source->read(offset, some).error().message.find("has become shorter on the server"), std::string::npos) << offset;
+}
+
+TEST_F(HttpTest, AFileThatIsReplacedByOneOfItsSizeIsAnError) {
+    const auto source = opened("changing/file");
+    ASSERT_TRUE(source);
+    Bytes some(1000);
+    const Status status = source->read(2'000'000, some);
+    ASSERT_FALSE(status);
+    EXPECT_TRUE(status.error().message.ends_with("has changed on the server since it was opened")) << status.error().message;
 }
 
 TEST_F(HttpTest, AnEmptyFileIsEmpty) {
@@ -129,11 +137,53 @@ TEST_F(HttpTest, WhatTheServerRefusesIsAnErrorThatNamesTheUrl) {
     expect_error("whole/file", ErrorCode::kIo, "must support range requests");
     expect_error("other/file", ErrorCode::kIo, "another range of bytes than the one requested");
     expect_error("broken/file", ErrorCode::kIo, "status 500 (tried 5 times)");
+    expect_error("circle/file", ErrorCode::kIo, "Maximum (10) redirects followed");
+    expect_error("local-file/file", ErrorCode::kIo, "Protocol \"file\" not supported");
+    expect_error("gopher/file", ErrorCode::kIo, "Protocol \"gopher\" not supported");
     server_->kill_now();
     expect_error("plain/file", ErrorCode::kIo, "tried 5 times");
-    const auto nowhere = HttpSource::open("http://", std::make_shared<BlockCache>(patience_));
+    const auto nowhere = HttpSource::open("http://", std::make_shared<RangeCache>(patience_));
     ASSERT_FALSE(nowhere);
     EXPECT_EQ(nowhere.error().message.find("tried"), std::string::npos) << nowhere.error().message;
+}
+
+struct Lie {
+    const char* way;
+    const char* words;  // of the error
+};
+
+TEST_F(HttpTest, AServerThatLiesIsAnErrorThatSaysHow) {
+    for (const Lie lie :
+         {Lie{"impossible-size", "does not say which bytes it sends"}, Lie{"overflowing-size", "does not say which bytes it sends"},
+          Lie{"negative-size", "does not say which bytes it sends"}, Lie{"unknown-size", "does not say which bytes it sends"},
+          Lie{"no-range", "does not say which bytes it sends"}, Lie{"longer-range", "another range of bytes"},
+          Lie{"more", "announced 16384 bytes and sent more"}, Lie{"fewer", "announced 16384 bytes and sent fewer"},
+          Lie{"none", "announced 16384 bytes and sent fewer"}, Lie{"compressed", "sends compressed bytes"},
+          Lie{"status-204", "answers with status 204"}, Lie{"status-304", "answers with status 304"},
+          Lie{"status-999", "answers with status 999 (tried 5 times)"}, Lie{"no-such-range", "refuses a range that it has"},
+          Lie{"garbage", "cannot be read"}})
+        expect_error(std::string(lie.way) + "/file", ErrorCode::kIo, lie.words);
+}
+
+TEST_F(HttpTest, AnAnswerThatNeverEndsIsCutOff) {
+    patience_.lag_seconds = 3;
+    std::vector<std::thread> threads;
+    for (const Lie lie : {Lie{"endless-page", "cannot be read at byte 0"}, Lie{"endless-extension", "cannot be read at byte 0"},
+                          Lie{"endless-bytes", "sent more"}, Lie{"endless-header", "a header without end"},
+                          Lie{"endless-line", "a line of the answer is too long"}, Lie{"endless-continue", "a header without end"},
+                          Lie{"endless-size", "cannot be read at byte 0"}, Lie{"drip", "too slow"},
+                          Lie{"silent", "cannot be read at byte 0"}, Lie{"later", "status 503"}})
+        threads.emplace_back([this, lie] { expect_error(std::string(lie.way) + "/file", ErrorCode::kIo, lie.words); });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::string way : {"endless-404", "endless-redirection"})
+        expect_error(way + "/file", ErrorCode::kNotFound, "there is no such file");
+}
+
+TEST_F(HttpTest, AFileThatShrinksWithEveryAnswerIsAnError) {
+    const auto source = opened("shrinking/file");
+    ASSERT_TRUE(source);
+    Bytes some(1000);
+    EXPECT_EQ(source->read(2'000'000, some).error().code, ErrorCode::kIo);
 }
 
 TEST_F(HttpTest, AServerThatGoesAwayIsAnErrorOfTheRead) {

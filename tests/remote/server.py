@@ -8,6 +8,7 @@ other    sends other bytes than were asked for
 broken   always an error of the server
 refused  403
 moved    a redirection to plain
+LIES, STREAMS, REDIRECTIONS: what no honest server does
 """
 import functools
 import http.server
@@ -19,6 +20,49 @@ import struct
 import sys
 import threading
 import time
+
+
+# Answers to a range that are wrong in one way: what differs from the right one. `right`: first, last, size, body.
+LIES = {
+    "impossible-size": lambda right: {"size": 2**63},
+    "overflowing-size": lambda right: {"size": 2**64 - 1},
+    "negative-size": lambda right: {"size": -5},
+    "unknown-size": lambda right: {"size": "*"},
+    "no-range": lambda right: {"range": None},
+    "longer-range": lambda right: {"last": right["last"] + 1, "size": right["size"] + 1, "body": right["body"] + b"x"},
+    "more": lambda right: {"body": right["body"] + bytes(5000)},
+    "fewer": lambda right: {"body": right["body"][:100]},
+    "none": lambda right: {"body": b""},
+    "compressed": lambda right: {"headers": {"Content-Encoding": "gzip"}},
+    "status-204": lambda right: {"status": 204, "body": b""},
+    "status-304": lambda right: {"status": 304, "body": b""},
+    "status-999": lambda right: {"status": 999, "body": b""},
+    "no-such-range": lambda right: {"status": 416, "range": f"*/{right['size']}", "body": b""},
+    "later": lambda right: {"status": 503, "headers": {"Retry-After": "100000"}, "body": b""},
+    "shrinking": lambda right: {"size": right["size"] - right["first"] // 2},
+    "changing": lambda right: {"headers": {"Last-Modified": f"Thu, 01 Jan 1970 00:{right['first'] // 65536:02}:00 GMT"}},
+}
+RANGE = "HTTP/1.1 206 x\r\nContent-Range: bytes {first}-{last}/{size}\r\n"
+# Answers that never end: how they begin, what then comes again and again, and after how many seconds each time.
+STREAMS = {
+    "endless-page": ("HTTP/1.1 500 x\r\n\r\n", bytes(65536), 0),
+    "endless-404": ("HTTP/1.1 404 x\r\n\r\n", bytes(65536), 0),
+    "endless-redirection": ("HTTP/1.1 302 x\r\nLocation: /plain/none\r\n\r\n", bytes(65536), 0),
+    "endless-bytes": (RANGE + "\r\n", bytes(65536), 0),
+    "endless-header": ("HTTP/1.1 206 x\r\n", b"X: " + b"y" * 1000 + b"\r\n", 0),
+    "endless-line": ("HTTP/1.1 206 x\r\nX: ", b"y" * 65536, 0),
+    "endless-continue": ("", b"HTTP/1.1 100 Continue\r\n\r\n", 0),
+    "endless-extension": (RANGE + "Transfer-Encoding: chunked\r\n\r\n5;", b"x" * 65536, 0),
+    "endless-size": (RANGE + "Transfer-Encoding: chunked\r\n\r\n", b"f" * 64, 0),
+    "drip": (RANGE + "Content-Length: 99999999\r\n\r\n", b"x", 0.2),
+    "silent": ("", b"", 0.2),
+    "garbage": ("no HTTP\r\n\r\n", bytes(64), 0),
+}
+REDIRECTIONS = {
+    "circle": "/circle/file",
+    "local-file": "file:///etc/passwd",
+    "gopher": "gopher://127.0.0.1/file",
+}
 
 
 class Server(http.server.ThreadingHTTPServer):
@@ -76,12 +120,34 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(body)
 
+    def lie(self, wrong, right):
+        said = {"status": 206, "headers": {}, **right, **wrong}
+        value = said.get("range", f"{said['first']}-{said['last']}/{said['size']}")
+        self.send_response(said["status"])
+        for header, text in said["headers"].items():
+            self.send_header(header, text)
+        if value is not None:
+            self.send_header("Content-Range", f"bytes {value}")
+        self.send_header("Content-Length", str(len(said["body"])))
+        self.end_headers()
+        self.wfile.write(said["body"])
+
+    def stream(self, begin, piece, seconds, right):
+        self.close_connection = True
+        self.wfile.write(begin.format(**right).encode())
+        try:
+            while True:
+                self.wfile.write(piece)
+                time.sleep(seconds)
+        except OSError:
+            pass  # the client has had enough
+
     def answer(self, way, name, before):
         path = self.server.folder / name
         if way in ("broken", "refused"):
             return self.fail(500 if way == "broken" else 403)
-        if way == "moved":
-            return self.fail(302, Location=self.server.url(name))
+        if way == "moved" or way in REDIRECTIONS:
+            return self.fail(302, Location=REDIRECTIONS.get(way) or self.server.url(name))
         if not path.is_file():
             return self.fail(404)
         size = path.stat().st_size
@@ -106,6 +172,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         with path.open("rb") as file:
             file.seek(first)
             body = file.read(end - first)
+        right = {"first": first, "last": end - 1, "size": size, "body": body}
+        if way in STREAMS:
+            return self.stream(*STREAMS[way], right)
+        if way in LIES:
+            return self.lie(LIES[way](right), right)
         self.send_response(status)
         if status == 206:
             self.send_header("Content-Range", f"bytes {first}-{end - 1}/{size}")

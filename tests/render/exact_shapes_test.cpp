@@ -8,7 +8,7 @@
 namespace latent::render {
 namespace {
 
-class Random {
+class Random64 {
  public:
     double operator()(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
     Vec3d vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
@@ -23,7 +23,7 @@ constexpr double kFar = 1e30;
 template <class Across, class Intersect>
 void expect_first_hits(const Across& across, const Intersect& intersect) {
     const auto distance = [&](const Vec3d& p) { return length(across(p)); };
-    Random random;
+    Random64 random;
     int hits = 0;
     for (int i = 0; i < 20000; ++i) {
         const double radius = std::exp(random(-3, 3));
@@ -58,7 +58,7 @@ TEST(Sphere, FarAndGrazingRaysKeepTheirPrecision) {
 }
 
 TEST(Sphere, OriginOnTheSurfaceKnowsItsSide) {
-    Random random;
+    Random64 random;
     for (int i = 0; i < 10000; ++i) {
         const Vec3d n = normalize(random.vector(1)), tangent = normalize(cross(n, random.vector(1)));
         const double cosine = std::exp(random(-8, 0));
@@ -77,7 +77,7 @@ TEST(Cylinder, HitsLieOnItAndAreTheFirst) {
 
 // Of the points of a whole quadric that a ray meets, a part has those that lie on it.
 TEST(Quadrics, APartIsMetWhereItIs) {
-    Random random;
+    Random64 random;
     int met = 0, missed = 0;
     for (int i = 0; i < 20000; ++i) {
         const QuadricPart part{random(-1, 0), random(0, 1), random(0.5, 6)};
@@ -117,7 +117,7 @@ TEST(Disk, IsItsRing) {
 }
 
 TEST(Patch, RaysToItsPointsHitThereUnlessSomethingIsInFront) {
-    Random random;
+    Random64 random;
     int nearest = 0;
     for (int i = 0; i < 20000; ++i) {
         const PatchCorners p{random.vector(1), random.vector(1), random.vector(1), random.vector(1)};
@@ -134,7 +134,7 @@ TEST(Patch, RaysToItsPointsHitThereUnlessSomethingIsInFront) {
 
 TEST(Patch, FlatRectangleIsThatRectangle) {
     const PatchCorners p{Vec3d(-0.7, -0.7, -0.6), Vec3d(-0.2, -0.7, -0.6), Vec3d(-0.7, -0.1, -0.6), Vec3d(-0.2, -0.1, -0.6)};
-    Random random;
+    Random64 random;
     for (int i = 0; i < 10000; ++i) {
         const Vec3d o(random(-1, 1), random(-1, 1), 2), d(random(-0.2, 0.2), random(-0.2, 0.2), -1);
         const Vec3d at = o + d * 2.6;

@@ -1,6 +1,7 @@
 // tests/render/models.h: glTF files, written on the spot.
 #pragma once
 
+#include <cmath>
 #include <cstring>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
@@ -17,11 +18,28 @@ struct GltfFile {
 
     // The index of the new accessor.
     std::size_t add_floats(std::initializer_list<double> values, const char* type, std::size_t stride = 0) {
-        const std::size_t at = binary.size(), components = type[3] == '2' ? 2 : 3;
+        const std::size_t at = binary.size(), components = static_cast<std::size_t>(type[3] - '0');
         for (const double x : values) append(static_cast<float>(x));
         nlohmann::json view = {{"buffer", 0}, {"byteOffset", at}, {"byteLength", binary.size() - at}};
         if (stride > 0) view["byteStride"] = stride;
         return add(view, {{"componentType", 5126}, {"type", type}, {"count", values.size() / components}});
+    }
+    // Of one byte (5121), two (5123) or a float (5126), as a fraction of the largest.
+    std::size_t add_fractions(std::initializer_list<double> values, const char* type, int component) {
+        const std::size_t at = binary.size(), components = static_cast<std::size_t>(type[3] - '0'),
+                          bytes = component == 5121   ? 1
+                                  : component == 5123 ? 2
+                                                      : 4,
+                          stride = (components * bytes + 3) / 4 * 4;
+        std::size_t i = 0;
+        for (const double x : values) {
+            if (component == 5121) append(static_cast<std::uint8_t>(std::lround(x * 255)));
+            if (component == 5123) append(static_cast<std::uint16_t>(std::lround(x * 65535)));
+            if (component == 5126) append(static_cast<float>(x));
+            if (++i % components == 0) binary.resize(binary.size() + stride - components * bytes);
+        }
+        return add({{"buffer", 0}, {"byteOffset", at}, {"byteLength", binary.size() - at}, {"byteStride", stride}},
+                   {{"componentType", component}, {"type", type}, {"count", values.size() / components}, {"normalized", true}});
     }
     std::size_t add_indices(std::initializer_list<std::uint32_t> values, int type = 5125) {
         const std::size_t at = binary.size();

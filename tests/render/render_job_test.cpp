@@ -220,7 +220,8 @@ TEST_F(JobOf, ProvenanceNamesEverySettingAsItWasUsed) {
     EXPECT_EQ(other["shard"], "1/2");
     const nlohmann::json range = of([](RenderSettings& s) { s.samples = SampleRange{0, 5000}; });
     EXPECT_EQ(range["samples"], nlohmann::json({0, 5000}));
-    EXPECT_FALSE(range.contains("spp") || range.contains("resolution"));
+    EXPECT_FALSE(range.contains("spp"));
+    EXPECT_EQ(range["resolution"], nlohmann::json({64, 48}));
 }
 
 TEST_F(JobOf, SeedsShiftFilmPositionsButForZero) {

@@ -25,6 +25,7 @@ class FakeIntegrator final : public Integrator {
     explicit FakeIntegrator(std::chrono::microseconds pause = {}) : pause_(pause) {}
     void trace(std::uint64_t n, sampledb::Records& out, RadianceFaults& faults) const override {
         if (pause_.count() > 0) std::this_thread::sleep_for(pause_);
+        if (held_up_.count() > 0 && n / sampledb::kGrainSamples == held_up_grain_) std::this_thread::sleep_for(held_up_);
         if (n % 100 == 0) ++faults.nan;
         const sampledb::FilmPosition p = sampledb::halton23(n, {sampledb::PositionSampler::kHalton23, 0, 0});
         out.sample.push_back(n);
@@ -42,10 +43,13 @@ class FakeIntegrator final : public Integrator {
     const std::set<std::uint64_t>& traced() const { return traced_; }
     void forget() { traced_.clear(); }
     // Sets `stop` when so many samples have been traced.
+    // Each sample of this grain takes so much longer.
+    void hold_up(std::uint64_t grain, std::chrono::microseconds pause) { held_up_grain_ = grain, held_up_ = pause; }
     void stop_after(std::size_t samples, std::atomic<bool>& stop) { stop_after_ = samples, stop_ = &stop; }
 
  private:
-    std::chrono::microseconds pause_;
+    std::chrono::microseconds pause_, held_up_{};
+    std::uint64_t held_up_grain_ = 0;
     sampledb::WavelengthDensity density_;
     mutable std::mutex mutex_;
     mutable std::set<std::uint64_t> traced_;
@@ -166,11 +170,10 @@ TEST(CommitLog, HasOneLineForEachCommitButNoMoreThanOneInAnInterval) {
     EXPECT_EQ(log.line({250, 0, 0}, at(0)), "committed 250 of 1000 samples (25.0 %)");  // by earlier work
     EXPECT_EQ(log.line({250, 0, 50}, at(20)), "");
     EXPECT_EQ(log.line({500, 1024, 50}, at(21)),
-              "committed 500 of 1000 samples (50.0 %), 10.0s left, 0.000 M samples/s, 1.0 KiB written");
+              "committed 500 of 1000 samples (50.0 %), 10.0s left, 50 samples/s, 1.0 KiB written");
     EXPECT_EQ(log.line({600, 1024, 50}, at(30)), "");
     EXPECT_NE(log.line({600, 1024, 50}, at(31)), "");
-    EXPECT_EQ(log.line({1000, 2048, 50}, at(32), true),
-              "committed 1000 of 1000 samples (100.0 %), 0.000 M samples/s, 2.0 KiB written");
+    EXPECT_EQ(log.line({1000, 2048, 50}, at(32), true), "committed 1000 of 1000 samples (100.0 %), 50 samples/s, 2.0 KiB written");
     EXPECT_EQ(log.line({1000, 2048, 50}, at(90), true), "");
 }
 
@@ -225,6 +228,23 @@ TEST(RenderLoop, SlowGrainsAreGivenUp) {
     ASSERT_TRUE(report) << report.error().message;
     EXPECT_FALSE(report->complete);
     EXPECT_EQ(report->committed, 0u);
+}
+
+// While one thread is held up in a grain, the other finishes later ones, which cannot be committed without it.
+TEST(RenderLoop, AForecastCountsWhatIsCommittedNotWhatIsFinished) {
+    for (const std::uint64_t grain : {0, 2}) {
+        Fake fake({0, 4 * sampledb::kGrainSamples});
+        fake.integrator->hold_up(grain, std::chrono::milliseconds(20));
+        const Result<Forecast> estimated = forecast(fake.job, fake.options, 0.2, 1, fake.stop);
+        EXPECT_TRUE(fake.folder.names().empty());
+        ASSERT_EQ(estimated.has_value(), grain > 0);
+        if (!estimated) {
+            EXPECT_EQ(estimated.error().code, ErrorCode::kStopped) << estimated.error().message;
+            continue;
+        }
+        EXPECT_EQ(estimated->measured_samples, grain * sampledb::kGrainSamples);
+        EXPECT_GE(estimated->bytes, 4 * sampledb::kGrainSamples);  // a byte per record at the least
+    }
 }
 
 TEST(RenderLoop, EstimatesFromAShortTrialAndLeavesNothing) {

@@ -210,7 +210,18 @@ TEST(SceneRefusals, WhatGoesOnForeverEnds) {
         const std::string next = fmt::format("Include \"{}.pbrt\"\n", i + 1);
         folder.write(fmt::format("{}.pbrt", i), i < 39 ? next + next : "");
     }
-    EXPECT_THAT(load_scene(folder / "0.pbrt").error().message, HasSubstr("more than 1000000 files are included"));
+    EXPECT_THAT(load_scene(folder / "0.pbrt").error().message, HasSubstr("the scene includes its files so often"));
+    // So do buffers of a glTF model and libraries of an OBJ model.
+    folder.write("a.bin", std::string(100'000, '\0'));
+    std::string buffers;
+    for (int i = 0; i < 200; ++i) buffers += fmt::format(R"({}{{"uri": "a.bin", "byteLength": 100000}})", i > 0 ? ", " : "");
+    folder.write("a.gltf", fmt::format(R"({{"asset": {{"version": "2.0"}}, "buffers": [{}]}})", buffers));
+    EXPECT_THAT(load_scene(folder / "a.gltf").error().message, HasSubstr("the scene includes its files so often"));
+    folder.write("a.mtl", std::string(100'000, '#'));
+    std::string model;
+    for (int i = 0; i < 200; ++i) model += "mtllib a.mtl\n";
+    folder.write("a.obj", model + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_THAT(load_scene(folder / "a.obj").error().message, HasSubstr("the scene includes its files so often"));
     std::string many = "WorldBegin\n", lost = many;
     for (int i = 0; i < 5000; ++i) many += "AttributeBegin\n";
     EXPECT_THAT(lines_of(refusal(many)), ::testing::SizeIs(1001));

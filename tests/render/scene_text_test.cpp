@@ -114,7 +114,7 @@ TEST(SceneText, WhatIsLostIsNotMissedOnceMore) {
 
 TEST(SceneText, MessagesOfIncludedFilesNameThem) {
     const Folder folder;
-    folder.write("part.pbrt", "\n\n   Frob");
+    folder.write("part.pbrt", "\nIdentity\n   Frob");
     const Result<LoadedScene> scene = load_scene(folder.write("room.pbrt", "WorldBegin\nInclude \"part.pbrt\""));
     ASSERT_FALSE(scene);
     EXPECT_THAT(scene.error().message, HasSubstr("part.pbrt:3:4: "));

@@ -439,8 +439,24 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
     };
     EXPECT_THAT(open("once-broken-attribute.exr"), HasSubstr("an attribute is longer than the file"));
     EXPECT_THAT(open("once-broken-empty.tga"), HasSubstr("has no pixels"));
-    EXPECT_THAT(open("once-broken-tile.tif"), HasSubstr("a tile of 40968 x 16 pixels takes more than 1/16 of --texture-cache"));
+    EXPECT_THAT(open("once-broken-tile.tif"), HasSubstr("does not say how many bits"));
+    EXPECT_THAT(open("large-tile.tif"), HasSubstr("a tile of 40968 x 16 pixels takes more than 1/16 of --texture-cache"));
     EXPECT_EQ(open("a.exr"), "");
+}
+
+// OpenImageIO could read many more.
+TEST_F(TextureTest, PicturesOfOtherFormatsAreRefused) {
+    std::string sgi(512, '\0');  // one grey pixel, uncompressed
+    sgi[0] = 0x01, sgi[1] = '\xDA', sgi[3] = 1, sgi[5] = 2, sgi[7] = 1, sgi[9] = 1, sgi[11] = 1, sgi[19] = '\xFF';
+    sgi += '\x80';
+    const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
+    ASSERT_TRUE(pictures);
+    for (const char* name : {"a.sgi", "a.rgb", "a.mp4", "a.psd", "a.null", "a", "a.latent"}) {
+        folder_.write(name, sgi);
+        const Result<image::PictureInfo> info = (*pictures)->open(folder_ / name, name, {});
+        ASSERT_FALSE(info) << name;
+        EXPECT_THAT(info.error().message, HasSubstr("its format is none of PNG, JPEG"));
+    }
 }
 
 TEST_F(TextureTest, APictureThatEndsEarlyIsAnErrorWhenItsEndIsNeeded) {

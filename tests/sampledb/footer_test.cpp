@@ -22,12 +22,12 @@ using synthetic::make_job;
 constexpr std::uint64_t kFirstHead = 24, kFirstEntry = 264, kTrailer = 64;
 
 // A file of small runs, and the list that a footer has of them.
-struct Case {
+struct FooterCase {
     Job job;
     FileBytes file;  // without a footer
     std::vector<RunInfo> runs;
 
-    explicit Case(std::size_t count) : job(make_job(RecordKind::kXyz)) {
+    explicit FooterCase(std::size_t count) : job(make_job(RecordKind::kXyz)) {
         job.run_samples = 1024;
         std::vector<Coverage> coverage;
         for (std::uint64_t i = 0; i < count; ++i) coverage.emplace_back(SampleRange{i * 1024, i * 1024 + 3});
@@ -59,13 +59,13 @@ std::uint64_t losses(const FileContents& file) {
 }
 
 // Of the first form's entries the 125th and every 512th from there holds a run's header at the start of a block.
-const Case& many() {
-    static const Case runs(150);
+const FooterCase& many() {
+    static const FooterCase runs(150);
     return runs;
 }
 
 TEST(Footer, OfEitherFormIsReadAndWalkedToTheSameRuns) {
-    const Case& c = many();
+    const FooterCase& c = many();
     for (const Bytes& bytes : {c.first(c.runs), c.second(c.runs)}) {
         for (const bool use_footer : {true, false}) {
             const FileContents file = read(bytes, use_footer, VerifyLevel::kStored);
@@ -78,7 +78,7 @@ TEST(Footer, OfEitherFormIsReadAndWalkedToTheSameRuns) {
 }
 
 TEST(Footer, CutAtAnyByteLeavesEveryRunAndIsNoRun) {
-    const Case& c = many();
+    const FooterCase& c = many();
     for (const Bytes& bytes : {c.first(c.runs), c.second(c.runs)}) {
         std::vector<std::size_t> cuts;
         for (std::size_t cut = c.footer(); cut < bytes.size(); cut += cut - c.footer() < 512 ? 1 : 89) cuts.push_back(cut);
@@ -97,7 +97,7 @@ TEST(Footer, CutAtAnyByteLeavesEveryRunAndIsNoRun) {
 
 TEST(Footer, WhoseHeadIsLostHoldsNoRunForASearch) {
     // A search goes through all of it; of the first form without an end it meets a run's header at the start of a block.
-    const Case& c = many();
+    const FooterCase& c = many();
     for (const Bytes& whole : {c.first(c.runs), c.second(c.runs)}) {
         for (const std::size_t cut : {whole.size(), whole.size() - 1}) {
             Bytes bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut));
@@ -111,7 +111,7 @@ TEST(Footer, WhoseHeadIsLostHoldsNoRunForASearch) {
 }
 
 TEST(Footer, BehindADamagedRunEndsTheSearch) {
-    const Case& c = many();
+    const FooterCase& c = many();
     for (Bytes bytes : {c.first(c.runs), c.second(c.runs)}) {
         bytes[c.runs.back().offset + 100] ^= std::byte{1};
         const std::size_t cut = bytes.size() - 10;
@@ -127,7 +127,7 @@ TEST(Footer, BehindADamagedRunEndsTheSearch) {
 }
 
 TEST(Footer, ThatOmitsARunIsNotBelievedAndThatIsTold) {
-    const Case c(6);
+    const FooterCase c(6);
     for (std::size_t omitted = 0; omitted < c.runs.size(); ++omitted) {
         std::vector<RunInfo> list = c.runs;
         list.erase(list.begin() + static_cast<std::ptrdiff_t>(omitted));
@@ -154,7 +154,7 @@ TEST(Footer, ThatOmitsARunIsNotBelievedAndThatIsTold) {
 }
 
 TEST(Footer, ThatListsAnotherHeaderIsCaughtByAWalkAndWhenTheRunIsUsed) {
-    const Case c(3);
+    const FooterCase c(3);
     std::vector<RunInfo> list = c.runs;
     list[1].header.content_hash.low ^= 1;
     for (const Bytes& bytes : {c.first(list), c.second(list)}) {
@@ -171,7 +171,7 @@ TEST(Footer, ThatListsAnotherHeaderIsCaughtByAWalkAndWhenTheRunIsUsed) {
 }
 
 TEST(Footer, NamesTheSamplesOfARunWhoseHeaderIsGone) {
-    const Case c(5);
+    const FooterCase c(5);
     for (Bytes bytes : {c.first(c.runs), c.second(c.runs)}) {
         for (const std::size_t run : {1u, 2u, 4u}) bytes[c.runs[run].offset + 50] ^= std::byte{1};
         const FileContents file = read(bytes, false);
@@ -187,7 +187,7 @@ TEST(Footer, NamesTheSamplesOfARunWhoseHeaderIsGone) {
 
 // One field of the head is another, at both ends, and every hash is right.
 TEST(Footer, ThatMisleadsIsNotBelieved) {
-    const Case c(2);
+    const FooterCase c(2);
     const auto patched = [&](std::size_t offset, std::uint64_t value) {
         Bytes bytes = c.second(c.runs);
         for (const std::size_t head : {c.footer(), bytes.size() - kFooterHeadSize}) {
@@ -211,7 +211,7 @@ TEST(Footer, ThatMisleadsIsNotBelieved) {
 }
 
 TEST(Footer, OfTheFirstFormThatMisleadsIsNotBelieved) {
-    const Case c(2);
+    const FooterCase c(2);
     const auto patched = [&](std::size_t offset, std::uint64_t value) {
         Bytes bytes = c.first(c.runs);
         store_le(&bytes[c.footer() + offset], value);
@@ -243,7 +243,7 @@ TEST(Footer, HoldsNoMoreThanAReaderTakes) {
 }
 
 TEST(Footer, ListsMoreRunsThanAreReadAtOnce) {
-    const Case c(1);
+    const FooterCase c(1);
     std::vector<RunInfo> list;
     constexpr std::uint64_t kMany = 20000;
     for (std::uint64_t i = 0; i < kMany; ++i) list.push_back({i * c.runs[0].header.size(), c.runs[0].header});
@@ -262,7 +262,7 @@ TEST(Footer, ListsMoreRunsThanAreReadAtOnce) {
 
 // A run whose version or features this program does not know, its hash right.
 TEST(Walk, GoesOnBehindARunOfAnotherVersionAndSaysSo) {
-    const Case c(5);
+    const FooterCase c(5);
     for (const auto& [at, value, said] :
          {std::tuple<std::size_t, std::uint16_t, const char*>{8, 2, "format version 2"}, {16, 4, "uses features 0x4"}}) {
         for (const std::size_t run : {0u, 2u, 4u}) {
@@ -301,7 +301,7 @@ TEST(Walk, GoesOnBehindARunOfAnotherVersionAndSaysSo) {
 }
 
 TEST(Walk, TellsDamageBeforeARunThatIsCutOff) {
-    const Case c(4);
+    const FooterCase c(4);
     Bytes bytes = c.file.bytes;
     bytes[c.runs[1].offset] ^= std::byte{1};
     bytes[c.runs[2].offset] ^= std::byte{1};

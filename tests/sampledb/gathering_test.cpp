@@ -112,6 +112,7 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     fs::create_directories(folder_ / "more");
     part("more/d.latent", 9);
     fs::create_symlink("nowhere", folder_ / "link.latent");
+    fs::create_symlink("loop.latent", folder_ / "loop.latent");
     text("empty.latent", "");
     cut(part("c.latent", 6), 5000);
     const auto g = open({folder_.path()});
@@ -123,8 +124,8 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     EXPECT_EQ(left_out.size(), (*g)->report().left_out.size());
     EXPECT_TRUE(left_out["c.latent"].starts_with("truncated or damaged at its end: ")) << left_out["c.latent"];
     EXPECT_EQ(left_out["empty.latent"], "empty, not a Latent file");
-    for (const char* name : {"link.latent", "words.latent"}) EXPECT_TRUE(left_out.contains(name)) << name;
-    EXPECT_EQ(left_out.size(), 4u);
+    for (const char* name : {"link.latent", "loop.latent", "words.latent"}) EXPECT_TRUE(left_out.contains(name)) << name;
+    EXPECT_EQ(left_out.size(), 5u);
     const std::string at = folder_.path().string() + "/";  // by their names already, these are no sample files
     EXPECT_THAT((*g)->report().notes,
                 ::testing::IsSupersetOf({at + "more: a folder inside a folder is not searched, skipped",

@@ -91,7 +91,7 @@ TEST(Job, ImpossibleJobsAreRefused) {
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].name.assign(65, 'x'); }));
     EXPECT_TRUE(refused([](Job& j) { j.extra[1].type = static_cast<ColumnType>(7); }));
     EXPECT_TRUE(refused([](Job& j) {
-        for (int i = 0; i < 20; ++i) j.extra.push_back({std::to_string(i), ColumnType::kU8});
+        for (int i = 0; i < 200; ++i) j.extra.push_back({std::to_string(i), ColumnType::kU8});
     }));
     EXPECT_FALSE(encode_file_header({with_everything(), std::string(kMaxProvenanceSize + 1, ' ')}));
 }

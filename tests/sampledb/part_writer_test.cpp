@@ -294,10 +294,12 @@ TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
 
 TEST_F(PartWriterTest, AnotherJobOrRangeUnderTheNameIsRefusedUnlessForced) {
     const Job job = make_short_job(), other = make_short_job(RecordKind::kXyz, 2);
-    auto writer = open(job, {0, 4096});
+    const std::string provenance = R"({"program":"renderer 1.0","render_epoch":7})";
+    auto writer = *PartWriter::open({.path = name_, .range = {0, 4096}, .provenance_json = provenance}, job);
     submit_all(*writer, job);
     const Error unfinished = refusal(other, {0, 4096});
     EXPECT_EQ(unfinished.code, ErrorCode::kMismatch);
+    EXPECT_NE(unfinished.message.find("(renderer 1.0, render epoch 7)"), std::string::npos) << unfinished.message;
     ASSERT_TRUE(writer->finish());
 
     const Error foreign = refusal(other, {0, 4096});

@@ -102,8 +102,8 @@ TEST(Run, EveryFormOfRecordSurvivesBitForBit) {
     for (const Job& job : jobs_of_each_form()) {
         const std::uint64_t samples = job.batch > 100 ? 300 : 9000;
         for (const bool split : {false, true}) {
-            SCOPED_TRACE(testing::Message() << "kind " << int(job.kind) << " batch " << job.batch << " density "
-                                            << !job.density.empty());
+            SCOPED_TRACE(::testing::Message()
+                         << "kind " << int(job.kind) << " batch " << job.batch << " density " << !job.density.empty());
             const SampleRange range{1u << 14, (1u << 14) + samples};
             expect_round_trip(job, Coverage(range), make_records(job, range, {.light_per_sample = 0.3, .split_shares = split}));
         }

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kPage = latent::testing::in_tree("docs/format.md");
+const fs::path kFormat = latent::testing::in_tree("docs/format.md");
 
 template <class T>
 T number(const std::string& token, int radix) {
@@ -70,7 +70,7 @@ struct Vector {
 // goes on with the one before.
 std::multimap<std::string, Vector> vectors_of_the_page() {
     std::multimap<std::string, Vector> vectors;
-    std::ifstream page(kPage);
+    std::ifstream page(kFormat);
     const std::string begin = "```vector ";
     std::string name;
     std::vector<std::string> lines;
@@ -368,7 +368,7 @@ TEST(Specification, EveryTestVectorOfThePageHolds) {
 }
 
 TEST(Specification, ItsTestVectorsHoldInTheReaderInPython) {
-    const testing::Outcome checked = testing::run_python("tests/sampledb/check_vectors.py", {kPage.string()});
+    const testing::Outcome checked = testing::run_python("tests/sampledb/check_vectors.py", {kFormat.string()});
     EXPECT_EQ(checked.status, 0) << checked.err;
     for (const auto& [name, check] : kChecks) EXPECT_NE(checked.out.find(name + " "), std::string::npos) << name;
 }

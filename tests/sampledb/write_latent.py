@@ -73,8 +73,9 @@ def encode_header(job, provenance=b""):
     with_precision = job.precision < 23
     if with_precision:
         body += bytes([job.precision])
+    features = with_precision | 2 | (4 if len(job.extra) > 16 else 0)
     rest = padded(bytes(64) + body)[64:]
-    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, with_precision, 64 + len(rest), with_precision | 2, len(body), hash64(rest))
+    front = b"\x8dLTDBF\r\n" + struct.pack("<HHIQQQ16x", 1, with_precision, 64 + len(rest), features, len(body), hash64(rest))
     return 2 * (front + struct.pack("<Q", hash64(front)) + rest)
 
 
@@ -111,7 +112,8 @@ def smallest_square(us, vs):
 
 
 def most_records(job):
-    return 6144 if job.kind == XYZ else max(64, min(6144, 86016 // job.k))
+    most = 6144 if job.kind == XYZ else max(64, min(6144, 86016 // job.k))
+    return min(most, 786432 // max(1, sum(WIDTH[kind] for _, kind in job.extra)))
 
 
 # ---- samplers and wavelengths

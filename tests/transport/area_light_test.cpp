@@ -17,7 +17,7 @@ class AreaLight : public ::testing::Test {
  private:
     Folder folder_;
 };
-const char* const kQuad =
+const char* const kSquare =
     "Shape \"trianglemesh\" \"point3 P\" [-.5 -.5 0  .5 -.5 0  .5 .5 0  -.5 .5 0] \"point2 uv\" [0 0 1 0 1 1 0 1] "
     "\"integer indices\" [0 1 2 0 2 3] ";
 double luminance(double r, double g, double b) { return 0.2126390 * r + 0.7151687 * g + 0.0721923 * b; }
@@ -28,7 +28,7 @@ TEST_F(AreaLight, ShowsItsPicture) {
         const Scene scene = with_picture(fmt::format(
             "LookAt {0} 0 -1  {0} 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 5\nWorldBegin\n"
             "AreaLightSource \"diffuse\" \"string filename\" \"lamp.exr\" \"float scale\" 2 \"bool twosided\" true\n{1}\n",
-            side * 0.4, kQuad));
+            side * 0.4, kSquare));
         const double expected = 2 * (side < 0 ? luminance(3, 2, 1) : luminance(.25, .5, 1));
         for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
             const Mean mean = mean_of_picture(scene, {.kind = kind, .seed = 1}, 20'000);
@@ -54,7 +54,7 @@ const std::string kRoom =
 
 TEST_F(AreaLight, PathAndBdptMakeOnePicture) {
     const std::string picture = "AreaLightSource \"diffuse\" \"string filename\" \"lamp.exr\" \"float scale\" 3 ",
-                      lamp = "AreaLightSource \"diffuse\" \"float scale\" 4 ", quad = kQuad,
+                      lamp = "AreaLightSource \"diffuse\" \"float scale\" 4 ", quad = kSquare,
                       holes = "Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 4 \"float vscale\" 4\n";
     for (const std::string& light :
          {picture + "\"bool twosided\" true " + quad, picture + "Shape \"sphere\" \"float radius\" .4",
@@ -74,7 +74,7 @@ TEST_F(AreaLight, OfAlphaNoughtLightsAsTheSameLampDoesThatIsThere) {
         "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nIntegrator \"path\" \"integer maxdepth\" 1\n"
         "WorldBegin\nMaterial \"diffuse\"\nShape \"disk\" \"float radius\" 3\nTranslate 3 0 1\nRotate 240 0 1 0\n"
         "AreaLightSource \"diffuse\"\n";
-    const Scene there = scene_from(floor + kQuad), nowhere = scene_from(floor + kQuad + "\"float alpha\" 0");
+    const Scene there = scene_from(floor + kSquare), nowhere = scene_from(floor + kSquare + "\"float alpha\" 0");
     expect_equal(picture_of(nowhere, {}, 4096), picture_of(there, {}, 4096));
 }
 

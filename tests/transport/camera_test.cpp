@@ -13,17 +13,17 @@
 namespace latent::render::testing {
 namespace {
 
-struct Case {
+struct CameraCase {
     std::string name;
     CameraDescription description;
 };
 
-std::vector<Case> cases() {
+std::vector<CameraCase> cameras() {
     CameraDescription d;
     const Vec3d z = normalize(Vec3d{0.3, -0.2, 1}), x = normalize(cross(Vec3d{0, 1, 0}, z)), y = cross(z, x);
     d.world_from_camera = Affined(x, y, z, {1, 2, -3});
     d.x0 = -0.8, d.x1 = 0.7, d.y0 = -0.5, d.y1 = 0.55;
-    std::vector<Case> list{{"pinhole", d}};
+    std::vector<CameraCase> list{{"pinhole", d}};
     d.lens_radius = 0.3, d.focal_distance = 4;
     list.push_back({"thin lens", d});
     d.world_from_camera.x = -d.world_from_camera.x;
@@ -40,14 +40,14 @@ std::vector<Case> cases() {
 }
 
 TEST(Camera, APointOnARayIsSeenWhereTheRayStarted) {
-    for (const Case& c : cases()) {
+    for (const CameraCase& c : cameras()) {
         SCOPED_TRACE(c.name);
         const Camera camera = *Camera::make(c.description);
         Numbers number(1);
         for (int n = 0; n < 2000; ++n) {
             const float u = number(), v = number(), s = number(), t = number();
             Vec3f o, d;
-            camera.ray(static_cast<double>(u), static_cast<double>(v), s, t, o, d);
+            camera.ray(static_cast<double>(u), static_cast<double>(v), camera.lens_point(s, t), o, d);
             const float distance = 0.5f + 8 * number();
             CameraPoint point;
             ASSERT_TRUE(camera.connect(o + d * distance, s, t, point)) << u << " " << v;
@@ -61,6 +61,8 @@ TEST(Camera, APointOnARayIsSeenWhereTheRayStarted) {
                 ASSERT_TRUE(camera.hit_lens(o + d * distance, -d, 2 * distance, hit));
                 EXPECT_NEAR(hit.u, u, 1e-4);
                 EXPECT_NEAR(hit.v, v, 1e-4);
+                EXPECT_NEAR(hit.lens.x, camera.lens_point(s, t).x, 1e-3);
+                EXPECT_NEAR(hit.lens.y, camera.lens_point(s, t).y, 1e-3);
                 EXPECT_NEAR(hit.jacobian, point.jacobian, 1e-4f * point.jacobian);
                 EXPECT_FALSE(camera.hit_lens(o + d * distance, -d, distance * 0.99f, hit));
                 EXPECT_FALSE(camera.hit_lens(o - d * distance, d, 2 * distance, hit));  // from behind
@@ -71,7 +73,7 @@ TEST(Camera, APointOnARayIsSeenWhereTheRayStarted) {
 
 // Rays leave the lens evenly, by area: cells of 8 rings and 16 sectors.
 TEST(Camera, RaysStartEvenlyOnTheLens) {
-    for (const Case& c : cases()) {
+    for (const CameraCase& c : cameras()) {
         const Camera camera = *Camera::make(c.description);
         if (!camera.has_lens()) continue;
         SCOPED_TRACE(c.name);
@@ -83,7 +85,7 @@ TEST(Camera, RaysStartEvenlyOnTheLens) {
         for (int n = 0; n < kCount; ++n) {
             const float s = number(), t = number();
             Vec3f o, d;
-            camera.ray(0.3, 0.6, s, t, o, d);
+            camera.ray(0.3, 0.6, camera.lens_point(s, t), o, d);
             const Vec3f from_center = o - camera.center();
             const double x = static_cast<double>(dot(from_center, lens.x)) / radius,
                          y = static_cast<double>(dot(from_center, lens.y)) / radius;
@@ -102,7 +104,7 @@ TEST(Camera, RaysStartEvenlyOnTheLens) {
 
 // d(u, v) / d omega (orthographic: per area) by finite differences, with the lens point kept.
 TEST(Camera, JacobianIsThatOfTheMap) {
-    for (const Case& c : cases()) {
+    for (const CameraCase& c : cameras()) {
         SCOPED_TRACE(c.name);
         const Camera camera = *Camera::make(c.description);
         Numbers number(2);
@@ -111,7 +113,7 @@ TEST(Camera, JacobianIsThatOfTheMap) {
             const float s = number(), t = number();
             const auto at = [&](double a, double b) {
                 Vec3f o, d;
-                camera.ray(a, b, s, t, o, d);
+                camera.ray(a, b, camera.lens_point(s, t), o, d);
                 return Vec3d(camera.parallel() ? o : d);
             };
             const Vec3d du = (at(u + h, v) - at(u - h, v)) / (2 * h), dv = (at(u, v + h) - at(u, v - h)) / (2 * h);
@@ -120,7 +122,7 @@ TEST(Camera, JacobianIsThatOfTheMap) {
                 continue;  // the map has creases
             }
             Vec3f o, d;
-            camera.ray(u, v, s, t, o, d);
+            camera.ray(u, v, camera.lens_point(s, t), o, d);
             EXPECT_NEAR(static_cast<double>(camera.jacobian(d)) * length(cross(du, dv)), 1, 5e-3) << u << " " << v;
         }
     }

@@ -12,7 +12,7 @@
 namespace latent::render::testing {
 namespace {
 
-const Vec3f kUp{0, 0, 1};
+const Vec3f kNormal{0, 0, 1};
 
 // Unpolarised reflectance at cosine c, `eta` the index behind over that before; k: of a metal.
 double fresnel(double c, double eta) {
@@ -163,7 +163,7 @@ struct Moments {
 template <class C>
 void expect_photons_agree(const Stack& stack, const C& closure) {
     constexpr std::uint32_t kLane = 3;
-    const Bsdf bsdf(Frame::from_z(kUp), kUp, closure);
+    const Bsdf bsdf(Frame::from_z(kNormal), kNormal, closure);
     for (const Vec3f& wo : {normalize(Vec3f{0.1f, 0.2f, 0.9f}), normalize(Vec3f{-0.7f, 0.3f, 0.3f})}) {
         std::mt19937_64 engine(5);
         Numbers u(7);
@@ -188,12 +188,12 @@ void expect_photons_agree(const Stack& stack, const C& closure) {
     }
 }
 
-struct Case {
+struct CoatCase {
     std::string name;
     Stack stack;
 };
 
-const std::vector<Case> kCoats = {
+const std::vector<CoatCase> kCoats = {
     {"smooth", {1.5, 0, 0, 0.01, 0, 0, 10}},
     {"smooth, absorbing, one scattering", {1.5, 0, 0, 0.5, 0, 0, 1}},
     {"smooth, three scatterings", {1.8, 0, 0, 0.1, 0, 0, 5}},
@@ -217,7 +217,7 @@ Layer layer_of_stack(const Stack& s, const SampledSpectrum& albedo) {
 }
 
 TEST(CoatedDiffuse, ScattersAsPhotonsDo) {
-    for (const Case& c : kCoats) {
+    for (const CoatCase& c : kCoats) {
         SCOPED_TRACE(c.name);
         Stack stack = c.stack;
         stack.reflectance = 0.7;
@@ -228,7 +228,7 @@ TEST(CoatedDiffuse, ScattersAsPhotonsDo) {
 }
 
 TEST(CoatedConductor, ScattersAsPhotonsDo) {
-    for (const Case& c : kCoats) {
+    for (const CoatCase& c : kCoats) {
         for (const double alpha : {0.0, 0.3}) {
             SCOPED_TRACE(c.name + (alpha > 0 ? ", rough base" : ", smooth base"));
             Stack stack = c.stack;

@@ -188,7 +188,7 @@ TEST(DirectLight, HasThePowerOrIlluminanceThatTheSceneSays) {
 }
 
 // Mean XYZ of a picture that a light fills.
-std::array<double, 3> seen(const std::string& light) {
+std::array<double, 3> seen_light(const std::string& light) {
     const Scene scene = scene_from(
         "Camera \"perspective\" \"float fov\" 20\nFilm \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" "
         "64\nWorldBegin\n" +
@@ -199,7 +199,7 @@ std::array<double, 3> seen(const std::string& light) {
 void expect_colour(const std::string& light, const color::Spectrum& spectrum, double scale) {
     const color::Xyz expected = xyz_from_spectrum(spectrum, color::Observer::cie1931());
     const double factor = scale / color::photometric_sum(spectrum);
-    const std::array<double, 3> mean = seen(light);
+    const std::array<double, 3> mean = seen_light(light);
     EXPECT_NEAR(mean[0], expected.x * factor, 1e-4 * scale);
     EXPECT_NEAR(mean[1], expected.y * factor, 1e-4 * scale);
     EXPECT_NEAR(mean[2], expected.z * factor, 1e-4 * scale);
@@ -215,7 +215,7 @@ TEST(DirectLight, HasTheColourThatItsSpectrumSays) {
         *color::Spectrum::from_samples({360, 586.5, 588.5, 590.5, 592.5, 830}, {0, 0, 1, 1, 0, 0}, color::Outside::kZero);
     // The table by integer nm holds steps where the file has ramps: the colour of the steps is what is seen, within 1e-3 of the
     // ramps'.
-    const std::array<double, 3> lamp = seen(
+    const std::array<double, 3> lamp = seen_light(
         "AreaLightSource \"diffuse\" \"spectrum L\" [360 0 586.5 0 588.5 1 590.5 1 592.5 0 830 0] \"bool twosided\" true" + wall);
     const color::Xyz expected = xyz_from_spectrum(sodium, color::Observer::cie1931());
     EXPECT_NEAR(lamp[1], 1, 1e-3);

@@ -15,14 +15,14 @@
 namespace latent::render::testing {
 namespace {
 
-struct Case {
+struct HairCase {
     std::string name;
     Hair::State state;
 };
 
-std::vector<Case> cases() {
+std::vector<HairCase> hairs() {
     const Values& v = values();
-    std::vector<Case> list;
+    std::vector<HairCase> list;
     const auto add = [&](const std::string& name, const Fibre& fibre) {
         list.push_back({name, {fibre, false, 0}});
         list.push_back({name + ", ribbon", {fibre, true, -0.6f}});
@@ -41,7 +41,7 @@ const std::vector<Vec3f> kViews = {normalize(Vec3f{0.3f, 0.05f, 0.9f}), normaliz
 Bsdf hair_of(const Hair::State& state) { return Bsdf(Frame{}, {0, 0, 1}, Hair(state)); }
 
 TEST(Hair, DirectionsFollowTheirDensity) {
-    for (const Case& c : cases()) {
+    for (const HairCase& c : hairs()) {
         const Bsdf bsdf = hair_of(c.state);
         for (std::size_t d = 0; d < kViews.size(); ++d) {
             SCOPED_TRACE(c.name + ", direction " + std::to_string(d));
@@ -63,7 +63,7 @@ TEST(Hair, DirectionsFollowTheirDensity) {
 
 // A clear fibre gives back what it gets, one that absorbs less, by 4 standard errors.
 TEST(Hair, InAWhiteFurnaceClearFibresVanish) {
-    for (const Case& c : cases()) {
+    for (const HairCase& c : hairs()) {
         const bool clear = c.state.fibre.sigma_a->max() == 0;
         for (const Vec3f& wo : kViews) {
             SCOPED_TRACE(c.name);
@@ -90,7 +90,7 @@ TEST(Hair, InAWhiteFurnaceClearFibresVanish) {
 
 TEST(Hair, WeightsAreWhatEvaluationSaysForBothKindsOfSubpath) {
     int met = 0;
-    for (const Case& c : cases()) {
+    for (const HairCase& c : hairs()) {
         SCOPED_TRACE(c.name);
         const Bsdf bsdf = hair_of(c.state);
         Numbers u(7);
@@ -134,7 +134,7 @@ TEST(Hair, TheSurfaceOfABlackFibreIsAMirror) {
 }
 
 TEST(Hair, ARoundFibreIsSeenAndMetFromOutsideAlone) {
-    const std::vector<Case> list = cases();
+    const std::vector<HairCase> list = hairs();
     const Bsdf bsdf = hair_of(list[0].state);
     const Vec3f outside = kViews[0], inside = normalize(Vec3f{0.2f, 0.4f, -0.8f});
     SampledSpectrum through(1.0f), back(1.0f);

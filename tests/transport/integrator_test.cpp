@@ -220,21 +220,28 @@ TEST(Integrator, LightFromInfinityDoesNotComeThroughEndlessFog) {
 // Radiance that no light can have: counted by its cause, black in the camera image, absent from the light image.
 TEST(Records, FaultsAreCountedAndKeptOut) {
     const sampledb::WavelengthDensity density = wavelength_density({});
-    const WavelengthSampler sampler(density, 28);
-    Wavelengths w;
-    sampler.draw(12345, w);
+    const WavelengthSampler wavelengths(density, 28);
+    SpectrumLibrary library;
+    SampledSpectra spectra(library);
+    wavelengths.draw(12345, spectra.wavelengths);
+    const Sampler sampler(1, {});
+    const SampleState sample{SampleNumbers(sampler, 1), spectra, 0};
+    const Camera camera = *Camera::make({});
+    CameraPoint point{};
+    point.u = point.v = 0.5f;
     for (const sampledb::RecordKind kind : {sampledb::RecordKind::kSpectral, sampledb::RecordKind::kXyz}) {
-        const RecordMaker maker(kind, false, {});
         const LightGroups none;
+        const RecordMaker maker(kind, none, {});
         sampledb::Records r;
         RadianceFaults faults;
+        SampleRecords records(maker, sample, camera, {r, faults});
         for (const float bad : {std::nanf(""), kInfinity, -1.0f}) {
-            Radiance radiance(none);
+            Radiance radiance(none, sample);
             SampledSpectrum value(1.0f);
             value[7] = bad;
-            radiance.add(value, false, 0, 28, kNone);
-            maker.camera(1, 2, 3, radiance, {}, w, 0, r, faults);
-            maker.light(1, 0.5f, 0.5f, radiance, w, 0, r, faults);
+            radiance.add(value, false, kNone);
+            records.camera(2, 3, radiance, {});
+            records.light(point, radiance);
         }
         EXPECT_EQ(faults.nan, 2u);
         EXPECT_EQ(faults.infinite, 2u);

@@ -13,11 +13,11 @@
 namespace latent::render::testing {
 namespace {
 
-struct Case {
+struct LightCase {
     std::string name, text;
 };
 const char* const kFloor = "Shape \"trianglemesh\" \"point3 P\" [-9 -3 -9  9 -3 -9  0 -3 9] \"integer indices\" [0 1 2]\n";
-const std::vector<Case> kAreas = {
+const std::vector<LightCase> kAreas = {
     {"triangle",
      "AreaLightSource \"diffuse\" \"spectrum L\" \"stdillum-D65\" Shape \"trianglemesh\" \"point3 P\" [-1 2 0  2 1.5 0.5  0 3 1.5] "
      "\"integer indices\" [0 1 2]\n"},
@@ -40,7 +40,7 @@ const std::vector<Case> kAreas = {
      "latent:exponent\" 7 Shape \"disk\" \"float radius\" 1.4 AttributeEnd\n"},
 };
 // Their densities grow beyond all bounds along their edges, where numbers of a grid miss them.
-const std::vector<Case> kRound = {
+const std::vector<LightCase> kRound = {
     {"cylinder",
      "AttributeBegin Translate 1 2 0.5 AreaLightSource \"diffuse\" \"bool twosided\" true Shape \"cylinder\" \"float radius\" 1.5 "
      "\"float zmin\" -1 \"float zmax\" 2 \"float phimax\" 250 AttributeEnd\n"},
@@ -61,7 +61,7 @@ LightRay ray_of(const Light& light, Numbers& u) {
 
 // Directions from a point to the light follow pdf_of_point, found by casting rays at the geometry itself.
 TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
-    for (const Case& c : kAreas) {
+    for (const LightCase& c : kAreas) {
         for (const Vec3f& from : {Vec3f{0, 0, 0}, Vec3f{0.3f, -1, 0.6f}}) {
             SCOPED_TRACE(c.name);
             const Scene scene = with_light(c.text);
@@ -89,7 +89,7 @@ TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
 }
 
 TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
-    std::vector<Case> cases = {
+    std::vector<LightCase> cases = {
         {"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\"\n"},
         {"spot",
          "LightSource \"spot\" \"spectrum I\" \"stdillum-D65\" \"point3 from\" [0 1 0] \"point3 to\" [1 -1 0.5] \"float "
@@ -101,7 +101,7 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
     };
     cases.insert(cases.end(), kAreas.begin(), kAreas.end());
     cases.insert(cases.end(), kRound.begin(), kRound.end());
-    for (const Case& c : cases) {
+    for (const LightCase& c : cases) {
         SCOPED_TRACE(c.name);
         const Scene scene = scene_under_sky("WorldBegin\nAttributeBegin\n" + c.text + "AttributeEnd\n" + kFloor);
         const std::unique_ptr<World> world = scene.world();
@@ -122,7 +122,7 @@ TEST(Lights, DirectionsOfRaysFollowTheirDensity) {
 // numbers that are then even in [0, 1): counts of a 16 x 16 grid of them.
 TEST(Lights, RaysStartEvenlyOnTheirLight) {
     struct StartCase {
-        Case light;
+        LightCase light;
         std::function<Vec2f(const Vec3f& p, const Geometry&)> even;
     };
     const auto turns = [](float y, float x) { return std::atan2(y, x) / (2 * kPi) + 0.5f; };
@@ -206,7 +206,7 @@ TEST(Lights, AreChosenAsOftenAsTheirProbabilitySays) {
 
 // The sum over rays of emission x cosine / density is the light's power, known in closed form.
 TEST(Lights, RaysCarryThePowerOfTheLight) {
-    const std::vector<std::pair<Case, double>> cases = {
+    const std::vector<std::pair<LightCase, double>> cases = {
         {kAreas[2], kPi * 4 * kPi * 0.64},
         {{"point", "LightSource \"point\" \"spectrum I\" \"stdillum-D65\" \"float power\" 7\n"}, 7},
         {{"spot",

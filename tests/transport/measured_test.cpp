@@ -113,7 +113,7 @@ Reflected reflected(const C& closure, const Vec3f& wo) {
 }
 
 // Directions between those of the lattice, on both sides.
-const std::vector<Vec3f> kDirections = {
+const std::vector<Vec3f> kOutgoing = {
     {0, 0, 1}, normalize(Vec3f{0.5f, 0.2f, 0.8f}), normalize(Vec3f{-0.6f, 0.5f, -0.7f}), normalize(Vec3f{0.1f, -0.9f, 0.4f})};
 
 // Tables of 48 x 48 values for ten angles (and 24 azimuths) reflect as the metal does: within 2 % of the light, also by its mean
@@ -125,7 +125,7 @@ TEST(Measured, TablesOfAMetalReflectAsItDoes) {
         const MeasuredTables tables = tables_of(metal);
         const Measured measured(tables, wavelengths);
         const Conductor conductor(eta, k, metal.alpha_x, metal.alpha_y);
-        for (const Vec3f& wo : kDirections) {
+        for (const Vec3f& wo : kOutgoing) {
             SCOPED_TRACE(::testing::Message() << metal.alpha_x << ": " << wo.x << " " << wo.y << " " << wo.z);
             const Reflected a = reflected(measured, wo), b = reflected(conductor, wo);
             EXPECT_NEAR(a.whole, b.whole, 0.02 * b.whole);

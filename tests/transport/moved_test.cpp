@@ -19,7 +19,7 @@ std::string text_of(const std::string& name) {
 }
 
 // Every kind of light and shape that has a place, and an object that was modelled far from where it is used.
-const char* const kEverything =
+const char* const kEachLight =
     "LookAt 0 -4 2  0 0 0.5  0 0 1\nCamera \"perspective\" \"float fov\" 50 \"float lensradius\" 0.02 \"float focaldistance\" 4\n"
     "WorldBegin\nLightSource \"point\" \"point3 from\" [1 -1 2] \"float power\" 20\n"
     "LightSource \"distant\" \"point3 from\" [-1 0 2] \"point3 to\" [0 0 1] \"float illuminance\" 1\n"
@@ -37,7 +37,7 @@ struct Traced {
     std::vector<double> y;  // of each sample
     Blocks picture;
 };
-Traced trace(const Scene& scene, const IntegratorSettings& settings, std::uint64_t samples) {
+Traced trace_moved(const Scene& scene, const IntegratorSettings& settings, std::uint64_t samples) {
     const std::unique_ptr<Integrator> integrator = scene.integrator(settings);
     Traced out;
     BlockSums sums(8);
@@ -59,13 +59,13 @@ Traced trace(const Scene& scene, const IntegratorSettings& settings, std::uint64
 // Next to none takes another way than its unmoved likeness, at an edge or by a choice.
 TEST(Moved, TheSamplesOfASceneAreTheSameWhereverItStands) {
     constexpr std::uint64_t kSamples = 20'000;
-    for (const std::string& text : {text_of("cornell.pbrt"), text_of("fog.pbrt"), std::string(kEverything)}) {
+    for (const std::string& text : {text_of("cornell.pbrt"), text_of("fog.pbrt"), std::string(kEachLight)}) {
         for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
             const IntegratorSettings settings{.kind = kind, .record = sampledb::RecordKind::kXyz, .seed = 3};
-            const Traced unmoved = trace(scene_from(text), settings, kSamples);
+            const Traced unmoved = trace_moved(scene_from(text), settings, kSamples);
             for (const double distance : {1e4, 1e5, 1e6}) {
                 SCOPED_TRACE(fmt::format("{}, by {}: {:.60}", kind == IntegratorKind::kPath ? "path" : "bdpt", distance, text));
-                const Traced there = trace(scene_from(moved(text, distance)), settings, kSamples);
+                const Traced there = trace_moved(scene_from(moved(text, distance)), settings, kSamples);
                 int unequal = 0, others = 0;
                 for (std::size_t n = 0; n < kSamples; ++n) {
                     const double difference = std::abs(there.y[n] - unmoved.y[n]);

@@ -11,7 +11,7 @@ namespace latent::render::testing {
 namespace {
 
 // The whole ball, in a film that it touches.
-Scene ball_of(const std::string& material) {
+Scene scene_of_ball(const std::string& material) {
     return scene_from(
         "LookAt 0 0 -3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-1 1 -1 1]\n"
         "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nWorldBegin\n"
@@ -25,7 +25,7 @@ struct Albedo {
     double value, error;
 };
 Albedo albedo_of(const std::string& material, IntegratorKind kind, std::uint64_t samples) {
-    const Scene scene = ball_of(material);
+    const Scene scene = scene_of_ball(material);
     EXPECT_EQ(scene.description.max_depth, kUnlimited);
     const Mean mean = mean_of_picture(scene, {.kind = kind, .max_depth = kUnlimited, .seed = 1}, samples);
     return {1 - (1 - mean.xyz[1]) * 4 / std::numbers::pi, mean.error[1] * 4 / std::numbers::pi};
@@ -81,7 +81,7 @@ TEST(Subsurface, BothKindsOfSubpathAgree) {
 // `scale` lengthens the mean free path. As long as that is short, it does not matter.
 TEST(Subsurface, AThinBallLetsLightThroughThatAThickOneReturns) {
     const auto luminance = [](double scale) {
-        const Scene scene = ball_of(fmt::format("\"spectrum reflectance\" [360 .3 830 .3] \"float scale\" {}", scale));
+        const Scene scene = scene_of_ball(fmt::format("\"spectrum reflectance\" [360 .3 830 .3] \"float scale\" {}", scale));
         return mean_of_picture(scene, {.max_depth = kUnlimited, .seed = 1}, 4'000);
     };
     const Mean thick = luminance(0.02), thicker = luminance(0.01), thin = luminance(20);
@@ -90,7 +90,7 @@ TEST(Subsurface, AThinBallLetsLightThroughThatAThickOneReturns) {
 }
 
 TEST(Subsurface, MeasuredMatterIsAbsorbedByItsNameAndScale) {
-    const auto medium = [](const std::string& material) { return ball_of(material).description.media.at(0); };
+    const auto medium = [](const std::string& material) { return scene_of_ball(material).description.media.at(0); };
     const MediumDescription skin = medium("\"string name\" \"Skin1\" \"float scale\" 10"), milk = medium("");
     EXPECT_EQ(skin.scale, 10);
     EXPECT_GT(skin.sigma_a(450), 3 * skin.sigma_a(650));

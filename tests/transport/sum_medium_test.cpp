@@ -59,18 +59,18 @@ TEST(SumMedium, TwoHomogeneousMediaAreOneOfSummedCoefficients) {
     EXPECT_EQ(xyz_of(three, IntegratorKind::kPath), xyz_of(one, IntegratorKind::kPath));
 }
 
-const std::string kGrid =
+const std::string kVoxels =
     "\"uniformgrid\" \"integer nx\" 2 \"integer ny\" 1 \"integer nz\" 3 \"float density\" [1 .2 .5 .9 .1 .7] "
     "\"point3 p0\" [-.5 -.6 -.4] \"point3 p1\" [.5 .6 .7] ";
 
 // The same density twice: one grid whose coefficients are the sums.
 TEST(SumMedium, TwoGridsAreOneOfSummedCoefficients) {
     const Scene two = scene_from(
-        ball(medium("a", kGrid + "\"spectrum sigma_a\" [360 .5 830 .5] \"spectrum sigma_s\" [360 1 830 4] \"float g\" .3") +
-             medium("b", kGrid + "\"spectrum sigma_a\" [360 0 830 2] \"spectrum sigma_s\" [360 4 830 2] \"float g\" .3") +
+        ball(medium("a", kVoxels + "\"spectrum sigma_a\" [360 .5 830 .5] \"spectrum sigma_s\" [360 1 830 4] \"float g\" .3") +
+             medium("b", kVoxels + "\"spectrum sigma_a\" [360 0 830 2] \"spectrum sigma_s\" [360 4 830 2] \"float g\" .3") +
              sum("m", "a", "b")));
     const Scene one = scene_from(
-        ball(medium("m", kGrid + "\"spectrum sigma_a\" [360 .5 830 2.5] \"spectrum sigma_s\" [360 5 830 6] \"float g\" .3")));
+        ball(medium("m", kVoxels + "\"spectrum sigma_a\" [360 .5 830 2.5] \"spectrum sigma_s\" [360 5 830 6] \"float g\" .3")));
     for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt})
         expect_equal(picture_of(two, {.kind = kind}, 3072), picture_of(one, {.kind = kind}, 3072));
 }
@@ -223,7 +223,7 @@ TEST(SumMedium, PathAndBdptMakeOnePicture) {
                           medium("haze", "\"homogeneous\" \"rgb sigma_a\" [.1 .2 .4] \"rgb sigma_s\" [.9 .5 .2] \"float g\" -.3"),
                       smoke =
                           medium("smoke", "\"homogeneous\" \"rgb sigma_a\" [.2 .2 .1] \"rgb sigma_s\" [.2 .5 1] \"float g\" .7"),
-                      grid = medium("grid", kGrid + "\"rgb sigma_a\" [.5 .2 .1] \"rgb sigma_s\" [3 2 1] \"float g\" .5"),
+                      grid = medium("grid", kVoxels + "\"rgb sigma_a\" [.5 .2 .1] \"rgb sigma_s\" [3 2 1] \"float g\" .5"),
                       cloud =
                           medium("cloud",
                                  "\"cloud\" \"spectrum sigma_a\" [360 .1 830 .3] \"spectrum sigma_s\" [360 3 830 2] \"point3 p0\" "

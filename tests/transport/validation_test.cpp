@@ -30,7 +30,7 @@ void expect_agreement(const Estimate& ours, const Estimate& reference, bool by_b
     }
 }
 
-struct Case {
+struct SceneCase {
     const char* scene;
     IntegratorKind kind;
     Connections connections;
@@ -50,10 +50,10 @@ Scene scene_to_compare(const std::string& name) {
     return scene_of(load_scene(folder / "forest.pbrt"));
 }
 
-class Validation : public ::testing::TestWithParam<Case> {};
+class Validation : public ::testing::TestWithParam<SceneCase> {};
 
 TEST_P(Validation, BlockMeansAreThoseOfTheReference) {
-    const Case& c = GetParam();
+    const SceneCase& c = GetParam();
     const Scene scene = scene_to_compare(c.scene);
     const Estimate reference = read_reference(latent::testing::in_tree(std::string("tests/transport/refs/") + c.scene + ".csv"));
     const Estimate ours = picture_of(scene, {.kind = c.kind, .connections = c.connections}, c.samples);
@@ -69,15 +69,15 @@ TEST_P(Validation, BlockMeansAreThoseOfTheReference) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Validation,
-                         ::testing::Values(Case{"cornell", IntegratorKind::kPath, Connections::kOne, 262144, false},
-                                           Case{"cornell", IntegratorKind::kBdpt, Connections::kOne, 196608},
-                                           Case{"sodium", IntegratorKind::kPath, Connections::kOne, 65536},
-                                           Case{"sodium", IntegratorKind::kBdpt, Connections::kAll, 49152},
-                                           Case{"conductors", IntegratorKind::kPath, Connections::kOne, 32768},
-                                           Case{"forest", IntegratorKind::kBdpt, Connections::kOne, 16384},
-                                           Case{"fog", IntegratorKind::kBdpt, Connections::kOne, 32768}),
+                         ::testing::Values(SceneCase{"cornell", IntegratorKind::kPath, Connections::kOne, 262144, false},
+                                           SceneCase{"cornell", IntegratorKind::kBdpt, Connections::kOne, 196608},
+                                           SceneCase{"sodium", IntegratorKind::kPath, Connections::kOne, 65536},
+                                           SceneCase{"sodium", IntegratorKind::kBdpt, Connections::kAll, 49152},
+                                           SceneCase{"conductors", IntegratorKind::kPath, Connections::kOne, 32768},
+                                           SceneCase{"forest", IntegratorKind::kBdpt, Connections::kOne, 16384},
+                                           SceneCase{"fog", IntegratorKind::kBdpt, Connections::kOne, 32768}),
                          [](const auto& instance) {
-                             const Case& c = instance.param;
+                             const SceneCase& c = instance.param;
                              return std::string(c.scene) + (c.kind == IntegratorKind::kPath      ? "_path"
                                                             : c.connections == Connections::kOne ? "_bdpt_one"
                                                                                                  : "_bdpt_all");

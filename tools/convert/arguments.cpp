@@ -73,19 +73,21 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     app.add_option("--input-space", options.input_space,
                    "colour space of the pixels: xyz, or a space as for --profile (default: the picture's own, or srgb)")
         ->type_name("SPACE");
-    auto* sensitivity = cli::add_positive_number(app, "-s,--sensitivity", options.sensitivity,
-                                                 "sensitivity of the film; luminance 1/X prints at half of display white");
+    auto* sensitivity = cli::add_positive_number(
+        app, "-s,--sensitivity", options.sensitivity,
+        "sensitivity of the film; luminance 1/X prints at half of display white (default: --auto; 1 with --tone none)");
     cli::add_parsed(
         app, "--stops", options.stops, parse_stops,
-        "exposure correction in stops; negative is darker. Several, such as -1,0,1, write one print each, with the stops "
+        "exposure correction in stops (EV); negative is darker. Several, such as -1,0,1, write one print each, with the stops "
         "in its name")
         ->type_name("EV,...")
         ->default_str("0");
     // Options that exclude or need each other are given as such: CLI11 looks names up where no memory must be lacking.
-    auto* automatic =
-        app.add_flag("--auto", options.auto_exposure, "choose the sensitivity so that the mean prints at 18 % grey, or at --key")
-            ->excludes(sensitivity);
-    cli::add_number(app, "--key", options.key, "grey at which --auto prints the mean", 0.001, 0.999)->needs(automatic);
+    app.add_flag("--auto", options.auto_exposure,
+                 "choose the sensitivity from the whole picture: its mean prints at 18 % grey, or at --key; the report gives it")
+        ->excludes(sensitivity);
+    cli::add_number(app, "--key", options.key, "grey at which --auto prints the mean (default: 0.18)", 0.001, 0.999)
+        ->excludes(sensitivity);
     app.add_option("--tone", options.tone,
                    "tone curve: film (1 - 2^(-S Y), where S is the sensitivity), another one, or none; see below")
         ->type_name("CURVE")

@@ -45,7 +45,8 @@ Result<ToneChoice> tone_of(const ConvertOptions& options) {
     return ToneChoice{curve->is_film() ? color::Tone::kFilm : color::Tone::kCurve, *curve};
 }
 
-Status check_outputs(const ConvertOptions& options) {
+Status check_outputs(const ConvertOptions& options, std::vector<std::string>& notes) {
+    if (Status s = check_types(options, notes); !s) return s;
     const std::vector<std::filesystem::path>& outputs = options.outputs;
     std::set<std::filesystem::path> places;
     for (const std::filesystem::path& path : outputs) {
@@ -59,29 +60,32 @@ Status check_outputs(const ConvertOptions& options) {
     return {};
 }
 
-// sigma before it is pushed.
-Result<double> sensitivity_of(const ConvertOptions& options, const Source& source, const color::PrintSettings& settings,
-                              const Progress& progress, bool on_film) {
-    if (!options.auto_exposure) return on_film ? 1 : options.sensitivity;
-    const Result<BandPlan> plan = plan_bands(source.reader.image(), source.area, {}, options.memory, options.threads);
-    if (!plan) return plan.error();
-    // Of a film, the light meter sees what its green-sensitive layer does.
-    const std::array<double, 3> y_row = on_film ? std::array{0.0, 1.0, 0.0} : settings.adaptation.m[1];
-    const Result<color::LuminanceHistogram> seen = measure(source, *plan, y_row, progress);
-    if (!seen) return seen.error();
-    constexpr double kGreyCard = 0.18;
-    const Result<double> sigma =
-        color::auto_sigma(*seen, on_film                               ? options.key / kGreyCard * grey_exposure(source)
-                                 : settings.tone == color::Tone::kNone ? options.key
-                                                                       : settings.curve.exposure_of(options.key));
-    if (!sigma) return sigma.error().at(options.input.string());
-    return sigma;
+constexpr double kGreyCard = 0.18;
+
+// What these luminances suggest; none without light. Of a film, they are exposures of the layer that sees green.
+std::optional<double> suggested_sigma(const ConvertOptions& options, const ToneChoice& tone, const Source& source, bool on_film,
+                                      const color::LuminanceHistogram& luminances) {
+    const double key = options.key.value_or(kGreyCard);
+    const Result<double> sigma = color::auto_sigma(luminances, on_film ? key / kGreyCard * grey_exposure(source)
+                                                               : tone.tone == color::Tone::kNone ? key
+                                                                                                 : tone.curve.exposure_of(key));
+    return sigma ? std::optional(*sigma) : std::nullopt;
 }
 
-// How bright a print from film is shown: paper as it is, a scan as any picture.
-double print_sigma_of(const ConvertOptions& options) {
-    constexpr double kAsItIs = 2;  // the linear tone curve prints 1/sigma at half of display white
-    return options.paper_decides_tone() ? kAsItIs : options.sensitivity;
+// The same, of the whole picture: a crop of a print is a part of that print.
+Result<std::optional<double>> choose_sigma(const ConvertOptions& options, const ToneChoice& tone, const Source& source,
+                                           bool on_film, const Progress& progress) {
+    const image::ExrImage& image = source.reader.image();
+    const Result<BandPlan> plan = plan_bands(image, image.data_window, {}, options.memory, options.threads);
+    if (!plan) return plan.error().at(options.input.string());
+    const Result<color::LuminanceHistogram> seen = measure(source, *plan, source.xyz_from_file.m[1], progress);
+    if (!seen) return seen.error();
+    return suggested_sigma(options, tone, source, on_film, *seen);
+}
+
+// Of a print from film, whose exposure is the film's: its grey card is shown as bright as it is.
+double print_sigma_of(const color::PrintSettings& settings) {
+    return settings.tone == color::Tone::kNone ? 1 : settings.curve.exposure_of(kGreyCard) / kGreyCard;
 }
 
 Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const Display& display, color::PrintSettings settings,
@@ -89,7 +93,7 @@ Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const 
     std::vector<Exposure> exposures;
     for (const double stops : options.stops) {
         const double sigma = color::pushed_sigma(picture.sigma, stops);
-        settings.sigma = film ? print_sigma_of(options) : sigma;
+        settings.sigma = film ? print_sigma_of(settings) : sigma;
         settings.range = printable_range(display.space.transfer, settings.tone, settings.curve, settings.sigma);
         const Result<color::Print> print = color::Print::create(display.print_space(), settings);
         if (!print) return print.error();
@@ -133,13 +137,28 @@ Result<int> dpi_of(const ConvertOptions& options, int width) {
                                    options.paper_width_mm, dpi, kMost));
 }
 
+constexpr int kCoarseDpi = 100;  // pixels of such a print can be seen at reading distance
+
+std::string coarse_print(int width, double paper_width_mm, int dpi) {
+    constexpr double kFineDpi = 150;
+    return fmt::format(
+        "--paper-width {}: {} pixels make only {} per inch, which looks coarse from nearby; a picture {:.0f} pixels "
+        "wide has {:.0f} (latent-develop --size)",
+        paper_width_mm, width, dpi, std::ceil(paper_width_mm / 25.4 * kFineDpi / 100) * 100, kFineDpi);
+}
+
 Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
-    if (Status s = check_outputs(options); !s) return s.error();
+    ConvertReport report;
+    if (Status s = check_outputs(options, report.notes); !s) return s.error();
     Result<Source> source = open_source(options);
     if (!source) return source.error();
     const Result<int> dpi = dpi_of(options, source->area.width());
     if (!dpi) return dpi.error();
     options.dpi = *dpi;
+    if (options.paper_width_mm > 0) {
+        report.dpi = *dpi;
+        if (*dpi < kCoarseDpi) report.warnings.push_back(coarse_print(source->area.width(), options.paper_width_mm, *dpi));
+    }
     Result<Display> display = display_from(options.profile, options.luminance_row, options.rendering);
     if (!display) return display.error();
     if (display->grey) options.grey = true;
@@ -171,18 +190,23 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->print_white(), *cones);
     if (!adaptation && options.white) return usage_error(adaptation.error().message).at("--white");
     if (!adaptation) return adaptation.error().at(options.input.string());
-    color::PrintSettings settings{options.sensitivity, tone->tone, *gamut, *adaptation * source->xyz_from_file, tone->curve};
-    const Result<double> sigma = sensitivity_of(options, *source, settings, progress, *film != nullptr);
-    if (!sigma) return sigma.error();
-
+    report.chose_exposure = options.chooses_exposure();
+    if (report.chose_exposure) {
+        const Result<std::optional<double>> sigma = choose_sigma(options, *tone, *source, *film != nullptr, progress);
+        if (!sigma) return sigma.error();
+        report.auto_sigma = *sigma;
+        options.sensitivity = *sigma;
+    }
+    const color::PrintSettings settings{options.sensitivity.value_or(1), tone->tone, *gamut, *adaptation * source->xyz_from_file,
+                                        tone->curve};
     const image::ExrImage& image = source->reader.image();
     const Result<std::vector<Exposure>> exposures = exposures_of(
         options, *display, settings,
-        {source->area, image.display_window, *sigma, *white, source->observer, *film ? (*film)->description() : ""}, *film);
+        {source->area, image.display_window, settings.sigma, *white, source->observer, *film ? (*film)->description() : ""}, *film);
     if (!exposures) return exposures.error();
-    const PassSettings pass{settings.adaptation.m[1], display->print_space(), display->proof,       display->space,
-                            display->gamut,           options.show_clipped,   options.gamut_report, *emulsion,
-                            image.display_window.x0,  image.display_window.y0};
+    const PassSettings pass{
+        source->xyz_from_file.m[1], display->print_space(), display->proof, display->space,          display->gamut,
+        options.show_clipped,       options.gamut_report,   *emulsion,      image.display_window.x0, image.display_window.y0};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {
@@ -202,10 +226,12 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         }
     }
     if (Status s = publish(*exposures, printed->exposures); !s) return s.error();
-    ConvertReport report;
     static_cast<ExposureReport&>(report) = printed->exposures.front();
     report.others.assign(printed->exposures.begin() + 1, printed->exposures.end());
-    report.luminance = printed->luminance;
+    for (std::size_t i = 0; i < kPercentiles.size(); ++i)
+        report.luminance[i] = printed->luminance.percentile(kPercentiles[i] / 100.0);
+    if (!report.chose_exposure && source->area == image.data_window)
+        report.auto_sigma = suggested_sigma(options, *tone, *source, *film != nullptr, printed->luminance);
     report.width = source->area.width();
     report.height = source->area.height();
     report.profile = display->space.name;
@@ -221,7 +247,9 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
     if (*film) report.film = (*film)->description();
-    report.warnings = std::move(source->warnings);
+    report.warnings.insert(report.warnings.end(), source->warnings.begin(), source->warnings.end());
+    if (report.chose_exposure && !report.auto_sigma)
+        report.warnings.push_back(fmt::format("{}: has no light, so the print is black", options.input.string()));
     return report;
 }
 

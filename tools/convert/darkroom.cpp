@@ -15,7 +15,6 @@ namespace {
 // Options that only a picture not on film has; "": none was given.
 std::string_view plain_option(const ConvertOptions& options) {
     if (options.white) return "--white";
-    if (options.paper_decides_tone() && options.sensitivity != 1) return "--sensitivity";
     if (options.paper_decides_tone() && options.tone != "film") return "--tone";
     if (options.paper_decides_tone() && options.contrast != 1) return "--contrast";
     if (options.paper_decides_tone() && options.black != 0) return "--black";
@@ -24,11 +23,11 @@ std::string_view plain_option(const ConvertOptions& options) {
 
 Status check_plain(const ConvertOptions& options) {
     const DarkroomOptions& d = options.darkroom;
-    const char* given = !d.film.empty()            ? "--film"
-                        : d.filters                ? "--enlarger"
-                        : d.print_stops != 0       ? "--print-exposure"
+    const char* given = !d.film.empty()              ? "--film"
+                        : d.filters                  ? "--enlarger"
+                        : d.print_stops != 0         ? "--print-exposure"
                         : !d.contrast_filter.empty() ? "--contrast-filter"
-                                                   : nullptr;
+                                                     : nullptr;
     if (given != nullptr) return usage_error(fmt::format("{}: needs --paper; --list-papers shows all", given));
     return {};
 }
@@ -50,8 +49,16 @@ Result<double> parse_format(std::string_view text) {
         const char* name;
         double longer_mm;
     };
-    for (const Format& format : {Format{"super8", 5.8}, {"16mm", 10.3}, {"super35", 24.9}, {"35mm", 36}, {"6x4.5", 56}, {"6x6", 56}, {"6x7", 70},
-                                 {"6x9", 84}, {"4x5in", 120}, {"8x10in", 245}}) {
+    for (const Format& format : {Format{"super8", 5.8},
+                                 {"16mm", 10.3},
+                                 {"super35", 24.9},
+                                 {"35mm", 36},
+                                 {"6x4.5", 56},
+                                 {"6x6", 56},
+                                 {"6x7", 70},
+                                 {"6x9", 84},
+                                 {"4x5in", 120},
+                                 {"8x10in", 245}}) {
         if (text == format.name) return format.longer_mm;
     }
     const Result<double> mm = parse_number(text);
@@ -84,18 +91,20 @@ Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& 
         if (!exposed) return std::shared_ptr<const film::Process>{};
         const Result<film::Material> film = film::find_material(exposed->name, true);
         const char* paper = !film || !film->colour ? "polymax" : film->positive() ? "light-table" : "endura";
-        return usage_error(fmt::format("{}: holds the exposures of a film, {}, and needs a paper: add --paper {}; --list-papers shows all",
-                                       input, exposed->name, paper));
+        return usage_error(
+            fmt::format("{}: holds the exposures of a film, {}, and needs a paper: add --paper {}; --list-papers shows all", input,
+                        exposed->name, paper));
     }
     if (!exposed)
-        return usage_error(
-            fmt::format("--paper: {} holds no exposures of a film, and spectra cannot be recovered from its colours; develop its samples "
-                        "again: latent-develop FILE.latent --film portra-400 -o exposures.exr",
-                        input));
+        return usage_error(fmt::format(
+            "--paper: {} holds no exposures of a film, and spectra cannot be recovered from its colours; develop its samples "
+            "again: latent-develop FILE.latent --film portra-400 -o exposures.exr",
+            input));
     if (const std::string_view given = plain_option(options); !given.empty())
-        return usage_error(fmt::format("{}: does not go with --paper, where the film and the paper decide; use --stops, --print-exposure "
-                                       "or --enlarger",
-                                       given));
+        return usage_error(
+            fmt::format("{}: does not go with --paper, where the film and the paper decide; use --stops, --print-exposure "
+                        "or --enlarger",
+                        given));
     const Result<film::Material> film = film::find_material(asked.film.empty() ? exposed->name : asked.film, true);
     if (!film && asked.film.empty() && film.error().code == ErrorCode::kUsage)
         return Error{film.error().code, film.error().message + "; if it is your own film, add --film FOLDER/NAME"}.at(input);

@@ -1,4 +1,5 @@
-// tools/convert/darkroom.h: prints of photographic film: what is asked of the enlarger, and the process that it makes. docs/film.md.
+// tools/convert/darkroom.h: prints of photographic film: what is asked of the enlarger, and the process that it makes.
+// docs/film.md.
 #pragma once
 
 #include <array>
@@ -17,8 +18,8 @@ struct ConvertOptions;
 struct Source;
 
 struct DarkroomOptions {
-    std::string paper;                            // "": a print of a picture that is not on film
-    std::string film;                             // whose exposures the picture holds; "": as the picture says
+    std::string paper;                             // "": a print of a picture that is not on film
+    std::string film;                              // whose exposures the picture holds; "": as the picture says
     std::optional<std::array<double, 3>> filters;  // densities of Y, M, C; none: solved
     double print_stops = 0;
     std::string contrast_filter;
@@ -42,8 +43,8 @@ Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& optio
 // "auto", or densities times 100 as on the dials of an enlarger, "54,46,0". Errors: kUsage.
 Result<std::optional<std::array<double, 3>>> parse_filters(std::string_view text);
 
-// The process that prints `source`; null if it is not on film. Errors: kUsage, if film and paper do not go together, or other options
-// do not go with them.
+// The process that prints `source`; null if it is not on film. Errors: kUsage, if film and paper do not go together, or other
+// options do not go with them.
 Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& options, const Source& source);
 
 // Exposure [lux s] of the grey card that a film picture was exposed for.

@@ -37,11 +37,13 @@ Whites:
 
 Examples:
   latent-convert picture.exr -o picture.png
-      print with the default settings
-  latent-convert picture.exr -o auto.png --auto
-      choose the sensitivity automatically, and report it
-  latent-convert picture.exr -o p3.tif --bits 16 --profile display-p3 --stops -1
-      print 16 bits for a wide-gamut display, one stop darker
+      print; the sensitivity is chosen from the picture, and reported
+  latent-convert picture.exr -o bright.png --stops 1
+      one stop brighter than that
+  latent-convert picture.exr -o fixed.png --sensitivity 1.6
+      the same exposure for every picture, such as those of an animation
+  latent-convert picture.exr -o p3.tif --bits 16 --profile display-p3
+      print 16 bits for a wide-gamut display
   latent-convert picture.exr -o lamplight.png --white A
       print a scene lit by incandescent lamps without the orange cast
   latent-convert spectrum.exr -o canon.png --observer canon_eos_5d
@@ -52,7 +54,7 @@ Examples:
       write a tiled pyramid, as BigTIFF if needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M
       write two outputs in one pass
-  latent-convert picture.exr -o test.png --auto --stops -1,0,1
+  latent-convert picture.exr -o test.png --stops -1,0,1
       write test-1.png, test+0.png and test+1.png in one pass
   latent-convert picture.exr -o corner.png --crop 0,0,512,512
       print a part of the picture

@@ -20,6 +20,7 @@ int main(int argc, char** argv) try {
     latent::remove_temporaries_on_signals();
     const auto report = latent::convert::convert(options, cli::progress(common, "printing"));
     if (!report) return cli::fail(report.error());
+    for (const std::string& note : report->notes) cli::note(note);
     for (const std::string& warning : report->warnings) cli::warn(warning);
     if (report->damaged() > 0)
         cli::warn(latent::counted(report->damaged(), "pixel") + (report->damaged() == 1 ? " was" : " were") + " not finite");

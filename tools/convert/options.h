@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "color/auto_exposure.h"
 #include "color/print.h"
 #include "color/quantise.h"
 #include "image/rect.h"
@@ -30,11 +31,11 @@ struct ConvertOptions {
     std::string observer;     // of a spectral picture: of the catalogue, or a CSV file; "": cie1931
     std::string input_space;  // of the pixels, whatever the file says: "xyz", or as of color/rgb_space.h; "": the file's
 
-    double sensitivity = 1;        // sigma; pushed by `stops`
-    std::vector<double> stops{0};  // several: a print for each, with the stops in the names of its files
-    bool auto_exposure = false;    // sigma from the picture; then pushed by `stops`
-    double key = 0.18;             // what the mean prints at then
-    std::string tone = "film";     // color/tone_curve.h, or none
+    std::optional<double> sensitivity;  // sigma, before `stops`; none: chosen from the picture, or 1 with tone "none"
+    bool auto_exposure = false;         // choose it with tone "none" too
+    std::optional<double> key;          // the same, and the grey at which the mean prints; none: 0.18
+    std::vector<double> stops{0};       // by which sigma is pushed; several: a print for each, with the stops in its file names
+    std::string tone = "film";          // color/tone_curve.h, or none
     double contrast = 1, black = 0;
     std::string gamut = "luminance";
     std::string profile = "srgb";
@@ -68,6 +69,8 @@ struct ConvertOptions {
     std::uint64_t memory = std::uint64_t{1} << 30;
     bool replace = false;
 
+    // A film is exposed whatever tone its print has.
+    bool chooses_exposure() const { return auto_exposure || key || (!sensitivity && (tone != "none" || !darkroom.paper.empty())); }
     bool paper_decides_tone() const { return !darkroom.paper.empty() && darkroom.paper != "scan"; }
 };
 
@@ -88,7 +91,7 @@ struct ExposureReport {
 
 struct PassReport {
     std::vector<ExposureReport> exposures;
-    Percentiles luminance{};  // in the scene; after adaptation
+    color::LuminanceHistogram luminance;  // Y of the printed pixels in the scene, before adaptation
 };
 
 struct ConvertReport : ExposureReport {  // of the first exposure
@@ -100,11 +103,14 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::string shown;                   // shown_by()
     std::string proof;                   // name of the profile that is simulated; "": none
     std::optional<Rendering> rendering;  // of profiles of tables, and of proofs
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings, notes;
+    int dpi = 0;  // that --paper-width gives; 0: not asked for
     double contrast = 1, black_point = 0;
     bool gamut_report = false;
     color::Chromaticity white;  // that was printed neutral
     Percentiles luminance{};
+    bool chose_exposure = false;       // sigma, before stops, is `auto_sigma`
+    std::optional<double> auto_sigma;  // what the whole picture suggests; none: it has no light, or only a part was read
     double seconds = 0;
 
     // Pixels that were not numbers and stand for a fault upstream.

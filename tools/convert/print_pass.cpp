@@ -46,7 +46,7 @@ struct Workbench {
     std::vector<float> film_print;  // X, Y, Z of a row
     std::vector<float> noise;       // of the grain, in planes of a block
     film::GrainField::Scratch grain;
-    std::vector<float> luminances;  // of a row
+    std::vector<float> luminances;  // of a row, in the scene or as printed
     std::vector<std::uint8_t> lacking;
     color::LuminanceHistogram histogram;
     std::vector<Outcome> outcomes;
@@ -72,6 +72,10 @@ void print_row(const Exposure& exposure, const PassSettings& settings, const Blo
                Workbench& bench, Outcome& outcome) {
     const std::size_t width = static_cast<std::size_t>(from.area.width());
     bench.luminances.resize(width);
+    if (first) {
+        color::luminance_row(settings.y_row, from.row(0, y), from.row(1, y), from.row(2, y), bench.luminances);
+        bench.histogram.add(bench.luminances);
+    }
     std::array<std::span<const float>, 3> xyz{from.row(0, y), from.row(1, y), from.row(2, y)};
     if (exposure.film) {
         bench.film_print.resize(3 * width);
@@ -88,7 +92,6 @@ void print_row(const Exposure& exposure, const PassSettings& settings, const Blo
     }
     const std::uint64_t out_of_gamut = outcome.print.out_of_gamut;
     exposure.print.row(xyz[0], xyz[1], xyz[2], to.row(0, y), to.row(1, y), to.row(2, y), outcome.print, bench.luminances);
-    if (first) bench.histogram.add(bench.luminances);
     if (settings.gamut) {
         bench.lacking.resize(bench.luminances.size());
         outcome.print.out_of_gamut =
@@ -185,9 +188,8 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
     if (error) return error.status().error();
     PassReport report;
     report.exposures.resize(exposures.size());
-    color::LuminanceHistogram histogram;
     for (const Workbench& bench : benches) {
-        histogram += bench.histogram;
+        report.luminance += bench.histogram;
         for (std::size_t e = 0; e < bench.outcomes.size(); ++e) {
             const Outcome& outcome = bench.outcomes[e];
             ExposureReport& to = report.exposures[e];
@@ -195,7 +197,6 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
             to.hue_shifts += outcome.hue_shifts;
         }
     }
-    for (std::size_t i = 0; i < kPercentiles.size(); ++i) report.luminance[i] = histogram.percentile(kPercentiles[i] / 100.0);
     return report;
 }
 

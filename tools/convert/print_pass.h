@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "color/auto_exposure.h"
 #include "tools/convert/bands.h"
 #include "tools/convert/options.h"
 #include "tools/convert/sink.h"
@@ -25,7 +24,7 @@ struct Exposure {
 };
 
 struct PassSettings {
-    std::array<double, 3> y_row;                   // what luminance is
+    std::array<double, 3> y_row;                   // luminance in the scene, of the file's pixels
     color::RgbSpace space;                         // that is printed for
     std::shared_ptr<const DeviceTransform> proof;  // applied to what was printed; null: none
     color::RgbSpace shown_space;                   // of the result
@@ -41,11 +40,11 @@ bool needs_second_block(const std::vector<Exposure>& exposures, const PassSettin
 // Bytes of grain that each thread holds for a block of this size.
 std::size_t emulsion_bytes(const PassSettings& settings, int width, int height);
 
-// Luminances of all pixels. Errors: of reading.
+// Luminances of all pixels of `plan`. Errors: of reading.
 Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& plan, const std::array<double, 3>& y_row,
                                           const Progress& progress);
 
-// What came of each exposure, in their order; percentiles in the first one's. Bands go through printing and encoding one after
+// What came of each exposure, in their order. Bands go through printing and encoding one after
 // another; where memory allows, one is printed while the one before is encoded. Errors: of reading, of the sinks.
 Result<PassReport> print_all(const Source& source, const BandPlan& plan, const std::vector<Exposure>& exposures,
                              const PassSettings& settings, const Progress& progress);

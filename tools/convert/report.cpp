@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/json.h"
 #include "base/size.h"
 
@@ -51,6 +54,7 @@ std::string to_text(const ConvertReport& r) {
     std::string text = fmt::format("size           {} x {}\n", r.width, r.height);
     text += fmt::format("print          tone {}, gamut {}, {}\nwhite          {}, {}\n", r.tone, r.gamut, r.profile,
                         text_of(r.white), r.adapt);
+    if (r.dpi > 0) text += fmt::format("paper          {} pixels per inch\n", r.dpi);
     if (!r.observer.empty()) text += fmt::format("observer       {}\n", r.observer);
     if (!r.film.empty()) text += fmt::format("film           {}\n", r.film);
     if (!r.shown.empty()) text += fmt::format("shown          {}\n", r.shown);
@@ -67,8 +71,14 @@ std::string to_text(const ConvertReport& r) {
     for (std::size_t i = 0; i < kPercentiles.size(); ++i)
         text += fmt::format("{}{} %: {:.3g}", i == 0 ? "" : ", ", kPercentiles[i], r.luminance[i]);
     text += "\n";
+    // As -s and --stops take them: the first number gives this print again.
+    const auto sensitivity = [](double sigma) { return fmt::format("{} ({:+.2f} EV)", sigma, std::log2(sigma)); };
     const auto add = [&](const ExposureReport& exposure) {
-        text += fmt::format("sensitivity    {}\n", exposure.sigma) + exposure_text(exposure, r.gamut_report);
+        text += "sensitivity    " + sensitivity(exposure.sigma);
+        if (r.chose_exposure && r.auto_sigma) text += ", chosen from the picture";
+        if (!r.chose_exposure && r.auto_sigma && *r.auto_sigma != exposure.sigma)
+            text += fmt::format("; --auto would choose {}", sensitivity(*r.auto_sigma));
+        text += "\n" + exposure_text(exposure, r.gamut_report);
     };
     add(r);
     for (const ExposureReport& other : r.others) add(other);
@@ -82,6 +92,9 @@ std::string to_json(const ConvertReport& r) {
                                 {"tone", r.tone},        {"contrast", r.contrast},   {"black_point", r.black_point},
                                 {"gamut", r.gamut},      {"profile", r.profile},     {"white", {r.white.x, r.white.y}},
                                 {"adaptation", r.adapt}, {"pixels", r.print.pixels}, {"luminance", luminance}};
+    if (r.dpi > 0) json["dpi"] = r.dpi;
+    json["exposure_ev"] = std::log2(r.sigma);
+    if (r.auto_sigma) json["auto_sensitivity"] = *r.auto_sigma;
     if (!r.observer.empty()) json["observer"] = r.observer;
     if (!r.film.empty()) json["film"] = r.film;
     if (!r.shown.empty()) json["shown"] = r.shown;

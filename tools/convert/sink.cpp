@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cctype>
 #include <functional>
+#include <iterator>
 
+#include "base/output_name.h"
 #include "base/url.h"
 #include "image/deep_zoom_writer.h"
 #include "image/exr_writer.h"
@@ -183,21 +187,44 @@ Result<std::unique_ptr<Sink>> deep_zoom_sink(const std::filesystem::path& path, 
         [](image::DeepZoomWriter& w, std::size_t level, ByteSpan rows) { return w.write_rows(level, rows); });
 }
 
+// The extension in lower case.
+std::string type_of(const std::filesystem::path& path) {
+    std::string type = path.extension().string();
+    for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return type;
+}
+
+// Why a file of this type cannot have that depth, and what to do; empty if it can.
+std::string_view lacks_depth(std::string_view type, Depth depth) {
+    if (type == ".png" && depth == Depth::kFloat) return "PNG has 8 or 16 bits; use .tif or .exr for floats";
+    if (type == ".exr" && depth == Depth::k8) return "EXR has floats, or half floats with --bits 16";
+    if ((type == ".jpg" || type == ".jpeg" || type == ".dzi") && (depth == Depth::k16 || depth == Depth::kFloat))
+        return "JPEG and Deep Zoom have 8 bits; use .png, .tif or .exr for more";
+    return "";
+}
+
 }  // namespace
+
+Status check_types(const ConvertOptions& options, std::vector<std::string>& notes) {
+    constexpr std::string_view kTypes[] = {".png", ".tif", ".tiff", ".jpg", ".jpeg", ".exr", ".dzi"};
+    std::vector<std::string> lacking;
+    for (const std::filesystem::path& path : options.outputs) {
+        const std::string type = type_of(path);
+        if (const std::string problem = objection_to_output(path); !problem.empty()) return usage_error(problem).at("--output");
+        if (std::ranges::find(kTypes, type) == std::end(kTypes))
+            return usage_error(fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", shown_name(path)));
+        const std::string_view why = lacks_depth(type, options.depth);
+        if (!why.empty()) lacking.push_back(fmt::format("{}: {}", path.string(), why));
+    }
+    if (!lacking.empty() && lacking.size() == options.outputs.size()) return usage_error(lacking.front());
+    for (const std::string& why : lacking) notes.push_back("--bits is only for the other outputs: " + why);
+    return {};
+}
 
 Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const PrintedPicture& picture, const Display& display,
                                         const ConvertOptions& options) {
-    std::string type = path.extension().string();
-    for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string type = type_of(path);
     const bool png = type == ".png", tiff = type == ".tif" || type == ".tiff", jpeg = type == ".jpg" || type == ".jpeg";
-    if (!png && !tiff && !jpeg && type != ".exr" && type != ".dzi") {
-        return usage_error(fmt::format("{}: the name must end in .png, .tif, .jpg, .exr or .dzi", shown_name(path)));
-    }
-    const auto wrong_bits = [&](const char* why) { return usage_error(fmt::format("{}: {}", path.string(), why)); };
-    if (png && options.depth == Depth::kFloat) return wrong_bits("PNG has 8 or 16 bits; use .tif or .exr for floats");
-    if (type == ".exr" && options.depth == Depth::k8) return wrong_bits("EXR has floats, or half floats with --bits 16");
-    if ((jpeg || type == ".dzi") && (options.depth == Depth::k16 || options.depth == Depth::kFloat))
-        return wrong_bits("JPEG and Deep Zoom have 8 bits; use .png, .tif or .exr for more");
     Encoder encoder{SampleType::kU8, display.device ? color::Transfer::linear() : display.space.transfer, options.dither,
                     display.device};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
@@ -208,7 +235,8 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
         const auto& m = display.space.luminance_row;
         encoder.grey = {static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])};
     }
-    if (encoder.channels() == 4 && encoder.sample == SampleType::kF32) return wrong_bits("inks (CMYK) have 8 or 16 bits");
+    if (encoder.channels() == 4 && encoder.sample == SampleType::kF32)
+        return usage_error(fmt::format("{}: inks (CMYK) have 8 or 16 bits", path.string()));
     if (encoder.channels() == 4 && !tiff && !jpeg)
         return usage_error(fmt::format("{}: the profile is one of inks (CMYK), which only .tif and .jpg hold", path.string()));
     if (type == ".exr" && display.has_tables())

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "image/rect.h"
@@ -56,7 +58,11 @@ class Sink {
     virtual Status publish() = 0;
 };
 
-// The output `path` by its extension: .png, .tif, .tiff, .jpg, .jpeg, .exr, .dzi. Errors: kUsage, kExists, kOutOfRange (JPEG), kIo.
+// Whether all outputs are of types that can be written, and any of them can have the depth that was asked for. The others get
+// their own, which `notes` tells. Errors: kUsage.
+Status check_types(const ConvertOptions& options, std::vector<std::string>& notes);
+
+// The output `path` by its extension, of those that `check_types` accepts. Errors: kUsage, kExists, kOutOfRange (JPEG), kIo.
 Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const PrintedPicture& picture, const Display& display,
                                         const ConvertOptions& options);
 

@@ -33,6 +33,13 @@ float value_of(const sampledb::ExtraColumn& column, std::size_t row) {
     return 0;
 }
 
+Error unknown_layer(const sampledb::Job& job, const std::string& name) {
+    std::string columns;
+    for (const sampledb::ExtraColumnSpec& column : job.extra) columns += (columns.empty() ? "" : ", ") + column.name;
+    return usage_error(fmt::format("--layers {}: no layer and no column of the files, which have {}", name,
+                                   columns.empty() ? "none of their own" : columns));
+}
+
 }  // namespace
 
 Result<AovColumns> AovColumns::find(const sampledb::Job& job, const Layers& layers) {
@@ -55,6 +62,11 @@ Result<AovColumns> AovColumns::find(const sampledb::Job& job, const Layers& laye
     place_vector(layers.position, "position", columns.position_);
     place(layers.id, "id", "object", columns.object_);
     place(layers.id, "id", "material", columns.material_);
+    for (const std::string& name : layers.columns) {
+        const auto found = std::ranges::find(job.extra, name, &sampledb::ExtraColumnSpec::name);
+        if (found == job.extra.end() && status) status = unknown_layer(job, name);
+        columns.others_.push_back(static_cast<Place>(found - job.extra.begin()));
+    }
     if (!status) return status.error();
     return columns;
 }
@@ -75,6 +87,10 @@ void AovColumns::fill(const sampledb::Page& page, std::size_t row, float share, 
     if (layers.depth) {
         const float depth = value(depth_);
         if (std::isfinite(depth)) out[layout.depth()] = share * depth, out[layout.depth() + 1] = share;
+    }
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+        const float x = value(others_[i]);
+        if (std::isfinite(x)) out[layout.column(i)] = share * x, out[layout.column(i) + 1] = share;
     }
     if (layers.id) {
         float* const chosen = out + layout.chosen();

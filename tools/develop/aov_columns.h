@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "base/result.h"
 #include "sampledb/data/job.h"
@@ -24,6 +25,7 @@ class AovColumns {
     using Place = std::size_t;  // among the extra columns
     std::array<Place, 3> albedo_{}, normal_{}, position_{};
     Place depth_ = 0, object_ = 0, material_ = 0;
+    std::vector<Place> others_;
 };
 
 }  // namespace latent::develop

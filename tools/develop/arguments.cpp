@@ -121,10 +121,12 @@ Result<double> parse_fraction(std::string_view text) {
 void add_arguments(CLI::App& app, PictureOptions& options) {
     app.footer(kHelp);
     app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
-    app.add_option("-o,--output", options.output, "picture to write")->required()->check(cli::ends_in(".exr"));
-    app.add_option(
-           "--size", options.size,
-           "size of the whole picture in pixels; W alone keeps the film's aspect (default: the largest with 16 samples per pixel)")
+    app.add_option("-o,--output", options.output, "picture to write")
+        ->required()
+        ->check(
+            cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
+    app.add_option("--size", options.size,
+                   "size of the whole picture in pixels; W alone keeps the film's aspect (default: what the file was rendered for)")
         ->type_name("W|WxH");
     const auto crop = [](const std::string& text) {
         return parse_crop(text).map([](const auto& c) { return PixelRect{c[0], c[1], c[2], c[3]}; });
@@ -167,7 +169,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     cli::add_parsed(
         app, "--layers", options.layers, layers,
         "further layers to store: variance of the camera image, weight (sum of filter weights), count (number of samples); of "
-        "files rendered with --aov: albedo, normal, depth, position, id")
+        "files rendered with --aov: albedo, normal, depth, position, id; of any other column of the files, by its name: its mean")
         ->type_name("NAME,...");
     app.add_flag("--halves", options.layers.halves,
                  "also store the picture of each half of the samples; their difference shows the noise");

@@ -20,11 +20,11 @@ constexpr std::uint64_t kMaxTableBytes = std::uint64_t{8} << 20;
 
 }  // namespace
 
-void Channels::see_through(const color::Observer* observer, GroupLight& light) const {
-    light.observer = observer;
+void Channels::see_through(std::shared_ptr<const color::Observer> observer, GroupLight& light) const {
+    light.observer = std::move(observer);
     if (kind_ == sampledb::RecordKind::kSpectral && !density_.empty() &&
-        BatchResponse::bytes(density_, batch_, *observer) <= kMaxTableBytes)
-        light.response = BatchResponse(density_, batch_, *observer);
+        BatchResponse::bytes(density_, batch_, *light.observer) <= kMaxTableBytes)
+        light.response = BatchResponse(density_, batch_, *light.observer);
 }
 
 Status Channels::add_layers(const sampledb::Job& job, const Layers& layers) {
@@ -49,8 +49,7 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
             return usage_error("--light: spectra and filters need spectral records; these hold XYZ, so only factors are possible");
         light.curve = factors[i].curve;
         if (bins_ > 0) continue;
-        light.own = std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1));
-        see_through(light.own.get(), light);
+        see_through(std::make_shared<const color::Observer>(plain.observer->behind(*light.curve, "curve", 1)), light);
     }
     return {};
 }
@@ -69,7 +68,7 @@ Result<Channels> Channels::xyz(const sampledb::Job& job, const color::Observer* 
     channels.kind_ = job.kind;
     channels.batch_ = job.batch;
     channels.density_ = job.density;
-    channels.see_through(observer, channels.lights_[0]);
+    channels.see_through(observer != nullptr ? std::make_shared<const color::Observer>(*observer) : nullptr, channels.lights_[0]);
     return channels;
 }
 

@@ -59,12 +59,11 @@ class Channels {
     // How the light of a group is seen.
     struct GroupLight {
         float factor = 1;
-        std::optional<color::Spectrum> curve{};        // bins
-        std::shared_ptr<const color::Observer> own{};  // behind the curve
-        const color::Observer* observer = nullptr;     // not of bins
+        std::optional<color::Spectrum> curve{};             // bins
+        std::shared_ptr<const color::Observer> observer{};  // behind the curve, if there is one; not of bins or XYZ
         BatchResponse response{};
     };
-    void see_through(const color::Observer* observer, GroupLight& light) const;
+    void see_through(std::shared_ptr<const color::Observer> observer, GroupLight& light) const;
     const GroupLight& light_of(const sampledb::Page& page, std::size_t row) const;
     void spectral_row(const GroupLight& light, const sampledb::Page& page, std::size_t row, float* out) const;
     void add_pair(const GroupLight& light, float lambda_nm, float power, float* out) const;

@@ -84,9 +84,14 @@ class Engine {
         share_memory(sink);
     }
 
+    Result<double> decode_factor() const {
+        const Result<Plan> plan = make_plan();
+        if (!plan) return plan.error();
+        return plan->decode_factor(std::max(slab_bytes_, plan->least_room()));
+    }
+
     Result<DevelopCounts> run(const Progress& progress) {
-        const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.stride()) : 0;
-        const Result<Plan> plan = Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
+        const Result<Plan> plan = make_plan();
         if (!plan) return plan.error();
         plan_ = &*plan;
         counts_.pages = plan->pages();
@@ -114,6 +119,11 @@ class Engine {
         FilmNode node;
         RecordBatch batch;
     };
+
+    Result<Plan> make_plan() const {
+        const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.stride()) : 0;
+        return Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
+    }
 
     std::optional<Fireflies> fireflies() const {
         if (!settings_.dim_fireflies) return std::nullopt;
@@ -431,6 +441,13 @@ class Engine {
 Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
                               TileSink& sink, const Progress& progress) {
     return Engine(gathering, channels, settings, sink).run(progress);
+}
+
+Result<double> planned_decode_factor(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings) {
+    class NoSink final : public TileSink {
+        Status write(int, int, std::span<const float>) override { return {}; }
+    } none;
+    return Engine(gathering, channels, settings, none).decode_factor();
 }
 
 }  // namespace latent::develop

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/file.h"
@@ -16,7 +18,8 @@ namespace latent::develop {
 
 std::string to_text(const Forecast& f) {
     std::string text = fmt::format("{}: {} x {} pixels", f.output, f.width, f.height);
-    if (f.seconds) text += fmt::format(", about {}", format_duration(*f.seconds));
+    if (f.seconds)
+        text += fmt::format(", about {} ({} of CPU time)", format_duration(*f.seconds), format_duration(f.cpu_seconds.value_or(0)));
     text += fmt::format("; {} of memory", format_size(std::min(f.memory, f.memory_for_all)));
     if (f.memory < f.memory_for_all)
         text += fmt::format(" (--memory; with {}, all records would fit)", format_size(f.memory_for_all));
@@ -36,6 +39,7 @@ std::string to_json(const Forecast& f) {
                            {"memory_for_all_records", f.memory_for_all},
                            {"fits", f.fits()}};
     if (f.seconds) json["expected_seconds"] = *f.seconds;
+    if (f.cpu_seconds) json["expected_cpu_seconds"] = *f.cpu_seconds;
     if (f.free_bytes) json["free_bytes"] = *f.free_bytes;
     return json_text(json) + "\n";
 }
@@ -58,38 +62,99 @@ Status check_space(const std::filesystem::path& output, bool replace, std::uint6
 }
 
 double seconds_to_write(std::uint64_t bytes, const std::filesystem::path& folder) {
-    constexpr double kSeconds = 1;
-    constexpr std::uint64_t kAtOnce = 8 << 20;
+    constexpr double kSeconds = 0.3;
+    constexpr std::uint64_t kAtOnce = 4 << 20;
     Result<File> file = File::create_unnamed(folder);
     if (!file) return 0;
     std::vector<std::byte> noise(std::min(bytes, kAtOnce));  // that no file system compresses
     std::mt19937 random;
     for (std::byte& byte : noise) byte = static_cast<std::byte>(random());
+    std::vector<double> seconds_each;  // of whole blocks
     const Stopwatch stopwatch;
+    double before = 0;
     std::uint64_t written = 0;
-    while (written < bytes && stopwatch.seconds() < kSeconds) {
+    while (written < bytes && (stopwatch.seconds() < kSeconds || seconds_each.empty())) {
         const std::uint64_t size = std::min(kAtOnce, bytes - written);
         if (!file->write_all(written, std::span(noise).first(size)) || !file->sync_data()) return 0;
         written += size;
+        seconds_each.push_back(stopwatch.seconds() - std::exchange(before, stopwatch.seconds()));
     }
-    return written == 0 ? 0 : stopwatch.seconds() * static_cast<double>(bytes) / static_cast<double>(written);
+    if (written == bytes) return before;
+    std::ranges::sort(seconds_each);  // the median: a disk that halts for a moment says nothing about the rest
+    return seconds_each[seconds_each.size() / 2] * static_cast<double>(bytes) / static_cast<double>(kAtOnce);
 }
 
-Result<double> seconds_for(std::size_t runs, double seconds, const Trial& trial) {
-    constexpr double kMostGrowth = 8;  // of a trial over the one before
-    double first = 0;
-    for (std::size_t tried = 1;;) {
-        const Result<double> taken = trial(tried);
-        if (!taken) return taken.error();
-        seconds -= *taken;
-        if (tried >= runs) return *taken;
-        const auto count = static_cast<double>(tried), all = static_cast<double>(runs);
-        if (tried == 1) first = *taken;
-        const double each = tried == 1 ? *taken : std::max(0.0, (*taken - first) / (count - 1));
-        const double next = std::min({count * kMostGrowth, count + (seconds - *taken) / std::max(each, 1e-12), all});
-        if (tried > 1 && next < 2 * count) return *taken + each * (all - count);
-        tried = static_cast<std::size_t>(std::max(next, 2.0));
-    }
+namespace {
+
+double area(const PixelRect& r) { return static_cast<double>(r.width()) * static_cast<double>(r.height()); }
+
+// The same part of the film in a picture with about `pixels` there.
+TrialPicture scaled_to(const TrialPicture& picture, double pixels) {
+    const double factor = std::min(1.0, std::sqrt(pixels / area(picture.crop)));
+    TrialPicture out = picture;
+    if (factor == 1) return out;
+    const auto side = [&](std::uint32_t all) { return std::max(1.0, std::round(all * factor)); };
+    const double width = side(picture.width), height = side(picture.height);
+    const auto bound = [](std::int64_t at, double from, double to, bool up) {
+        const double scaled = static_cast<double>(at) * to / from;
+        return static_cast<std::int64_t>(up ? std::ceil(scaled) : std::floor(scaled));
+    };
+    out.width = static_cast<std::uint32_t>(width), out.height = static_cast<std::uint32_t>(height);
+    out.crop = {bound(picture.crop.x0, picture.width, width, false), bound(picture.crop.y0, picture.height, height, false),
+                bound(picture.crop.x1, picture.width, width, true), bound(picture.crop.y1, picture.height, height, true)};
+    return out;
+}
+
+// A piece of `crop` with about so many pixels, in its middle.
+PixelRect piece_of(const PixelRect& crop, double pixels) {
+    const double factor = std::min(1.0, std::sqrt(pixels / area(crop)));
+    const auto side = [&](std::int64_t all) {
+        return std::max<std::int64_t>(1, static_cast<std::int64_t>(static_cast<double>(all) * factor));
+    };
+    const std::int64_t w = side(crop.width()), h = side(crop.height());
+    const std::int64_t x = crop.x0 + (crop.width() - w) / 2, y = crop.y0 + (crop.height() - h) / 2;
+    return {x, y, x + w, y + h};
+}
+
+}  // namespace
+
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decode_factor, const PictureTrial& trial) {
+    constexpr double kRunSeconds = 0.9, kPixelSeconds = 0.5;
+    constexpr double kSmall = 1 << 18, kLeastPiece = 1 << 20;  // pixels
+    TrialOutcome last, first;
+    const auto with_runs = [&](TrialPicture small) {
+        return [&, small](std::size_t runs) mutable -> Result<Cost> {
+            small.runs = runs;
+            const Result<TrialOutcome> taken = trial(small);
+            if (!taken) return taken.error();
+            last = *taken;
+            if (runs == 1) first = *taken;
+            return taken->cost;
+        };
+    };
+    const auto all_runs = static_cast<double>(picture.runs);
+    const TrialPicture small = scaled_to(picture, kSmall);
+    const Result<RunCost> runs = measure_runs(kRunSeconds, picture.runs, with_runs(small));
+    if (!runs) return runs.error();
+    TrialOutcome out = last;
+    out.cost = runs->picture + runs->run * (all_runs * decode_factor);
+    if (small.width == picture.width) return out;
+
+    // Of the piece's cost, its run takes what its pages take; the rest is that of its pixels, beside what any picture costs.
+    TrialPicture piece = picture;
+    piece.runs = 1;
+    const double per_pixel = std::max(runs->picture.wall, 1e-4) / area(small.crop);
+    piece.crop = piece_of(picture.crop, std::clamp(kPixelSeconds / per_pixel, kLeastPiece, 16 * kLeastPiece));
+    const Result<TrialOutcome> taken = trial(piece);
+    if (!taken) return taken.error();
+    const double share =
+        std::min(1.0, static_cast<double>(taken->decoded) / static_cast<double>(std::max<std::uint64_t>(1, first.decoded)));
+    const double more = area(piece.crop) - area(small.crop);
+    const Cost pixel = at_least((taken->cost - runs->run * share - runs->picture) * (1 / more), {});
+    out.cost = out.cost + pixel * (area(picture.crop) - area(small.crop));
+    out.temporary_bytes =
+        static_cast<std::uint64_t>(static_cast<double>(taken->temporary_bytes) * area(picture.crop) / area(piece.crop));
+    return out;
 }
 
 }  // namespace latent::develop

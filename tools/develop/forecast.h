@@ -3,18 +3,20 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "base/result.h"
-#include "tools/develop/preview.h"
+#include "tools/develop/estimate.h"
+#include "tools/develop/film_grid.h"
 
 namespace latent::develop {
 
 struct Forecast {
     std::string output;
     std::uint32_t width = 0, height = 0;
-    std::optional<double> seconds;                      // none: the picture does not fit, so nobody waits for it
+    std::optional<double> seconds, cpu_seconds;         // none: the picture does not fit, so nobody waits for it
     std::uint64_t file_bytes = 0, temporary_bytes = 0;  // at most, without compression; about
     std::uint64_t memory = 0, memory_for_all = 0;       // the limit; what would hold all records at once
     std::optional<std::uint64_t> free_bytes;            // in the folder of the output, if the system says
@@ -29,11 +31,26 @@ std::optional<std::uint64_t> free_space(const std::filesystem::path& output, boo
 // Errors: kNoSpace, saying what to do.
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes);
 
-// Seconds that a file of `bytes` takes to reach the disk at `folder`, found out by writing a file without a name for about a
+// Seconds that a file of `bytes` takes to reach the disk at `folder`, found out by writing a file without a name for a third of a
 // second. 0 if none can be written.
 double seconds_to_write(std::uint64_t bytes, const std::filesystem::path& folder);
 
-// Seconds that all `runs` will take, found out by developing one of them, then more in about `seconds`. Errors: those of `trial`.
-Result<double> seconds_for(std::size_t runs, double seconds, const Trial& trial);
+// A picture that is developed to see what that costs: `crop` of a picture of that size, from the first `runs` in random order.
+struct TrialPicture {
+    std::uint32_t width = 0, height = 0;
+    PixelRect crop;
+    std::size_t runs = 0;
+};
+struct TrialOutcome {
+    Cost cost;
+    std::uint64_t decoded = 0;          // bytes of pages
+    std::uint64_t temporary_bytes = 0;  // on disk
+};
+using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
+
+// What `picture` will cost, from trials of about 1.5 seconds in all (more if one run alone takes longer). Its runs cost as much in
+// a picture of any size, so they are developed into a small one, first one run, then more; its pixels are developed as a piece of
+// the picture, from one run. `decode_factor`: how many times each page of all runs will be decoded. Errors: those of `trial`.
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decode_factor, const PictureTrial& trial);
 
 }  // namespace latent::develop

@@ -1,5 +1,9 @@
 #include "tools/develop/layers.h"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 #include "base/parse_switches.h"
 
 namespace latent::develop {
@@ -18,7 +22,23 @@ constexpr Switch<Layers> kNames[] = {{"variance", &Layers::variance}, {"weight",
 
 }  // namespace
 
-Result<Layers> parse_layers(std::string_view text) { return parse_switches(text, kNames, "a layer"); }
+Result<Layers> parse_layers(std::string_view text) {
+    Layers layers;
+    for (std::string_view rest = text;;) {
+        const std::size_t comma = rest.find(',');
+        const std::string_view name = rest.substr(0, comma);
+        const auto known = std::ranges::find(kNames, name, &Switch<Layers>::first);
+        if (known != std::end(kNames)) {
+            layers.*known->second = true;
+        } else if (name.empty()) {
+            return usage_error("a layer without a name");
+        } else if (std::ranges::find(layers.columns, name) == layers.columns.end()) {
+            layers.columns.emplace_back(name);
+        }
+        if (comma == std::string_view::npos) return layers;
+        rest.remove_prefix(comma + 1);
+    }
+}
 
 int half_of(std::uint64_t sample) { return static_cast<int>((mix(sample / 2) + sample) & 1); }
 
@@ -50,6 +70,10 @@ std::vector<std::string> RowLayout::names(const std::vector<std::string>& channe
     add_aov(layers.depth, {"Z"});
     add_aov(layers.position, {"P.X", "P.Y", "P.Z"});
     add_aov(layers.id, {"id.object", "id.material"});
+    for (std::string name : layers.columns) {
+        while (std::ranges::find(all, name) != all.end()) name.insert(0, "extra.");
+        all.push_back(std::move(name));
+    }
     return all;
 }
 

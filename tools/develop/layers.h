@@ -19,15 +19,17 @@ struct Layers {
     bool halves = false;    // the same picture of either half of the samples
     // AOVs, of columns that the files have (aov_columns.h).
     bool albedo = false, normal = false, depth = false, position = false, id = false;
-    bool samples = false;  // no layer, but records of one sample become one, of light images too
+    std::vector<std::string> columns{};  // further columns of the files, by their names
+    bool samples = false;                // no layer, but records of one sample become one, of light images too
 
-    bool aovs() const { return albedo || normal || depth || position || id; }
+    bool aovs() const { return albedo || normal || depth || position || id || !columns.empty(); }
     bool any() const { return variance || weight || count || halves || aovs(); }
     bool by_sample() const { return variance || count || samples; }  // camera records of one sample count as one
     bool operator==(const Layers&) const = default;
 };
 
-// "variance,weight,count,albedo,normal,depth,position,id", in any order. Errors: kUsage. Halves are an option of their own.
+// "variance,weight,count,albedo,normal,depth,position,id", in any order; any other name is that of a column. Errors: kUsage.
+// Halves are an option of their own.
 Result<Layers> parse_layers(std::string_view text);
 
 // Either half of the samples, 0 or 1: the lowest bit of h(n) = mix(n / 2) + n mod 2^64, with the finaliser of [SplitMix64]. Of two
@@ -85,11 +87,12 @@ struct RowLayout {
     int half() const { return linear(); }                              // where half 0 begins
     int albedo() const { return linear() * (layers.halves ? 2 : 1); }  // x, y, z
     int normal() const { return albedo() + (layers.albedo ? 3 : 0); }
-    int depth() const { return normal() + (layers.normal ? 3 : 0); }                                    // and 1 where there is any
-    int position() const { return depth() + (layers.depth ? 2 : 0); }                                   // and 1 where there is any
-    int squares() const { return (position() + (layers.position ? 4 : 0) + 3) / 4 * 4; }                // s^2
-    int products() const { return squares() + channels; }                                               // s c
-    int divisor_square(int channel) const { return squares() + 2 * channels + (ratio ? channel : 0); }  // c^2
+    int depth() const { return normal() + (layers.normal ? 3 : 0); }   // and 1 where there is any
+    int position() const { return depth() + (layers.depth ? 2 : 0); }  // and 1 where there is any
+    int column(std::size_t i) const { return position() + (layers.position ? 4 : 0) + 2 * static_cast<int>(i); }  // and 1
+    int squares() const { return (column(layers.columns.size()) + 3) / 4 * 4; }                                   // s^2
+    int products() const { return squares() + channels; }                                                         // s c
+    int divisor_square(int channel) const { return squares() + 2 * channels + (ratio ? channel : 0); }            // c^2
     int counter() const { return squares() + (layers.variance ? (2 * channels + divisors() + 3) / 4 * 4 : 0); }
     int chosen() const { return counter() + (layers.count ? 4 : 0); }
     EntryCounts entries() const { return {squares(), counter() - squares(), layers.count ? 4 : 0, layers.id ? 4 : 0}; }
@@ -106,10 +109,10 @@ struct RowLayout {
     int outputs() const {
         return channels * (1 + (layers.variance ? 1 : 0) + (layers.halves ? 2 : 0)) + (layers.weight ? 1 : 0) +
                (layers.count ? 1 : 0) + (layers.albedo ? 3 : 0) + (layers.normal ? 3 : 0) + (layers.depth ? 1 : 0) +
-               (layers.position ? 3 : 0) + (layers.id ? 2 : 0);
+               (layers.position ? 3 : 0) + (layers.id ? 2 : 0) + static_cast<int>(layers.columns.size());
     }
     // Their names in an EXR: those of the channels, "variance.R", "weight", "count", "half0.R", "half1.R", "albedo.R", "N.X", "Z",
-    // "P.X", "id.object", "id.material".
+    // "P.X", "id.object", "id.material", then columns by their names, "extra.NAME" where the name is taken.
     std::vector<std::string> names(const std::vector<std::string>& channel_names) const;
 };
 

@@ -14,31 +14,29 @@ namespace latent::develop {
 
 using color::Spectrum;
 
-std::vector<LightGroup> light_groups_in(std::string_view provenance_json) {
+namespace {
+
+std::vector<LightGroup> light_groups_in(std::string_view origin) {
     std::vector<LightGroup> groups;
-    for_each_element(member_of(provenance_json, "light_groups"), [&](std::string_view element) {
-        const nlohmann::json group = nlohmann::json::parse(element, nullptr, false);
-        LightGroup& out = groups.emplace_back();
-        if (!group.is_object() || !group.contains("name") || !group["name"].is_string()) return;
-        out.name = group["name"].get<std::string>();
-        if (!group.contains("spectrum")) return;
-        const auto numbers = [&](const char* key) {
+    for (const sampledb::NamedLights& lights : sampledb::lights_in(origin)) {
+        LightGroup& out = groups.emplace_back(lights.name);
+        const nlohmann::json stored = nlohmann::json::parse(lights.spectrum, nullptr, false);
+        if (!stored.is_object()) continue;
+        const auto numbers = [&stored](const char* key) {
             std::vector<double> list;
-            const nlohmann::json& spectrum = group["spectrum"];
-            if (!spectrum.is_object() || !spectrum.contains(key) || !spectrum[key].is_array()) return list;
-            for (const nlohmann::json& x : spectrum[key]) list.push_back(x.is_number() ? x.get<double>() : std::nan(""));
+            if (!stored.contains(key) || !stored[key].is_array()) return list;
+            for (const nlohmann::json& x : stored[key]) list.push_back(x.is_number() ? x.get<double>() : std::nan(""));
             return list;
         };
-        const bool goes_on = group["spectrum"].is_object() && group["spectrum"].value("goes_on", nlohmann::json()) == true;
+        const bool goes_on = stored.value("goes_on", nlohmann::json()) == true;
         Result<Spectrum> spectrum =
             Spectrum::from_samples(numbers("nm"), numbers("value"), goes_on ? color::Outside::kClamped : color::Outside::kZero);
         if (spectrum && color::luminance(*spectrum) > 0) out.spectrum = *std::move(spectrum);
-    });
-    for (std::size_t i = 0; i < groups.size(); ++i) {
-        if (groups[i].name.empty()) groups[i].name = std::to_string(i);
     }
     return groups;
 }
+
+}  // namespace
 
 Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathering) {
     if (std::ranges::find(gathering.job().extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name) ==
@@ -50,11 +48,9 @@ Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathe
         if (!source) return source.error();
         const Result<sampledb::FileContents> frames = sampledb::read_frames(**source);
         if (!frames) return frames.error().at(shown_name(path));
-        const auto own = sampledb::quote_provenance(frames->header.provenance_json, sampledb::kHeaderProvenanceDepth);
-        std::vector<LightGroup> groups = light_groups_in(own.json);
-        const auto merged = sampledb::quote_provenance(frames->footer_provenance, sampledb::kFooterProvenanceDepth);
-        for_each_element(member_of(merged.json, "parts"), [&](std::string_view part) {
-            if (groups.empty()) groups = light_groups_in(member_of(part, "provenance"));
+        std::vector<LightGroup> groups;
+        sampledb::for_each_origin(*frames, [&](std::string_view origin) {
+            if (groups.empty()) groups = light_groups_in(origin);
         });
         if (!groups.empty()) return groups;
         break;  // all parts of a job say the same

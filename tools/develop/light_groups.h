@@ -22,6 +22,5 @@ struct LightGroup {
 // In the order of their numbers. The names are in the provenance of the files, where latent-render puts them; without any, groups
 // are called by their numbers. Errors: of reading; kUsage if the job has no groups.
 Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathering);
-std::vector<LightGroup> light_groups_in(std::string_view provenance_json);
 
 }  // namespace latent::develop

@@ -128,13 +128,14 @@ Result<std::vector<GroupFactor>> mix_lights(const std::vector<LightGroup>& group
         const Result<GroupFactor> factor = factor_of(*found, *setting);
         if (!factor) return factor.error();
         factors[number] = *factor;
-        double largest = 0;
+        double largest = factor->curve ? 0 : 1;
         for (double nm = 380; nm <= 780 && factor->curve; ++nm) largest = std::max(largest, (*factor->curve)(nm));
+        largest *= factor->factor;
         if (largest > kLargestWeight)
             warnings.push_back(
-                fmt::format("--light {}: some wavelengths are multiplied by {:.0f}, which makes the picture noisy; for less "
-                            "noise, render the scene with the new light",
-                            text, largest));
+                fmt::format("--light {}: {} multiplied by {:.0f}, and so is the noise; for less noise, render the "
+                            "scene with the new light",
+                            text, factor->curve ? "some wavelengths are" : "the light is", largest));
     }
     return factors;
 }

@@ -18,8 +18,8 @@ struct GroupFactor {
 };
 
 // For each group, by settings as of light_setting.h. A spectrum instead of its own has the same luminance, and must be zero where
-// the own one is. Warns of curves above 20, which make noise. Errors: kUsage (unknown names, spectra that cannot be replaced), of
-// files.
+// the own one is. Warns of factors above 20, which multiply noise too. Errors: kUsage (unknown names, spectra that cannot be
+// replaced), of files.
 Result<std::vector<GroupFactor>> mix_lights(const std::vector<LightGroup>& groups, const std::vector<std::string>& settings,
                                             std::vector<std::string>& warnings);
 

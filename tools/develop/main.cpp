@@ -14,7 +14,8 @@ int main(int argc, char** argv) try {
     CLI::App app{"Develop raw samples into an EXR picture of linear XYZ pixels.", "latent-develop"};
     develop::add_arguments(app, options);
     app.add_flag("--dry-run", dry_run,
-                 "develop a few runs for about two seconds, then print the expected time, memory and file size, and the free space")
+                 "develop some runs and pixels for up to two seconds, then print the expected time, memory and file size, and the "
+                 "free space")
         ->excludes(app.get_option("--budget"));
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;

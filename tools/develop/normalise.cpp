@@ -61,6 +61,7 @@ void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
     if (layers.depth) put(mean_of_hits(layout.depth(), layout.depth() + 1, std::numeric_limits<double>::infinity()));
     for (int i = 0; i < 3 && layers.position; ++i) put(mean_of_hits(layout.position() + i, layout.position() + 3, 0));
     for (int i = 1; i < 3 && layers.id; ++i) put(camera ? camera[layout.chosen() + i] : 0);
+    for (std::size_t i = 0; i < layers.columns.size(); ++i) put(mean_of_hits(layout.column(i), layout.column(i) + 1, 0));
 }
 
 // A pixel and all that goes with it; null sums are zeros. True if it has enough weight.

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "base/file.h"
@@ -13,8 +12,8 @@
 #include "base/parse.h"
 #include "base/stopwatch.h"
 #include "color/rgb_space.h"
+#include "tools/develop/estimate.h"
 #include "tools/develop/exr_picture.h"
-#include "tools/develop/preview.h"
 #include "tools/develop/splat.h"
 #include "tools/develop/subset.h"
 
@@ -108,7 +107,8 @@ Error nothing_to_develop(sampledb::GatherOptions options) {
     if (!all) return all.error();
     std::string message = "the files hold no samples";
     if (const sampledb::Coverage& held = (*all)->coverage(); !held.empty())
-        message = fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held));
+        message = wanted ? fmt::format("--samples {}:{}: the files hold only {}", wanted->first, wanted->end, to_string(held))
+                         : "the files have changed while they were read";
     for (const sampledb::LeftOut& item : (*all)->report().left_out)
         message += fmt::format("; left out: {}: {}", item.place, item.reason);
     return {ErrorCode::kOutOfRange, message};
@@ -123,16 +123,18 @@ std::uint64_t memory_for_all(const sampledb::Gathering& gathering, const Channel
     return (records * each + kBeside) / 7 * 8;
 }
 
-// What is asked for of some of the runs, or all.
-struct Share {
-    std::uint64_t available = 0;                              // samples of all runs
-    bool publish = true;                                      // false: to see how long it takes
-    std::function<Status(const PictureReport&)> before = {};  // asked before the work, if any
+// All that is known of a picture before it is developed.
+struct Preparation {
+    PictureReport report;
+    Channels channels;
+    Settings settings;
+    image::ExrTileSpec spec;
+    std::uint64_t waiting_for_mipmap = 0;  // bytes
 };
 
-Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb::GatherOptions& gather,
-                                   const sampledb::Gathering& gathering, const Share& share, PictureSink& sink,
-                                   const Progress& progress) {
+// `gathering` is of all runs, which hold `available` samples, or of some. `default_size`: unless the options have one.
+Result<Preparation> prepare(const PictureOptions& options, const sampledb::GatherOptions& gather,
+                            const sampledb::Gathering& gathering, std::uint64_t available, Size default_size) {
     const sampledb::Job& job = gathering.job();
 
     PictureReport report;
@@ -140,19 +142,17 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     report.job = job.id;
     report.coverage = gathering.coverage();
     if (report.coverage.empty()) return nothing_to_develop(gather);
-    report.available = share.available;
+    report.available = available;
     if (options.samples && !options.is_preview()) report.missing.add(*options.samples);
     report.missing.remove(report.coverage);
     report.files = gathering.files().size();
     report.runs = gathering.runs().size();
     report.gathering = gathering.report();
-    const std::uint64_t samples = gathering.coverage().size();
-    const Result<Size> size = options.size.empty()
-                                  ? default_size(job, std::min(share.available, options.is_preview() ? 16 * samples : samples))
-                                  : parse_size_on_film(options.size, job);
+    const Result<Size> size = options.size.empty() ? default_size : parse_size_on_film(options.size, job);
     if (!size) return size.error();
     report.width = size->width;
     report.height = size->height;
+    report.size_chosen = !options.size.empty();
     const Result<PixelRect> crop = crop_of(options.crop, *size);
     if (!crop) return crop.error();
     report.crop = *crop;
@@ -215,19 +215,25 @@ Result<PictureReport> develop_runs(const PictureOptions& options, const sampledb
     report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) *
                         static_cast<std::uint64_t>(channels->layout().outputs()) * sizeof(float) * (options.mipmap ? 4 : 3) / 3;
     report.memory_for_all = memory_for_all(gathering, *channels);
-    if (share.publish && !options.ignore_space && !options.output.empty()) {
+    image::ExrTileSpec spec = exr_spec(options, report, job, *chosen, channels->layout());
+    return Preparation{std::move(report), *std::move(channels), std::move(settings), std::move(spec), waiting_for_mipmap};
+}
+
+// `publish` false: to see how long it takes.
+Result<PictureReport> develop_prepared(const PictureOptions& options, const sampledb::Gathering& gathering,
+                                       const Result<Preparation>& prepared, bool publish, PictureSink& sink,
+                                       const Progress& progress) {
+    if (!prepared) return prepared.error();
+    PictureReport report = prepared->report;
+    if (publish && !options.ignore_space && !options.output.empty()) {
         if (Status s = check_space(options.output, options.replace, report.file_bytes); !s) return s.error();
     }
-    if (share.before) {
-        if (Status s = share.before(report); !s) return s.error();
-    }
-    if (Status s = sink.begin(exr_spec(options, report, job, *chosen, channels->layout()), waiting_for_mipmap); !s)
-        return s.error();
+    if (Status s = sink.begin(prepared->spec, prepared->waiting_for_mipmap); !s) return s.error();
     const Stopwatch stopwatch;
     Result<DevelopCounts> counts = DevelopCounts{};
-    Threads(options.threads).run([&] { counts = develop(gathering, *channels, settings, sink, progress); });
+    Threads(options.threads).run([&] { counts = develop(gathering, prepared->channels, prepared->settings, sink, progress); });
     if (!counts) return counts.error();
-    if (share.publish) {
+    if (publish) {
         if (Status s = sink.finish(); !s) return s.error();
     }
     report.counts = *counts;
@@ -254,13 +260,6 @@ Subset first_of(const sampledb::Gathering& all, const std::vector<std::uint32_t>
     return Subset(all, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)});
 }
 
-class NoPicture final : public PictureSink {
- public:
-    Status begin(const image::ExrTileSpec&, std::uint64_t) override { return {}; }
-    Status write(int, int, std::span<const float>) override { return {}; }
-    Status finish() override { return {}; }
-};
-
 // A developed picture or a scene among the inputs, which is what people confuse with samples.
 Error with_advice(Error error, const std::vector<std::filesystem::path>& inputs) {
     for (const std::filesystem::path& input : inputs) {
@@ -275,6 +274,13 @@ Error with_advice(Error error, const std::vector<std::filesystem::path>& inputs)
     return error;
 }
 
+Size size_of_width(double width, double aspect) {
+    const auto side = [](double pixels) {
+        return static_cast<std::uint32_t>(std::clamp(std::round(pixels), 1.0, double{kMaxSide}));
+    };
+    return {side(width), side(width / aspect)};
+}
+
 // `running`: since the command began.
 Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
                                    PictureSink& sink, const Progress& progress) {
@@ -283,33 +289,49 @@ Result<PictureReport> develop_once(const PictureOptions& options, sampledb::Veri
     if (!gathered) return with_advice(gathered.error(), gather.inputs);
     const sampledb::Gathering& all = **gathered;
     const std::uint64_t available = all.coverage().size();
-    if (!options.is_preview()) return develop_runs(options, gather, all, {available}, sink, progress);
+    if (!options.is_preview())
+        return develop_prepared(options, all, prepare(options, gather, all, available, default_size(all)), true, sink, progress);
 
     const std::vector<std::uint32_t> order = shuffled_runs(all);
+    const auto develop_first = [&](std::size_t count, bool publish, const Progress& shown) {
+        const Subset some = first_of(all, order, count);
+        const auto prepared = prepare(options, gather, some, available, default_size(all, some.coverage().size()));
+        return develop_prepared(options, some, prepared, publish, sink, shown);
+    };
     Result<std::size_t> count = count_for(all, order, options.fraction);
     if (options.budget_seconds > 0) {
-        const Trial trial = [&](std::size_t runs) -> Result<double> {
-            const Stopwatch stopwatch;
-            const Result<PictureReport> tried =
-                develop_runs(options, gather, first_of(all, order, runs), {available, false}, sink, {});
+        const Trial trial = [&](std::size_t runs) -> Result<Cost> {
+            const CostMeter meter;
+            const Result<PictureReport> tried = develop_first(runs, false, {});
             if (!tried) return tried.error();
-            return stopwatch.seconds();
+            return meter.so_far();
         };
         count = runs_within(options.budget_seconds - running.seconds(), order.size(), trial);
         if (!count) return count.error();
     }
-    return develop_runs(options, gather, first_of(all, order, *count), {available}, sink, progress);
+    return develop_first(*count, true, progress);
+}
+
+// The largest size of the film's shape within `pixels`; `pixels` themselves where only rounding is between them.
+Size on_film(const sampledb::Resolution& pixels, const sampledb::Job& job) {
+    if (const Result<Size> same = parse_size_on_film(fmt::format("{}x{}", pixels.width, pixels.height), job)) return *same;
+    const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
+    const double width = std::floor(std::min<double>(pixels.width, pixels.height * aspect));
+    return size_of_width(width, aspect);
 }
 
 }  // namespace
 
-Size default_size(const sampledb::Job& job, std::uint64_t samples) {
+Size default_size(const sampledb::Gathering& all, std::optional<std::uint64_t> preview_samples) {
+    const sampledb::Job& job = all.job();
     const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
-    const double width = std::floor(std::sqrt(static_cast<double>(samples) / 16 * aspect));
-    const auto side = [](double pixels) {
-        return static_cast<std::uint32_t>(std::clamp(std::round(pixels), 1.0, double{kMaxSide}));
+    const auto with_samples = [&](std::uint64_t samples, double per_pixel) {
+        return size_of_width(std::floor(std::sqrt(static_cast<double>(samples) / per_pixel * aspect)), aspect);
     };
-    return {side(width), side(width / aspect)};
+    const Size whole = all.resolution() ? on_film(*all.resolution(), job) : with_samples(all.coverage().size(), 16);
+    if (!preview_samples) return whole;
+    const Size largest = with_samples(*preview_samples, 1);
+    return largest.width < whole.width ? largest : whole;
 }
 
 Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job) {
@@ -326,14 +348,15 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
     if (height > kMaxSide)
         return usage_error(fmt::format("--size {}: the height would be {:.0f} pixels; the maximum is {}", text, height, kMaxSide));
     if (std::abs(height - exact) > 0.5 && std::abs(width - height * aspect) > 0.5) {
-        return usage_error(fmt::format("--size {}: the film's aspect is {}:{}; use {}x{:.0f}", text, job.aspect_width,
-                                       job.aspect_height, width, std::max(1.0, std::round(exact))));
+        const bool too_flat = std::round(exact) < 1;  // less than a pixel high
+        return usage_error(fmt::format("--size {}: the film's aspect is {}:{}; use {:.0f}x{:.0f}", text, job.aspect_width,
+                                       job.aspect_height, too_flat ? std::round(height * aspect) : width,
+                                       too_flat ? height : std::round(exact)));
     }
     return Size{width, static_cast<std::uint32_t>(height)};
 }
 
 Result<Forecast> forecast_picture(const PictureOptions& asked) {
-    constexpr double kTrialSeconds = 2;
     if (Status s = set_simd_level(asked.simd); !s) return s.error();
     const sampledb::GatherOptions gather = gather_options(asked, sampledb::VerifyLevel::kHeaders);
     const auto gathered = sampledb::Gathering::open(gather);
@@ -342,35 +365,43 @@ Result<Forecast> forecast_picture(const PictureOptions& asked) {
     if (all.coverage().empty()) return nothing_to_develop(gather);
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const std::size_t runs = count_for(all, order, asked.fraction);
-    PictureOptions options = asked;
-    if (options.size.empty()) {  // that of the picture, not of the trials
-        const std::uint64_t samples = first_of(all, order, runs).coverage().size();
-        const Size size = default_size(all.job(), asked.is_preview() ? std::min(all.coverage().size(), 16 * samples) : samples);
-        options.size = fmt::format("{}x{}", size.width, size.height);
-    }
-    NoPicture sink;
+    const Subset wanted = first_of(all, order, runs);
+    const std::optional<std::uint64_t> preview_samples =
+        asked.is_preview() ? std::optional(wanted.coverage().size()) : std::nullopt;
+    const Result<Preparation> whole = prepare(asked, gather, wanted, all.coverage().size(), default_size(all, preview_samples));
+    if (!whole) return whole.error();
+
     Forecast forecast;
-    forecast.output = options.output.string();
-    forecast.memory = options.memory;
-    forecast.free_bytes = free_space(options.output, options.replace);
-    const auto before = [&](const PictureReport& expected) -> Status {
-        forecast.width = expected.width, forecast.height = expected.height;
-        forecast.file_bytes = expected.file_bytes;
-        forecast.memory_for_all = expected.memory_for_all * runs / expected.runs;
-        if (!forecast.fits() && !options.ignore_space) return Error{ErrorCode::kNoSpace, "does not fit"};
-        return {};
-    };
-    const Trial trial = [&](std::size_t count) -> Result<double> {
-        const Stopwatch stopwatch;
-        const Result<PictureReport> tried =
-            develop_runs(options, gather, first_of(all, order, count), {all.coverage().size(), false, before}, sink, {});
+    forecast.output = asked.output.string();
+    forecast.width = whole->report.width, forecast.height = whole->report.height;
+    forecast.file_bytes = whole->report.file_bytes;
+    forecast.memory = asked.memory;
+    forecast.memory_for_all = whole->report.memory_for_all;
+    forecast.free_bytes = free_space(asked.output, asked.replace);
+    if (!forecast.fits() && !asked.ignore_space) return forecast;
+    Result<double> decode_factor = 1.0;
+    if (forecast.memory < forecast.memory_for_all)
+        Threads(asked.threads).run([&] { decode_factor = planned_decode_factor(wanted, whole->channels, whole->settings); });
+    if (!decode_factor) return decode_factor.error();
+
+    const PictureTrial trial = [&](const TrialPicture& picture) -> Result<TrialOutcome> {
+        PictureOptions options = asked;
+        options.size = fmt::format("{}x{}", picture.width, picture.height);
+        options.crop = picture.crop;
+        ExrPicture sink(asked.output, true);  // never finished
+        const Subset some = first_of(all, order, picture.runs);
+        const CostMeter meter;
+        const Result<PictureReport> tried = develop_prepared(
+            options, some, prepare(options, gather, some, all.coverage().size(), {picture.width, picture.height}), false, sink, {});
         if (!tried) return tried.error();
-        forecast.temporary_bytes = tried->counts.temporary_bytes;
-        return stopwatch.seconds();
+        return TrialOutcome{meter.so_far(), tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
     };
-    const Result<double> seconds = seconds_for(runs, kTrialSeconds, trial);
-    if (!seconds && !(seconds.error().code == ErrorCode::kNoSpace && !forecast.fits())) return seconds.error();
-    if (seconds) forecast.seconds = *seconds + seconds_to_write(forecast.file_bytes, folder_of(options.output));
+    const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs};
+    const Result<TrialOutcome> expected = extrapolate(picture, *decode_factor, trial);
+    if (!expected) return expected.error();
+    forecast.seconds = expected->cost.wall + seconds_to_write(forecast.file_bytes, folder_of(asked.output));
+    forecast.cpu_seconds = expected->cost.cpu;
+    forecast.temporary_bytes = expected->temporary_bytes;
     return forecast;
 }
 
@@ -379,7 +410,7 @@ Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink
     const Stopwatch running;
     Result<PictureReport> report = develop_once(options, sampledb::VerifyLevel::kHeaders, running, sink, progress);
     const bool damaged = !report && sampledb::is_unreadable(report.error());
-    return damaged ? develop_once(options, sampledb::VerifyLevel::kFull, running, sink, progress) : report;
+    return damaged ? develop_once(options, sampledb::VerifyLevel::kOrdered, running, sink, progress) : report;
 }
 
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress) {

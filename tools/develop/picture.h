@@ -46,6 +46,7 @@ struct PictureOptions {
 struct PictureReport {
     std::string output;
     std::uint32_t width = 0, height = 0;
+    bool size_chosen = false;  // by --size
     PixelRect crop;
     std::string filter, observer;
     std::vector<std::string> lights;  // as they were mixed
@@ -64,17 +65,19 @@ struct PictureReport {
     sampledb::GatherReport gathering;
     std::vector<std::string> warnings;
 
+    double samples_per_pixel() const { return static_cast<double>(coverage.size()) / (static_cast<double>(width) * height); }
     // Something damaged, foreign, missing or not finite was left out.
     bool has_losses() const {
         return !gathering.left_out.empty() || !missing.empty() || counts.camera_not_finite + counts.light_not_finite > 0;
     }
 };
 
-// The size that gives at least 16 samples per pixel, in the film's shape. (Of a preview, one sample of those it is made of.)
 struct Size {
     std::uint32_t width, height;
 };
-Size default_size(const sampledb::Job& job, std::uint64_t samples);
+// The size that the samples were rendered for, in the film's shape; of files that do not say, that with at least 16 of all samples
+// per pixel. A preview, of fewer samples, is no larger than what has one of these per pixel.
+Size default_size(const sampledb::Gathering& all, std::optional<std::uint64_t> preview_samples = std::nullopt);
 // "WxH" or "W". Errors: kUsage, if the shape is off the film's by more than half a pixel, naming a size that fits.
 Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job);
 

@@ -105,6 +105,11 @@ Plan::Split Plan::best_split(const FilmNode& node, std::uint64_t room, std::uint
     return with.decoded <= without.decoded ? with : without;
 }
 
+double Plan::decode_factor(std::uint64_t room) const {
+    const std::uint64_t once = inside({});
+    return once == 0 ? 1 : static_cast<double>(decoded({}, room, 0)) / static_cast<double>(once);
+}
+
 std::uint64_t Plan::decoded(const FilmNode& node, std::uint64_t room, std::uint64_t missed) const {
     if (cells(node).empty()) return 0;
     return way(node, room, missed) == Way::kSplit ? best_split(node, room, missed).decoded : inside(node) + missed;

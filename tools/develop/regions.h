@@ -48,6 +48,9 @@ class Plan {
     bool holds(const sampledb::FilmNode& node, std::uint64_t room, std::uint64_t missed) const;
     std::uint64_t own(const sampledb::FilmNode& node) const;  // bytes of their records
 
+    // How many times each byte of records is decoded with so much room for the whole film, on average.
+    double decode_factor(std::uint64_t room) const;
+
     std::uint64_t least_batch() const { return least_batch_; }  // bytes
     std::uint64_t least_room() const { return least_batch_ + cell_bytes_.window + cell_bytes_.positive; }
     std::uint64_t pages() const { return pages_; }

@@ -25,6 +25,7 @@ std::string to_json(const PictureReport& r) {
     nlohmann::json report = {{"output", r.output},
                              {"width", r.width},
                              {"height", r.height},
+                             {"samples_per_pixel", r.samples_per_pixel()},
                              {"crop", {r.crop.x0, r.crop.y0, r.crop.x1, r.crop.y1}},
                              {"filter", r.filter},
                              {"observer", r.observer.empty() ? nlohmann::json() : nlohmann::json(r.observer)},
@@ -64,6 +65,8 @@ std::string to_text(const PictureReport& r) {
         fmt::format("{}: {} x {} pixels of {} x {}, {}, {}; {} camera and {} light records, samples {}\n", r.output, r.crop.width(),
                     r.crop.height(), r.width, r.height, r.filter, r.observer.empty() ? "in spectral bins" : r.observer,
                     c.camera_records, c.light_records, to_string(r.coverage));
+    text += fmt::format("{} samples per pixel{}\n", format_count(r.samples_per_pixel()),
+                        r.size_chosen ? "" : "; choose another size with --size WIDTH");
     text += fmt::format("read {} of {} in {}, {}, decode factor {:.2f}\n", format_size(r.bytes_read), format_size(r.bytes_stored),
                         format_duration(r.seconds), counted(c.regions, "region"), c.decode_factor());
     if (r.coverage.size() < r.available)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sampledb/read/gathering.h"
@@ -25,6 +26,7 @@ class Subset final : public sampledb::Gathering {
     const std::vector<sampledb::SelectedRun>& runs() const override { return runs_; }
     const sampledb::Coverage& coverage() const override { return coverage_; }
     const sampledb::GatherReport& report() const override { return all_.report(); }
+    std::optional<sampledb::Resolution> resolution() const override { return all_.resolution(); }
     std::uint64_t list_memory() const override { return all_.list_memory() + runs_.size() * sizeof(sampledb::SelectedRun); }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override {
         return all_.pages(numbers_[run]);

@@ -45,7 +45,7 @@ void add_cat_options(CLI::App& cat, CatOptions& options) {
         ->type_name("U0,V0,U1,V1");
     cli::add_parsed(cat, "--job", options.job, parse_job_id, "job to print, if folders hold several (32 hexadecimal digits)")
         ->type_name("ID");
-    cli::add_size(cat, "--memory", options.memory, "memory limit")->default_str("1G");
+    cli::add_memory(cat, options.memory, "memory limit");
     cli::add_count(cat, "--limit", options.limit, "maximum number of records to print");
     cli::add_choice<CatFormat>(cat, "--format", options.format,
                                {{"csv", CatFormat::kCsv}, {"json", CatFormat::kJsonLines}, {"npy", CatFormat::kNpy}},

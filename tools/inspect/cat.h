@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/result.h"
 #include "sampledb/data/coverage.h"
 #include "sampledb/read/gathering.h"
@@ -25,7 +26,7 @@ struct CatOptions {
     std::optional<sampledb::JobId> job;           // where folders hold several: this one
     std::optional<std::array<double, 4>> region;  // u0, v0, u1, v1 in [0,1]
     std::uint64_t limit = ~std::uint64_t{0};      // records
-    std::uint64_t memory = std::uint64_t{1} << 30;
+    std::uint64_t memory = default_memory();
 };
 
 // Writes to `out`, in the order of the file: run by run, page by page. Positions are exact fractions of 2^32; wavelengths of jobs

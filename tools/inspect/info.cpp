@@ -13,7 +13,7 @@
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/read/byte_source.h"
 #include "sampledb/read/input_files.h"
-#include "sampledb/read/provenance.h"
+#include "sampledb/read/origin.h"
 #include "sampledb/read/report_json.h"
 #include "sampledb/read/selection.h"
 #include "tools/inspect/damage.h"
@@ -103,11 +103,21 @@ std::string start_of(std::string_view text) {
     return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMost)), format_size(text.size()));
 }
 
-std::size_t count_parts(const std::string& footer_provenance) {
-    std::size_t parts = 0;
-    const QuotedProvenance merged = quote_provenance(footer_provenance, kFooterProvenanceDepth);
-    if (merged.objection.empty()) for_each_element(member_of(merged.json, "parts"), [&](std::string_view) { ++parts; });
-    return parts;
+// An origin without its tables of spectra and names.
+std::string without_lists(const std::string& provenance) {
+    if (!quote_provenance(provenance, kHeaderProvenanceDepth).objection.empty()) return provenance;
+    nlohmann::ordered_json origin = nlohmann::ordered_json::parse(provenance, nullptr, false);
+    if (origin.erase("light_groups") + origin.erase("materials") == 0) return provenance;
+    return json_text(origin, -1);
+}
+
+// The lights that the records keep apart, by number; the parts of a merged file say the same.
+std::vector<NamedLights> light_groups_of(const FileContents& file) {
+    std::vector<NamedLights> groups;
+    for_each_origin(file, [&](std::string_view origin) {
+        if (groups.empty()) groups = lights_in(origin);
+    });
+    return groups;
 }
 
 std::string grouped(std::uint64_t number) {
@@ -219,6 +229,17 @@ std::string to_text(const FileInfo& info) {
     line("positions",
          job.positions.sampler == PositionSampler::kNone ? "stored with each record" : "Halton (2, 3), derived where they agree");
     for (const ExtraColumnSpec& column : job.extra) line("column", printable_line(column.name));
+    if (const std::vector<NamedLights> groups = light_groups_of(info.contents); !groups.empty()) {
+        std::string all, replaceable;
+        const auto add = [](std::string& list, const std::string& name) { list += (list.empty() ? "" : ", ") + name; };
+        for (const NamedLights& group : groups) {
+            add(all, printable_line(group.name));
+            if (!group.spectrum.empty()) add(replaceable, printable_line(group.name));
+        }
+        line("lights", all);
+        line("", fmt::format("to change them: latent-develop --light {}=0.5", printable_line(groups.front().name)));
+        line("", "can get a new spectrum (NAME=6500K): " + (replaceable.empty() ? "none" : replaceable));
+    }
     line("samples",
          info.coverage.empty() ? "none" : fmt::format("{} ({} in total)", to_string(info.coverage), grouped(info.coverage.size())));
     if (job.light_paths_per_sample > 0) {
@@ -240,12 +261,13 @@ std::string to_text(const FileInfo& info) {
         line("",
              fmt::format("{:<10}{:7.3f} bytes per record: headers, indexes, padding", "frames", per_record(info.frame_bytes())));
     }
-    if (!info.contents.header.provenance_json.empty()) line("origin", start_of(info.contents.header.provenance_json));
-    if (!info.contents.footer_provenance.empty()) {
-        const std::size_t parts = count_parts(info.contents.footer_provenance);
-        line("merged", parts > 0 ? fmt::format("from {} (--json lists them)", counted(parts, "part"))
-                                 : start_of(info.contents.footer_provenance));
+    const Origin origin = origin_of(info.contents);
+    if (origin.common != "{}") line("origin", start_of(without_lists(origin.common)));
+    if (origin.part_count > 0) {
+        line("merged", fmt::format("from {}{} (--json lists how they differ)", origin.incomplete ? "at least " : "",
+                                   counted(origin.part_count, "part")));
     }
+    if (origin.cpu_seconds > 0) line("CPU time", format_duration(origin.cpu_seconds));
     for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);
     return text;
@@ -261,6 +283,9 @@ std::string to_json_text(const FileInfo& info) {
                                 {"decoded_bytes_per_record", static_cast<double>(column.decoded) / records}};
     }
     for (const ExtraColumnSpec& column : job.extra) extra.push_back(column.name);
+    json lights = json::array();
+    for (const NamedLights& group : light_groups_of(info.contents))
+        lights.push_back({{"name", group.name}, {"spectrum", !group.spectrum.empty()}});
     const json report = {{"file", shown_name(info.path)},
                          {"size", info.size},
                          {"finished", info.contents.finished},
@@ -275,6 +300,7 @@ std::string to_json_text(const FileInfo& info) {
                          {"run_samples", job.run_samples},
                          {"run_bytes", job.run_bytes},
                          {"extra_columns", extra},
+                         {"light_groups", lights},
                          {"sample_count", info.coverage.size()},
                          {"light_paths", info.light_paths()},
                          {"camera_records", info.camera_records},
@@ -302,11 +328,11 @@ std::string to_json_text(const FileInfo& info) {
         list += ']';
     });
     // What others wrote is copied, however long it is.
-    const auto quoted = [](const std::string& provenance, std::size_t depth) {
-        return [&provenance, depth](std::string& to) { append_escaped(to, quote_provenance(provenance, depth).json); };
-    };
-    text = with_member(std::move(text), "origin", quoted(info.contents.header.provenance_json, kHeaderProvenanceDepth));
-    return with_member(std::move(text), "merged_from", quoted(info.contents.footer_provenance, kFooterProvenanceDepth));
+    const Origin origin = origin_of(info.contents);
+    text = with_member(std::move(text), "origin", [&](std::string& to) { append_escaped(to, origin.common); });
+    text = with_member(std::move(text), "parts", [&](std::string& to) { append_escaped(to, origin.parts); });
+    text = with_member(std::move(text), "parts_complete", [&](std::string& to) { to += origin.incomplete ? "false" : "true"; });
+    return with_member(std::move(text), "cpu_seconds", [&](std::string& to) { to += fmt::format("{}", origin.cpu_seconds); });
 }
 
 }  // namespace latent::inspect

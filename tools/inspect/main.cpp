@@ -66,7 +66,7 @@ int main(int argc, char** argv) try {
 
     CLI::App* info = app.add_subcommand("info", "Show the contents of files.")->footer(help::kInfo);
     info->add_option("FILE", files, ".latent files, finished or not, their http(s) URLs, or folders of files")->required();
-    cli::add_size(*info, "--memory", common.memory, "memory limit for the list of runs")->default_str("1G");
+    cli::add_memory(*info, common.memory, "memory limit for the list of runs");
 
     CLI::App* verify = app.add_subcommand("verify", "Check files for damage.")->footer(help::kVerify);
     verify->add_option("FILE", files, ".latent files, finished or not, their http(s) URLs, or folders of files")->required();

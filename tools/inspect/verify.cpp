@@ -35,6 +35,7 @@ const char* what_was_looked_at(VerifyLevel level) {
         case VerifyLevel::kStored:
             return "every stored byte";
         case VerifyLevel::kFull:
+        case VerifyLevel::kOrdered:
             return "every record";
     }
     return "";
@@ -72,7 +73,7 @@ Result<RunReport> check_run(const ByteSource& source, std::size_t number, const 
                             bool strict) {
     if (Status s = verify_run(source, run, job, level); !s) return s.error();
     RunReport report;
-    if (level != VerifyLevel::kFull) return report;
+    if (level < VerifyLevel::kFull) return report;
     const Result<std::uint64_t> not_finite = not_finite_in(source, run, job);
     if (!not_finite) return not_finite.error();
     report.not_finite = *not_finite;

@@ -16,7 +16,7 @@
 #include "base/url.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/read/file_reader.h"
-#include "sampledb/read/provenance.h"
+#include "sampledb/read/origin.h"
 
 namespace latent::merge {
 
@@ -94,7 +94,7 @@ Result<std::string> provenance_of(const Gathering& gathering) {
             if (member_of(merged.json, "incomplete") == "true") parts.set_incomplete();
             continue;
         }
-        const QuotedProvenance own = quote_provenance(contents.header.provenance_json, kHeaderProvenanceDepth);
+        const QuotedProvenance own = own_provenance(contents);
         parts.add(fmt::format(R"({{"provenance":{},"samples":{}}})", own.json,
                               samples_of(runs, std::span(by_file).subspan(begin, end - begin))));
     }

@@ -23,7 +23,7 @@ class Diagnostics {
     // Something was ignored: the picture may be another one than was meant.
     void warn(const SourceLocation& where, const std::string& message) { warn(place(where), message); }
     // Something was ignored that no sample depends on.
-    void note(const SourceLocation& where, const std::string& message) { say(place(where), message, notes_); }
+    void note(const SourceLocation& where, const std::string& message) { note(place(where), message); }
 
     // A file cannot be read: said once, at the first place that names it.
     void unreadable(const SourceLocation& where, const std::string& message) {
@@ -33,6 +33,7 @@ class Diagnostics {
     // The same of a place that is not a line and column: "room.gltf: /nodes/3".
     void error(const std::string& place, const std::string& message) { say(place, message, errors_); }
     void warn(const std::string& place, const std::string& message) { say(place, message, warnings_); }
+    void note(const std::string& place, const std::string& message) { say(place, message, notes_); }
 
     // A warning that many places may deserve: the first of its kind is said, with how many followed.
     void warn_of_kind(const std::string& kind, const std::string& place, const std::string& message) {

@@ -60,16 +60,16 @@ Result<FilePicture> read_exr(const std::filesystem::path& path) {
 }
 
 // Integers are encoded as sRGB.
-Result<FilePicture> read_other(const std::filesystem::path& path) {
+Result<FilePicture> read_other(const std::filesystem::path& path, const std::string& in_messages) {
     const Result<std::unique_ptr<image::Pictures>> pictures = image::Pictures::create(1 << 20);
     if (!pictures) return pictures.error();
-    const Result<image::WholePicture> picture = (*pictures)->read(path.string(), {});
+    const Result<image::WholePicture> picture = (*pictures)->read(path.string(), in_messages, {});
     if (!picture) return picture.error();
     const image::PictureInfo& info = picture->info;
     FilePicture out{info.width, info.height};
     if (info.chromaticities) {
         const Result<color::Matrix3> matrix = color::srgb_from(*info.chromaticities);
-        if (!matrix) return matrix.error().at(path.string());
+        if (!matrix) return matrix.error().at(in_messages);
         out.srgb_from_file = *matrix;
     }
     for (std::size_t i = 0; i < picture->values.size(); i += info.channels) {
@@ -81,9 +81,9 @@ Result<FilePicture> read_other(const std::filesystem::path& path) {
 
 }  // namespace
 
-Result<LoadedPicture> read_picture(const std::filesystem::path& path) {
+Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std::string& in_messages) {
     if (const Result<File> there = File::open_read(path); !there) return there.error();
-    const Result<FilePicture> picture = path.extension() == ".exr" ? read_exr(path) : read_other(path);
+    const Result<FilePicture> picture = path.extension() == ".exr" ? read_exr(path) : read_other(path, in_messages);
     if (!picture) return picture.error();
     LoadedPicture out{.image = {.width = picture->width, .height = picture->height}};
     out.image.rgb.reserve(picture->rgb.size());
@@ -98,10 +98,10 @@ Result<LoadedPicture> read_picture(const std::filesystem::path& path) {
     return out;
 }
 
-double mean_luminance(const ImageDescription& image) {
+double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor) {
     const auto& row = color::RgbSpace::srgb().luminance_row;
     double sum = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); ++i) sum += row[i % 3] * static_cast<double>(image.rgb[i]);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) sum += row[i % 3] * factor[i % 3] * static_cast<double>(image.rgb[i]);
     return image.rgb.empty() ? 0 : sum / (static_cast<double>(image.rgb.size()) / 3);
 }
 

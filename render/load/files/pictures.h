@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "base/result.h"
 #include "render/scene/description.h"
@@ -12,9 +13,10 @@ struct LoadedPicture {
     ImageDescription image{};
     std::size_t refused = 0;  // values that no light can have, and that count as 0
 };
-// Integers are encoded as sRGB. Errors: kNotFound, kCorrupt, kUnsupported.
-Result<LoadedPicture> read_picture(const std::filesystem::path& path);
+// Integers are encoded as sRGB. Messages call it `in_messages`. Errors: kNotFound, kCorrupt, kUnsupported.
+Result<LoadedPicture> read_picture(const std::filesystem::path& path, const std::string& in_messages);
 
-double mean_luminance(const ImageDescription& image);
+// Of the picture times a factor for each of R, G and B.
+double mean_luminance(const ImageDescription& image, const std::array<double, 3>& factor = {1, 1, 1});
 
 }  // namespace latent::render

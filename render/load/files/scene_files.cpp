@@ -15,6 +15,10 @@ namespace {
 
 bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
+// What takes more than its files explain: beyond this, and this many times their size.
+constexpr std::uint64_t kIncludeRatio = 100, kAlwaysIncluded = std::uint64_t{16} << 20;
+constexpr std::uint64_t kLeastIncluded = 1024;  // bytes that an inclusion counts, for what it takes beside its text
+
 // Beyond this, and this many times its size, a gzip file is not unpacked: 3 to 10 times is usual, and 1000 times possible.
 constexpr std::size_t kRatio = 100, kAlways = std::size_t{1} << 26;
 
@@ -68,6 +72,19 @@ Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
     Result<std::string> whole = is_gzip(text) ? unpacked(path, text) : std::move(text);
     if (whole && whole->starts_with("\xEF\xBB\xBF")) whole->erase(0, 3);  // the mark of UTF-8
     return whole;
+}
+
+Result<std::string> SceneFiles::include(const std::filesystem::path& path) {
+    Result<std::string> text = read_text(path);
+    if (!text) return text;
+    const std::uint64_t size = std::max<std::uint64_t>(text->size(), kLeastIncluded);
+    if (included_.insert(path).second) distinct_bytes_ += size;
+    included_bytes_ += size;
+    if (included_bytes_ > std::max(kAlwaysIncluded, kIncludeRatio * distinct_bytes_))
+        return Error{ErrorCode::kOutOfRange,
+                     fmt::format("{}: the scene includes its files so often that they add up to {} times their size", path.string(),
+                                 included_bytes_ / distinct_bytes_)};
+    return text;
 }
 
 Result<Hash128> SceneFiles::hash(const std::string& name) const {

@@ -1,7 +1,9 @@
 // render/load/files/scene_files.h: the files that a scene is made of, found and read.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include "base/hash.h"
@@ -20,11 +22,17 @@ class SceneFiles {
     static Result<std::string> read_text(const std::filesystem::path& path);
     // The same of a file that the scene names.
     Result<std::string> read(const std::string& name) const { return read_text(resolve(name)); }
+    // The same of a file that a scene may name again and again, to include it each time. Errors: also kOutOfRange, if all that was
+    // included adds up to more than 16 MiB and more than 100 times the files themselves: a few small files, nested, could become
+    // as large as memory.
+    Result<std::string> include(const std::filesystem::path& path);
     // Of the bytes of a file that stays on disk.
     Result<Hash128> hash(const std::string& name) const;
 
  private:
     std::filesystem::path folder_;
+    std::set<std::filesystem::path> included_;
+    std::uint64_t distinct_bytes_ = 0, included_bytes_ = 0;  // of these files; of all inclusions
 };
 
 }  // namespace latent::render

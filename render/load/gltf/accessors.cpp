@@ -30,7 +30,7 @@ std::size_t size_of(Component c) {
 }
 
 std::size_t components_of(const std::string& type) {
-    return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+    return type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : type == "MAT4" ? 16 : 0;
 }
 
 // `count` items of `item` bytes, `stride` apart.
@@ -172,6 +172,11 @@ std::optional<std::vector<Number>> read_all(const GltfDocument& document, const 
 }
 
 }  // namespace
+
+std::size_t components_of(const GltfDocument& document, const GltfValue& index) {
+    const std::optional<std::uint32_t> i = index.index(document.root()["accessors"]);
+    return i ? components_of(document.root()["accessors"][*i]["type"].text()) : 0;
+}
 
 std::optional<std::vector<float>> read_floats(const GltfDocument& document, const GltfValue& index, std::size_t components) {
     const std::optional<Accessor> a = accessor_of(document, index);

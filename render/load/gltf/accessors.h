@@ -13,7 +13,9 @@ namespace latent::render {
 // integers as fractions of their range. Nothing, with an error at the accessor, if it is of another kind, leaves its buffer, or
 // holds what is not finite. Takes no more memory than the buffers hold numbers.
 std::optional<std::vector<float>> read_floats(const GltfDocument& document, const GltfValue& index, std::size_t components);
-// The same of single unsigned integers.
+// How many numbers each item of /accessors/N has; 0 if it is not there, or of an unknown type.
+std::size_t components_of(const GltfDocument& document, const GltfValue& index);
+// As read_floats, of single unsigned integers.
 std::optional<std::vector<std::uint32_t>> read_indices(const GltfDocument& document, const GltfValue& index);
 
 // The bytes of /bufferViews/N, whose index `index` holds. Nothing if it is not there or, with an error, leaves its buffer.

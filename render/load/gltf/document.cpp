@@ -137,7 +137,7 @@ std::string other_version(const GltfValue& root) {
 
 }  // namespace
 
-Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, const SceneFiles& files,
+Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::string& name, SceneFiles& files,
                                         Diagnostics& diagnostics) {
     GltfDocument document(name, files, diagnostics);
     Chunks chunks{bytes};
@@ -183,7 +183,7 @@ std::optional<std::string> GltfDocument::resource(const GltfValue& uri) const {
         uri.error(fmt::format("\"{}\" is not a file; nothing is loaded from a network", text.substr(0, 80)));
         return std::nullopt;
     }
-    Result<std::string> bytes = files_->read(*name);
+    Result<std::string> bytes = files_->include(files_->resolve(*name));
     if (bytes) return std::move(*bytes);
     uri.error(bytes.error().message);
     return std::nullopt;
@@ -203,7 +203,9 @@ void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
         }
         const std::uint64_t declared = buffer["byteLength"].count(0);
         if (bytes && bytes->size() < declared) {
-            buffer.error(fmt::format("is truncated: {} of {} bytes", bytes->size(), declared));
+            const std::string uri = buffer["uri"].exists() ? buffer["uri"].text() : "";
+            const std::string of = uri.empty() || uri.starts_with("data:") ? "" : uri + " ";
+            buffer.error(fmt::format("{}is truncated: {} of {} bytes", of, bytes->size(), declared));
             bytes.reset();
         }
         buffers_.push_back(std::move(bytes));

@@ -18,7 +18,7 @@ class GltfDocument {
  public:
     // Of the content of a file; `name` begins every message. Errors: kTruncated, kCorrupt, kUnsupported: nothing else can be read.
     // What is wrong in it, or with its buffers, goes to `diagnostics`. `files` and `diagnostics` outlive the document.
-    static Result<GltfDocument> read(const std::string& bytes, const std::string& name, const SceneFiles& files,
+    static Result<GltfDocument> read(const std::string& bytes, const std::string& name, SceneFiles& files,
                                      Diagnostics& diagnostics);
 
     GltfValue root() const { return {&json_, name_ + ": ", *diagnostics_}; }
@@ -31,12 +31,12 @@ class GltfDocument {
     const SceneFiles& files() const { return *files_; }
 
  private:
-    GltfDocument(std::string name, const SceneFiles& files, Diagnostics& diagnostics)
+    GltfDocument(std::string name, SceneFiles& files, Diagnostics& diagnostics)
         : name_(std::move(name)), files_(&files), diagnostics_(&diagnostics) {}
     void read_buffers(std::string_view binary_chunk, bool has_chunk);
 
     std::string name_;
-    const SceneFiles* files_;
+    SceneFiles* files_;
     Diagnostics* diagnostics_;
     nlohmann::json json_;
     bool is_sound_ = false;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "render/load/gltf/accessors.h"
 #include "render/load/gltf/lights.h"
 #include "render/load/gltf/materials.h"
 #include "render/load/gltf/meshes.h"
@@ -49,31 +51,39 @@ bool is_finite(const Affined& m) {
 
 class GltfLoader {
  public:
-    GltfLoader(const GltfDocument& document, const ModelColors& colors) : document_(document), colors_(colors) {}
+    GltfLoader(const GltfDocument& document, const ModelColors& colors, const ModelOptions& options)
+        : document_(document), colors_(colors), options_(options) {}
 
     Model load() {
+        find_variant();
         read_materials();
-        meshes_.resize(root()["meshes"].size());
+        match_emission_of_blender();
+        for (std::uint32_t i = 0; i < root()["meshes"].size(); ++i) meshes_.push_back({.index = i});
+        world_from_node_.resize(root()["nodes"].size());
         walk_nodes();
+        for (Placement& p : placements_) pose(p);
         // Meshes in the order of the nodes that place them; those that several nodes place become objects.
         for (const Placement& p : placements_) ++meshes_[p.mesh].uses;
         for (const Placement& p : placements_) place(p);
         model_.has_idle_cameras = !model_.has_camera && root()["cameras"].size() > 0;
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
-        if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored");
-        if (root()["skins"].size() > 0) root()["skins"].warn("skins are ignored: figures are in their rest pose");
+        if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored: the model is in its rest pose");
         return std::move(model_);
     }
 
  private:
     struct Placement {
-        std::uint32_t node, mesh;
+        std::uint32_t node, mesh;  // mesh: index into meshes_
         Affined world_from_node;
     };
+    // /meshes/N in a pose. The first ones, in their order, have the weights of the mesh; then those of nodes with a pose of their
+    // own.
     struct Mesh {
+        std::uint32_t index;
         std::size_t uses = 0;
         bool is_read = false;
+        GltfPose pose{};
         std::vector<GltfPrimitive> primitives{};
         std::uint32_t object = kNone;
     };
@@ -83,10 +93,17 @@ class GltfLoader {
     // Entry i is /materials/i, the last one the default material.
     void read_materials() {
         const GltfValue materials = root()["materials"];
-        GltfTextures textures(document_, model_.scene.textures);
+        const std::vector<VertexColors> vertex_colors = find_vertex_colors();
+        GltfTextures textures(document_, colors_, model_.scene.textures);
+        struct Mixture {
+            std::uint32_t material;
+            MaterialDescription second;
+            FloatInput share;
+        };
+        std::vector<Mixture> mixtures;
         for (std::size_t i = 0; i <= materials.size(); ++i) {
-            GltfMaterial material = read_material(materials[i], colors_, textures);
-            Used used{.uv_set = material.uv_set, .alpha = material.alpha};
+            GltfMaterial material = read_material(materials[i], vertex_colors[i], colors_, textures);
+            Used used{.uv_sets = std::move(material.uv_sets), .alpha = material.alpha};
             if (material.emission) {
                 used.area_light = static_cast<std::uint32_t>(model_.scene.area_lights.size());
                 model_.scene.area_lights.push_back(std::move(*material.emission));
@@ -97,9 +114,68 @@ class GltfLoader {
                 model_.scene.media.push_back(std::move(*material.inside));
             }
             model_.scene.materials.push_back(std::move(material.surface));
-            used_.push_back(used);
+            if (material.second)
+                mixtures.push_back({static_cast<std::uint32_t>(i), std::move(*material.second), material.second_share});
+            used_.push_back(std::move(used));
         }
         model_.embedded = textures.take_embedded();
+        // The two parts of a mixture follow all others.
+        for (Mixture& mixture : mixtures) {
+            std::vector<MaterialDescription>& all = model_.scene.materials;
+            const auto first = static_cast<std::uint32_t>(all.size());
+            MaterialDescription whole{.type = "mix",
+                                      .name = all[mixture.material].name,
+                                      .numbers = {{"amount", mixture.share}},
+                                      .mixed = {first, first + 1}};
+            all.push_back(std::exchange(all[mixture.material], std::move(whole)));
+            all.push_back(std::move(mixture.second));
+        }
+    }
+    // Blender writes lamps in lumens, 683 for each watt, and emission in watts.
+    void match_emission_of_blender() {
+        constexpr double kLumensPerWatt = 683;
+        const GltfValue generator = root()["asset"]["generator"], lights = root().extension("KHR_lights_punctual")["lights"];
+        const bool is_blender = generator.is_text() && generator.text().find("Blender I/O") != std::string::npos;
+        if (!is_blender || lights.size() == 0 || model_.scene.area_lights.empty()) return;
+        for (AreaLightDescription& light : model_.scene.area_lights) light.scale *= kLumensPerWatt;
+        for (double& radiance : model_.radiances) radiance *= kLumensPerWatt;
+        model_.notes.push_back(fmt::format(
+            "was written by Blender, which writes lamps in lumens and emission in watts: emission is multiplied by {:.0f}",
+            kLumensPerWatt));
+    }
+    void find_variant() {
+        const GltfValue variants = root().extension("KHR_materials_variants")["variants"];
+        for (std::uint32_t i = 0; i < variants.size(); ++i) {
+            model_.variants.push_back(variants[i]["name"].text());
+            if (!variant_ && model_.variants.back() == options_.variant) variant_ = i;
+        }
+        model_.has_variant = variant_.has_value();
+    }
+    // Its own, or that of the variant.
+    std::uint32_t material_of(const GltfValue& primitive) const {
+        const GltfValue mappings = primitive.extension("KHR_materials_variants")["mappings"], materials = root()["materials"];
+        for (std::size_t i = 0; variant_ && i < mappings.size(); ++i) {
+            const GltfValue variants = mappings[i]["variants"];
+            for (std::size_t k = 0; k < variants.size(); ++k) {
+                if (variants[k].count(0) == *variant_) return mappings[i]["material"].index(materials).value_or(kNone);
+            }
+        }
+        return primitive["material"].index(materials).value_or(kNone);
+    }
+    // Of each of these materials: the most that primitives of it have. Those that have less are white there.
+    std::vector<VertexColors> find_vertex_colors() const {
+        const GltfValue meshes = root()["meshes"], materials = root()["materials"];
+        std::vector<VertexColors> out(materials.size() + 1);
+        for (std::size_t m = 0; m < meshes.size(); ++m) {
+            for (std::size_t p = 0; p < meshes[m]["primitives"].size(); ++p) {
+                const GltfValue primitive = meshes[m]["primitives"][p], color = primitive["attributes"]["COLOR_0"];
+                if (!color.exists()) continue;
+                const std::size_t material = std::min<std::size_t>(material_of(primitive), materials.size());
+                out[material] =
+                    std::max(out[material], components_of(document_, color) == 4 ? VertexColors::kRgba : VertexColors::kRgb);
+            }
+        }
+        return out;
     }
     std::uint32_t index_of(std::uint32_t material) const {
         return material == kNone ? static_cast<std::uint32_t>(used_.size() - 1) : material;
@@ -138,6 +214,7 @@ class GltfLoader {
                 node.error("its transformation exceeds the range of single precision");
                 continue;
             }
+            world_from_node_[next.node] = m;
             visit(node, next.node, m);
             add(node["children"], m);
         }
@@ -146,24 +223,112 @@ class GltfLoader {
     void visit(const GltfValue& node, std::uint32_t index, const Affined& m) {
         const GltfValue light = node.extension("KHR_lights_punctual")["light"];
         const bool is_singular = !m.inverse();
-        if (is_singular && (node["mesh"].exists() || node["camera"].exists() || light.exists()))
+        const bool has_mesh = node["mesh"].exists() && !node["skin"].exists();  // a skin is placed by its joints
+        if (is_singular && (has_mesh || node["camera"].exists() || light.exists()))
             return node.warn("has a scale of 0, and is left out");
-        if (const auto mesh = node["mesh"].index(root()["meshes"])) placements_.push_back({index, *mesh, m});
-        if (const auto camera = node["camera"].index(root()["cameras"])) {
-            if (!model_.has_camera) {
-                read_camera(root()["cameras"][*camera], m, model_.scene);
+        if (const auto mesh = node["mesh"].index(root()["meshes"])) {
+            if (const GltfValue instancing = node.extension("EXT_mesh_gpu_instancing"); instancing.exists()) {
+                for (const Affined& instance : instances_of(instancing["attributes"])) {
+                    if ((m * instance).inverse()) placements_.push_back({index, *mesh, m * instance});
+                }
             } else {
-                node["camera"].warn("is ignored: the scene's first camera is used");
+                placements_.push_back({index, *mesh, m});
             }
-            model_.has_camera = true;
         }
+        if (const auto camera = node["camera"].index(root()["cameras"])) visit_camera(node, root()["cameras"][*camera], m);
         const GltfValue lights = root().extension("KHR_lights_punctual")["lights"];
         if (const auto i = light.index(lights)) model_.scene.lights.push_back(read_light(lights[*i], m, colors_));
     }
 
+    // Each from the space of the mesh to that of the node.
+    std::vector<Affined> instances_of(const GltfValue& attributes) const {
+        std::vector<Affined> out;
+        std::optional<std::size_t> count;
+        const auto read = [&](const char* name, std::size_t components) -> std::vector<float> {
+            if (!attributes[name].exists()) return {};
+            std::optional<std::vector<float>> x = read_floats(document_, attributes[name], components);
+            if (!x) return {};
+            const std::size_t items = x->size() / components;
+            if (count && *count != items) {
+                attributes[name].error(fmt::format("has {} items, and others have {}", items, *count));
+                return {};
+            }
+            count = items;
+            return std::move(*x);
+        };
+        const std::vector<float> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
+        for (std::size_t i = 0; i < count.value_or(0); ++i) {
+            Affined m;
+            if (const float* q = r.empty() ? nullptr : &r[4 * i]; q != nullptr) {
+                const double size =
+                    std::sqrt(double{q[0]} * q[0] + double{q[1]} * q[1] + double{q[2]} * q[2] + double{q[3]} * q[3]);
+                if (size > 0) m = rotation({q[0] / size, q[1] / size, q[2] / size, q[3] / size});
+            }
+            if (!s.empty()) m = {m.x * double{s[3 * i]}, m.y * double{s[3 * i + 1]}, m.z * double{s[3 * i + 2]}, {}};
+            if (!t.empty()) m.t = {t[3 * i], t[3 * i + 1], t[3 * i + 2]};
+            out.push_back(m);
+        }
+        return out;
+    }
+
+    void visit_camera(const GltfValue& node, const GltfValue& camera, const Affined& m) {
+        const auto name_of = [](const GltfValue& value) { return value["name"].is_text() ? value["name"].text() : ""; };
+        const std::string of_node = name_of(node), of_camera = name_of(camera);
+        model_.cameras.push_back(of_node.empty() ? of_camera : of_node);
+        if (!options_.camera.empty() && of_node != options_.camera && of_camera != options_.camera) return;
+        if (model_.has_camera) {
+            if (options_.camera.empty())
+                node["camera"].warn("is ignored: the scene's first camera is used; --camera NAME chooses another");
+            return;
+        }
+        read_camera(camera, m, model_.scene);
+        model_.has_camera = true;
+    }
+
+    // A node with a skin, or with weights, has a mesh of its own. What a skin holds is placed by its joints alone.
+    void pose(Placement& p) {
+        const GltfValue node = root()["nodes"][p.node];
+        const std::optional<std::uint32_t> skin = node["skin"].index(root()["skins"]);
+        if (!skin && !node["weights"].is_array()) return;
+        Mesh mesh{.index = p.mesh, .pose = {.weights = numbers(node["weights"])}};
+        if (!node["weights"].is_array()) mesh.pose.weights = numbers(root()["meshes"][p.mesh]["weights"]);
+        if (skin) {
+            mesh.pose.joints = joints_of(root()["skins"][*skin]);
+            p.world_from_node = {};
+        }
+        p.mesh = static_cast<std::uint32_t>(meshes_.size());
+        meshes_.push_back(std::move(mesh));
+    }
+    static std::vector<double> numbers(const GltfValue& list) {
+        std::vector<double> out;
+        for (std::size_t i = 0; i < list.size(); ++i) out.push_back(list[i].number(0, -1e6, 1e6));
+        return out;
+    }
+    // Each from the space of the mesh, in the pose that it is bound to, to the world.
+    std::vector<Affined> joints_of(const GltfValue& skin) const {
+        const GltfValue joints = skin["joints"], inverse = skin["inverseBindMatrices"];
+        std::optional<std::vector<float>> bind;
+        if (inverse.exists()) bind = read_floats(document_, inverse, 16);
+        if (bind && bind->size() < 16 * joints.size())
+            inverse.error(fmt::format("has {} items for {} joints", bind->size() / 16, joints.size()));
+        std::vector<Affined> out;
+        for (std::size_t i = 0; i < joints.size(); ++i) {
+            const std::optional<std::uint32_t> node = joints[i].index(root()["nodes"]);
+            if (!node) continue;
+            if (!world_from_node_[*node]) joints[i].warn_of_kind("joint", "is not in the scene, and stays where it was bound");
+            Affined m;
+            if (bind && bind->size() >= 16 * (i + 1)) {
+                const float* x = &(*bind)[16 * i];
+                m = {{x[0], x[1], x[2]}, {x[4], x[5], x[6]}, {x[8], x[9], x[10]}, {x[12], x[13], x[14]}};
+            }
+            out.push_back(world_from_node_[*node] ? *world_from_node_[*node] * m : Affined());
+        }
+        return out;
+    }
+
     void place(const Placement& p) {
         Mesh& mesh = meshes_[p.mesh];
-        if (!mesh.is_read) read(p.mesh);
+        if (!mesh.is_read) read(mesh);
         const bool once = mesh.uses == 1;
         bool has_object = false;
         for (GltfPrimitive& primitive : mesh.primitives) {
@@ -196,11 +361,13 @@ class GltfLoader {
         model_.scene.instances.push_back({.object = mesh.object, .world_from_object = p.world_from_node});
     }
 
-    void read(std::uint32_t index) {
-        Mesh& mesh = meshes_[index];
+    void read(Mesh& mesh) {
         mesh.is_read = true;
-        const GltfValue value = root()["meshes"][index];
-        mesh.primitives = read_mesh(document_, value, [this](std::uint32_t material) { return used_[index_of(material)].uv_set; });
+        const GltfValue value = root()["meshes"][mesh.index];
+        if (mesh.pose.weights.empty()) mesh.pose.weights = numbers(value["weights"]);
+        mesh.primitives = read_mesh(document_, value, mesh.pose,
+                                    {[this](const GltfValue& primitive) { return material_of(primitive); },
+                                     [this](std::uint32_t material) { return used_[index_of(material)].uv_sets; }});
         for (const GltfPrimitive& primitive : mesh.primitives) {
             if (!count(primitive, value)) return mesh.primitives.clear();
         }
@@ -241,27 +408,30 @@ class GltfLoader {
     // What shapes of a material carry.
     struct Used {
         std::uint32_t area_light = kNone, inside = kNone;
-        std::optional<std::uint32_t> uv_set{};
+        std::vector<std::uint32_t> uv_sets{};
         FloatInput alpha = 1;
     };
 
     const GltfDocument& document_;
     const ModelColors& colors_;
+    const ModelOptions& options_;
+    std::optional<std::uint32_t> variant_{};  // an index
     Model model_;
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
+    std::vector<std::optional<Affined>> world_from_node_;  // of those in the scene
     std::vector<Placement> placements_;
     std::uint64_t vertices_ = 0;
 };
 
 }  // namespace
 
-Result<Model> read_gltf(const std::string& bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
-                        Diagnostics& diagnostics) {
+Result<Model> read_gltf(const std::string& bytes, const std::string& name, SceneFiles& files, const ModelColors& colors,
+                        const ModelOptions& options, Diagnostics& diagnostics) {
     const Result<GltfDocument> document = GltfDocument::read(bytes, name, files, diagnostics);
     if (!document) return document.error();
     if (!document->is_sound()) return Model{};
-    return GltfLoader(*document, colors).load();
+    return GltfLoader(*document, colors, options).load();
 }
 
 }  // namespace latent::render

@@ -11,9 +11,9 @@
 
 namespace latent::render {
 
-// Of the file's content; `name` begins every message. What is wrong goes to `diagnostics` as far as the file can be read on.
-// Errors: those of GltfDocument::read.
-Result<Model> read_gltf(const std::string& bytes, const std::string& name, const SceneFiles& files, const ModelColors& colors,
-                        Diagnostics& diagnostics);
+// Of the file's content; `name` begins every message. Of `options`, the camera and the variant count. What is
+// wrong goes to `diagnostics` as far as the file can be read on. Errors: those of GltfDocument::read.
+Result<Model> read_gltf(const std::string& bytes, const std::string& name, SceneFiles& files, const ModelColors& colors,
+                        const ModelOptions& options, Diagnostics& diagnostics);
 
 }  // namespace latent::render

@@ -16,178 +16,212 @@ namespace {
 constexpr double kNoLimit = GltfValue::kNoLimit;
 
 LinearRgb rgb_of(const GltfValue& value, const LinearRgb& fallback, double most = 1) { return value.factors(fallback, 0, most); }
-float fraction_of(const GltfValue& value, double fallback) { return static_cast<float>(value.factor(fallback, 0, 1)); }
+double fraction_of(const GltfValue& value, double fallback) { return value.factor(fallback, 0, 1); }
 
-void read_emission(const GltfValue& material, const ModelColors& colors, GltfTextures& textures, GltfMaterial& out) {
+void read_emission(const GltfValue& material, GltfTextures& textures, GltfMaterial& out) {
     const LinearRgb rgb =
         material["emissiveFactor"].factors(LinearRgb{0, 0, 0}, 0, 1, "; KHR_materials_emissive_strength makes a surface brighter");
     const double strength = material.extension("KHR_materials_emissive_strength")["emissiveStrength"].factor(1, 0, kNoLimit);
     if (std::ranges::max(rgb) * strength == 0) return;
-    AreaLightDescription emission{.spectrum = colors.emission(rgb),
-                                  .scale = strength,
-                                  .two_sided = material["doubleSided"].flag(false),
-                                  .name = material["name"].text()};
-    if (const GltfValue info = material["emissiveTexture"]; info.exists()) {
-        const std::uint32_t picture = textures.emission(info);
-        if (picture == kNone) return;
-        const Result<double> mean = textures.mean_luminance(picture);
-        if (!mean) return info.error(mean.error().message);
-        if (*mean == 0) return;
-        emission.picture = picture;
-        emission.mean_luminance = *mean;
-    }
-    out.emission = std::move(emission);
+    out.emission = textures.emission(material["emissiveTexture"], rgb);
+    if (!out.emission) return;
+    out.emission->scale = strength;
+    out.emission->two_sided = material["doubleSided"].flag(false);
+    out.emission->name = material["name"].text();
     out.radiance = std::ranges::max(rgb) * strength;
 }
 
+// n = B + C / lambda^2 with n_d = `index` and n_F - n_C = (n_d - 1) / V, V = 20 / dispersion the Abbe number
+// [glTF2 KHR_materials_dispersion].
+color::Spectrum index_of(double index, double dispersion) {
+    if (dispersion == 0 || index <= 1) return color::Spectrum::constant(index);
+    constexpr double kF = 486.1327, kD = 587.5618, kC = 656.2725;  // [nm]
+    const double c = (index - 1) * dispersion / 20 / (1 / (kF * kF) - 1 / (kC * kC)), b = index - c / (kD * kD);
+    return color::Spectrum::from_function([=](double nm) { return std::max(b + c / (nm * nm), 1.0); }, color::Outside::kClamped);
+}
+
 // Glass: thin without a thickness, else with a medium inside.
-void read_transmission(const GltfValue& material, const ModelColors& colors, double index, GltfMaterial& out) {
+MaterialDescription read_glass(const GltfValue& material, const ModelColors& colors, double index, double roughness,
+                               GltfMaterial& out) {
     const GltfValue volume = material.extension("KHR_materials_volume");
     const bool is_thin = !(volume["thicknessFactor"].factor(0, 0, kNoLimit) > 0);
-    const float roughness = out.surface.number("roughness").value, alpha = roughness * roughness;
-    out.surface = {.type = is_thin ? "thindielectric" : "dielectric",
-                   .name = out.surface.name,
-                   .spectra = {{"eta", color::Spectrum::constant(index)}}};
+    const auto alpha = static_cast<float>(roughness * roughness);
+    const double dispersion = material.extension("KHR_materials_dispersion")["dispersion"].factor(0, 0, 1e3);
+    MaterialDescription glass{.type = is_thin ? "thindielectric" : "dielectric",
+                              .spectra = {{"eta", is_thin ? color::Spectrum::constant(index) : index_of(index, dispersion)}}};
     if (is_thin && alpha > 0) material.warn("thin glass is rendered without its roughness");
-    if (is_thin) return;
-    out.surface.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
+    if (is_thin) return glass;
+    glass.numbers = {{"alpha_x", alpha}, {"alpha_y", alpha}};
     const double distance = volume["attenuationDistance"].factor(0, 0, kNoLimit);
     const LinearRgb tint = rgb_of(volume["attenuationColor"], {1, 1, 1});
-    if (distance == 0 || std::ranges::min(tint) >= 1) return;
+    if (distance == 0 || std::ranges::min(tint) >= 1) return glass;
     // What is left after `distance` is the attenuation colour: sigma = -ln(c) / distance.
     const color::Spectrum left = colors.reflectance(tint);
     const auto sigma = [&](double nm) { return -std::log(std::max(left(nm), 1e-6)) / distance; };
     out.inside = MediumDescription{.sigma_a = color::Spectrum::from_function(sigma, color::Outside::kClamped),
                                    .sigma_s = color::Spectrum::constant(0)};
+    return glass;
 }
 
-// Where a texture gives a value, the factor scales the texture.
-void read_textures(const GltfValue& material, const std::array<double, 4>& base, GltfTextures& textures, GltfMaterial& out) {
-    const GltfValue pbr = material["pbrMetallicRoughness"], color = pbr["baseColorTexture"],
-                    rough = pbr["metallicRoughnessTexture"], coat = material.extension("KHR_materials_clearcoat");
-    const double brightest = std::max({base[0], base[1], base[2]});
-    if (color.exists() && (base[0] != brightest || base[1] != brightest || base[2] != brightest))
-        pbr["baseColorFactor"].warn("only its brightest component scales the texture");
-    out.surface.spectra.at("base_color").texture = textures.color(color, brightest);
-    auto& numbers = out.surface.numbers;
-    const auto read = [&](const char* name, const GltfValue& info, PictureChannel channel) {
-        FloatInput& input = numbers.at(name);
-        input.texture = textures.number(info, channel, static_cast<double>(input.value));
-    };
-    read("roughness", rough, PictureChannel::kGreen);
-    read("metallic", rough, PictureChannel::kBlue);
-    read("coat", coat["clearcoatTexture"], PictureChannel::kRed);
-    read("coat_roughness", coat["clearcoatRoughnessTexture"], PictureChannel::kGreen);
-    if (material["occlusionTexture"].exists()) material["occlusionTexture"].warn("is ignored, since occlusion is computed");
-    const GltfValue specular = material.extension("KHR_materials_specular"), volume = material.extension("KHR_materials_volume");
-    for (const GltfValue& info : {specular["specularTexture"], specular["specularColorTexture"], volume["thicknessTexture"],
-                                  coat["clearcoatNormalTexture"]}) {
+void tell_of_ignored(const GltfValue& material) {
+    if (const GltfValue occlusion = material["occlusionTexture"]; occlusion.exists())
+        occlusion.note("is not used: occlusion is computed");
+    const GltfValue specular = material.extension("KHR_materials_specular"), volume = material.extension("KHR_materials_volume"),
+                    coat = material.extension("KHR_materials_clearcoat");
+    for (const GltfValue& info : {specular["specularColorTexture"], volume["thicknessTexture"], coat["clearcoatNormalTexture"]}) {
         if (info.exists()) info.warn("is not supported, and is ignored");
     }
 }
 
-// The first texture's, for all of them.
-std::optional<std::uint32_t> read_uv_set(const GltfTextures& textures) {
-    if (textures.used().empty()) return std::nullopt;
-    const std::uint32_t set = uv_set_of(textures.used().front());
-    for (const GltfValue& info : textures.used()) {
-        if (uv_set_of(info) != set) info.warn("its texture coordinates are replaced by those of the first texture");
-    }
-    return set;
-}
-
 // Where its colour is not black.
-void read_sheen(const GltfValue& material, const ModelColors& colors, GltfTextures& textures, MaterialDescription& surface) {
+void read_sheen(const GltfValue& material, GltfTextures& textures, MaterialDescription& surface) {
     const GltfValue sheen = material.extension("KHR_materials_sheen");
     const LinearRgb rgb = rgb_of(sheen["sheenColorFactor"], {0, 0, 0});
-    const double brightest = std::ranges::max(rgb);
-    if (brightest == 0) return;
-    if (surface.type != "metallicroughness") return sheen.warn("is ignored, since the material transmits light");
+    if (std::ranges::max(rgb) == 0) return;
     surface.type = "sheen";
-    SpectrumInput& color = surface.spectra["sheen.color"] = colors.reflectance(rgb);
-    FloatInput& roughness = surface.numbers["sheen.roughness"] = fraction_of(sheen["sheenRoughnessFactor"], 0);
-    color.texture = textures.color(sheen["sheenColorTexture"], brightest);
-    if (color.is_textured() && std::ranges::min(rgb) != brightest)
-        sheen["sheenColorFactor"].warn("only its brightest component scales the texture");
-    roughness.texture =
-        textures.number(sheen["sheenRoughnessTexture"], PictureChannel::kAlpha, static_cast<double>(roughness.value));
+    surface.spectra["sheen.color"] = textures.color(sheen["sheenColorTexture"], rgb);
+    surface.numbers["sheen.roughness"] =
+        textures.number(sheen["sheenRoughnessTexture"], PictureChannel::kAlpha, fraction_of(sheen["sheenRoughnessFactor"], 0));
 }
 
 // The base colour's alpha: the share of the surface that is there, or, by a mask, whether it is.
-void read_alpha(const GltfValue& material, double factor, GltfTextures& textures, GltfMaterial& out) {
+void read_alpha(const GltfValue& material, const GltfValue& picture, double factor, VertexColors vertices, GltfTextures& textures,
+                GltfMaterial& out) {
     const std::string mode = material["alphaMode"].text("OPAQUE");
     if (mode == "OPAQUE") return;
     if (mode != "MASK" && mode != "BLEND")
         return material["alphaMode"].warn(fmt::format("\"{}\" is unknown; the material is opaque", mode));
-    out.alpha = static_cast<float>(factor);
-    out.alpha.texture = textures.number(material["pbrMetallicRoughness"]["baseColorTexture"], PictureChannel::kAlpha, factor);
+    out.alpha = textures.number(picture, PictureChannel::kAlpha, factor, vertices);
     if (mode == "MASK")
         out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].factor(0.5, 0, kNoLimit)));
 }
 
+// What of a material its two models say each in its own way.
+struct Body {
+    GltfValue picture;  // of its colour and alpha
+    std::array<double, 4> factor;
+    double roughness, metallic;
+};
+
+Body read_metallic_roughness(const GltfValue& material, VertexColors vertices, GltfTextures& textures,
+                             MaterialDescription& surface) {
+    const GltfValue pbr = material["pbrMetallicRoughness"], rough = pbr["metallicRoughnessTexture"];
+    const Body body{pbr["baseColorTexture"], pbr["baseColorFactor"].factors(std::array<double, 4>{1, 1, 1, 1}, 0, 1),
+                    fraction_of(pbr["roughnessFactor"], 1), fraction_of(pbr["metallicFactor"], 1)};
+    surface.spectra["base_color"] = textures.color(body.picture, {body.factor[0], body.factor[1], body.factor[2]}, vertices);
+    surface.numbers["roughness"] = textures.number(rough, PictureChannel::kGreen, body.roughness);
+    surface.numbers["metallic"] = textures.number(rough, PictureChannel::kBlue, body.metallic);
+    const GltfValue specular = material.extension("KHR_materials_specular"), weight_picture = specular["specularTexture"];
+    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit);
+    const double bright = std::ranges::max(tint), weight = specular["specularFactor"].factor(1, 0, 1);
+    if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
+    // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
+    const GltfValue ior = material.extension("KHR_materials_ior")["ior"];
+    const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, kNoLimit), root = (index - 1) / (index + 1);
+    surface.numbers["f0"] = textures.number(weight_picture, PictureChannel::kAlpha, std::min(root * root * bright, 1.0) * weight);
+    surface.numbers["f90"] = textures.number(weight_picture, PictureChannel::kAlpha, weight);
+    return body;
+}
+
+// Colours of the diffuse body and of the mirror above it. Without a body it is a metal; else the mirror is grey, by its brightest
+// component.
+Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, GltfTextures& textures,
+                              MaterialDescription& surface) {
+    const LinearRgb specular = rgb_of(glossy["specularFactor"], {1, 1, 1});
+    const GltfValue picture = glossy["specularGlossinessTexture"];
+    const double glossiness = fraction_of(glossy["glossinessFactor"], 1);
+    Body body{glossy["diffuseTexture"], glossy["diffuseFactor"].factors(std::array<double, 4>{1, 1, 1, 1}, 0, 1), 1 - glossiness,
+              0};
+    const LinearRgb diffuse{body.factor[0], body.factor[1], body.factor[2]};
+    body.metallic = std::ranges::max(diffuse) == 0 ? 1 : 0;
+    surface.numbers["roughness"] = textures.inverted(picture, PictureChannel::kAlpha, glossiness);
+    surface.numbers["metallic"] = static_cast<float>(body.metallic);
+    if (body.metallic == 1) {
+        surface.spectra["base_color"] = textures.color(picture, specular);
+    } else {
+        surface.spectra["base_color"] = textures.color(body.picture, diffuse, vertices);
+        const double bright = std::ranges::max(specular);
+        if (std::ranges::min(specular) != bright) glossy["specularFactor"].warn("only its brightest component is used");
+        surface.numbers["f0"] = textures.number(picture, PictureChannel::kGreen, bright, VertexColors::kAbsent);
+    }
+    return body;
+}
+
+// Of part of the surface, what it is instead.
+void read_second(const GltfValue& material, const Body& body, const ModelColors& colors, GltfTextures& textures,
+                 GltfMaterial& out) {
+    const GltfValue clear = material.extension("KHR_materials_transmission"),
+                    diffuse = material.extension("KHR_materials_diffuse_transmission");
+    const double transmitted = clear["transmissionFactor"].factor(0, 0, 1) * (1 - body.metallic),
+                 diffused = diffuse["diffuseTransmissionFactor"].factor(0, 0, 1) * (1 - body.metallic);
+    if (transmitted > 0) {
+        if (diffused > 0) diffuse.warn("is ignored, since the material transmits light clearly, too");
+        const double index = material.extension("KHR_materials_ior")["ior"].factor(1.5, 1, kNoLimit);
+        out.second = read_glass(material, colors, index, body.roughness, out);
+        const SpectrumInput& base = out.surface.spectra.at("base_color");
+        const bool is_white = !base.is_textured() && body.factor[0] == 1 && body.factor[1] == 1 && body.factor[2] == 1;
+        if (!is_white) out.second->spectra["transmittance"] = base;
+        out.second_share = textures.number(clear["transmissionTexture"], PictureChannel::kRed, transmitted);
+    } else if (diffused > 0) {
+        const LinearRgb tint = rgb_of(diffuse["diffuseTransmissionColorFactor"], {1, 1, 1});
+        out.second =
+            MaterialDescription{.type = "diffusetransmission",
+                                .spectra = {{"transmittance", textures.color(diffuse["diffuseTransmissionColorTexture"], tint)}}};
+        out.second_share = textures.number(diffuse["diffuseTransmissionTexture"], PictureChannel::kAlpha, diffused);
+    }
+}
+
 }  // namespace
 
-GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures) {
-    textures.begin_material();
+GltfMaterial read_material(const GltfValue& material, VertexColors vertices, const ModelColors& colors, GltfTextures& textures) {
+    const GltfValue normal = material["normalTexture"], coat = material.extension("KHR_materials_clearcoat"),
+                    glossy = material.extension("KHR_materials_pbrSpecularGlossiness");
+    textures.begin_material(normal);
     GltfMaterial out;
     MaterialDescription& surface = out.surface;
     surface.name = material["name"].text();
-    const GltfValue pbr = material["pbrMetallicRoughness"];
-    const std::array<double, 4> base = pbr["baseColorFactor"].factors(std::array<double, 4>{1, 1, 1, 1}, 0, 1);
     surface.type = "metallicroughness";
-    surface.spectra = {{"base_color", colors.reflectance({base[0], base[1], base[2]})}};
-    const GltfValue coat = material.extension("KHR_materials_clearcoat");
-    surface.numbers = {{"roughness", fraction_of(pbr["roughnessFactor"], 1)},
-                       {"metallic", fraction_of(pbr["metallicFactor"], 1)},
-                       {"coat", fraction_of(coat["clearcoatFactor"], 0)},
-                       {"coat_roughness", fraction_of(coat["clearcoatRoughnessFactor"], 0)}};
-
-    read_textures(material, base, textures, out);
-
-    const GltfValue specular = material.extension("KHR_materials_specular"),
-                    transmission = material.extension("KHR_materials_transmission");
-    // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
-    const GltfValue ior = material.extension("KHR_materials_ior")["ior"];
-    const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, kNoLimit);
-    const double root = (index - 1) / (index + 1), weight = specular["specularFactor"].factor(1, 0, 1);
-    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit);
-    const double bright = std::ranges::max(tint);
-    if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
-    surface.numbers["f0"] = static_cast<float>(std::min(root * root * bright, 1.0) * weight);
-    surface.numbers["f90"] = static_cast<float>(weight);
-
-    const SpectrumInput base_color = surface.spectra["base_color"];
-    double transmitted =
-        transmission["transmissionFactor"].factor(0, 0, 1) * (1 - static_cast<double>(surface.number("metallic").value));
-    // Of most such materials, only a small part is glass.
-    if (const GltfValue texture = transmission["transmissionTexture"]; texture.exists()) {
-        texture.warn("is not supported; the material is opaque");
-        transmitted = 0;
-    }
-    if (transmitted >= 0.5) {
-        if (transmitted < 1) transmission.warn("is rendered as glass that transmits everything");
-        read_transmission(material, colors, index > 0 ? index : 1.5, out);
-        if (base_color.is_textured() || base[0] != 1 || base[1] != 1 || base[2] != 1) surface.spectra["transmittance"] = base_color;
-    } else if (transmitted > 0) {
-        transmission.warn("is ignored, since the material is mostly opaque");
-    }
-    read_sheen(material, colors, textures, surface);
-    const bool is_matt = surface.type == "metallicroughness" && weight == 0 && surface.number("metallic").value == 0 &&
-                         surface.number("coat").value == 0;
-    if (is_matt || material.extension("KHR_materials_unlit").exists()) {
+    const Body body = glossy.exists() ? read_specular_glossiness(glossy, vertices, textures, surface)
+                                      : read_metallic_roughness(material, vertices, textures, surface);
+    surface.numbers["coat"] =
+        textures.number(coat["clearcoatTexture"], PictureChannel::kRed, fraction_of(coat["clearcoatFactor"], 0));
+    surface.numbers["coat_roughness"] = textures.number(coat["clearcoatRoughnessTexture"], PictureChannel::kGreen,
+                                                        fraction_of(coat["clearcoatRoughnessFactor"], 0));
+    tell_of_ignored(material);
+    const SpectrumInput base_color = surface.spectra.at("base_color");
+    if (material.extension("KHR_materials_unlit").exists()) {
+        material.warn("an unlit material is rendered as a matt one");
         surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
+    } else {
+        read_second(material, body, colors, textures, out);
+        read_sheen(material, textures, surface);
+        const auto is_zero = [&](const char* name) {
+            return !surface.number(name).is_textured() && surface.number(name, 1).value == 0;
+        };
+        if (surface.type == "metallicroughness" && is_zero("f90") && is_zero("metallic") && is_zero("coat"))
+            surface = {.name = surface.name, .spectra = {{"reflectance", base_color}}};
     }
-    if (material.extension("KHR_materials_unlit").exists()) material.warn("an unlit material is rendered as a matt one");
-    if (const GltfValue normal = material["normalTexture"]; normal.exists()) {
+    if (normal.exists()) {
         surface.normal_map = textures.normal_map(normal);
-        if (normal["scale"].number(1) != 1) normal["scale"].warn("is ignored");
+        surface.normal_scale = static_cast<float>(normal["scale"].number(1, -1e6, 1e6));
+        surface.normals_follow_v = true;
     }
-    read_alpha(material, base[3], textures, out);
+    if (out.second) {
+        out.second->normal_map = surface.normal_map;
+        out.second->normal_scale = surface.normal_scale;
+        out.second->normals_follow_v = surface.normals_follow_v;
+        out.second->name = surface.name;
+        if (!out.second_share.is_textured() && out.second_share.value == 1) {
+            surface = std::move(*out.second);
+            out.second.reset();
+        }
+    }
+    read_alpha(material, body.picture, body.factor[3], vertices, textures, out);
     for (const std::string& name : material["extensions"].keys()) {
         if (!is_known_extension(name)) material["extensions"][name].warn("is not supported, and is ignored");
     }
-    read_emission(material, colors, textures, out);
-    out.uv_set = read_uv_set(textures);
+    read_emission(material, textures, out);
+    out.uv_sets = textures.uv_sets();
     return out;
 }
 

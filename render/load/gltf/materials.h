@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "render/load/gltf/textures.h"
 #include "render/load/model/colors.h"
@@ -12,14 +13,16 @@ namespace latent::render {
 
 struct GltfMaterial {
     MaterialDescription surface{};
+    std::optional<MaterialDescription> second{};  // what the surface is in part: glass, or what light passes diffusely
+    FloatInput second_share{};                    // of the surface
     std::optional<AreaLightDescription> emission{};
     double radiance = 0;                        // of its emission: the largest component
     std::optional<MediumDescription> inside{};  // KHR_materials_volume, where it absorbs
     FloatInput alpha = 1;                       // of its shapes
-    std::optional<std::uint32_t> uv_set{};      // of its textures, if it has any
+    std::vector<std::uint32_t> uv_sets{};       // the TEXCOORD_N of its textures; the first orients tangents
 };
 
-// /materials/N; the default material if there is no such value.
-GltfMaterial read_material(const GltfValue& material, const ModelColors& colors, GltfTextures& textures);
+// /materials/N; the default material if there is no such value. `vertices`: what primitives of it have.
+GltfMaterial read_material(const GltfValue& material, VertexColors vertices, const ModelColors& colors, GltfTextures& textures);
 
 }  // namespace latent::render

@@ -40,6 +40,8 @@ void keep_used_vertices(LoadedMesh& mesh) {
         mesh.positions[used] = mesh.positions[i];
         if (!mesh.normals.empty()) mesh.normals[used] = mesh.normals[i];
         if (!mesh.uvs.empty()) mesh.uvs[used] = mesh.uvs[i];
+        for (std::vector<Vec2f>& set : mesh.more_uvs) set[used] = set[i];
+        if (!mesh.colors.empty()) mesh.colors[used] = mesh.colors[i];
         moved[i] = used++;
     }
     if (used == moved.size()) return;
@@ -47,6 +49,8 @@ void keep_used_vertices(LoadedMesh& mesh) {
     mesh.positions.shrink_to_fit();
     if (!mesh.normals.empty()) mesh.normals.resize(used);
     if (!mesh.uvs.empty()) mesh.uvs.resize(used);
+    for (std::vector<Vec2f>& set : mesh.more_uvs) set.resize(used);
+    if (!mesh.colors.empty()) mesh.colors.resize(used);
     for (std::uint32_t& i : mesh.indices) i = moved[i];
 }
 
@@ -64,8 +68,78 @@ bool has_positions(const GltfDocument& document, const GltfValue& primitive) {
     return false;
 }
 
-bool read_vertices(const GltfDocument& document, const GltfValue& attributes, std::optional<std::uint32_t> uv_set,
-                   LoadedMesh& mesh) {
+// COLOR_0, RGB or RGBA.
+std::vector<std::array<float, 4>> colors_of(std::vector<float> x, std::size_t components) {
+    std::vector<std::array<float, 4>> out;
+    for (std::size_t i = 0; i < x.size(); i += components) {
+        std::array<float, 4> color{1, 1, 1, 1};
+        for (std::size_t c = 0; c < components; ++c) color[c] = std::clamp(x[i + c], 0.0f, 1.0f);
+        out.push_back(color);
+    }
+    return out;
+}
+
+// Adds what morph targets move. False: an error.
+bool morph(const GltfDocument& document, const GltfValue& targets, const std::vector<double>& weights, LoadedMesh& mesh) {
+    for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
+        if (weights[t] == 0) continue;
+        const auto add = [&](const GltfValue& index, auto& values) {
+            if (!index.exists() || values.empty()) return true;
+            const std::optional<std::vector<float>> moved = read_floats(document, index, 3);
+            if (!moved) return false;
+            if (moved->size() != 3 * values.size()) {
+                index.error(fmt::format("has {} items for {} vertices", moved->size() / 3, values.size()));
+                return false;
+            }
+            using Value = std::remove_reference_t<decltype(values[0])>;
+            for (std::size_t i = 0; i < values.size(); ++i)
+                values[i] += Value(Vec3d((*moved)[3 * i], (*moved)[3 * i + 1], (*moved)[3 * i + 2]) * weights[t]);
+            return true;
+        };
+        if (!add(targets[t]["POSITION"], mesh.positions) || !add(targets[t]["NORMAL"], mesh.normals)) return false;
+    }
+    return true;
+}
+
+// Bends the mesh by its joints: each vertex by the mean of their maps. False: an error.
+bool skin(const GltfDocument& document, const GltfValue& attributes, const std::vector<Affined>& joints, LoadedMesh& mesh) {
+    std::vector<Affined> map(mesh.positions.size(), {{}, {}, {}, {}});
+    std::vector<double> sum(map.size());
+    for (int set = 0; attributes["JOINTS_" + std::to_string(set)].is_count(); ++set) {
+        const GltfValue which = attributes["JOINTS_" + std::to_string(set)], share = attributes["WEIGHTS_" + std::to_string(set)];
+        const std::optional<std::vector<float>> j = read_floats(document, which, 4), w = read_floats(document, share, 4);
+        if (!share.exists()) which.error("has no weights");
+        if (!j || !w) return false;
+        if (j->size() != 4 * map.size() || w->size() != j->size()) {
+            which.error(fmt::format("has {} items, and its weights {}, for {} vertices", j->size() / 4, w->size() / 4, map.size()));
+            return false;
+        }
+        for (std::size_t i = 0; i < j->size(); ++i) {
+            const auto weight = static_cast<double>((*w)[i]);
+            if (weight == 0) continue;
+            const auto joint = static_cast<std::size_t>(std::max((*j)[i], 0.0f));
+            if (joint >= joints.size()) {
+                which.error(fmt::format("joint {} is out of range; the skin has {}", joint, joints.size()));
+                return false;
+            }
+            Affined& m = map[i / 4];
+            const Affined& by = joints[joint];
+            m = {m.x + by.x * weight, m.y + by.y * weight, m.z + by.z * weight, m.t + by.t * weight};
+            sum[i / 4] += weight;
+        }
+    }
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        if (!(sum[i] > 0)) continue;  // it stays where it is
+        const Affined m = {map[i].x / sum[i], map[i].y / sum[i], map[i].z / sum[i], map[i].t / sum[i]};
+        mesh.positions[i] = m.point(mesh.positions[i]);
+        if (!mesh.normals.empty() && m.inverse()) mesh.normals[i] = Vec3f(m.normal(Vec3d(mesh.normals[i])));
+    }
+    return true;
+}
+
+bool read_vertices(const GltfDocument& document, const GltfValue& primitive, const GltfPose& pose,
+                   const std::vector<std::uint32_t>& uv_sets, LoadedMesh& mesh) {
+    const GltfValue attributes = primitive["attributes"];
     const std::optional<std::vector<float>> p = read_floats(document, attributes["POSITION"], 3);
     if (!p) return false;
     for (std::size_t i = 0; i < p->size(); i += 3) mesh.positions.emplace_back((*p)[i], (*p)[i + 1], (*p)[i + 2]);
@@ -77,23 +151,41 @@ bool read_vertices(const GltfDocument& document, const GltfValue& attributes, st
         attribute.error(fmt::format("has {} items for {} vertices", x->size() / components, mesh.positions.size()));
         return {};
     };
-    const std::string coordinates = "TEXCOORD_" + std::to_string(uv_set.value_or(0));
-    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3), uv = per_vertex(attributes[coordinates], 2);
-    if (uv_set && !attributes[coordinates].exists())
-        attributes.warn_of_kind("without " + coordinates,
-                                fmt::format("has no {}, which the textures of its material use; each triangle shows one half of "
-                                            "their pictures",
-                                            coordinates));
+    const std::vector<float> n = per_vertex(attributes["NORMAL"], 3);
     for (std::size_t i = 0; i < n.size(); i += 3) mesh.normals.emplace_back(n[i], n[i + 1], n[i + 2]);
-    for (std::size_t i = 0; i < uv.size(); i += 2) mesh.uvs.push_back({uv[i], 1 - uv[i + 1]});
-    if (attributes["COLOR_0"].exists()) attributes["COLOR_0"].warn("colours of vertices are ignored");
+    if (!morph(document, primitive["targets"], pose.weights, mesh)) return false;
+    if (!pose.joints.empty() && !skin(document, attributes, pose.joints, mesh)) return false;
+    for (Vec3f& normal : mesh.normals) {
+        const float size = length(normal);
+        normal = size > 0 ? normal / size : Vec3f{};
+    }
+    const auto coordinates = [&](std::uint32_t set) {
+        const std::vector<float> uv = per_vertex(attributes["TEXCOORD_" + std::to_string(set)], 2);
+        std::vector<Vec2f> out;
+        for (std::size_t i = 0; i < uv.size(); i += 2) out.push_back({uv[i], 1 - uv[i + 1]});
+        return out;
+    };
+    mesh.uvs = coordinates(uv_sets.empty() ? 0 : uv_sets[0]);
+    for (std::size_t i = 1; i < uv_sets.size(); ++i) {
+        mesh.more_uvs.push_back(coordinates(uv_sets[i]));
+        if (mesh.more_uvs.back().empty()) mesh.more_uvs.back().resize(mesh.positions.size());
+    }
+    for (std::size_t i = 0; i < uv_sets.size(); ++i) {
+        const std::string name = "TEXCOORD_" + std::to_string(uv_sets[i]);
+        if (attributes[name].exists()) continue;
+        attributes.warn_of_kind("without " + name, fmt::format("has no {}, which textures of its material use; {}", name,
+                                                               i == 0 ? "each triangle shows one half of their pictures"
+                                                                      : "it shows one point of their pictures"));
+    }
+    const std::size_t components = std::clamp<std::size_t>(components_of(document, attributes["COLOR_0"]), 3, 4);
+    mesh.colors = colors_of(per_vertex(attributes["COLOR_0"], components), components);
     return true;
 }
 
 }  // namespace
 
-std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
-                                     const std::function<std::optional<std::uint32_t>(std::uint32_t material)>& uv_set_of) {
+std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh, const GltfPose& pose,
+                                     const GltfMaterialLookup& materials) {
     std::vector<GltfPrimitive> out;
     const GltfValue primitives = mesh["primitives"];
     for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -109,8 +201,8 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         }
         if (!has_positions(document, primitive)) continue;
         GltfPrimitive read;
-        read.material = primitive["material"].index(document.root()["materials"]).value_or(kNone);
-        if (!read_vertices(document, primitive["attributes"], uv_set_of(read.material), read.mesh)) continue;
+        read.material = materials.material_of(primitive);
+        if (!read_vertices(document, primitive, pose, materials.uv_sets_of(read.material), read.mesh)) continue;
         std::vector<std::uint32_t> order;
         if (primitive["indices"].exists()) {
             std::optional<std::vector<std::uint32_t>> indices = read_indices(document, primitive["indices"]);
@@ -135,7 +227,6 @@ std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfVal
         keep_used_vertices(read.mesh);
         out.push_back(std::move(read));
     }
-    if (mesh["weights"].exists()) mesh.warn("its morph targets are ignored");
     return out;
 }
 

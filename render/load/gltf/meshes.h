@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "render/load/gltf/document.h"
@@ -17,9 +16,20 @@ struct GltfPrimitive {
     std::uint32_t material = kNone;  // index into /materials
 };
 
-// The primitives of /meshes/N that have triangles. `uv_set_of(material)`: which TEXCOORD the textures of a material use, if it has
-// any.
-std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh,
-                                     const std::function<std::optional<std::uint32_t>(std::uint32_t material)>& uv_set_of);
+// How a mesh is bent: by its morph targets, then by the joints of a skin.
+struct GltfPose {
+    std::vector<double> weights{};  // of the targets; those that are missing are 0
+    std::vector<Affined> joints{};  // of a skin: from the space of the mesh to the world; empty: none
+};
+
+// What a mesh needs to know about materials.
+struct GltfMaterialLookup {
+    std::function<std::uint32_t(const GltfValue& primitive)> material_of;          // index into /materials, or kNone
+    std::function<std::vector<std::uint32_t>(std::uint32_t material)> uv_sets_of;  // GltfMaterial::uv_sets
+};
+
+// The primitives of /meshes/N that have triangles.
+std::vector<GltfPrimitive> read_mesh(const GltfDocument& document, const GltfValue& mesh, const GltfPose& pose,
+                                     const GltfMaterialLookup& materials);
 
 }  // namespace latent::render

@@ -45,16 +45,29 @@ constexpr GltfObjectType kIor{kIorMembers};
 constexpr GltfMember kSheenMembers[] = {numbers("sheenColorFactor", 3), number("sheenRoughnessFactor"),
                                         object("sheenColorTexture", kInfo), object("sheenRoughnessTexture", kInfo)};
 constexpr GltfObjectType kSheen{kSheenMembers};
-constexpr GltfMember kSpecularMembers[] = {number("specularFactor"), numbers("specularColorFactor", 3), any("specularTexture"),
-                                           any("specularColorTexture")};
+constexpr GltfMember kSpecularMembers[] = {number("specularFactor"), numbers("specularColorFactor", 3),
+                                           object("specularTexture", kInfo), any("specularColorTexture")};
 constexpr GltfObjectType kSpecular{kSpecularMembers};
-constexpr GltfMember kTransmissionMembers[] = {number("transmissionFactor"), any("transmissionTexture")};
+constexpr GltfMember kTransmissionMembers[] = {number("transmissionFactor"), object("transmissionTexture", kInfo)};
 constexpr GltfObjectType kTransmission{kTransmissionMembers};
 constexpr GltfMember kVolumeMembers[] = {number("thicknessFactor"), any("thicknessTexture"), number("attenuationDistance"),
                                          numbers("attenuationColor", 3)};
 constexpr GltfObjectType kVolume{kVolumeMembers};
 constexpr GltfObjectType kUnlit{};
+constexpr GltfMember kDispersionMembers[] = {number("dispersion")};
+constexpr GltfObjectType kDispersion{kDispersionMembers};
+constexpr GltfMember kDiffuseTransmissionMembers[] = {
+    number("diffuseTransmissionFactor"), object("diffuseTransmissionTexture", kInfo), numbers("diffuseTransmissionColorFactor", 3),
+    object("diffuseTransmissionColorTexture", kInfo)};
+constexpr GltfObjectType kDiffuseTransmission{kDiffuseTransmissionMembers};
+constexpr GltfMember kGlossinessMembers[] = {numbers("diffuseFactor", 4), object("diffuseTexture", kInfo),
+                                             numbers("specularFactor", 3), number("glossinessFactor"),
+                                             object("specularGlossinessTexture", kInfo)};
+constexpr GltfObjectType kGlossiness{kGlossinessMembers};
 constexpr GltfMember kMaterialExtensionMembers[] = {object("KHR_materials_clearcoat", kClearcoat),
+                                                    object("KHR_materials_diffuse_transmission", kDiffuseTransmission),
+                                                    object("KHR_materials_dispersion", kDispersion),
+                                                    object("KHR_materials_pbrSpecularGlossiness", kGlossiness),
                                                     object("KHR_materials_emissive_strength", kStrength),
                                                     object("KHR_materials_ior", kIor),
                                                     object("KHR_materials_sheen", kSheen),
@@ -77,7 +90,11 @@ constexpr GltfMember kMaterialMembers[] = {text("name"),
                                            flag("doubleSided"),
                                            object("extensions", kMaterialExtensions)};
 constexpr GltfObjectType kMaterial{kMaterialMembers};
-constexpr GltfMember kTextureMembers[] = {any("name"), count("sampler"), count("source")};
+constexpr GltfMember kWebpMembers[] = {required(count("source"))};
+constexpr GltfObjectType kWebp{kWebpMembers};
+constexpr GltfMember kTextureExtensionMembers[] = {object("EXT_texture_webp", kWebp)};
+constexpr GltfObjectType kTextureExtensions{kTextureExtensionMembers, true};
+constexpr GltfMember kTextureMembers[] = {any("name"), count("sampler"), count("source"), object("extensions", kTextureExtensions)};
 constexpr GltfObjectType kTexture{kTextureMembers};
 constexpr GltfMember kSamplerMembers[] = {any("name"), any("magFilter"), any("minFilter"), count("wrapS"), count("wrapT")};
 constexpr GltfObjectType kSampler{kSamplerMembers};
@@ -104,10 +121,19 @@ constexpr GltfMember kViewMembers[] = {
     any("name"), required(count("buffer")), count("byteOffset"), required(count("byteLength")), count("byteStride"), any("target")};
 constexpr GltfObjectType kView{kViewMembers};
 constexpr GltfMember kAttributeMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"),  count("TEXCOORD_0"),
-                                            any("COLOR_0"),    any("JOINTS_0"), any("WEIGHTS_0")};
+                                            count("COLOR_0"),  any("JOINTS_0"), any("WEIGHTS_0")};
 constexpr GltfObjectType kAttributes{kAttributeMembers};
-constexpr GltfMember kPrimitiveMembers[] = {required(object("attributes", kAttributes)), count("indices"), count("material"),
-                                            count("mode"), any("targets")};
+constexpr GltfMember kTargetMembers[] = {count("POSITION"), count("NORMAL"), any("TANGENT"), any("TEXCOORD_0"), any("COLOR_0")};
+constexpr GltfObjectType kTarget{kTargetMembers};
+constexpr GltfMember kMappingMembers[] = {any("name"), required(count("material")), required(counts("variants"))};
+constexpr GltfObjectType kMapping{kMappingMembers};
+constexpr GltfMember kMappingsMembers[] = {required(objects("mappings", kMapping))};
+constexpr GltfObjectType kMappings{kMappingsMembers};
+constexpr GltfMember kPrimitiveExtensionMembers[] = {object("KHR_materials_variants", kMappings)};
+constexpr GltfObjectType kPrimitiveExtensions{kPrimitiveExtensionMembers, true};
+constexpr GltfMember kPrimitiveMembers[] = {
+    required(object("attributes", kAttributes)), count("indices"), count("material"), count("mode"), objects("targets", kTarget),
+    object("extensions", kPrimitiveExtensions)};
 constexpr GltfObjectType kPrimitive{kPrimitiveMembers};
 constexpr GltfMember kMeshMembers[] = {any("name"), required(objects("primitives", kPrimitive)), any("weights")};
 constexpr GltfObjectType kMesh{kMeshMembers};
@@ -127,16 +153,26 @@ constexpr GltfMember kLightMembers[] = {text("name"),           numbers("color",
 constexpr GltfObjectType kLight{kLightMembers};
 constexpr GltfMember kLightsMembers[] = {required(objects("lights", kLight))};
 constexpr GltfObjectType kLights{kLightsMembers};
-constexpr GltfMember kRootExtensionMembers[] = {object("KHR_lights_punctual", kLights)};
+constexpr GltfMember kVariantMembers[] = {required(text("name"))};
+constexpr GltfObjectType kVariant{kVariantMembers};
+constexpr GltfMember kVariantsMembers[] = {required(objects("variants", kVariant))};
+constexpr GltfObjectType kVariants{kVariantsMembers};
+constexpr GltfMember kRootExtensionMembers[] = {object("KHR_lights_punctual", kLights),
+                                                object("KHR_materials_variants", kVariants)};
 constexpr GltfObjectType kRootExtensions{kRootExtensionMembers, true};
 constexpr GltfMember kPlacedLightMembers[] = {required(count("light"))};
 constexpr GltfObjectType kPlacedLight{kPlacedLightMembers};
-constexpr GltfMember kNodeExtensionMembers[] = {object("KHR_lights_punctual", kPlacedLight)};
+constexpr GltfMember kInstanceAttributeMembers[] = {count("TRANSLATION"), count("ROTATION"), count("SCALE")};
+constexpr GltfObjectType kInstanceAttributes{kInstanceAttributeMembers};
+constexpr GltfMember kInstancingMembers[] = {required(object("attributes", kInstanceAttributes))};
+constexpr GltfObjectType kInstancing{kInstancingMembers};
+constexpr GltfMember kNodeExtensionMembers[] = {object("EXT_mesh_gpu_instancing", kInstancing),
+                                                object("KHR_lights_punctual", kPlacedLight)};
 constexpr GltfObjectType kNodeExtensions{kNodeExtensionMembers, true};
 constexpr GltfMember kNodeMembers[] = {any("name"),
                                        count("camera"),
                                        counts("children"),
-                                       any("skin"),
+                                       count("skin"),
                                        numbers("matrix", 16),
                                        count("mesh"),
                                        numbers("rotation", 4),
@@ -145,6 +181,8 @@ constexpr GltfMember kNodeMembers[] = {any("name"),
                                        any("weights"),
                                        object("extensions", kNodeExtensions)};
 constexpr GltfObjectType kNode{kNodeMembers};
+constexpr GltfMember kSkinMembers[] = {any("name"), count("inverseBindMatrices"), any("skeleton"), required(counts("joints"))};
+constexpr GltfObjectType kSkin{kSkinMembers};
 constexpr GltfMember kSceneMembers[] = {any("name"), counts("nodes")};
 constexpr GltfObjectType kScene{kSceneMembers};
 
@@ -157,7 +195,7 @@ constexpr GltfMember kRootMembers[] = {required(object("asset", kAsset)), texts(
                                        objects("images", kImage),         objects("materials", kMaterial),
                                        objects("meshes", kMesh),          objects("nodes", kNode),
                                        objects("samplers", kSampler),     count("scene"),
-                                       objects("scenes", kScene),         objects("skins", kUnread),
+                                       objects("scenes", kScene),         objects("skins", kSkin),
                                        objects("textures", kTexture),     object("extensions", kRootExtensions)};
 constexpr GltfObjectType kRoot{kRootMembers};
 

@@ -3,109 +3,121 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "render/load/files/pictures.h"
 #include "render/load/gltf/accessors.h"
 
 namespace latent::render {
 
 namespace {
 
-constexpr std::uint64_t kClamp = 33071, kMirror = 33648, kRepeat = 10497;
+constexpr std::uint64_t kNearest = 9728, kClamp = 33071, kMirror = 33648, kRepeat = 10497;
 
-TextureWrap wrap_of(const GltfValue& sampler) {
-    const std::uint64_t s = sampler["wrapS"].count(kRepeat), t = sampler["wrapT"].count(kRepeat);
-    if (s == kMirror || t == kMirror || s != t)
-        sampler.warn("mirrored and mixed wrapping are not supported; the picture is repeated");
-    return s == kClamp && t == kClamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
+TextureWrap wrap_of(const GltfValue& mode) {
+    switch (mode.count(kRepeat)) {
+        case kClamp:
+            return TextureWrap::kClamp;
+        case kMirror:
+            return TextureWrap::kMirror;
+        case kRepeat:
+            break;
+        default:
+            mode.warn("is unknown; the picture is repeated");
+    }
+    return TextureWrap::kRepeat;
 }
 
-// KHR_texture_transform moves coordinates whose v points down; ours points up.
+void read_sampler(const GltfValue& sampler, PictureDescription& picture) {
+    picture.wrap = {wrap_of(sampler["wrapS"]), wrap_of(sampler["wrapT"])};
+    if (sampler["magFilter"].is_count() && sampler["magFilter"].count(0) == kNearest) picture.filter = TextureFilter::kPoint;
+}
+
+// KHR_texture_transform: (u, v) -> R S (u, v) + offset, with R = (cos, sin; -sin, cos), of coordinates whose v points down. Ours,
+// w = 1 - v, points up.
 void transform(const GltfValue& info, MappingDescription& mapping) {
     const GltfValue value = info.extension("KHR_texture_transform");
     if (!value.exists()) return;
     const std::array<double, 2> offset = value["offset"].numbers(std::array<double, 2>{0, 0}),
                                 scale = value["scale"].numbers(std::array<double, 2>{1, 1});
-    if (value["rotation"].number(0) != 0) value["rotation"].warn("is ignored");
-    mapping.scale_u = scale[0];
-    mapping.scale_v = scale[1];
-    mapping.delta_u = offset[0];
-    mapping.delta_v = 1 - offset[1] - scale[1];
+    const double angle = value["rotation"].number(0), c = std::cos(angle), s = std::sin(angle);
+    mapping.s = {c * scale[0], -s * scale[1]};
+    mapping.t = {s * scale[0], c * scale[1]};
+    mapping.delta_u = offset[0] + s * scale[1];
+    mapping.delta_v = 1 - offset[1] - c * scale[1];
 }
 
-}  // namespace
-
+// Which TEXCOORD a textureInfo uses.
 std::uint32_t uv_set_of(const GltfValue& info) {
     const GltfValue moved = info.extension("KHR_texture_transform")["texCoord"];
     return static_cast<std::uint32_t>(std::min<std::uint64_t>((moved.exists() ? moved : info["texCoord"]).count(0), 0xFFFFFF));
 }
 
-std::uint32_t GltfTextures::color(const GltfValue& info, double scale) {
-    std::optional<TextureDescription> texture = read(info, scale);
-    if (!texture) return kNone;
-    texture->is_spectrum = true;
-    textures_.push_back(std::move(*texture));
-    return static_cast<std::uint32_t>(textures_.size() - 1);
+}  // namespace
+
+void GltfTextures::begin_material(const GltfValue& first) {
+    uv_sets_.clear();
+    if (first.exists()) uv_sets_.push_back(uv_set_of(first));
 }
 
-std::uint32_t GltfTextures::emission(const GltfValue& info) {
-    const std::uint32_t i = color(info, 1);
-    if (i != kNone) textures_[i].role = SpectrumRole::kUnbounded;
-    return i;
+std::uint32_t GltfTextures::index_of_set(const GltfValue& info) {
+    const std::uint32_t set = uv_set_of(info);
+    const auto known = std::ranges::find(uv_sets_, set);
+    const auto index = static_cast<std::uint32_t>(known - uv_sets_.begin());
+    if (known == uv_sets_.end()) uv_sets_.push_back(set);
+    return index;
 }
 
-Result<double> GltfTextures::mean_luminance(std::uint32_t texture) const {
-    const Result<LoadedPicture> picture = read_picture(textures_[texture].picture.path);
-    if (!picture) return picture.error();
-    return render::mean_luminance(picture->image);
+SpectrumInput GltfTextures::color(const GltfValue& info, const LinearRgb& factor, VertexColors vertices) {
+    return values_.color(read(info), factor, vertices != VertexColors::kAbsent);
+}
+
+FloatInput GltfTextures::number(const GltfValue& info, PictureChannel channel, double factor, VertexColors vertices) {
+    const bool by_vertices =
+        channel == PictureChannel::kAlpha ? vertices == VertexColors::kRgba : vertices != VertexColors::kAbsent;
+    return values_.number(read(info), channel, factor, by_vertices);
+}
+
+FloatInput GltfTextures::inverted(const GltfValue& info, PictureChannel channel, double factor) {
+    std::optional<TextureDescription> picture = read(info);
+    if (!picture) return static_cast<float>(1 - factor);
+    picture->picture.scale = factor;
+    picture->picture.invert = true;
+    return values_.number(std::move(picture), channel, 1);
 }
 
 std::uint32_t GltfTextures::normal_map(const GltfValue& info) {
-    const std::uint32_t i = number(info, PictureChannel::kRed, 1);
-    if (i != kNone) textures_[i].kind = TextureKind::kNormalMap;
-    return i;
+    std::optional<TextureDescription> picture = read(info);
+    return picture ? values_.normal_map(std::move(*picture)) : kNone;
 }
 
-std::uint32_t GltfTextures::number(const GltfValue& info, PictureChannel channel, double scale) {
-    if (scale == 0) return kNone;
-    std::optional<TextureDescription> texture = read(info, scale);
-    if (!texture) return kNone;
-    texture->picture.is_srgb = false;
-    texture->picture.channel = static_cast<std::uint8_t>(channel);
-    textures_.push_back(std::move(*texture));
-    return static_cast<std::uint32_t>(textures_.size() - 1);
+std::optional<AreaLightDescription> GltfTextures::emission(const GltfValue& info, const LinearRgb& factor) {
+    std::optional<TextureDescription> picture = read(info);
+    if (info.exists() && !picture) return std::nullopt;
+    Result<std::optional<AreaLightDescription>> out = values_.emission(std::move(picture), factor);
+    if (out) return std::move(*out);
+    info.error(out.error().message);
+    return std::nullopt;
 }
 
-FloatInput GltfTextures::thresholded(const FloatInput& value, float threshold) {
-    if (!value.is_textured()) return value.value >= threshold ? 1.0f : 0.0f;
-    TextureDescription texture{.kind = TextureKind::kThreshold};
-    texture.numbers[0] = value;
-    texture.amount = threshold;
-    textures_.push_back(std::move(texture));
-    FloatInput out;
-    out.texture = static_cast<std::uint32_t>(textures_.size() - 1);
-    return out;
-}
-
-std::optional<TextureDescription> GltfTextures::read(const GltfValue& info, double scale) {
+std::optional<TextureDescription> GltfTextures::read(const GltfValue& info) {
     if (!info.exists()) return std::nullopt;
     const GltfValue textures = document_.root()["textures"];
     const std::optional<std::uint32_t> index = info["index"].index(textures);
     if (!index) return std::nullopt;
     const GltfValue texture = textures[*index];
-    if (!texture["source"].exists()) texture.error("has no source that is supported");
-    const std::optional<std::uint32_t> image = texture["source"].index(document_.root()["images"]);
+    const GltfValue webp = texture.extension("EXT_texture_webp")["source"], source = webp.exists() ? webp : texture["source"];
+    if (!source.exists()) texture.error("has no source that is supported");
+    const std::optional<std::uint32_t> image = source.index(document_.root()["images"]);
     if (!image) return std::nullopt;
     const std::optional<PictureDescription>& known = picture(*image);
     if (!known) return std::nullopt;
     TextureDescription out{.kind = TextureKind::kImage};
     out.picture = *known;
-    out.picture.scale = scale;
     out.picture.filter = TextureFilter::kTrilinear;
     if (const auto sampler = texture["sampler"].index(document_.root()["samplers"]))
-        out.picture.wrap = wrap_of(document_.root()["samplers"][*sampler]);
+        read_sampler(document_.root()["samplers"][*sampler], out.picture);
     transform(info, out.mapping);
-    if (std::ranges::find(used_, info.path(), &GltfValue::path) == used_.end()) used_.push_back(info);
+    out.mapping.uv_set = index_of_set(info);
     return out;
 }
 

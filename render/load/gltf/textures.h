@@ -8,50 +8,52 @@
 
 #include "base/file.h"
 #include "render/load/gltf/document.h"
+#include "render/load/model/values.h"
 #include "render/scene/texture.h"
 
 namespace latent::render {
 
-enum class PictureChannel : std::uint8_t { kRed, kGreen, kBlue, kAlpha };
+// Whether primitives of a material have colours at their vertices, which multiply its base colour.
+enum class VertexColors : std::uint8_t { kAbsent, kRgb, kRgba };
 
 class GltfTextures {
  public:
-    // The document and the list, which grows, outlive it.
-    GltfTextures(const GltfDocument& document, std::vector<TextureDescription>& textures)
-        : document_(document), textures_(textures) {}
+    // All of these, and the list, which grows, outlive it.
+    GltfTextures(const GltfDocument& document, const ModelColors& colors, std::vector<TextureDescription>& textures)
+        : document_(document), values_(colors, textures) {}
 
-    // Those of the materials that are read from now on are noted in `used`.
-    void begin_material() { used_.clear(); }
-    // The textureInfos since then that became textures, in their order.
-    const std::vector<GltfValue>& used() const { return used_; }
+    // The first of the sets of texture coordinates is that of `first`, if there is such a textureInfo: it orients tangents.
+    void begin_material(const GltfValue& first);
+    // The TEXCOORD_N that the textures of the material use so far, in the order of MappingDescription::uv_set.
+    const std::vector<std::uint32_t>& uv_sets() const { return uv_sets_; }
 
-    // A textureInfo of a material, times `scale`: the index of the texture that it becomes. kNone if there is none, if it is
-    // scaled to nothing, or with an error. Colours are encoded like sRGB's, numbers are linear.
-    std::uint32_t color(const GltfValue& info, double scale);
-    std::uint32_t emission(const GltfValue& info);
+    // A value of a material: a factor, times the textureInfo if there is one, times the colours of vertices. Pictures of colours
+    // are encoded like sRGB's, those of numbers are linear. If the texture cannot be read: an error, and the factor.
+    SpectrumInput color(const GltfValue& info, const LinearRgb& factor, VertexColors vertices = VertexColors::kAbsent);
+    FloatInput number(const GltfValue& info, PictureChannel channel, double factor, VertexColors vertices = VertexColors::kAbsent);
+    // 1 minus a factor times the textureInfo.
+    FloatInput inverted(const GltfValue& info, PictureChannel channel, double factor);
+    // The index of the texture; kNone, with an error, if it cannot be read.
     std::uint32_t normal_map(const GltfValue& info);
-    std::uint32_t number(const GltfValue& info, PictureChannel channel, double scale);
-    // Of a texture that is a picture. Errors: those of read_picture.
-    Result<double> mean_luminance(std::uint32_t texture) const;
+    // Nothing if it is black, or with an error.
+    std::optional<AreaLightDescription> emission(const GltfValue& info, const LinearRgb& factor);
     // 1 where `value` reaches `threshold`, 0 elsewhere.
-    FloatInput thresholded(const FloatInput& value, float threshold);
+    FloatInput thresholded(const FloatInput& value, float threshold) { return values_.thresholded(value, threshold); }
 
     // Pictures out of buffers, as files without a name: textures find them as long as they are open.
     std::vector<File> take_embedded() { return std::move(embedded_); }
 
  private:
-    std::optional<TextureDescription> read(const GltfValue& info, double scale);
+    std::optional<TextureDescription> read(const GltfValue& info);
+    std::uint32_t index_of_set(const GltfValue& info);
     const std::optional<PictureDescription>& picture(std::uint32_t image);
     std::optional<PictureDescription> embedded(const GltfValue& image, const std::string& bytes);
 
     const GltfDocument& document_;
-    std::vector<TextureDescription>& textures_;
+    ModelValues values_;
     std::map<std::uint32_t, std::optional<PictureDescription>> pictures_;  // by index of /images
     std::vector<File> embedded_;
-    std::vector<GltfValue> used_;
+    std::vector<std::uint32_t> uv_sets_;
 };
-
-// Which TEXCOORD a textureInfo uses.
-std::uint32_t uv_set_of(const GltfValue& info);
 
 }  // namespace latent::render

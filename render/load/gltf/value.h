@@ -70,6 +70,7 @@ class GltfValue {
 
     void error(const std::string& message) const { diagnostics_->error(place(), message); }
     void warn(const std::string& message) const { diagnostics_->warn(place(), message); }
+    void note(const std::string& message) const { diagnostics_->note(place(), message); }
     // Of this and all others of its kind, one line.
     void warn_of_kind(const std::string& kind, const std::string& message) const {
         diagnostics_->warn_of_kind(kind, place(), message);

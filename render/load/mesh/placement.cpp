@@ -1,5 +1,6 @@
 #include "render/load/mesh/placement.h"
 
+#include <algorithm>
 #include <tuple>
 
 #include "render/math/motion.h"
@@ -38,6 +39,8 @@ ShapeDescription placed(LoadedShape loaded, const Vec3d& origin) {
     } else {
         MeshDescription mesh{.normals = std::move(loaded.mesh->normals),
                              .uvs = std::move(loaded.mesh->uvs),
+                             .more_uvs = std::move(loaded.mesh->more_uvs),
+                             .colors = std::move(loaded.mesh->colors),
                              .radii{loaded.mesh->radii.begin(), loaded.mesh->radii.end()},
                              .indices = std::move(loaded.mesh->indices)};
         mesh.positions.reserve(loaded.mesh->positions.size());
@@ -98,6 +101,18 @@ Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector
 }
 
 void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>> objects, SceneDescription& scene) {
+    const bool has_vertex_colors = std::ranges::any_of(scene.textures, [](const TextureDescription& texture) {
+        return texture.kind == TextureKind::kVertexColor || texture.by_vertex_color;
+    });
+    if (!has_vertex_colors) {
+        const auto drop = [](std::vector<LoadedShape>& list) {
+            for (LoadedShape& shape : list) {
+                if (shape.mesh) shape.mesh->colors = {};
+            }
+        };
+        drop(shapes);
+        std::ranges::for_each(objects, drop);
+    }
     const std::vector<Box> of_object = boxes_of(objects);
     const Box world = box_about(shapes, of_object, scene.instances);
 

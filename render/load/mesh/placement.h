@@ -16,6 +16,8 @@ struct LoadedMesh {
     std::vector<Vec3d> positions{};
     std::vector<Vec3f> normals{};
     std::vector<Vec2f> uvs{};
+    std::vector<std::vector<Vec2f>> more_uvs{};
+    std::vector<std::array<float, 4>> colors{};
     std::vector<double> radii{};
     std::vector<std::uint32_t> indices{};
 };
@@ -33,7 +35,8 @@ Box box_of(const std::vector<LoadedShape>& shapes, const std::vector<std::vector
 
 // Gives the scene its shapes, and its objects theirs (one list for each), when all is read. Every place is counted
 // from SceneDescription::origin from then on: the camera's place, or the point nearest to it of the box about all shapes, if it is
-// outside. Objects are counted from the middle of their own boxes, wherever they were modelled.
+// outside. Colours of vertices go if no texture is made of them. Objects are counted from the middle of their own boxes, wherever
+// they were modelled.
 void place(std::vector<LoadedShape> shapes, std::vector<std::vector<LoadedShape>> objects, SceneDescription& scene);
 
 }  // namespace latent::render

@@ -206,12 +206,22 @@ std::vector<std::size_t> columns(const Element& element, std::initializer_list<s
     return found.size() == names.size() ? found : std::vector<std::size_t>{};
 }
 
+// A component of a colour: a fraction of the largest integer, which is encoded as sRGB, or a linear number.
+float color_of(double x, Type type, bool is_encoded) {
+    const double most = type == Type::kUint8 ? 255 : type == Type::kUint16 ? 65535 : 0;
+    if (most == 0) return static_cast<float>(std::clamp(x, 0.0, 1.0));
+    x /= most;
+    if (is_encoded) x = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+    return static_cast<float>(x);
+}
+
 Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
     const std::vector<std::size_t> xyz = columns(element, {"x", "y", "z"}), normal = columns(element, {"nx", "ny", "nz"});
     std::vector<std::size_t> uv = columns(element, {"u", "v"});
     if (uv.empty()) uv = columns(element, {"s", "t"});
     if (uv.empty()) uv = columns(element, {"texture_u", "texture_v"});
     if (uv.empty()) uv = columns(element, {"texture_s", "texture_t"});
+    const std::vector<std::size_t> rgb = columns(element, {"red", "green", "blue"}), alpha = columns(element, {"alpha"});
     if (xyz.empty()) return Error{ErrorCode::kCorrupt, "vertices lack x, y or z"}.at(body.name());
     for (const Property& p : element.properties) {
         if (p.list)
@@ -232,6 +242,12 @@ Status read_vertices(const Element& element, Body& body, PlyMesh& mesh) {
         }
         mesh.positions.emplace_back(row[xyz[0]], row[xyz[1]], row[xyz[2]]);
         if (!normal.empty()) mesh.normals.emplace_back(Vec3d(row[normal[0]], row[normal[1]], row[normal[2]]));
+        if (!rgb.empty()) {
+            std::array<float, 4> color{1, 1, 1, 1};
+            for (std::size_t c = 0; c < 3; ++c) color[c] = color_of(row[rgb[c]], element.properties[rgb[c]].type, true);
+            if (!alpha.empty()) color[3] = color_of(row[alpha[0]], element.properties[alpha[0]].type, false);
+            mesh.colors.push_back(color);
+        }
         if (!uv.empty()) mesh.uvs.push_back({static_cast<float>(row[uv[0]]), static_cast<float>(row[uv[1]])});
     }
     return {};

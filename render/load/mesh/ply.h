@@ -11,12 +11,13 @@
 namespace latent::render {
 
 struct PlyMesh {
-    std::vector<Vec3d> positions;          // x y z
-    std::vector<Vec3f> normals;            // nx ny nz, or empty; 0 where it is not finite
-    std::uint64_t lost_normals = 0;        // how many these are
-    std::vector<Vec2f> uvs;                // u v, s t, texture_u texture_v or texture_s texture_t, or empty
-    std::vector<std::uint32_t> triangles;  // 3 indices each
-    std::vector<std::uint32_t> quads;      // 4 indices each, around the quad
+    std::vector<Vec3d> positions;              // x y z
+    std::vector<Vec3f> normals;                // nx ny nz, or empty; 0 where it is not finite
+    std::uint64_t lost_normals = 0;            // how many these are
+    std::vector<std::array<float, 4>> colors;  // linear: red green blue and alpha, or empty; integers are encoded as sRGB
+    std::vector<Vec2f> uvs;                    // u v, s t, texture_u texture_v or texture_s texture_t, or empty
+    std::vector<std::uint32_t> triangles;      // 3 indices each
+    std::vector<std::uint32_t> quads;          // 4 indices each, around the quad
 };
 
 // Other elements and properties are skipped. Errors: kForeign (no PLY header), kTruncated, kCorrupt (an index out of range, a

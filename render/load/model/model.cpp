@@ -5,86 +5,98 @@
 #include <algorithm>
 #include <memory>
 
-#include "render/math/elementary.h"
-#include "render/math/equal_area.h"
+#include "render/load/files/lat_long.h"
+#include "render/load/files/pictures.h"
+#include "render/load/model/stage.h"
+#include "render/scene/check.h"
 
 namespace latent::render {
 
 namespace {
 
-constexpr double kTowards[] = {0.45, 0.35, 0.82};  // from the model to the camera
-constexpr double kHalfHeight = 0.36397;            // of the window: tan 20 degrees
-constexpr double kMargin = 1.05;
-
-// A left-handed camera: x to the right in the picture where the world's is right-handed.
-Affined looking_along(const Vec3d& forward, const Vec3d& from) {
-    const Vec3d right = normalize(cross(forward, Vec3d(0, 1, 0)));
-    return {right, cross(right, forward), forward, from};
-}
-
-CameraDescription framing(const Box& box, const FilmDescription& film) {
-    CameraDescription camera;
-    camera.y1 = kHalfHeight;
-    camera.x1 = kHalfHeight * film.width / film.height;
-    camera.y0 = -camera.y1;
-    camera.x0 = -camera.x1;
-    const Vec3d middle = box.is_empty() ? Vec3d() : box.middle();
-    const Vec3d forward = -normalize(Vec3d(kTowards[0], kTowards[1], kTowards[2]));
-    camera.world_from_camera = looking_along(forward, middle);
-    const Affined& axes = camera.world_from_camera;
-    double distance = 0;
-    for (int corner = 0; corner < 8 && !box.is_empty(); ++corner) {
-        const Vec3d p =
-            Vec3d(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y, corner & 4 ? box.high.z : box.low.z) -
-            middle;
-        const double across = std::max(std::abs(dot(p, axes.x)) / camera.x1, std::abs(dot(p, axes.y)) / camera.y1);
-        distance = std::max(distance, kMargin * across - dot(p, axes.z));
-    }
-    camera.world_from_camera.t = middle - forward * (distance > 0 ? distance : 1);
-    return camera;
-}
-
-// From unit direction d, y up: docs/scenes.md, "Formats". Not uniform, so that white things and mirrors stand out.
-float sky_radiance(const Vec3f& d) {
-    static const Vec3f lamp = Vec3f(normalize(Vec3d(0.5, 0.8, 0.6)));
-    return 0.6f + 0.4f * d.y + 4 * exp_nonpositive(std::min(20 * (dot(d, lamp) - 1), 0.0f));
-}
-
-LightDescription studio_sky(const color::Spectrum& white) {
-    constexpr std::uint32_t kSide = 512;  // 0.4 degrees: no step is seen
-    auto image = std::make_shared<ImageDescription>(ImageDescription{.width = kSide, .height = kSide});
-    for (std::uint32_t y = 0; y < kSide; ++y) {
-        for (std::uint32_t x = 0; x < kSide; ++x) {
-            const Vec3f d = sphere_from_square({(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
-            image->rgb.insert(image->rgb.end(), 3, sky_radiance(d));
+// The vertices of the world, and the corners of boxes about instances.
+std::vector<Vec3d> points_of(const Model& model) {
+    std::vector<Vec3d> points;
+    for (const LoadedShape& shape : model.shapes)
+        points.insert(points.end(), shape.mesh->positions.begin(), shape.mesh->positions.end());
+    std::vector<Box> boxes(model.objects.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        for (const LoadedShape& shape : model.objects[i]) {
+            for (const Vec3d& p : shape.mesh->positions) boxes[i].add(p);
         }
+    }
+    for (const InstanceDescription& instance : model.scene.instances) {
+        const Box& box = boxes[instance.object];
+        for (int corner = 0; corner < 8 && !box.is_empty(); ++corner) {
+            const Vec3d p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                          corner & 4 ? box.high.z : box.low.z);
+            points.push_back(instance.world_from_object.point(p));
+        }
+    }
+    return points;
+}
+
+// In longitude and latitude, or square; its +z is up.
+Result<LightDescription> sky_of(const std::filesystem::path& path, const color::Spectrum& white, const ModelOptions& options) {
+    Result<LoadedPicture> picture = read_picture(path, "--sky " + path.string());
+    if (!picture) return picture.error();
+    ImageDescription& image = picture->image;
+    if (is_lat_long(image)) {
+        image = equal_area_from_lat_long(image);
+    } else if (image.width == 0 || image.width != image.height) {
+        return usage_error(fmt::format("--sky {}: {} x {} is neither twice as wide as high (longitude and latitude) nor square",
+                                       path.string(), image.width, image.height));
     }
     LightDescription sky;
     sky.kind = LightKind::kInfinite;
     sky.spectrum = white;
-    sky.image = std::move(image);
+    sky.image = std::make_shared<const ImageDescription>(std::move(image));
+    if (!options.is_z_up) sky.world_from_light = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
     return sky;
+}
+
+// Focused on the middle of the model, unless it is said where.
+Status set_lens(const ModelOptions& options, const Box& box, CameraDescription& camera) {
+    if (options.lens_radius > 0) camera.lens_radius = options.lens_radius;
+    const double middle = box.is_empty() ? 1 : dot(box.middle() - camera.world_from_camera.t, camera.world_from_camera.z);
+    if (options.focus > 0) {
+        camera.focal_distance = options.focus;
+    } else if (options.lens_radius > 0) {
+        camera.focal_distance = middle > 0 ? middle : 1;
+    }
+    for (const std::string& refusal : check_camera(camera)) return usage_error("--lens-radius: " + refusal);
+    return {};
 }
 
 }  // namespace
 
-std::vector<std::string> complete(Model model, const color::Spectrum& white, SceneDescription& scene) {
+Result<std::vector<std::string>> complete(Model model, const ModelOptions& options, const color::Spectrum& white,
+                                          SceneDescription& scene) {
     // Lit windows and displays: other viewers, too, show their model under a sky.
     const auto glows = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
     const auto is_lamp = [&](const LoadedShape& loaded) { return glows(loaded) && model.radiances[loaded.shape.area_light] > 1; };
-    std::vector<std::string> added;
-    if (!model.has_camera && !model.has_idle_cameras) added.emplace_back("has no camera; one that shows the whole model is added");
-    if (!model.has_camera)
-        model.scene.camera = framing(box_of(model.shapes, model.objects, model.scene.instances), model.scene.film);
-    if (model.scene.lights.empty() && std::ranges::none_of(model.shapes, is_lamp)) {
-        added.emplace_back(fmt::format("has no light{}; a grey sky with a soft light from above is added",
-                                       std::ranges::any_of(model.shapes, glows) ? " but surfaces of radiance 1 or less" : ""));
-        model.scene.lights.push_back(studio_sky(white));
+    const bool has_light = !model.scene.lights.empty() || std::ranges::any_of(model.shapes, is_lamp);
+    std::vector<std::string> notes = std::move(model.notes);
+    if (!model.has_camera && !model.has_idle_cameras) notes.emplace_back("has no camera; one that shows the whole model is added");
+    const Box box = box_of(model.shapes, model.objects, model.scene.instances);
+    if (!model.has_camera) model.scene.camera = framing(points_of(model), model.scene.film, options);
+    if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
+    if (!options.sky.empty()) {
+        Result<LightDescription> sky = sky_of(options.sky, white, options);
+        if (!sky) return sky.error();
+        model.scene.lights.push_back(std::move(*sky));
+    } else if (!has_light) {
+        const bool has_ground = options.stage && !model.has_camera && !box.is_empty();
+        notes.emplace_back(fmt::format("has no light{}; a soft sky with a key light{} added",
+                                       std::ranges::any_of(model.shapes, glows) ? " but surfaces of radiance 1 or less" : "",
+                                       has_ground ? " and a ground are" : " is"));
+        model.scene.lights.push_back(studio_sky(white, options));
+        if (has_ground) model.shapes.push_back(studio_ground(box, options, model.scene));
     }
     model.scene.files = std::move(scene.files);
     scene = std::move(model.scene);
     place(std::move(model.shapes), std::move(model.objects), scene);
-    return added;
+    return notes;
 }
 
 }  // namespace latent::render

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "render/load/files/pictures.h"
+#include "render/load/obj/maps.h"
 #include "render/load/obj/statements.h"
 
 namespace latent::render {
@@ -13,87 +15,177 @@ namespace {
 // A newmtl block as it stands.
 struct Block {
     std::string place, name;
-    LinearRgb kd{0.5, 0.5, 0.5}, ks{0, 0, 0}, ke{0, 0, 0};
+    std::optional<LinearRgb> kd{}, ke{};
+    LinearRgb ks{0, 0, 0}, tf{1, 1, 1};
     double ns = 20, ni = 1.5, opacity = 1;
     int illum = 2;
-    std::optional<double> roughness{}, metallic{};
+    std::optional<double> roughness{}, metallic{}, sheen{};
     double coat = 0, coat_roughness = 0;
-    std::uint32_t kd_texture = kNone, opacity_texture = kNone;
+    std::map<std::string, MtlMap, std::less<>> maps{};  // by keyword
+
+    std::optional<TextureDescription> picture(std::string_view keyword) const {
+        const auto found = maps.find(keyword);
+        return found != maps.end() ? std::optional(found->second.texture) : std::nullopt;
+    }
+    PictureChannel channel(std::string_view keyword) const {
+        const auto found = maps.find(keyword);
+        return found != maps.end() ? found->second.channel : PictureChannel::kMean;
+    }
 };
 
-constexpr std::string_view kIgnored[] = {"Ka", "Tf", "Ps", "aniso", "anisor", "sharpness", "xyz", "spectral"};
+constexpr double kIndex = 1.5, kSheenRoughness = 0.3;
+constexpr std::string_view kMaps[] = {"map_Kd", "map_Ks", "map_Ke", "map_Ns",  "map_d", "map_Pr",
+                                      "map_Pm", "map_Ps", "map_Pc", "map_Pcr", "norm",  "bump"};
+constexpr std::string_view kProperties[] = {"Kd", "Ks", "Ke", "Tf", "Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr"};
+constexpr std::string_view kIgnored[] = {"Ka", "aniso", "anisor", "sharpness", "xyz", "spectral", "map_Ka", "map_aat"};
+
+template <std::size_t N>
+bool is_among(const std::string_view (&words)[N], std::string_view word) {
+    return std::ranges::find(words, word) != std::end(words);
+}
+
+// Other spellings of one map.
+std::string_view canonical(std::string_view keyword) {
+    if (keyword == "map_bump" || keyword == "map_Bump" || keyword == "Bump") return "bump";
+    if (keyword == "map_Kn" || keyword == "map_norm") return "norm";
+    if (keyword == "map_opacity" || keyword == "map_D") return "map_d";
+    return keyword;
+}
 
 LinearRgb rgb_of(const Statements& s) {
     if (s.words().size() > 1 && (s.words()[1] == "spectral" || s.words()[1] == "xyz")) {
-        s.error(fmt::format("{}: only rgb values are supported", s.keyword()));
+        s.warn(fmt::format("{}: only rgb values are read; it is black", s.keyword()));
         return {};
     }
     LinearRgb rgb;
     for (std::size_t i = 0; i < 3; ++i) rgb[i] = s.number(s.words().size() > 3 ? i + 1 : 1);  // one number stands for all
-    for (double& x : rgb) {
-        if (x < 0) s.error(fmt::format("{}: must not be negative", s.keyword()));
-        x = std::max(x, 0.0);
-    }
+    if (std::ranges::min(rgb) < 0) s.warn_of_kind("negative", fmt::format("{}: is negative, and counts as 0", s.keyword()));
+    for (double& x : rgb) x = std::max(x, 0.0);
     return rgb;
 }
 
-double number_within(const Statements& s, double low, double high) {
-    const double x = s.number(1);
-    if (!(x >= low && x <= high)) s.error(fmt::format("{}: must be from {} to {}", s.keyword(), low, high));
+double number_within(const Statements& s, double low, double high, std::size_t word = 1) {
+    const double x = s.number(word);
+    if (!(x >= low && x <= high))
+        s.warn_of_kind(std::string(s.keyword()) + " clamped",
+                       fmt::format("{}: {} is clamped: must be from {} to {}", s.keyword(), x, low, high));
     return std::clamp(x, low, high);
 }
 
-// Which of the closures comes nearest. Transparency first, then what only metallic-roughness has, then mirrors, then Phong's lobe.
-MtlMaterial described(const Block& b, const ModelColors& colors, Diagnostics& diagnostics) {
-    MtlMaterial out;
-    MaterialDescription& surface = out.surface;
-    surface.name = b.name;
-    const auto mapped = [&](const LinearRgb& rgb) {
-        SpectrumInput input = colors.reflectance(rgb);
-        input.texture = b.kd_texture;
-        return input;
-    };
-    const bool is_glass =
-                   b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || (b.opacity < 0.5 && b.opacity_texture == kNone),
-               is_mirror = b.illum == 3 || b.illum == 5 || b.illum == 8;
-    if (is_glass) {
-        surface.type = "dielectric";
-        surface.spectra = {{"eta", color::Spectrum::constant(b.ni)}};
-    } else if (b.roughness || b.metallic) {
-        const double root = (b.ni - 1) / (b.ni + 1);
-        surface.type = "metallicroughness";
-        surface.spectra = {{"base_color", mapped(b.kd)}};
-        surface.numbers = {{"roughness", static_cast<float>(b.roughness.value_or(0.5))},
-                           {"metallic", static_cast<float>(b.metallic.value_or(0))},
-                           {"f0", static_cast<float>(root * root)},
-                           {"coat", static_cast<float>(b.coat)},
-                           {"coat_roughness", static_cast<float>(b.coat_roughness)}};
-    } else if (is_mirror && std::ranges::max(b.ks) > 0) {
-        surface.type = "metallicroughness";
-        surface.spectra = {{"base_color", colors.reflectance(b.ks)}};
-        surface.numbers = {{"metallic", 1.0f}, {"roughness", 0.0f}};
-    } else if (std::ranges::max(b.ks) > 0 && b.illum >= 2) {
-        double most = 0;
-        for (std::size_t i = 0; i < 3; ++i) most = std::max(most, b.kd[i] + b.ks[i]);
-        const double share = 1 / std::max(most, 1.0);
-        if (share < 1)
-            diagnostics.warn(b.place,
-                             fmt::format("{}: Kd + Ks exceeds 1; both are scaled by {:.3f} to conserve energy", b.name, share));
-        surface.type = "phong";
-        surface.spectra = {{"Kd", mapped({b.kd[0] * share, b.kd[1] * share, b.kd[2] * share})},
-                           {"Ks", colors.reflectance({b.ks[0] * share, b.ks[1] * share, b.ks[2] * share})}};
-        surface.numbers = {{"exponent", static_cast<float>(b.ns)}};
-    } else {
-        surface.spectra = {{"reflectance", mapped(b.kd)}};
-    }
-    if (!is_glass) {
-        out.alpha = static_cast<float>(b.opacity);
-        out.alpha.texture = b.opacity_texture;
-    }
-    out.radiance = std::ranges::max(b.ke);
-    if (out.radiance > 0) out.emission = AreaLightDescription{.spectrum = colors.emission(b.ke), .name = b.name};
-    return out;
+// A mirror says so, and is brighter than its diffuse colour: exporters write these illum for things that shine a little, too.
+bool is_mirror(const Block& b, const LinearRgb& kd) {
+    return (b.illum == 3 || b.illum == 5 || b.illum == 8) && !b.maps.contains("map_Kd") &&
+           std::ranges::max(b.ks) > std::ranges::max(kd);
 }
+
+bool is_glass(const Block& b) {
+    if (b.maps.contains("map_Kd") || b.maps.contains("map_d")) return false;
+    return b.illum == 4 || b.illum == 6 || b.illum == 7 || b.illum == 9 || b.opacity < 0.5;
+}
+
+// Whether a picture's colours are directions near (0, 0, 1): normal maps are found under "bump", too.
+bool is_normal_map(const PictureDescription& picture) {
+    const Result<LoadedPicture> read = read_picture(picture.path, picture.name);
+    if (!read || read->image.rgb.empty()) return false;
+    std::array<double, 3> mean{};
+    const std::vector<float>& rgb = read->image.rgb;
+    for (std::size_t i = 0; i < rgb.size(); ++i) mean[i % 3] += static_cast<double>(rgb[i]) * 3 / static_cast<double>(rgb.size());
+    const auto is_middle = [](double x) { return x > 0.13 && x < 0.32; };  // 0.4 to 0.6, decoded
+    return is_middle(mean[0]) && is_middle(mean[1]) && mean[2] > 0.5;
+}
+
+// Materials out of blocks.
+class Describer {
+ public:
+    explicit Describer(const MtlTarget& target) : target_(target), values_(target.colors, target.textures) {}
+
+    MtlMaterial operator()(const Block& b) {
+        MtlMaterial out;
+        describe_surface(b, out.surface);
+        out.surface.name = b.name;
+        if (!is_glass(b)) out.alpha = values_.number(b.picture("map_d"), b.channel("map_d"), b.opacity);
+        describe_relief(b, out.surface);
+        const bool is_mapped = b.maps.contains("map_Ke");
+        const LinearRgb ke = b.ke.value_or(is_mapped ? LinearRgb{1, 1, 1} : LinearRgb{0, 0, 0});
+        Result<std::optional<AreaLightDescription>> emission = values_.emission(b.picture("map_Ke"), ke);
+        if (!emission) target_.diagnostics.warn(b.place, emission.error().message);
+        if (!emission || !*emission) return out;
+        out.emission = std::move(*emission);
+        out.emission->name = b.name;
+        out.radiance = std::ranges::max(ke);
+        return out;
+    }
+
+ private:
+    // Which of the closures comes nearest. Transparency first, then what only metallic-roughness has, then mirrors, then Phong's
+    // lobe.
+    void describe_surface(const Block& b, MaterialDescription& surface) {
+        // Where the diffuse colour is black or missing, its picture is all there is.
+        const bool is_mapped = b.maps.contains("map_Kd");
+        LinearRgb kd = b.kd.value_or(LinearRgb{0.5, 0.5, 0.5});
+        if (is_mapped && (!b.kd || std::ranges::max(kd) == 0)) kd = {1, 1, 1};
+        const auto diffuse = [&](double share) {
+            return values_.color(b.picture("map_Kd"), {kd[0] * share, kd[1] * share, kd[2] * share}, target_.by_vertex_color);
+        };
+        const auto number = [&](const char* map, double factor) { return values_.number(b.picture(map), b.channel(map), factor); };
+        if (is_glass(b)) {
+            surface.type = "dielectric";
+            surface.spectra = {{"eta", color::Spectrum::constant(b.ni)}};
+            if (b.tf != LinearRgb{1, 1, 1}) surface.spectra["transmittance"] = target_.colors.reflectance(b.tf);
+            return;
+        }
+        const bool has_pbr = b.roughness || b.metallic || b.maps.contains("map_Pr") || b.maps.contains("map_Pm");
+        if (has_pbr) {
+            const double root = (b.ni - 1) / (b.ni + 1);
+            surface.type = "metallicroughness";
+            surface.spectra = {{"base_color", diffuse(1)}};
+            surface.numbers = {{"roughness", number("map_Pr", b.roughness.value_or(b.maps.contains("map_Pr") ? 1 : 0.5))},
+                               {"metallic", number("map_Pm", b.metallic.value_or(b.maps.contains("map_Pm") ? 1 : 0))},
+                               {"f0", static_cast<float>(root * root)},
+                               {"coat", number("map_Pc", b.coat)},
+                               {"coat_roughness", number("map_Pcr", b.coat_roughness)}};
+            const double sheen = b.sheen.value_or(b.maps.contains("map_Ps") ? 1 : 0);
+            if (sheen == 0) return;
+            surface.type = "sheen";
+            surface.spectra["sheen.color"] = values_.color(b.picture("map_Ps"), {sheen, sheen, sheen});
+            surface.numbers["sheen.roughness"] = static_cast<float>(kSheenRoughness);
+        } else if (is_mirror(b, kd)) {
+            surface.type = "metallicroughness";
+            surface.spectra = {{"base_color", values_.color(b.picture("map_Ks"), b.ks)}};
+            surface.numbers = {{"metallic", 1.0f}, {"roughness", 0.0f}};
+        } else if (std::ranges::max(b.ks) > 0 && b.illum >= 2) {
+            double most = 0;
+            for (std::size_t i = 0; i < 3; ++i) most = std::max(most, kd[i] + b.ks[i]);
+            const double share = 1 / std::max(most, 1.0);
+            if (share < 1)
+                target_.diagnostics.warn_of_kind(
+                    "Kd + Ks", b.place,
+                    fmt::format("{}: Kd + Ks exceeds 1; both are scaled by {:.3f} to conserve energy", b.name, share));
+            surface.type = "phong";
+            surface.spectra = {{"Kd", diffuse(share)},
+                               {"Ks", values_.color(b.picture("map_Ks"), {b.ks[0] * share, b.ks[1] * share, b.ks[2] * share})}};
+            surface.numbers = {{"exponent", number("map_Ns", b.ns)}};
+        } else {
+            surface.spectra = {{"reflectance", diffuse(1)}};
+        }
+    }
+
+    void describe_relief(const Block& b, MaterialDescription& surface) {
+        const auto normals = b.maps.find("norm"), bump = b.maps.find("bump");
+        const bool is_bump = normals == b.maps.end() && bump != b.maps.end();
+        if (normals == b.maps.end() && !is_bump) return;
+        const MtlMap& map = is_bump ? bump->second : normals->second;
+        if (is_bump && !is_normal_map(map.texture.picture))
+            return target_.diagnostics.warn_of_kind("bump", b.place,
+                                                    fmt::format("{}: bump: heights have no unit, and are ignored", b.name));
+        surface.normal_map = values_.normal_map(map.texture);
+        surface.normal_scale = static_cast<float>(map.strength);
+        surface.normals_follow_v = true;
+    }
+
+    const MtlTarget& target_;
+    ModelValues values_;
+};
 
 void read_property(const Statements& s, Block& b) {
     const std::string_view key = s.keyword();
@@ -103,12 +195,19 @@ void read_property(const Statements& s, Block& b) {
         b.ks = rgb_of(s);
     } else if (key == "Ke") {
         b.ke = rgb_of(s);
+    } else if (key == "Tf") {
+        b.tf = rgb_of(s);
     } else if (key == "Ns") {
         b.ns = number_within(s, 0, 1e5);
     } else if (key == "Ni") {
-        b.ni = number_within(s, 1e-3, 1e3);
+        // Exporters write 0 for what is opaque.
+        b.ni = s.number(1);
+        if (!(b.ni >= 1 && b.ni <= 1e3)) {
+            if (b.ni != 0) s.warn_of_kind("Ni", fmt::format("Ni: {} is no index of refraction; it is {}", b.ni, kIndex));
+            b.ni = kIndex;
+        }
     } else if (key == "d") {
-        b.opacity = s.words().size() > 1 && s.words()[1] == "-halo" ? s.number(2) : number_within(s, 0, 1);
+        b.opacity = number_within(s, 0, 1, s.words().size() > 1 && s.words()[1] == "-halo" ? 2 : 1);
     } else if (key == "Tr") {
         b.opacity = 1 - number_within(s, 0, 1);
     } else if (key == "illum") {
@@ -117,71 +216,42 @@ void read_property(const Statements& s, Block& b) {
         b.roughness = number_within(s, 0, 1);
     } else if (key == "Pm") {
         b.metallic = number_within(s, 0, 1);
+    } else if (key == "Ps") {
+        b.sheen = number_within(s, 0, 1);
     } else if (key == "Pc") {
         b.coat = number_within(s, 0, 1);
     } else if (key == "Pcr") {
         b.coat_roughness = number_within(s, 0, 1);
-    } else if (key.starts_with("map_") || key.starts_with("bump") || key == "norm" || key == "disp" || key == "decal" ||
-               key == "refl") {
-        s.warn(fmt::format("{}: is ignored", key));
-    } else if (std::ranges::find(kIgnored, key) == std::end(kIgnored)) {
-        s.warn(fmt::format("{}: is unknown, and is ignored", key));
     }
-}
-
-// "map_Kd -s 2 2 wood.png", a colour, or a number: the index of the texture, kNone with an error.
-std::uint32_t read_map(const Statements& s, bool is_spectrum, const SceneFiles& files, std::vector<TextureDescription>& textures) {
-    if (s.words().size() < 2) {
-        s.error(fmt::format("{}: the file is missing", s.keyword()));
-        return kNone;
-    }
-    const bool has_options = s.words()[1].starts_with('-');
-    if (has_options) s.warn(fmt::format("{}: its options are ignored", s.keyword()));
-    const std::string name = has_options ? std::string(s.words().back()) : s.rest();
-    const Result<Hash128> content = files.hash(name);
-    if (!content) {
-        s.error(content.error().message);
-        return kNone;
-    }
-    TextureDescription texture{.kind = TextureKind::kImage, .is_spectrum = is_spectrum};
-    texture.picture.is_srgb = is_spectrum;
-    texture.picture.path = files.resolve(name).string();
-    texture.picture.name = s.place() + ": " + texture.picture.path;
-    texture.picture.content = *content;
-    texture.picture.filter = TextureFilter::kTrilinear;
-    textures.push_back(std::move(texture));
-    return static_cast<std::uint32_t>(textures.size() - 1);
 }
 
 }  // namespace
 
-void read_mtl(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
-              Diagnostics& diagnostics, MtlMaterials& materials, std::vector<TextureDescription>& textures) {
-    Statements statements(text, name, diagnostics);
+bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& target, MtlMaterials& materials) {
+    Statements statements(text, target.files.resolve(name).string(), target.diagnostics);
+    Describer describe(target);
     std::optional<Block> block;
-    const auto finish = [&] {
-        if (!block) return;
-        // The map is scaled by Kd; where that is black, the map is all there is.
-        const double scale = std::ranges::max(block->kd);
-        if (block->kd_texture != kNone) textures[block->kd_texture].picture.scale = scale > 0 ? scale : 1;
-        if (block->opacity_texture != kNone) textures[block->opacity_texture].picture.scale = block->opacity;
-        materials[block->name] = described(*block, colors, diagnostics);
-    };
     while (statements.next()) {
-        if (statements.keyword() == "newmtl") {
-            finish();
+        const std::string_view key = statements.keyword();
+        if (key == "newmtl") {
+            if (block) materials[block->name] = describe(*block);
             block = Block{.place = statements.place(), .name = statements.rest()};
-        } else if (block && statements.keyword() == "map_Kd") {
-            block->kd_texture = read_map(statements, true, files, textures);
-        } else if (block && statements.keyword() == "map_d") {
-            block->opacity_texture = read_map(statements, false, files, textures);
-        } else if (block) {
+        } else if (!block) {
+            if (!is_among(kProperties, key) && !is_among(kMaps, key) && !is_among(kIgnored, key)) return false;
+            statements.warn(fmt::format("{}: comes before any newmtl, and is ignored", key));
+        } else if (is_among(kMaps, canonical(key))) {
+            if (std::optional<MtlMap> map = read_map(statements, name, target.files))
+                block->maps.insert_or_assign(std::string(canonical(key)), std::move(*map));
+        } else if (is_among(kProperties, key)) {
             read_property(statements, *block);
-        } else {
-            statements.error(fmt::format("{}: comes before any newmtl", statements.keyword()));
+        } else if (!is_among(kIgnored, key)) {
+            const bool is_known = key.starts_with("map_") || key == "disp" || key == "decal" || key == "refl";
+            statements.warn_of_kind("MTL " + std::string(key.substr(0, 40)),
+                                    fmt::format("{}: {}is ignored", key.substr(0, 40), is_known ? "" : "is unknown, and "));
         }
     }
-    finish();
+    if (block) materials[block->name] = describe(*block);
+    return block.has_value();
 }
 
 }  // namespace latent::render

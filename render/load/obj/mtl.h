@@ -21,9 +21,17 @@ struct MtlMaterial {
 };
 using MtlMaterials = std::map<std::string, MtlMaterial, std::less<>>;
 
-// Of a file's text; `name` begins every message. A material that is there already is defined anew. Pictures become textures, which
-// materials refer to by index.
-void read_mtl(std::string_view text, const std::string& name, const SceneFiles& files, const ModelColors& colors,
-              Diagnostics& diagnostics, MtlMaterials& materials, std::vector<TextureDescription>& textures);
+// Where the materials of an MTL file go, and what their colours are made with.
+struct MtlTarget {
+    SceneFiles& files;
+    const ModelColors& colors;
+    Diagnostics& diagnostics;
+    std::vector<TextureDescription>& textures;  // which materials refer to by index
+    bool by_vertex_color = false;               // diffuse colours are multiplied by the colours of vertices
+};
+
+// Of the text of file `name`, as the OBJ file names it. A material that is there already is defined anew. False: the text is not
+// that of an MTL file, and no part of it is in a message.
+bool read_mtl(std::string_view text, const std::string& name, const MtlTarget& target, MtlMaterials& materials);
 
 }  // namespace latent::render

@@ -13,10 +13,10 @@ constexpr std::string_view kBlank = " \t\r\f\v";
 
 // Takes one line off the front, without its end.
 std::string_view take_line(std::string_view& text) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(end);
+    text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, text.size()));
     return line;
 }
 
@@ -47,10 +47,12 @@ bool Statements::next() {
     return false;
 }
 
-std::string Statements::rest() const {
-    if (words_.size() < 2) return "";
-    const char* const begin = words_[1].data();
-    return {begin, static_cast<std::size_t>(words_.back().data() + words_.back().size() - begin)};
+std::string Statements::rest(std::size_t first) const {
+    if (words_.size() <= first) return "";
+    const char* const begin = words_[first].data();
+    const std::string_view all(begin, static_cast<std::size_t>(words_.back().data() + words_.back().size() - begin));
+    const bool is_quoted = all.size() >= 2 && all.starts_with('"') && all.ends_with('"');
+    return std::string(is_quoted ? all.substr(1, all.size() - 2) : all);
 }
 
 double Statements::number(std::size_t i) const {

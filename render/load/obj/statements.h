@@ -11,7 +11,8 @@
 
 namespace latent::render {
 
-// Goes through a text, which outlives it. Comments and empty lines are passed over; a backslash joins a line with the next.
+// Goes through a text, which outlives it. Lines end as on any system. Comments and empty lines are passed over; a backslash joins a
+// line with the next.
 class Statements {
  public:
     // `name` begins every message.
@@ -22,7 +23,8 @@ class Statements {
     bool next();
     std::string_view keyword() const { return words_[0]; }
     const std::vector<std::string_view>& words() const { return words_; }  // the keyword first
-    std::string rest() const;                                              // all after the keyword: names may hold spaces
+    // All from word `first` on, without quotes about it: names may hold spaces.
+    std::string rest(std::size_t first = 1) const;
 
     // Word `i` as a finite number; an error if it is none.
     double number(std::size_t i) const;
@@ -33,6 +35,9 @@ class Statements {
     std::string place() const { return name_ + ":" + std::to_string(line_); }
     void error(const std::string& message) const { diagnostics_->error(place(), message); }
     void warn(const std::string& message) const { diagnostics_->warn(place(), message); }
+    void warn_of_kind(const std::string& kind, const std::string& message) const {
+        diagnostics_->warn_of_kind(kind, place(), message);
+    }
 
  private:
     std::string_view text_;

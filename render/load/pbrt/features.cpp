@@ -20,7 +20,7 @@ std::span<const PbrtFeature> pbrt_features() {
         {"Material", material_types()},
         {"Texture",
          {"constant", "scale", "mix", "imagemap", "checkerboard", "dots", "bilerp", "directionmix", "fbm", "wrinkled", "windy",
-          "marble", "latent:marble", "latent:wood", "latent:clouds"}},
+          "marble", "latent:vertexcolor", "latent:marble", "latent:wood", "latent:clouds"}},
         {"LightSource", {"point", "spot", "goniometric", "projection", "distant", "infinite"}},
         {"AreaLightSource", {"diffuse"}},
         {"Medium", {"homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb", "latent:sum"}},

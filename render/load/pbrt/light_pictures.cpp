@@ -8,7 +8,7 @@
 namespace latent::render {
 
 std::shared_ptr<const ImageDescription> read_light_picture(const ParameterList& list, const std::string& name, SceneFiles& files) {
-    Result<LoadedPicture> picture = read_picture(files.resolve(name));
+    Result<LoadedPicture> picture = read_picture(files.resolve(name), files.resolve(name).string());
     if (!picture) {
         list.error(picture.error().message);
         return nullptr;

@@ -81,6 +81,7 @@ void add_patches(const LoadedMesh& mesh, const ShapeDescription& common, std::ve
         part.positions = mesh.positions;
         part.normals = mesh.normals;
         part.uvs = mesh.uvs;
+        part.colors = mesh.colors;
         shapes.push_back({common, std::move(part)});
         shapes.back().shape.kind = kind;
         shapes.back().shape.pairs = kind == ShapeKind::kTriangles;
@@ -101,7 +102,10 @@ void read_ply(const ParameterList& list, const Affined& ctm, bool reverse_orient
     if (ply->lost_normals > 0)
         list.warn(fmt::format("{}: {} not finite; the faces' own are used there", *name,
                               counted(ply->lost_normals, "normal") + (ply->lost_normals == 1 ? " is" : " are")));
-    LoadedMesh mesh{.positions = std::move(ply->positions), .normals = std::move(ply->normals), .uvs = std::move(ply->uvs)};
+    LoadedMesh mesh{.positions = std::move(ply->positions),
+                    .normals = std::move(ply->normals),
+                    .uvs = std::move(ply->uvs),
+                    .colors = std::move(ply->colors)};
     transform(mesh, ctm, reverse_orientation);
     if (!ply->quads.empty()) {
         LoadedMesh patches = mesh;

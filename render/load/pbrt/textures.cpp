@@ -90,7 +90,7 @@ std::uint32_t SceneTextures::emission(const ParameterList& list, const std::stri
                        {.kind = TextureKind::kImage,
                         .is_spectrum = true,
                         .role = SpectrumRole::kUnbounded,
-                        .picture = {.wrap = TextureWrap::kClamp}});
+                        .picture = {.wrap = {TextureWrap::kClamp, TextureWrap::kClamp}}});
 }
 
 FloatInput SceneTextures::number(const ParameterList& list, std::string_view name, double otherwise, double low, double high) {
@@ -124,8 +124,8 @@ void SceneTextures::read_mapping(const ParameterList& list, const CurrentTransfo
     if (!is_solid) {
         mapping.kind = choice(list, "mapping", "uv", kKinds);
         if (mapping.kind == MappingKind::kUv) {
-            mapping.scale_u = list.number("uscale", 1);
-            mapping.scale_v = list.number("vscale", 1);
+            mapping.s[0] = list.number("uscale", 1);
+            mapping.t[1] = list.number("vscale", 1);
         }
         if (mapping.kind == MappingKind::kUv || mapping.kind == MappingKind::kPlanar) {
             mapping.delta_u = list.number("udelta", 0);
@@ -155,7 +155,7 @@ void SceneTextures::read_picture(const ParameterList& list, PictureDescription& 
     static const std::map<std::string, TextureFilter> kFilters{
         {"point", TextureFilter::kPoint}, {"bilinear", TextureFilter::kBilinear}, {"trilinear", TextureFilter::kTrilinear},
         {"ewa", TextureFilter::kEwa},     {"EWA", TextureFilter::kEwa},           {"latent:quartic", TextureFilter::kQuartic}};
-    picture.wrap = choice(list, "wrap", "repeat", kWraps);
+    picture.wrap.fill(choice(list, "wrap", "repeat", kWraps));
     picture.filter = choice(list, "filter", "bilinear", kFilters);
     const double anisotropy = list.number("maxanisotropy", 8, 1, 1e6);
     if (picture.filter == TextureFilter::kEwa) picture.max_anisotropy = std::min(anisotropy, 64.0);
@@ -209,6 +209,10 @@ TextureDescription SceneTextures::read(const Definition& definition, const Use& 
     } else if (is("imagemap", TextureKind::kImage)) {
         mapping(false);
         read_picture(list, texture.picture);
+    } else if (is("latent:vertexcolor", TextureKind::kVertexColor)) {
+        static const std::map<std::string, std::uint8_t> kChannels{
+            {"mean", 255}, {"red", 0}, {"green", 1}, {"blue", 2}, {"alpha", 3}};
+        if (!use.is_spectrum) texture.picture.channel = choice(list, "channel", "mean", kChannels);
     } else if (is("checkerboard", TextureKind::kCheckerboard)) {
         texture.is_solid = list.integer("dimension", 2, 2, 3) == 3;
         input(0, "tex1", 1);

@@ -12,13 +12,12 @@ class BdptIntegrator final : public Transport {
     std::uint32_t light_paths_per_sample() const override { return 1; }
 
  protected:
-    void trace_paths(SampleState& sample, double u, double v, bool again, Radiance& camera, sampledb::Records& out,
-                     RadianceFaults& faults) const override {
-        const SubpathSample subpaths(world(), settings(), records(), sample, subpaths_.local(), camera, out, faults);
-        SubpathWalk walk(subpaths);
+    void trace_paths(const TracedSample& sample, Vec2d film, bool again, Radiance& seen) const override {
+        Subpaths& subpaths = subpaths_.local();
+        SubpathWalk walk(world(), settings(), sample, subpaths, seen);
         if (!again) walk.trace_light();
-        walk.trace_camera(u, v);
-        SubpathJoin join(subpaths);
+        walk.trace_camera(film);
+        SubpathJoin join(world(), settings(), sample, subpaths, seen);
         if (!again) join.join_lens();
         join.join_all(settings().connections);
     }

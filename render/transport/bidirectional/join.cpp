@@ -3,14 +3,14 @@
 namespace latent::render {
 
 void SubpathJoin::join_lens() {
-    for (std::size_t i = 1; i < light_subpath_.size(); ++i) join_lens(i);
+    for (std::size_t i = 1; i < subpaths_.light.size(); ++i) join_lens(i);
 }
 
 void SubpathJoin::join_all(Connections connections) {
-    for (std::size_t i = 1; i < camera_subpath_.size(); ++i) join_light(i);
+    for (std::size_t i = 1; i < subpaths_.camera.size(); ++i) join_light(i);
     if (connections == Connections::kAll) {
-        for (std::size_t i = 1; i < light_subpath_.size(); ++i) {
-            for (std::size_t j = 1; j < camera_subpath_.size() && i + j + 2 <= max_vertices_; ++j) join(i, j, 1);
+        for (std::size_t i = 1; i < subpaths_.light.size(); ++i) {
+            for (std::size_t j = 1; j < subpaths_.camera.size() && i + j + 2 <= max_vertices_; ++j) join(i, j, 1);
         }
     } else {
         join_one_of_each_length();
@@ -18,7 +18,7 @@ void SubpathJoin::join_all(Connections connections) {
 }
 
 void SubpathJoin::join_light(std::size_t i) {
-    const SubpathVertex& z = camera_subpath_[i];
+    const SubpathVertex& z = subpaths_.camera[i];
     if (!z.connectible() || lights_.size() == 0) return;
     const LightSampleContext context = z.scattering.light_sample_context(z.wo);
     const ChosenLight chosen = lights_.choose(camera_number(i - 1, Dimension::kLight), z.at.p, context);
@@ -58,15 +58,15 @@ void SubpathJoin::join_light(std::size_t i) {
     pdf_reverse *= lights_.probability(chosen.light) / chosen.probability;
     const float hit = light.can_be_met() ? mis_term(scattering_pdf * line.transmittance, sampled, 1) : 0;
     const float previous_pdf_reverse = z.scattering.pdf_omega(point.wi, z.wo) * z.to_previous_area;
-    value *= mis_weight(hit + mis_sum(camera_subpath_, i, pdf_reverse, previous_pdf_reverse));
-    radiance_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), sample_.kept, sample_.k(), light.id());
+    value *= mis_weight(hit + mis_sum(subpaths_.camera, i, pdf_reverse, previous_pdf_reverse));
+    seen_.add(value, z.dispersed || z.scattering.disperses(z.wo, point.wi), light.id());
 }
 
 void SubpathJoin::join_lens(std::size_t i) {
-    const SubpathVertex& y = light_subpath_[i];
+    const SubpathVertex& y = subpaths_.light[i];
     if (!y.connectible()) return;
     CameraPoint point;
-    if (!camera().connect(y.at.p, light_number(i, Dimension::kLightU), light_number(i, Dimension::kLightV), point)) return;
+    if (!camera_.connect(y.at.p, light_number(i, Dimension::kLightU), light_number(i, Dimension::kLightV), point)) return;
     const Vec3f to_camera = -point.w;
     SampledSpectrum value = y.beta;
     multiply_light_side(y, to_camera, value);
@@ -79,17 +79,17 @@ void SubpathJoin::join_lens(std::size_t i) {
 
     const float pdf = y.scattering.pdf_omega(y.wo, to_camera),
                 previous_pdf_reverse = y.scattering.pdf_omega(to_camera, y.wo) * y.to_previous_area;
-    const bool lens = camera().has_lens();
+    const bool lens = camera_.has_lens();
     const float hit =
-        lens ? mis_term(pdf * abs_dot(camera().axis(), point.w) / d2 * line.transmittance, 1 / camera().lens_area(), 1) : 0;
+        lens ? mis_term(pdf * abs_dot(camera_.axis(), point.w) / d2 * line.transmittance, 1 / camera_.lens_area(), 1) : 0;
     value *=
-        mis_weight(hit + mis_sum(light_subpath_, i, density * y.cosine(to_camera) * distance_pdf(y, line), previous_pdf_reverse));
-    splat(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));
+        mis_weight(hit + mis_sum(subpaths_.light, i, density * y.cosine(to_camera) * distance_pdf(y, line), previous_pdf_reverse));
+    write_light(point, value, y.dispersed || y.scattering.disperses(to_camera, y.wo));
 }
 
 void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
-    const SubpathVertex& y = light_subpath_[i];
-    const SubpathVertex& z = camera_subpath_[j];
+    const SubpathVertex& y = subpaths_.light[i];
+    const SubpathVertex& z = subpaths_.camera[j];
     if (!y.connectible() || !z.connectible()) return;
     const Vec3f to = y.at.p - z.at.p;
     const float d2 = length_squared(to);
@@ -106,11 +106,11 @@ void SubpathJoin::join(std::size_t i, std::size_t j, float factor) {
     value *= factor / d2;
     const float pdf_reverse_z = pdf_y * z.cosine_from(w) / d2 * distance_pdf(z, line);
     const float pdf_reverse_y = pdf_z * y.cosine(w) / d2 * distance_pdf(y, line.last_medium, line.last_column, line.transmittance);
-    const float shorter_camera = mis_sum(camera_subpath_, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous_area);
-    const float shorter_light = mis_sum(light_subpath_, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);
+    const float shorter_camera = mis_sum(subpaths_.camera, j, pdf_reverse_z, z.scattering.pdf_omega(w, z.wo) * z.to_previous_area);
+    const float shorter_light = mis_sum(subpaths_.light, i, pdf_reverse_y, y.scattering.pdf_omega(-w, y.wo) * y.to_previous_area);
     value *= mis_weight(shorter_camera + shorter_light);
     const bool dispersed = y.dispersed || z.dispersed || y.scattering.disperses(-w, y.wo) || z.scattering.disperses(z.wo, w);
-    radiance_.add(value, dispersed, sample_.kept, sample_.k(), lights_[start_light_].id());
+    seen_.add(value, dispersed, lights_[subpaths_.start_light].id());
 }
 
 void SubpathJoin::multiply_light_side(const SubpathVertex& y, const Vec3f& w_camera, SampledSpectrum& value) {
@@ -119,16 +119,17 @@ void SubpathJoin::multiply_light_side(const SubpathVertex& y, const Vec3f& w_cam
 }
 
 void SubpathJoin::join_one_of_each_length() {
-    const std::size_t longest = std::min<std::size_t>(light_subpath_.size() + camera_subpath_.size() - 2, max_vertices_ - 2);
+    const std::size_t longest = std::min<std::size_t>(subpaths_.light.size() + subpaths_.camera.size() - 2, max_vertices_ - 2);
     for (std::size_t sum = 2; sum <= longest; ++sum) {  // i + j
-        const std::size_t first = sum >= camera_subpath_.size() ? sum - camera_subpath_.size() + 1 : 1,
-                          last = std::min(sum - 1, light_subpath_.size() - 1);
+        const std::size_t first = sum >= subpaths_.camera.size() ? sum - subpaths_.camera.size() + 1 : 1,
+                          last = std::min(sum - 1, subpaths_.light.size() - 1);
         std::uint32_t m = 0;
-        for (std::size_t i = first; i <= last; ++i) m += light_subpath_[i].connectible() && camera_subpath_[sum - i].connectible();
+        for (std::size_t i = first; i <= last; ++i)
+            m += subpaths_.light[i].connectible() && subpaths_.camera[sum - i].connectible();
         if (m == 0) continue;
         std::uint32_t skip = camera_number(sum, Dimension::kConnection).index(m);
         for (std::size_t i = first; i <= last; ++i) {
-            if (light_subpath_[i].connectible() && camera_subpath_[sum - i].connectible() && skip-- == 0) {
+            if (subpaths_.light[i].connectible() && subpaths_.camera[sum - i].connectible() && skip-- == 0) {
                 join(i, sum - i, static_cast<float>(m));
                 break;
             }

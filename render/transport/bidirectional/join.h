@@ -8,7 +8,7 @@ namespace latent::render {
 
 class SubpathJoin : public SubpathSample {
  public:
-    explicit SubpathJoin(const SubpathSample& sample) : SubpathSample(sample) {}
+    using SubpathSample::SubpathSample;
 
     void join_all(Connections connections);
     // t = 1: the whole light subpath.

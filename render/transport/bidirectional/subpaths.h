@@ -47,35 +47,28 @@ inline float mis_sum(const Subpath& path, std::size_t i, float pdf_reverse, floa
     return mis_term(pdf_reverse, x.pdf_forward, x.mis.end + shorter);
 }
 
-// What tracing and joining the subpaths share.
+// What tracing and joining the subpaths of a sample share.
 class SubpathSample {
  public:
-    SubpathSample(const World& world, const IntegratorSettings& settings, const RecordMaker& records, SampleState& sample,
-                  Subpaths& subpaths, Radiance& radiance, sampledb::Records& out, RadianceFaults& faults)
+    // `seen`: what the camera sees.
+    SubpathSample(const World& world, const IntegratorSettings& settings, const TracedSample& sample, Subpaths& subpaths,
+                  Radiance& seen)
         : world_(world),
           lights_(world.lights()),
-          light_groups_(settings.light_groups),
+          settings_(settings),
           max_vertices_(settings.max_depth == kUnlimited ? kUnlimited : settings.max_depth + 2),
-          records_(records),
-          sample_(sample),
-          camera_subpath_(subpaths.camera),
-          light_subpath_(subpaths.light),
-          start_light_(subpaths.start_light),
-          radiance_(radiance),
-          out_(out),
-          faults_(faults) {}
+          sample_(sample.state),
+          camera_(sample.camera),
+          records_(sample.records),
+          subpaths_(subpaths),
+          seen_(seen) {}
 
  protected:
-    const Camera& camera() const { return *sample_.camera; }
     Uniform camera_number(std::size_t vertex, std::uint32_t what) const {
         return sample_.numbers(Dimension::of_camera_vertex(static_cast<std::uint32_t>(vertex), what));
     }
     Uniform light_number(std::size_t vertex, std::uint32_t what) const {
         return sample_.numbers(Dimension::of_light_vertex(static_cast<std::uint32_t>(vertex), what));
-    }
-    // Numbers of the step that leads to vertex i, and of scattering there.
-    Uniform number(bool from_camera, std::size_t i, std::uint32_t what) const {
-        return from_camera ? camera_number(i - 1, what) : light_number(i, what);
     }
 
     // The line's share in the density of its end x: the probability of passing the line, or, in a medium, the density of being
@@ -88,34 +81,21 @@ class SubpathSample {
         return distance_pdf(first, line.first_medium, line.first_column, line.transmittance);
     }
 
-    // A light record.
-    void splat(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
-        Radiance radiance(light_groups_);
-        radiance.add(value, dispersed, sample_.kept, sample_.k(), lights_[start_light_].id());
-        const Wavelengths& w = sample_.spectra.wavelengths;
-        const auto put = [&](float u, float v, std::uint32_t only) {
-            records_.light(sample_.numbers.sample(), u, v, radiance, w, sample_.kept, out_, faults_, only);
-        };
-        if (!camera().splits_wavelengths()) return put(point.u, point.v, kAllWavelengths);
-        for (std::uint32_t i = 0; i < w.k; ++i) {
-            const auto defocus = static_cast<float>(camera().defocus(static_cast<double>(w.lambda_nm[i])));
-            const float u = point.u + point.spread.x * defocus, v = point.v + point.spread.y * defocus;
-            if (u >= 0 && u < 1 && v >= 0 && v < 1) put(u, v, i);
-        }
+    void write_light(const CameraPoint& point, const SampledSpectrum& value, bool dispersed) {
+        Radiance radiance(settings_.light_groups, sample_);
+        radiance.add(value, dispersed, lights_[subpaths_.start_light].id());
+        records_.light(point, radiance);
     }
 
     const World& world_;
     const LightSet& lights_;
-    const LightGroups& light_groups_;
+    const IntegratorSettings& settings_;
     const std::size_t max_vertices_;  // vertices of a path, those on the light and on the lens included
-    const RecordMaker& records_;
     SampleState& sample_;
-    Subpath& camera_subpath_;
-    Subpath& light_subpath_;
-    std::uint32_t& start_light_;  // the light that the light subpath starts on
-    Radiance& radiance_;
-    sampledb::Records& out_;
-    RadianceFaults& faults_;
+    const Camera& camera_;
+    SampleRecords& records_;
+    Subpaths& subpaths_;
+    Radiance& seen_;
 };
 
 }  // namespace latent::render

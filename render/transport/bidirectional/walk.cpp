@@ -4,15 +4,14 @@
 
 namespace latent::render {
 
-void SubpathWalk::trace_camera(double u, double v) {
-    const Camera& camera = *sample_.camera;
+void SubpathWalk::trace_camera(Vec2d film) {
+    const Camera& camera = camera_;
     const bool lens = camera.has_lens();
-    camera_subpath_.resize(1);
-    SubpathVertex& x = camera_subpath_[0];
+    subpaths_.camera.resize(1);
+    SubpathVertex& x = subpaths_.camera[0];
     Step step;
     Vec3f origin;
-    camera.ray(u, v, lens ? sample_.numbers(Dimension::kLensU) : Uniform{}, lens ? sample_.numbers(Dimension::kLensV) : Uniform{},
-               origin, step.d);
+    camera.ray(film.x, film.y, camera.lens_point(sample_.numbers), origin, step.d);
     x = {};
     x.at = {origin, 0, {}};
     x.normal = camera.axis();
@@ -23,20 +22,20 @@ void SubpathWalk::trace_camera(double u, double v) {
     step.mis_shorter = x.mis.end;
     step.medium = world_.medium_at_start(x.at, step.d, camera.medium(), sample_);
     step.beta = SampledSpectrum(1.0f);
-    walk(camera_subpath_, true, step);
+    walk(subpaths_.camera, true, step);
 }
 
 void SubpathWalk::trace_light() {
-    light_subpath_.resize(1);
+    subpaths_.light.resize(1);
     if (lights_.size() == 0) return;  // media shine
-    start_light_ = lights_.choose(sample_.numbers(Dimension::kStartLight));
-    const Light& light = lights_[start_light_];
+    subpaths_.start_light = lights_.choose(sample_.numbers(Dimension::kStartLight));
+    const Light& light = lights_[subpaths_.start_light];
     LightRay ray;
     light.sample_ray(sample_.numbers(Dimension::kStartU), sample_.numbers(Dimension::kStartV),
                      sample_.numbers(Dimension::kStartDirectionU), sample_.numbers(Dimension::kStartDirectionV), ray);
-    const float probability = lights_.probability(start_light_);
-    light_subpath_.resize(1);
-    SubpathVertex& x = light_subpath_[0];
+    const float probability = lights_.probability(subpaths_.start_light);
+    subpaths_.light.resize(1);
+    SubpathVertex& x = subpaths_.light[0];
     x = {};
     x.at = ray.at;
     x.normal = ray.at.ng;
@@ -52,7 +51,7 @@ void SubpathWalk::trace_light() {
     if (!(ray.pdf_direction > 0)) return;
     step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
     if (!light.multiply_emission(ray.point(), ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
-    walk(light_subpath_, false, step);
+    walk(subpaths_.light, false, step);
 }
 
 void SubpathWalk::walk(Subpath& path, bool from_camera, Step& step) {
@@ -106,16 +105,17 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
         step.medium = segment.medium;
         MediumStep medium_step{false, segment.length, 1, 1, segment.length};
         SampledSpectrum weight(1.0f);
-        if (!from_camera && camera().has_lens()) reach_lens(step, line, segment);
+        if (!from_camera && camera_.has_lens()) reach_lens(step, line, segment);
         if (step.medium != kNone) {
-            const std::uint32_t again = segment.index << 24;  // behind an interface a step needs numbers of its own
             const Medium& medium = world_.medium(step.medium);
             const bool emits = from_camera && medium.is_emissive();
             SampledSpectrum emitted(0.0f);
-            medium_step = medium.sample_step(segment, number(from_camera, i, Dimension::kDistanceChannel + again),
-                                             number(from_camera, i, Dimension::kDistance + again), sample_, weight,
-                                             emits ? &emitted : nullptr);
-            if (emits) radiance_.add(step.beta * emitted, step.dispersed, sample_.kept, sample_.k(), kNone);
+            const auto number_here = [&](std::uint32_t what) {
+                return sample_.numbers(Dimension::behind(segment.index, dimension(from_camera, i, what)));
+            };
+            medium_step = medium.sample_step(segment, number_here(Dimension::kDistanceChannel), number_here(Dimension::kDistance),
+                                             sample_, weight, emits ? &emitted : nullptr);
+            if (emits) seen_.add(step.beta * emitted, step.dispersed, kNone);
         }
         step.beta *= weight;
         step.throughput *= weight;
@@ -150,7 +150,7 @@ bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, cons
     const std::size_t i = path.size();
     if (i + 2 > max_vertices_) return false;
     const SubpathVertex& previous = path[i - 1];
-    if (!from_camera && i == 1 && !lights_[start_light_].reaches(x.at.p, -step.d)) return false;
+    if (!from_camera && i == 1 && !lights_[subpaths_.start_light].reaches(x.at.p, -step.d)) return false;
     const float d2 = length_squared(x.at.p - previous.at.p);
     x.wo = -step.d;
     x.beta = step.beta;
@@ -166,9 +166,9 @@ bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, cons
 }
 
 float SubpathWalk::light_point_ratio2(const SubpathVertex& x, const SubpathVertex& first, const Vec3f& d, float d2) const {
-    const Light& light = lights_[start_light_];
+    const Light& light = lights_[subpaths_.start_light];
     const LightSampleContext context = x.scattering.light_sample_context(x.wo);
-    float ratio = lights_.probability(start_light_, x.at.p, context) / lights_.probability(start_light_);
+    float ratio = lights_.probability(subpaths_.start_light, x.at.p, context) / lights_.probability(subpaths_.start_light);
     if (!light.is_delta()) {
         const float pdf = light.pdf_omega(x.at.p, context, {-d, first.at.p, first.normal});
         ratio *= light.is_infinite() ? pdf / light.pdf_direction({}, d) : pdf * first.cosine(d) / d2 / light.pdf_position();
@@ -178,12 +178,12 @@ float SubpathWalk::light_point_ratio2(const SubpathVertex& x, const SubpathVerte
 
 void SubpathWalk::add_emission(SampledSpectrum value, const Step& step, float pdf_forward, float pdf_point, float pdf_ray,
                                float pdf_reverse, std::uint32_t light) {
-    const SubpathVertex& last = camera_subpath_.back();
-    const bool connected = camera_subpath_.size() >= 2 && !step.delta;
+    const SubpathVertex& last = subpaths_.camera.back();
+    const bool connected = subpaths_.camera.size() >= 2 && !step.delta;
     const float sampled = connected ? mis_term(pdf_point, pdf_forward, 1) : 0;
     const float shorter = mis_term(pdf_ray, pdf_forward, mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter));
     value *= mis_weight(sampled + shorter);
-    radiance_.add(value, step.dispersed, sample_.kept, sample_.k(), light);
+    seen_.add(value, step.dispersed, light);
 }
 
 void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineOfSight& line) {
@@ -191,7 +191,7 @@ void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineO
     SampledSpectrum value = step.beta;
     const LightHit at{step.d, hit.p, hit.ng, hit.on.uv};
     if (!light.multiply_emission(at.point(), -step.d, sample_.spectra, value)) return;
-    const SubpathVertex& last = camera_subpath_.back();
+    const SubpathVertex& last = subpaths_.camera.back();
     const LightSampleContext context = last.scattering.light_sample_context(last.wo);
     const float d2 = length_squared(hit.p - last.at.p), to_area = abs_dot(hit.ng, step.d) / d2;
     const float pdf_point =
@@ -202,7 +202,7 @@ void SubpathWalk::see_light(const SurfaceHit& hit, const Step& step, const LineO
 }
 
 void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line) {
-    const SubpathVertex& last = camera_subpath_.back();
+    const SubpathVertex& last = subpaths_.camera.back();
     for (const std::uint32_t i : lights_.infinite()) {
         const Light& light = lights_[i];
         SampledSpectrum value = step.beta;
@@ -217,9 +217,9 @@ void SubpathWalk::see_infinite_lights(const Step& step, const LineOfSight& line)
 
 void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment) {
     CameraPoint point;
-    if (!camera().hit_lens(segment.o, segment.d, segment.length, point)) return;
-    if (!lights_[start_light_].can_be_met() && !step.scattered) return;
-    if (light_subpath_.size() == 1 && !lights_[start_light_].reaches(point.p, point.w)) return;
+    if (!camera_.hit_lens(segment.o, segment.d, segment.length, point)) return;
+    if (!lights_[subpaths_.start_light].can_be_met() && !step.scattered) return;
+    if (subpaths_.light.size() == 1 && !lights_[subpaths_.start_light].reaches(point.p, point.w)) return;
     SampledSpectrum value = step.beta;
     segment.length = point.distance;
     if (step.medium == kNone) {
@@ -228,15 +228,15 @@ void SubpathWalk::reach_lens(const Step& step, LineOfSight line, Segment segment
         const MediumStep to_lens = world_.medium(step.medium).multiply_transmittance(segment, sample_, value);
         line.add(segment, to_lens.transmittance, to_lens.column);
     }
-    const SubpathVertex& last = light_subpath_.back();
-    const float d2 = length_squared(point.p - last.at.p), area = camera().lens_area();
-    const float cosine = abs_dot(point.w, camera().axis());
+    const SubpathVertex& last = subpaths_.light.back();
+    const float d2 = length_squared(point.p - last.at.p), area = camera_.lens_area();
+    const float cosine = abs_dot(point.w, camera_.axis());
     const float pdf_forward = step.pdf * line.transmittance * cosine / (step.parallel ? 1 : d2);
     const float pdf_reverse = point.jacobian * distance_pdf(last, line) * (step.parallel ? 1 : last.cosine_from(step.d) / d2);
-    const float end = light_subpath_.size() >= 2 && !step.delta ? 1 : 0;
+    const float end = subpaths_.light.size() >= 2 && !step.delta ? 1 : 0;
     value *= point.jacobian / (area * cosine) *
              mis_weight(mis_term(1 / area, pdf_forward, end + mis_term(pdf_reverse, last.pdf_forward, step.mis_shorter)));
-    splat(point, value, step.dispersed);
+    write_light(point, value, step.dispersed);
 }
 
 }  // namespace latent::render

@@ -22,12 +22,21 @@ struct Step {
 
 class SubpathWalk : public SubpathSample {
  public:
-    explicit SubpathWalk(const SubpathSample& sample) : SubpathSample(sample) {}
+    using SubpathSample::SubpathSample;
 
     void trace_light();
-    void trace_camera(double u, double v);
+    void trace_camera(Vec2d film);
 
  private:
+    // Names the decisions of the step that leads to vertex i, and those of scattering there.
+    static std::uint32_t dimension(bool from_camera, std::size_t i, std::uint32_t what) {
+        const auto vertex = static_cast<std::uint32_t>(i);
+        return from_camera ? Dimension::of_camera_vertex(vertex - 1, what) : Dimension::of_light_vertex(vertex, what);
+    }
+    Uniform number(bool from_camera, std::size_t i, std::uint32_t what) const {
+        return sample_.numbers(dimension(from_camera, i, what));
+    }
+
     // Extends a subpath step by step until it is absorbed, leaves, or is long enough.
     void walk(Subpath& path, bool from_camera, Step& step);
 

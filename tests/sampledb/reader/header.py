@@ -19,7 +19,7 @@ class Job:
         check(run_samples in [2**i for i in range(10, 23)], "S")
         check(self.sampler or self.shifts == [0, 0], "shifts")
         check(knots == 0 or (self.kind == 1 and 2 <= knots <= 4096), "number of knots")
-        check(extra <= 16 and provenance <= 2**19, "extra columns or provenance")
+        check(extra <= 128 and provenance <= 2**19, "extra columns or provenance")
         at = 72
         self.knots = [fields("QI", body, at + 12 * i) for i in range(knots)]
         at += 12 * knots
@@ -55,7 +55,8 @@ class Job:
         return columns + [(64 + i, width) for i, (_, width) in enumerate(self.extra)]
 
     def most_records(self):
-        return 6144 if self.kind == 2 else min(max(86016 // self.k, 64), 6144)
+        most = 6144 if self.kind == 2 else min(max(86016 // self.k, 64), 6144)
+        return min(most, 786432 // max(1, sum(width for _, width in self.extra)))
 
 
 def read_header(data):
@@ -66,12 +67,12 @@ def read_header(data):
         (major, minor, size, features, body_size, body_hash) = fields("HHIQQQ", data, at + 8)
         if hash64(data[at : at + 56]) != fields("Q", data, at + 56)[0] or (at != 0 and at != size):
             continue
-        check(major == 1 and features < 4, "another format")
+        check(major == 1 and features < 8, "another format")
         check(size % 4096 == 0 and 0 < size <= 2**20 and body_size <= size - 64, "size of the header")
         if hash64(data[at + 64 : at + size]) == body_hash:
             rule(not any(data[at + 40 : at + 56]), "reserved bytes of the header")
             check(not any(data[at + 64 + body_size : at + size]), "zeros of the header")
             job = Job(data[at + 64 : at + 64 + body_size], minor)
-            check(features & 1 == (job.precision < 23), "features")
+            check(features & 5 == (job.precision < 23) + 4 * (len(job.extra) > 16), "features")
             return job, 2 * size, data[:size] == data[size : 2 * size]
     raise ValueError("no header")

@@ -1,0 +1,25 @@
+// render/load/model/options.h: what a model cannot say itself, and who renders it says instead. docs/scenes.md, "Formats".
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace latent::render {
+
+// From where a model without a camera is seen: its front is +z.
+enum class ModelView : std::uint8_t { kThreeQuarter, kFront, kTop };
+
+struct ModelOptions {
+    std::string camera{};   // the name of a camera or of its node; empty: the first
+    std::string variant{};  // the name of a variant of the model's materials; empty: as they are
+    ModelView view = ModelView::kThreeQuarter;
+    bool is_z_up = false;               // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z
+    bool stage = true;                  // a model without camera and lights stands on a ground
+    double lens_radius = 0, focus = 0;  // of the camera, in the model's units; 0: not said
+    std::filesystem::path sky{};        // a picture of the sky; empty: none
+
+    bool operator==(const ModelOptions&) const = default;
+};
+
+}  // namespace latent::render

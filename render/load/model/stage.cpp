@@ -1,0 +1,137 @@
+#include "render/load/model/stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "render/math/elementary.h"
+#include "render/math/equal_area.h"
+
+namespace latent::render {
+
+namespace {
+
+constexpr double kHalfHeight = 0.36397;  // of the window: tan 20 degrees
+constexpr double kShare = 0.8;           // of the picture that the model takes
+
+// The sky.
+constexpr double kBelow = 0.4, kRise = 0.3, kKey = 60, kSharpness = 60;
+Vec3d key_light() { return normalize(Vec3d(0.5, 0.8, 0.6)); }
+
+float sky_radiance(const Vec3f& d) {
+    static const Vec3f key(key_light());
+    return static_cast<float>(kBelow) + static_cast<float>(kRise) * std::max(d.y, 0.0f) +
+           static_cast<float>(kKey) * exp_nonpositive(std::min(static_cast<float>(kSharpness) * (dot(d, key) - 1), 0.0f));
+}
+
+// From above, over that of `white`: pi b + 2 pi r / 3, and of a narrow light 2 pi K k.y (1/s - 1/s^2).
+double irradiance_of_ground() {
+    constexpr double kPiD = std::numbers::pi;
+    return kPiD * kBelow + 2 * kPiD * kRise / 3 +
+           2 * kPiD * kKey * key_light().y * (1 / kSharpness - 1 / (kSharpness * kSharpness));
+}
+
+// A left-handed camera: x to the right in the picture where the world's is right-handed.
+Affined looking_along(const Vec3d& forward, const Vec3d& up, const Vec3d& from) {
+    const Vec3d right = normalize(cross(forward, up));
+    return {right, cross(right, forward), forward, from};
+}
+
+}  // namespace
+
+Affined world_from_stage(const ModelOptions& options) {
+    return options.is_z_up ? Affined({1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {}) : Affined();
+}
+
+CameraDescription framing(std::span<const Vec3d> points, const FilmDescription& film, const ModelOptions& options) {
+    CameraDescription camera;
+    camera.y1 = kHalfHeight;
+    camera.x1 = kHalfHeight * film.width / film.height;
+    camera.y0 = -camera.y1;
+    camera.x0 = -camera.x1;
+    const Affined turn = world_from_stage(options);
+    const Vec3d from = options.view == ModelView::kTop     ? Vec3d(0, 1, 0)
+                       : options.view == ModelView::kFront ? Vec3d(0, 0, 1)
+                                                           : Vec3d(0.45, 0.35, 0.82),
+                up = options.view == ModelView::kTop ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0);
+    const Affined axes = looking_along(turn.vector(-normalize(from)), turn.vector(up), {});
+    // In these axes, p is within the window of a camera at c if |p.x - c.x| <= w (p.z - c.z): the largest of x - w z and of
+    // -x - w z say how far back it must be, and where between them.
+    constexpr double kNever = -std::numeric_limits<double>::infinity();
+    double right = kNever, left = kNever, above = kNever, below = kNever, nearest = -kNever;
+    const double across = kShare * camera.x1, upright = kShare * camera.y1;
+    for (const Vec3d& p : points) {
+        const double x = dot(p, axes.x), y = dot(p, axes.y), z = dot(p, axes.z);
+        right = std::max(right, x - across * z);
+        left = std::max(left, -x - across * z);
+        above = std::max(above, y - upright * z);
+        below = std::max(below, -y - upright * z);
+        nearest = std::min(nearest, z);
+    }
+    Vec3d place;
+    if (!points.empty()) {
+        const double back = std::min(-(right + left) / (2 * across), -(above + below) / (2 * upright));
+        // A point, or a line towards the camera, is seen from somewhere.
+        place = {(right - left) / 2, (above - below) / 2, back < nearest ? back : nearest - 1};
+    }
+    camera.world_from_camera = axes;
+    camera.world_from_camera.t = axes.vector(place);
+    return camera;
+}
+
+LightDescription studio_sky(const color::Spectrum& white, const ModelOptions& options) {
+    constexpr std::uint32_t kSide = 512;  // 0.4 degrees: no step is seen
+    auto image = std::make_shared<ImageDescription>(ImageDescription{.width = kSide, .height = kSide});
+    for (std::uint32_t y = 0; y < kSide; ++y) {
+        for (std::uint32_t x = 0; x < kSide; ++x) {
+            const Vec3f d = sphere_from_square({(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide});
+            image->rgb.insert(image->rgb.end(), 3, sky_radiance(d));
+        }
+    }
+    LightDescription sky;
+    sky.kind = LightKind::kInfinite;
+    sky.spectrum = white;
+    sky.image = std::move(image);
+    sky.world_from_light = world_from_stage(options);
+    return sky;
+}
+
+LoadedShape studio_ground(const Box& box, const ModelOptions& options, SceneDescription& scene) {
+    constexpr std::uint32_t kRings = 32, kSpokes = 64;
+    const Vec3d half = (box.high - box.low) * 0.5, middle = box.middle(), up = world_from_stage(options).y;
+    const double size = std::max(length(half), 1e-9), whole = 2 * size, end = 8 * size;
+    // A hair below the model, whose own base would else be the same surface.
+    const Vec3d center = middle - up * (std::abs(dot(half, up)) + 1e-4 * size);
+    const Affined turn = world_from_stage(options);
+    LoadedMesh mesh;
+    const auto add = [&](double radius, double angle) {
+        const double t = std::clamp((radius - whole) / (end - whole), 0.0, 1.0), alpha = 1 - t * t * (3 - 2 * t);
+        mesh.positions.push_back(center + turn.x * (radius * std::cos(angle)) - turn.z * (radius * std::sin(angle)));
+        mesh.colors.push_back({1, 1, 1, static_cast<float>(alpha)});
+    };
+    add(0, 0);
+    for (std::uint32_t ring = 0; ring < kRings; ++ring) {
+        for (std::uint32_t spoke = 0; spoke < kSpokes; ++spoke) {
+            add(whole + (end - whole) * ring / (kRings - 1), 2 * std::numbers::pi * spoke / kSpokes);
+            const std::uint32_t here = 1 + ring * kSpokes + spoke, next = 1 + ring * kSpokes + (spoke + 1) % kSpokes;
+            if (ring == 0) {
+                mesh.indices.insert(mesh.indices.end(), {0, here, next});
+            } else {
+                mesh.indices.insert(mesh.indices.end(), {here - kSpokes, here, next, here - kSpokes, next, next - kSpokes});
+            }
+        }
+    }
+    TextureDescription fading{.kind = TextureKind::kVertexColor};
+    fading.picture.channel = 3;
+    LoadedShape ground;
+    ground.mesh = std::move(mesh);
+    ground.shape.material = static_cast<std::uint32_t>(scene.materials.size());
+    ground.shape.alpha.texture = static_cast<std::uint32_t>(scene.textures.size());
+    scene.textures.push_back(std::move(fading));
+    const double reflectance = std::numbers::pi * kBelow / irradiance_of_ground();
+    scene.materials.push_back({.spectra = {{"reflectance", color::Spectrum::constant(reflectance)}}});
+    return ground;
+}
+
+}  // namespace latent::render

@@ -1,0 +1,40 @@
+// render/load/model/values.h: the values of a model's materials: a factor, times a picture, times the colours of vertices.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "render/load/model/colors.h"
+#include "render/scene/description.h"
+
+namespace latent::render {
+
+// kMean: of R, G and B, or alpha if it varies.
+enum class PictureChannel : std::uint8_t { kRed, kGreen, kBlue, kAlpha, kMean = 255 };
+
+class ModelValues {
+ public:
+    // Both outlive it; the list grows.
+    ModelValues(const ModelColors& colors, std::vector<TextureDescription>& textures) : colors_(colors), textures_(textures) {}
+
+    // `picture`: of kind kImage, without a tint. Pictures of colours are encoded like sRGB's, those of numbers are linear.
+    SpectrumInput color(std::optional<TextureDescription> picture, const LinearRgb& factor, bool by_vertex_color = false);
+    FloatInput number(std::optional<TextureDescription> picture, PictureChannel channel, double factor,
+                      bool by_vertex_color = false);
+    // What a surface emits: nothing if it is black everywhere. Errors: those of read_picture.
+    Result<std::optional<AreaLightDescription>> emission(std::optional<TextureDescription> picture, const LinearRgb& factor);
+    // The index of the texture.
+    std::uint32_t normal_map(TextureDescription picture);
+    // 1 where `value` reaches `threshold`, 0 elsewhere.
+    FloatInput thresholded(const FloatInput& value, float threshold);
+
+ private:
+    std::uint32_t add(TextureDescription texture);
+
+    const ModelColors& colors_;
+    std::vector<TextureDescription>& textures_;
+};
+
+}  // namespace latent::render

@@ -1,0 +1,190 @@
+// OBJ and MTL files as other loaders read them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "render/load/obj/polygon.h"
+#include "render/scene/content_hash.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using ::testing::ElementsAre;
+using testing::Folder;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class Obj : public ::testing::Test {
+ protected:
+    LoadedScene load(const std::string& text) {
+        Result<LoadedScene> scene = load_scene(folder_.write("m.obj", text));
+        if (!scene) throw std::runtime_error(scene.error().message);
+        return std::move(*scene);
+    }
+    Hash128 hash(const std::string& text) { return content_hash(load(text).description); }
+    MaterialDescription material(const std::string& mtl) {
+        folder_.write("m.mtl", "newmtl m\n" + mtl);
+        const SceneDescription scene = load("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").description;
+        return scene.materials.at(scene.shapes.at(0).material);
+    }
+    Folder folder_;
+};
+
+TEST_F(Obj, OneModelInManySpellings) {
+    folder_.write("m m.mtl", "newmtl red one\nKd .8 .2 .1\n");
+    const std::string plain = "mtllib m m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nusemtl red one\nf 1 2 3\nf 2 4 3\n";
+    const Hash128 right = hash(plain);
+    const auto with_line_ends = [&](const std::string& end) {
+        std::string out;
+        for (const char c : plain) out += c == '\n' ? end : std::string(1, c);
+        return out;
+    };
+    for (const char* end : {"\r", "\r\n", "\n\n", " \t\n"}) EXPECT_EQ(hash(with_line_ends(end)), right) << end;
+    for (const char* text :
+         {"mtllib \"m m.mtl\"\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nusemtl \"red one\"\nf 1/ 2// 3/\nf 2// 4 3\n",
+          "mtllib m m.mtl\nusemtl red one\nf 1 2 3\nf 2 4 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\n",  // forward references
+          "mtllib m m.mtl\nusemtl red one\nv +0 0. .0 1\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 1 1 5e-1\nf -3 -1 -2\n"})
+        EXPECT_EQ(hash(text), right) << text;
+}
+
+TEST_F(Obj, WhatIsNotThereIsWarnedOfAndDoneWithout) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    const Hash128 grey = hash(vertices + "f 1 2 3\n");
+    const auto warnings = [&](const std::string& text) {
+        const LoadedScene scene = load(text);
+        EXPECT_EQ(content_hash(scene.description), grey) << text;
+        return scene.warnings;
+    };
+    EXPECT_THAT(warnings("mtllib none.mtl\n" + vertices + "usemtl a\nf 1 2 3\n"),
+                ElementsAre(AllOf(HasSubstr("m.obj:1: mtllib: "), HasSubstr("none.mtl: cannot open"), HasSubstr("grey"))));
+    EXPECT_THAT(warnings(vertices + "usemtl a\nf 1 2 3\n"),
+                ElementsAre(HasSubstr("m.obj:4: usemtl: material \"a\" is not defined; it is grey")));
+    EXPECT_THAT(warnings(vertices + "f 1/7 2/8 3/9\n"),
+                ElementsAre(HasSubstr("m.obj:4: f: texture vertex 7 is not there; the face is without")));
+    EXPECT_THAT(warnings(vertices + "f 1//7 2//7 3//7\n"), ElementsAre(HasSubstr("f: normal 7 is not there")));
+    EXPECT_THAT(warnings(vertices + "f 1 2\nf 1 2 3\n"), ElementsAre(HasSubstr("m.obj:4: f: has fewer than 3 corners")));
+}
+
+TEST_F(Obj, SmoothingGroupsHaveTheNormalsOfTheirVertices) {
+    // A roof: the ridge is smooth within a group, and an edge between two.
+    const std::string vertices = "v 0 0 0\nv 0 1 0\nv 1 0 1\nv 1 1 1\nv 2 0 0\nv 2 1 0\n";
+    const auto normals = [&](const std::string& faces) { return load(vertices + faces).description.shapes.at(0).mesh->normals; };
+    const std::vector<Vec3f> smooth = normals("s 1\nf 1 3 4 2\nf 3 5 6 4\n");
+    ASSERT_EQ(smooth.size(), 6u);
+    std::size_t up = 0;
+    for (const Vec3f& n : smooth) up += n.z > 0.999f ? 1 : 0;
+    EXPECT_EQ(up, 2u);  // of the ridge
+    EXPECT_THAT(normals("s off\nf 1 3 4 2\nf 3 5 6 4\n"), IsEmpty());
+    EXPECT_THAT(normals("f 1 3 4 2\n"), IsEmpty());
+    for (const Vec3f& n : normals("s 1\nf 1 3 4 2\ns 2\nf 3 5 6 4\n")) EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-6);
+    // Normals of its own go first.
+    EXPECT_EQ(hash("s 1\nvn 0 0 1\n" + vertices + "f 1//1 3//1 4//1\n"), hash("vn 0 0 1\n" + vertices + "f 1//1 3//1 4//1\n"));
+}
+
+// The area of a polygon is that of its triangles, none of which is turned over.
+TEST_F(Obj, PolygonsOfAnySizeAreCutIntoTriangles) {
+    const auto area = [](const std::vector<Vec3d>& corners) {
+        std::vector<std::uint32_t> triangles;
+        EXPECT_TRUE(triangulate(corners, triangles));
+        EXPECT_EQ(triangles.size(), 3 * (corners.size() - 2));
+        double sum = 0;
+        for (std::size_t i = 0; i + 3 <= triangles.size(); i += 3) {
+            const Vec3d &a = corners[triangles[i]], &b = corners[triangles[i + 1]], &c = corners[triangles[i + 2]];
+            EXPECT_GE(cross(b - a, c - a).z, -1e-12);
+            sum += 0.5 * cross(b - a, c - a).z;
+        }
+        return sum;
+    };
+    for (const std::size_t count : {3u, 4u, 1001u, 4000u}) {
+        for (const double depth : {1.0, 0.3}) {  // a circle, and a star
+            std::vector<Vec3d> corners;
+            double exact = 0;
+            for (std::size_t i = 0; i < count; ++i) {
+                const double turn = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+                const double radius = i % 2 == 0 || count % 2 == 1 ? 1 : depth;
+                corners.emplace_back(radius * std::cos(turn), radius * std::sin(turn), 0.0);
+            }
+            for (std::size_t i = 0; i < count; ++i) {
+                const Vec3d &a = corners[i], &b = corners[(i + 1) % count];
+                exact += 0.5 * (a.x * b.y - a.y * b.x);
+            }
+            EXPECT_NEAR(area(corners), exact, 1e-9) << count << " " << depth;
+        }
+    }
+}
+
+TEST_F(Obj, AnIndexOfZeroIsThatOfAnOpaqueMaterial) {
+    EXPECT_EQ(material("Kd .5 .5 .5\nPr .5\nNi 0\n").number("f0").value, material("Kd .5 .5 .5\nPr .5\n").number("f0").value);
+    EXPECT_EQ(material("d 0.1\nNi 0\n").spectra.at("eta").value(500), 1.5);
+}
+
+TEST_F(Obj, IllumIsGlassOrAMirrorOnlyWhereTheColoursAgree) {
+    testing::write_exr(folder_ / "a.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    EXPECT_EQ(material("illum 7\nKd 0 0 0\n").type, "dielectric");
+    EXPECT_EQ(material("illum 7\nmap_Kd a.exr\n").type, "diffuse");
+    EXPECT_EQ(material("illum 3\nKd .8 .8 .8\nKs .1 .1 .1\n").type, "phong");
+    EXPECT_EQ(material("illum 3\nKd .1 .1 .1\nKs .8 .8 .8\n").type, "metallicroughness");
+    EXPECT_NEAR(material("illum 4\nTf .25 .25 .25\n").spectra.at("transmittance").value(500), 0.25, 1e-3);
+}
+
+TEST_F(Obj, MapsHaveOptionsAndAreLookedForBesideTheirLibrary) {
+    std::filesystem::create_directory(folder_ / "sub");
+    testing::write_exr(folder_ / "sub/my wood.exr", 1, 1, {0.5f, 0.25f, 0.125f});
+    folder_.write("sub/m.mtl",
+                  "newmtl m\nPr .5\nmap_Kd -s 2 3 1 -o 0.25 -clamp on my wood.exr\nmap_Pr -imfchan g C:\\x\\my wood.exr\n");
+    const LoadedScene scene = load("mtllib sub/m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    EXPECT_THAT(scene.warnings, IsEmpty());
+    const SceneDescription& d = scene.description;
+    const MaterialDescription& m = d.materials.at(d.shapes.at(0).material);
+    const TextureDescription &color = d.textures.at(m.spectra.at("base_color").texture),
+                             &rough = d.textures.at(m.number("roughness").texture);
+    EXPECT_EQ(color.mapping.s, (std::array<double, 2>{2, 0}));
+    EXPECT_EQ(color.mapping.t, (std::array<double, 2>{0, 3}));
+    EXPECT_EQ(color.mapping.delta_u, 0.25);
+    EXPECT_THAT(color.picture.wrap, ::testing::Each(TextureWrap::kClamp));
+    EXPECT_TRUE(color.picture.is_srgb);
+    EXPECT_FALSE(rough.picture.is_srgb);
+    EXPECT_EQ(rough.picture.channel, 1);
+    EXPECT_EQ(rough.tint[1], 0.5);
+}
+
+TEST_F(Obj, NormalMapsAreReadAlsoWhereTheyAreCalledBumps) {
+    testing::write_exr(folder_ / "normals.exr", 1, 1, {0.2140f, 0.2140f, 1});  // 0.5 0.5 1, as a picture of colours is read
+    testing::write_exr(folder_ / "heights.exr", 1, 1, {0.5f, 0.5f, 0.5f});
+    for (const char* keyword : {"norm", "bump", "map_Bump"}) {
+        const MaterialDescription m = material(std::string(keyword) + " -bm 0.5 normals.exr\n");
+        EXPECT_NE(m.normal_map, kNone) << keyword;
+        EXPECT_EQ(m.normal_scale, 0.5f);
+    }
+    EXPECT_EQ(material("bump heights.exr\n").normal_map, kNone);
+}
+
+// Whatever a scene names, a message does not say what stands in a file that is something else.
+TEST_F(Obj, FilesThatAreSomethingElseAreNotQuoted) {
+    const std::string secret = "root:x:0:0:root:/root:/bin/bash\nsecond:y:1:1\n";
+    folder_.write("secret", secret);
+    const auto expect_silence = [&](const std::string& name, const std::string& text) {
+        const Result<LoadedScene> scene = load_scene(folder_.write(name, text));
+        std::string said = scene ? "" : scene.error().message;
+        if (scene) {
+            for (const std::string& line : scene->warnings) said += line + "\n";
+        }
+        EXPECT_THAT(said, AllOf(HasSubstr("secret"), ::testing::Not(HasSubstr("root")), ::testing::Not(HasSubstr("second")),
+                                ::testing::Not(HasSubstr("bash"))))
+            << text;
+    };
+    expect_silence("m.obj", "mtllib secret\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    for (const char* directive :
+         {"Include \"secret\"", "WorldBegin\nInclude \"secret\"", "WorldBegin\nImport \"secret\"",
+          "WorldBegin\nShape \"plymesh\" \"string filename\" \"secret\"",
+          "WorldBegin\nMaterial \"diffuse\" \"spectrum reflectance\" \"secret\"\nShape \"sphere\"",
+          "WorldBegin\nMaterial \"measured\" \"string filename\" \"secret\"\nShape \"sphere\"",
+          "WorldBegin\nLightSource \"infinite\" \"string filename\" \"secret\"",
+          "WorldBegin\nMakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string filename\" \"secret\"\nMediumInterface \"m\" "
+          "\"m\"\nShape \"sphere\""})
+        expect_silence("m.pbrt", directive);
+    expect_silence("m.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 9999, "uri": "secret"}]})");
+}
+
+}  // namespace
+}  // namespace latent::render
