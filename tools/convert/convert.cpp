@@ -89,7 +89,7 @@ double print_sigma_of(const color::PrintSettings& settings) {
 }
 
 Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const Display& display, color::PrintSettings settings,
-                                           PrintedPicture picture, const std::shared_ptr<const film::Process>& film) {
+                                           const PrintedPicture& picture, const std::shared_ptr<const film::Process>& film) {
     std::vector<Exposure> exposures;
     for (const double stops : options.stops) {
         const double sigma = color::pushed_sigma(picture.sigma, stops);

@@ -77,7 +77,7 @@ Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& optio
     if (!granularity) return granularity.error().at("--grain");
     const image::Rect& whole = source.reader.image().display_window;
     const double pixel_um = 1000 * asked.frame_mm / std::max(whole.width(), whole.height());
-    return std::make_shared<const Emulsion>(film::GrainField(asked.seed, pixel_um, film->colour ? 3 : 1), *granularity);
+    return std::make_shared<const Emulsion>(Emulsion{film::GrainField(asked.seed, pixel_um, film->colour ? 3 : 1), *granularity});
 }
 
 double grey_exposure(const Source& source) { return 10 / source.reader.image().film->exposure_index; }
