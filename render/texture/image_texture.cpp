@@ -80,7 +80,7 @@ std::array<float, 4> ImageLookup::at(const TexturePoint& point) const {
 }
 
 ColorProduct::ColorProduct(const TextureDescription& d, std::optional<ImageLookup> picture, const color::Matrix3& srgb_from_file)
-    : picture_(std::move(picture)),
+    : picture_(picture),
       by_vertex_color_(d.by_vertex_color || d.kind == TextureKind::kVertexColor),
       is_tinted_(std::ranges::any_of(d.tint, [](double x) { return x != 1; })),
       convert_(false) {

@@ -209,8 +209,8 @@ TEST_F(SpectralInput, ASpaceCanBeNamedIfTheFileHasNone) {
     const testing::Outcome guessed = run_tool({at("without.exr"), "-o", at("a.png")});
     EXPECT_EQ(guessed.status, 0);
     EXPECT_NE(guessed.err.find("has no chromaticities"), std::string::npos);
-    const testing::Outcome named =
-        run_tool({at("without.exr"), "-o", at("b.png"), "--input-space", "0.7,0.3,0.17,0.8,0.13,0.05,0.3127,0.329"});
+    const testing::Outcome named = run_tool(
+        {at("without.exr"), "-o", at("b.png"), "--sensitivity", "1", "--input-space", "0.7,0.3,0.17,0.8,0.13,0.05,0.3127,0.329"});
     EXPECT_EQ(named.status, 0);
     EXPECT_EQ(named.err, "");
     ASSERT_TRUE(print("with.exr", "c.png"));

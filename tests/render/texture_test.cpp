@@ -440,7 +440,7 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
     EXPECT_THAT(open("once-broken-attribute.exr"), HasSubstr("an attribute is longer than the file"));
     EXPECT_THAT(open("once-broken-empty.tga"), HasSubstr("has no pixels"));
     EXPECT_THAT(open("once-broken-tile.tif"), HasSubstr("does not say how many bits"));
-    EXPECT_THAT(open("large-tile.tif"), HasSubstr("a tile of 40968 x 16 pixels takes more than 1/16 of --texture-cache"));
+    EXPECT_THAT(open("once-broken-large-tile.tif"), HasSubstr("a tile of 40968 x 16 pixels takes more than 1/16 of --texture-cache"));
     EXPECT_EQ(open("a.exr"), "");
 }
 

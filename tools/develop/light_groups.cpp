@@ -19,7 +19,8 @@ namespace {
 std::vector<LightGroup> light_groups_in(std::string_view origin) {
     std::vector<LightGroup> groups;
     for (const sampledb::NamedLights& lights : sampledb::lights_in(origin)) {
-        LightGroup& out = groups.emplace_back(lights.name);
+        groups.push_back({lights.name});
+        LightGroup& out = groups.back();
         const nlohmann::json stored = nlohmann::json::parse(lights.spectrum, nullptr, false);
         if (!stored.is_object()) continue;
         const auto numbers = [&stored](const char* key) {
