@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "base/near_names.h"
+#include "base/parse.h"
 #include "color/observer.h"
 #include "color/power_of_ten.h"
 #include "color/tables.h"
@@ -62,6 +64,13 @@ Result<CatalogueEntry> find(const std::vector<CatalogueEntry>& entries, std::str
                                                    near.empty() ? "" : fmt::format("did you mean {}? ", near))};
 }
 
+// exp(-c2 m / l), the ratio of two blackbodies in Wien's approximation, 1 where it is largest within 360..830 nm [CODATA18].
+Spectrum conversion_filter(double mired) {
+    const double c2_m = 1.438776877e7 * mired * 1e-6;
+    return Spectrum::from_function([&](double nm) { return power_of_e(c2_m / (mired > 0 ? kLambdaMax : kLambdaMin) - c2_m / nm); },
+                                   Outside::kClamped);
+}
+
 // Planck's law at the 2850 K of the lamp that wedge spectrograms of films are made with, up to a factor [CODATA18].
 double tungsten(double nm) {
     const double micrometres = nm / 1000, fifth = micrometres * micrometres * micrometres * micrometres * micrometres;
@@ -111,6 +120,12 @@ Result<Observer> Observer::by_name(std::string_view name) {
 }
 
 Result<Spectrum> lens_filter(std::string_view name) {
+    constexpr std::string_view kMired = "mired:";
+    if (name.starts_with(kMired)) {
+        const Result<double> mired = parse_number(name.substr(kMired.size()));
+        if (mired && std::abs(*mired) <= 1000) return conversion_filter(*mired);
+        return is_not(name, "a conversion filter of up to 1000 mired (try mired:131, or mired:-131)");
+    }
     const Result<CatalogueEntry> found = find(lens_filter_catalogue(), name, "filter");
     if (!found) return found.error();
     const Table& t = table(found->table);

@@ -24,7 +24,8 @@ const std::vector<CatalogueEntry>& lens_filter_catalogue();  // wratten-3 .. wra
 // A title, and below it the entries with the sources of their numbers, for people to read.
 std::string listing(std::string_view title, const std::vector<CatalogueEntry>& entries);
 
-// Transmittance, 0..1; its end values go on beyond its table. Errors: kNotFound, naming filters that are near.
+// Transmittance, 0..1; its end values go on beyond its table. Or "mired:131": an ideal conversion filter, which makes a blackbody
+// of temperature T one of 1 / (1/T + 131e-6), in Wien's approximation. Errors: kNotFound, naming filters that are near.
 Result<Spectrum> lens_filter(std::string_view name);
 
 }  // namespace latent::color

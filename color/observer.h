@@ -18,6 +18,7 @@ enum class ObserverKind : std::uint8_t {
     kEye,     // X, Y, Z
     kCamera,  // r, g, b, as a sensor counts them
     kFilm,    // black and white: three equal curves, so it develops neutral
+    kLayers,  // exposures of the layers of a film [lux s]: no colours before they are printed (color/film)
 };
 
 // Responses at wavelengths [nm] that strictly increase, at least two; linear between them and zero outside. The scale is arbitrary.
@@ -47,6 +48,8 @@ class Observer {
     // Brought to the scale of the CIE observers, so that exposures compare: D65 of Y = 1 (CIE 1931) gives 1 in the second curve of
     // an eye and of a film, and (1, 1, 1) with a camera. Errors: kOutOfRange if a curve does not respond to daylight.
     static Result<Observer> from_table(ResponseTable table);
+    // At the scale that the table has.
+    static Observer as_given(ResponseTable table) { return Observer(std::move(table)); }
 
     const std::string& name() const { return name_; }
     ObserverKind kind() const { return kind_; }

@@ -15,6 +15,17 @@ double power_of_ten(double x) {
     return sum;
 }
 
+// x = 2^n m, 1/sqrt 2 <= m < sqrt 2; ln m = 2 (s + s^3/3 + s^5/5 + ...) of s = (m - 1) / (m + 1), whose series ends below 1e-19.
+double log10_of(double x) {
+    int n = 0;
+    double m = std::frexp(x, &n);
+    if (m < 1 / std::numbers::sqrt2) m *= 2, --n;
+    const double s = (m - 1) / (m + 1), square = s * s;
+    double sum = 0, power = s;
+    for (int i = 1; i < 24; i += 2, power *= square) sum += power / i;
+    return (n * std::numbers::ln2 + 2 * sum) / std::numbers::ln10;
+}
+
 double power_of_e(double x) { return power_of_ten(x / std::numbers::ln10); }
 
 }  // namespace latent::color

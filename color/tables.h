@@ -8,7 +8,7 @@
 namespace latent::color {
 
 struct Table {
-    std::string_view name;          // of its file, without .csv
+    std::string_view name;          // of its file below color/data, without .csv: "film/status_m"
     std::string_view what, source;  // its comments of these names
     std::span<const std::string_view> columns;
     std::span<const double> values;  // row after row
@@ -20,5 +20,6 @@ struct Table {
 
 std::span<const Table> tables();            // all of them
 const Table& table(std::string_view name);  // a table that exists
+std::string_view film_materials();          // the text of film/materials.csv
 
 }  // namespace latent::color

@@ -12,6 +12,7 @@
 
 #include "base/bytes.h"
 #include "base/file.h"
+#include "base/parse.h"
 #include "image/exr_channels.h"
 
 namespace latent::image {
@@ -92,6 +93,7 @@ struct ExrReader::File {
     Status find_blocks(int wanted_level);
     Status find_channels(const ExrChoice& choice);
     void read_attributes();
+    std::string words(const char* name) const;
     void integrate_row(const std::byte* row, std::size_t width, std::size_t skipped, std::size_t count,
                        const std::array<float*, 3>& out, std::vector<float>& values) const;
     void unpack(const std::byte* rows, int first_row, const Rect& block, const Rect& wanted, const Planes& to,
@@ -219,18 +221,26 @@ Status ExrReader::File::find_channels(const ExrChoice& choice) {
 void ExrReader::File::read_attributes() {
     exr_attr_chromaticities_t c;
     exr_attr_v2f_t neutral;
-    const char* observer = nullptr;
-    std::int32_t length = 0;
     if (exr_attr_get_chromaticities(context, 0, "chromaticities", &c) == EXR_ERR_SUCCESS && !image.xyz) {
         image.chromaticities = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
     }
     if (exr_attr_get_v2f(context, 0, "adoptedNeutral", &neutral) == EXR_ERR_SUCCESS) image.adopted_neutral = {neutral.x, neutral.y};
-    constexpr std::int32_t kLongestName = 200;
-    if (exr_attr_get_string(context, 0, "latentObserver", &length, &observer) == EXR_ERR_SUCCESS && length <= kLongestName) {
-        image.observer.assign(observer, static_cast<std::size_t>(length));
-        std::ranges::replace_if(
-            image.observer, [](char letter) { return letter < ' ' || letter > '~'; }, '?');
-    }
+    image.observer = words("latentObserver");
+    const Result<double> index = parse_number(words("latentExposureIndex")), push = parse_number(words("latentPush"));
+    const std::string film = words("latentFilm");
+    if (!film.empty() && index && *index > 0 && push && *push >= -1 && *push <= 2) image.film = ExposedFilm{film, *index, *push};
+}
+
+// A short attribute of text, as far as it can be shown; "" if there is none.
+std::string ExrReader::File::words(const char* name) const {
+    const char* text = nullptr;
+    std::int32_t length = 0;
+    constexpr std::int32_t kLongest = 200;
+    if (exr_attr_get_string(context, 0, name, &length, &text) != EXR_ERR_SUCCESS || length > kLongest) return "";
+    std::string shown(text, static_cast<std::size_t>(length));
+    std::ranges::replace_if(
+        shown, [](char letter) { return letter < ' ' || letter > '~'; }, '?');
+    return shown;
 }
 
 // A block holds its rows one after another, each of them its channels one after another. Takes the wanted part of it out of `rows`,

@@ -14,6 +14,13 @@
 
 namespace latent::image {
 
+// The film whose layers were exposed: the pixels are exposures in lux s.
+struct ExposedFilm {
+    std::string name;
+    double exposure_index = 0;  // positive
+    double push = 0;            // stops, within -1..2
+};
+
 // What the header says of the picture.
 struct ExrImage {
     Rect data_window;         // pixels that the file stores; of the chosen mip level
@@ -28,6 +35,7 @@ struct ExrImage {
     std::optional<std::array<float, 8>> chromaticities;
     std::optional<std::array<float, 2>> adopted_neutral;  // x, y of what counts as white in the scene
     std::string observer;                                 // that it was developed with; "" if the file is silent
+    std::optional<ExposedFilm> film{};                    // that was exposed
     std::vector<double> emitted_nm{};                     // of channels of emitted light [Fichet21], increasing
 };
 

@@ -62,7 +62,7 @@ class Compressor {
             jpeg_.image_width = static_cast<JDIMENSION>(format_.width);
             jpeg_.image_height = static_cast<JDIMENSION>(format_.height);
             jpeg_.input_components = format_.channels;
-            jpeg_.in_color_space = format_.channels == 4 ? JCS_CMYK : JCS_RGB;
+            jpeg_.in_color_space = format_.channels == 4 ? JCS_CMYK : format_.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
             jpeg_set_defaults(&jpeg_);  // of CMYK: no conversion, full size, and Adobe's marker
             jpeg_set_quality(&jpeg_, options_.quality, TRUE);
             if (options_.quality >= 90 && format_.channels == 3)

@@ -35,8 +35,8 @@ bool describe(png_structp png, png_infop info, const PixelFormat& format, const 
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
     png_set_IHDR(png, info, static_cast<png_uint_32>(format.width), static_cast<png_uint_32>(format.height),
-                 static_cast<int>(8 * sample_bytes(format.sample)), PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+                 static_cast<int>(8 * sample_bytes(format.sample)), format.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (tags.srgb) {
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
     } else if (!tags.icc.empty()) {
@@ -99,7 +99,7 @@ Result<Bytes> head(const PixelFormat& format, const ImageTags& tags) {
 
 // Filters rows (with the row above the first, or null) and joins them. PNG's 16 bits are big-endian.
 Bytes filtered(std::span<const std::byte* const> rows, const std::byte* above, const PixelFormat& format) {
-    const std::size_t row_bytes = format.row_bytes(), pixel_bytes = 3 * sample_bytes(format.sample);
+    const std::size_t row_bytes = format.row_bytes(), pixel_bytes = format.pixel_bytes();
     Bytes out(rows.size() * (row_bytes + 1));
     const bool swap = format.sample == SampleType::kU16 && std::endian::native == std::endian::little;
     Bytes swapped[2];

@@ -17,8 +17,8 @@ enum class SampleType : std::uint8_t { kU8, kU16, kF32 };
 
 inline std::size_t sample_bytes(SampleType type) { return type == SampleType::kU8 ? 1 : type == SampleType::kU16 ? 2 : 4; }
 
-// Interleaved samples, in the host's byte order: red, green, blue; or, of four channels, cyan, magenta, yellow, black, where 0 is
-// no ink (TIFF and JPEG only).
+// Interleaved samples, in the host's byte order: grey; or red, green, blue; or, of four channels, cyan, magenta, yellow, black,
+// where 0 is no ink (TIFF and JPEG only).
 struct PixelFormat {
     int width = 0, height = 0;
     SampleType sample = SampleType::kU8;

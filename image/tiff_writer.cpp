@@ -180,7 +180,9 @@ class DirectoryWriter final : public TiffWriter {
         set(TIFFTAG_BITSPERSAMPLE, static_cast<int>(8 * sample_bytes(format_.sample)));
         set(TIFFTAG_SAMPLEFORMAT, floats ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
         set(TIFFTAG_SAMPLESPERPIXEL, format_.channels);
-        set(TIFFTAG_PHOTOMETRIC, format_.channels == 4 ? PHOTOMETRIC_SEPARATED : PHOTOMETRIC_RGB);
+        set(TIFFTAG_PHOTOMETRIC, format_.channels == 4   ? PHOTOMETRIC_SEPARATED
+                                 : format_.channels == 1 ? PHOTOMETRIC_MINISBLACK
+                                                         : PHOTOMETRIC_RGB);
         if (format_.channels == 4) set(TIFFTAG_INKSET, INKSET_CMYK);
         set(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
         set(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);

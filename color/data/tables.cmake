@@ -1,7 +1,10 @@
-# Turns the CSV tables of this folder into one C++ source, at build time: cmake -DOUT=tables.cpp -P tables.cmake
+# Turns the CSV tables of this folder and of film/ into one C++ source, at build time: cmake -DOUT=tables.cpp -P tables.cmake
 # A table is: `#` comments (among them "# what: ..." and "# source: ..."), one line of column names, rows of numbers. Everything is
 # copied, nothing is rounded.
-file(GLOB files ${CMAKE_CURRENT_LIST_DIR}/*.csv)
+# film/materials.csv holds words, and is copied as text.
+file(GLOB files RELATIVE ${CMAKE_CURRENT_LIST_DIR} ${CMAKE_CURRENT_LIST_DIR}/*.csv ${CMAKE_CURRENT_LIST_DIR}/film/*.csv)
+list(REMOVE_ITEM files film/materials.csv)
+file(READ ${CMAKE_CURRENT_LIST_DIR}/film/materials.csv materials)
 set(arrays "")
 set(list "")
 
@@ -15,7 +18,8 @@ function(read_comment key file out)
 endfunction()
 
 foreach(file IN LISTS files)
-  get_filename_component(name ${file} NAME_WE)
+  string(REGEX REPLACE "\\.csv$" "" name ${file})
+  set(file ${CMAKE_CURRENT_LIST_DIR}/${file})
   read_comment(what ${file} what)
   read_comment(source ${file} source)
   file(STRINGS ${file} lines REGEX "^[^#]")
@@ -26,7 +30,7 @@ foreach(file IN LISTS files)
   string(APPEND arrays "constexpr std::string_view columns_${id}[] = {\"${columns}\"};\nconstexpr double values_${id}[] = {\n    ${values}};\n")
   string(APPEND list "    {\"${name}\", \"${what}\",\n     \"${source}\", columns_${id}, values_${id}},\n")
 endforeach()
-file(WRITE ${OUT}.new "// Made by color/data/tables.cmake from color/data/*.csv.
+file(WRITE ${OUT}.new "// Made by color/data/tables.cmake from the tables of color/data.
 #include \"color/tables.h\"
 
 namespace latent::color {
@@ -36,9 +40,12 @@ ${arrays}
 constexpr Table kTables[] = {
 ${list}};
 
+constexpr std::string_view kMaterials = R\"csv(${materials})csv\";
+
 }  // namespace
 
 std::span<const Table> tables() { return kTables; }
+std::string_view film_materials() { return kMaterials; }
 
 }  // namespace latent::color
 ")

@@ -7,12 +7,14 @@
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,7 @@ struct PictureLayout {
     bool zip = false;
     std::optional<std::array<float, 8>> chromaticities = std::array<float, 8>{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
     std::array<const char*, 3> channels{"R", "G", "B"};
+    std::map<std::string, std::string> texts{};  // attributes
 };
 
 using Light = std::function<std::array<float, 3>(int x, int y)>;
@@ -55,6 +58,7 @@ inline void write_picture(const std::filesystem::path& path, const PictureLayout
     }
     if (layout.channels[0] == std::string("X") || (layout.chromaticities && (*layout.chromaticities)[0] == 1))
         Imf::addAdoptedNeutral(header, {0.3127f, 0.3290f});
+    for (const auto& [name, text] : layout.texts) header.insert(name, Imf::StringAttribute(text));
     std::vector<float> pixels;
     for (int y = window.y0; y < window.y1; ++y) {
         for (int x = window.x0; x < window.x1; ++x) {

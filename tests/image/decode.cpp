@@ -51,7 +51,9 @@ Decoded decode_png(const std::filesystem::path& path) {
     png_read_info(png, info);
     d.format = {static_cast<int>(png_get_image_width(png, info)), static_cast<int>(png_get_image_height(png, info)),
                 png_get_bit_depth(png, info) == 16 ? SampleType::kU16 : SampleType::kU8};
-    if (png_get_color_type(png, info) == PNG_COLOR_TYPE_RGB_ALPHA)
+    if (png_get_color_type(png, info) == PNG_COLOR_TYPE_GRAY)
+        d.format.channels = 1;
+    else if (png_get_color_type(png, info) == PNG_COLOR_TYPE_RGB_ALPHA)
         png_set_strip_alpha(png);  // a browser's screenshot
     else
         EXPECT_EQ(png_get_color_type(png, info), PNG_COLOR_TYPE_RGB);
@@ -141,7 +143,7 @@ Decoded decode_directory(TIFF* tiff) {
     TIFFGetField(tiff, TIFFTAG_SAMPLESPERPIXEL, &channels);
     TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
     d.format.channels = channels;
-    EXPECT_EQ(photometric, channels == 4 ? PHOTOMETRIC_SEPARATED : PHOTOMETRIC_RGB);
+    EXPECT_EQ(photometric, channels == 4 ? PHOTOMETRIC_SEPARATED : channels == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
     float x_resolution = 0, y_resolution = 0;
     std::uint16_t unit = 0;
     if (TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &x_resolution) == 1) d.x_resolution = static_cast<double>(x_resolution);

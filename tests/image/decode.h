@@ -14,7 +14,7 @@ namespace latent::image {
 
 struct Decoded {
     PixelFormat format;
-    Bytes pixels;  // interleaved RGB, or CMYK with 0 for no ink, in the host's byte order
+    Bytes pixels;  // interleaved grey, RGB, or CMYK with 0 for no ink, in the host's byte order
     Bytes icc;
     std::vector<std::pair<std::string, std::string>> texts;
     std::vector<std::string> chunks;                                  // PNG: their types in order

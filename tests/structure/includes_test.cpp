@@ -22,6 +22,7 @@ const std::map<std::string, Rooms>& arrows() {
     static const std::map<std::string, Rooms> table = {
         {"base", {}},
         {"color", {"base"}},
+        {"color/film", {"color"}},
         {"image", {"base"}},
         {"image/oiio", {"image"}},
 
@@ -60,8 +61,8 @@ const std::map<std::string, Rooms>& arrows() {
         {"render/main.cpp", {"render/preview"}},
 
         {"tools/merge", {"sampledb/read"}},
-        {"tools/develop", {"sampledb/read", "color", "image"}},
-        {"tools/convert", {"color", "image"}},
+        {"tools/develop", {"sampledb/read", "color/film", "image"}},
+        {"tools/convert", {"color/film", "image"}},
         {"tools/inspect", {"sampledb/write"}},
 
         {"c_api", {"sampledb/write", "tools/merge"}},

@@ -17,6 +17,40 @@ Result<std::array<double, 3>> luminances_of(const std::string& text) {
     return is_not(text, "three luminances (try 0.2126,0.7152,0.0722)");
 }
 
+void add_darkroom(CLI::App& app, DarkroomOptions& darkroom) {
+    app.add_option(
+           "--paper", darkroom.paper,
+           "print exposures that latent-develop --film wrote: a paper, print film, scan, light-table or projection; see below")
+        ->type_name("NAME");
+    app.add_flag_callback(
+        "--list-papers",
+        [] {
+            cli::print(film::list_views() + film::list_papers());
+            throw CLI::Success();
+        },
+        "list all papers, print films and other ways to see a film");
+    cli::add_parsed(app, "--enlarger", darkroom.filters, parse_filters,
+                    "yellow, magenta and cyan filter of the enlarger, in hundredths of density; auto prints a grey card neutral")
+        ->type_name("auto|Y,M,C")
+        ->default_str("auto");
+    cli::add_number(app, "--print-exposure", darkroom.print_stops,
+                    "light of the enlarger in stops; a negative prints darker with more", -10, 10);
+    app.add_option("--contrast-filter", darkroom.contrast_filter, "contrast of black-and-white paper: 00 (soft), 0, 1 ... 5 (hard)")
+        ->type_name("00..5");
+    app.add_flag("--couplers,!--no-couplers", darkroom.couplers,
+                 "let the layers of the film hold each other back, which makes colours purer (default: on)");
+    app.add_flag("--balance,!--no-balance", darkroom.balance,
+                 "match the contrasts of the layers so that greys are neutral; a slide's grey card (default: on)");
+    app.add_flag("--grain", darkroom.grain, "show the grain of the film");
+    cli::add_parsed(app, "--format", darkroom.frame_mm, parse_format,
+                    "size of the frame on the film: 35mm, 6x6, 6x7, 4x5in, super8, ..., or its longer side in mm")
+        ->type_name("FORMAT|MM")
+        ->default_str("35mm");
+    cli::add_count(app, "--grain-seed", darkroom.seed, "another piece of film: other grain of the same kind");
+    app.add_option("--film", darkroom.film, "film that was exposed, if it is your own: FOLDER/NAME (default: as the picture says)")
+        ->type_name("NAME");
+}
+
 }  // namespace
 
 void add_arguments(CLI::App& app, ConvertOptions& options) {
@@ -92,6 +126,8 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     app.add_option("--adapt", options.adapt, "chromatic adaptation from that white to the white of the display")
         ->check(CLI::IsMember({"bradford", "cat16"}))
         ->capture_default_str();
+    add_darkroom(app, options.darkroom);
+    app.add_flag("--gray,--grey", options.grey, "write one channel, the luminance of the print, with a profile of grey");
     cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},
                            "bits per channel (default: 8, or float in EXR, where 16 means half float)");
     auto* dither = cli::add_choice<color::Dither>(app, "--dither", options.dither,

@@ -65,8 +65,11 @@ Result<BandPlan> plan_bands(const image::ExrImage& image, const Rect& area, cons
     // Each thread holds one block of floats, and up to three times the file's block while it is decompressed.
     const std::size_t block = (need.second_block ? 24 : 12) * static_cast<std::size_t>(std::min(plan.block_step_x, area.width())) *
                               static_cast<std::size_t>(std::min(plan.block_step_y, area.height()));
+    const std::size_t beside =
+        need.beside_block ? need.beside_block(std::min(plan.block_step_x, area.width()), std::min(plan.block_step_y, area.height()))
+                          : 0;
     const std::size_t file_block = 12 * static_cast<std::size_t>(image.block_width) * static_cast<std::size_t>(image.block_height);
-    const std::size_t fixed = need.bytes_held + static_cast<std::size_t>(threads) * (block + 3 * file_block);
+    const std::size_t fixed = need.bytes_held + static_cast<std::size_t>(threads) * (block + beside + 3 * file_block);
     int height = std::min(multiple(plan.block_step_y, kBandPixels / area.width()), multiple(2, area.height()));
     const auto fits = [&](int rows, std::size_t bands) {
         return fixed + bands * static_cast<std::size_t>(rows) * need.bytes_per_row <= memory;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "base/result.h"
@@ -25,6 +26,8 @@ struct BandPlan {
 struct MemoryNeed {
     std::size_t bytes_per_row = 0, bytes_held = 0;
     bool second_block = false;  // each thread holds two
+    std::function<std::size_t(int width, int height)>
+        beside_block{};  // bytes that each thread holds for a block of this size; or null
 };
 
 // Errors: kUsage if the smallest bands do not fit `memory`, with the amount that would do.

@@ -13,7 +13,9 @@
 #include "base/temporary_path.h"
 #include "color/adaptation.h"
 #include "tools/convert/bands.h"
+#include "tools/convert/darkroom.h"
 #include "tools/convert/display.h"
+#include "tools/convert/icc.h"
 #include "tools/convert/luminances.h"
 #include "tools/convert/print_pass.h"
 #include "tools/convert/sink.h"
@@ -33,6 +35,7 @@ struct ToneChoice {
     color::ToneCurve curve;
 };
 Result<ToneChoice> tone_of(const ConvertOptions& options) {
+    if (options.paper_decides_tone()) return ToneChoice{color::Tone::kCurve, *color::ToneCurve::make("linear", 1, 0)};
     if (options.tone == "none") {
         if (options.contrast == 1 && options.black == 0) return ToneChoice{color::Tone::kNone, {}};
         return usage_error("--contrast and --black need a tone curve, but --tone is none");
@@ -57,39 +60,49 @@ Status check_outputs(const ConvertOptions& options, std::vector<std::string>& no
     return {};
 }
 
-// What these luminances suggest; none without light.
-std::optional<double> suggested_sigma(const ConvertOptions& options, const ToneChoice& tone,
+constexpr double kGreyCard = 0.18;
+
+// What these luminances suggest; none without light. Of a film, they are exposures of the layer that sees green.
+std::optional<double> suggested_sigma(const ConvertOptions& options, const ToneChoice& tone, const Source& source, bool on_film,
                                       const color::LuminanceHistogram& luminances) {
-    const double key = options.key.value_or(0.18);
-    const Result<double> sigma = color::auto_sigma(luminances, tone.tone == color::Tone::kNone ? key : tone.curve.exposure_of(key));
+    const double key = options.key.value_or(kGreyCard);
+    const Result<double> sigma = color::auto_sigma(luminances, on_film ? key / kGreyCard * grey_exposure(source)
+                                                               : tone.tone == color::Tone::kNone ? key
+                                                                                                 : tone.curve.exposure_of(key));
     return sigma ? std::optional(*sigma) : std::nullopt;
 }
 
 // The same, of the whole picture: a crop of a print is a part of that print.
 Result<std::optional<double>> choose_sigma(const ConvertOptions& options, const ToneChoice& tone, const Source& source,
-                                           const Progress& progress) {
+                                           bool on_film, const Progress& progress) {
     const image::ExrImage& image = source.reader.image();
     const Result<BandPlan> plan = plan_bands(image, image.data_window, {}, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
     const Result<color::LuminanceHistogram> seen = measure(source, *plan, source.xyz_from_file.m[1], progress);
     if (!seen) return seen.error();
-    return suggested_sigma(options, tone, *seen);
+    return suggested_sigma(options, tone, source, on_film, *seen);
+}
+
+// Of a print from film, whose exposure is the film's: its grey card is shown as bright as it is.
+double print_sigma_of(const color::PrintSettings& settings) {
+    return settings.tone == color::Tone::kNone ? 1 : settings.curve.exposure_of(kGreyCard) / kGreyCard;
 }
 
 Result<std::vector<Exposure>> exposures_of(const ConvertOptions& options, const Display& display, color::PrintSettings settings,
-                                           PrintedPicture picture) {
+                                           const PrintedPicture& picture, const std::shared_ptr<const film::Process>& film) {
     std::vector<Exposure> exposures;
-    const double sigma = settings.sigma;
     for (const double stops : options.stops) {
-        settings.sigma = color::pushed_sigma(sigma, stops);
+        const double sigma = color::pushed_sigma(picture.sigma, stops);
+        settings.sigma = film ? print_sigma_of(settings) : sigma;
         settings.range = printable_range(display.space.transfer, settings.tone, settings.curve, settings.sigma);
         const Result<color::Print> print = color::Print::create(display.print_space(), settings);
         if (!print) return print.error();
-        Exposure exposure{.stops = stops, .sigma = settings.sigma, .print = *print, .paths = {}, .sinks = {}};
-        picture.sigma = settings.sigma;
+        Exposure exposure{.stops = stops, .sigma = sigma, .print = *print, .film = film, .paths = {}, .sinks = {}};
+        PrintedPicture exposed = picture;
+        exposed.sigma = sigma;
         for (const std::filesystem::path& path : options.outputs) {
             exposure.paths.push_back(options.stops.size() == 1 ? path : with_stops(path, stops));
-            Result<std::unique_ptr<Sink>> sink = open_sink(exposure.paths.back(), picture, display, options);
+            Result<std::unique_ptr<Sink>> sink = open_sink(exposure.paths.back(), exposed, display, options);
             if (!sink) return sink.error();
             exposure.sinks.push_back(std::move(*sink));
         }
@@ -148,24 +161,38 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     }
     Result<Display> display = display_from(options.profile, options.luminance_row, options.rendering);
     if (!display) return display.error();
+    if (display->grey) options.grey = true;
+    if (options.grey && !display->grey) {
+        if (display->has_tables() || !display->space.check_luminance_row())
+            return usage_error("--gray: needs a profile with primaries, such as srgb, or a profile of grey");
+        display->icc = grey_icc_of(display->space);
+        display->cicp.reset();
+    }
     if (!options.proof.empty()) {
         if (Status s = add_proof(options.proof, options.rendering, *display); !s) return s.error();
     }
+    const Result<std::shared_ptr<const film::Process>> film = darkroom_for(options, *source);
+    if (!film) return film.error();
+    const Result<std::shared_ptr<const Emulsion>> emulsion = emulsion_for(options, *source);
+    if (!emulsion) return emulsion.error();
     const Result<ToneChoice> tone = tone_of(options);
+    if (options.paper_decides_tone()) options.tone = "paper";
     if (!tone) return tone.error();
     const Result<color::Gamut> gamut = color::gamut_by_name(options.gamut);
     if (!gamut) return gamut.error();
     if (tone->tone == color::Tone::kNone) options.gamut = "none";  // nothing is mapped, whatever was chosen
     const Result<color::Cones> cones = color::cones_by_name(options.adapt);
     if (!cones) return cones.error();
-    const Result<color::Chromaticity> white = options.white ? chromaticity_of(*options.white, *source) : source->white;
+    const Result<color::Chromaticity> white = *film           ? (*film)->white()
+                                              : options.white ? chromaticity_of(*options.white, *source)
+                                                              : source->white;
     if (!white) return white.error();
     const Result<color::Matrix3> adaptation = color::adaptation_matrix(*white, display->print_white(), *cones);
     if (!adaptation && options.white) return usage_error(adaptation.error().message).at("--white");
     if (!adaptation) return adaptation.error().at(options.input.string());
     report.chose_exposure = options.chooses_exposure();
     if (report.chose_exposure) {
-        const Result<std::optional<double>> sigma = choose_sigma(options, *tone, *source, progress);
+        const Result<std::optional<double>> sigma = choose_sigma(options, *tone, *source, *film != nullptr, progress);
         if (!sigma) return sigma.error();
         report.auto_sigma = *sigma;
         options.sensitivity = *sigma;
@@ -173,11 +200,13 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     const color::PrintSettings settings{options.sensitivity.value_or(1), tone->tone, *gamut, *adaptation * source->xyz_from_file,
                                         tone->curve};
     const image::ExrImage& image = source->reader.image();
-    const Result<std::vector<Exposure>> exposures =
-        exposures_of(options, *display, settings, {source->area, image.display_window, settings.sigma, *white, source->observer});
+    const Result<std::vector<Exposure>> exposures = exposures_of(
+        options, *display, settings,
+        {source->area, image.display_window, settings.sigma, *white, source->observer, *film ? (*film)->description() : ""}, *film);
     if (!exposures) return exposures.error();
-    const PassSettings pass{source->xyz_from_file.m[1], display->print_space(), display->proof, display->space, display->gamut,
-                            options.show_clipped,       options.gamut_report};
+    const PassSettings pass{
+        source->xyz_from_file.m[1], display->print_space(), display->proof, display->space,          display->gamut,
+        options.show_clipped,       options.gamut_report,   *emulsion,      image.display_window.x0, image.display_window.y0};
     MemoryNeed need;
     for (const Exposure& exposure : *exposures) {
         for (const auto& sink : exposure.sinks) {
@@ -185,6 +214,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
             need.bytes_held += sink->bytes_held();
         }
     }
+    if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
     need.second_block = needs_second_block(*exposures, pass);
     const Result<BandPlan> plan = plan_bands(image, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
@@ -201,7 +231,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     for (std::size_t i = 0; i < kPercentiles.size(); ++i)
         report.luminance[i] = printed->luminance.percentile(kPercentiles[i] / 100.0);
     if (!report.chose_exposure && source->area == image.data_window)
-        report.auto_sigma = suggested_sigma(options, *tone, printed->luminance);
+        report.auto_sigma = suggested_sigma(options, *tone, *source, *film != nullptr, printed->luminance);
     report.width = source->area.width();
     report.height = source->area.height();
     report.profile = display->space.name;
@@ -216,6 +246,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.proof = display->proof_name;
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
+    if (*film) report.film = (*film)->description();
     report.warnings.insert(report.warnings.end(), source->warnings.begin(), source->warnings.end());
     if (report.chose_exposure && !report.auto_sigma)
         report.warnings.push_back(fmt::format("{}: has no light, so the print is black", options.input.string()));

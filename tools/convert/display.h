@@ -19,6 +19,7 @@ struct Display {
     color::Chromaticity white;  // what the picture's white is adapted to
     Bytes icc;                  // a profile that says the same; carries no date
     bool srgb = false;
+    bool grey = false;                                // it has one channel
     std::optional<std::array<std::uint8_t, 4>> cicp;  // code points of ITU-T H.273 that say the same, if there are any
     std::shared_ptr<const DeviceTransform> device;    // from linear light to codes, where no Transfer describes that
 

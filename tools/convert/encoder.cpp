@@ -23,6 +23,7 @@ void interleave_fourth(const Bytes& three, const Bytes& fourth, std::size_t samp
 
 void Encoder::encode(std::size_t level, const Planes& rgb, int x0, int y, std::byte* out) const {
     const auto seed = static_cast<std::uint32_t>(level);
+    if (grey) return encode_grey(seed, rgb, x0, y, out);
     if (!device) return quantise(seed, rgb, x0, y, out);
     thread_local std::array<std::vector<float>, 4> inks;
     for (std::size_t c = 0; c < 3; ++c) inks[c].assign(rgb[c].begin(), rgb[c].end());
@@ -37,6 +38,19 @@ void Encoder::encode(std::size_t level, const Planes& rgb, int x0, int y, std::b
     quantise(seed, first, x0, y, three.data());
     quantise(seed | kOfTheFourth, {inks[3], inks[3], inks[3]}, x0, y, fourth.data());
     interleave_fourth(three, fourth, image::sample_bytes(sample), out);
+}
+
+void Encoder::encode_grey(std::uint32_t seed, const Planes& rgb, int x0, int y, std::byte* out) const {
+    thread_local std::vector<float> light;
+    thread_local Bytes three;
+    const auto& m = *grey;
+    const std::size_t bytes = image::sample_bytes(sample);
+    light.resize(rgb[0].size());
+    three.resize(3 * light.size() * bytes);
+    for (std::size_t i = 0; i < light.size(); ++i) light[i] = m[0] * rgb[0][i] + m[1] * rgb[1][i] + m[2] * rgb[2][i];
+    if (device) device->apply({light, light, light}, {});
+    quantise(seed, {light, light, light}, x0, y, three.data());
+    for (std::size_t i = 0; i < light.size(); ++i) std::memcpy(out + i * bytes, &three[3 * i * bytes], bytes);
 }
 
 void Encoder::quantise(std::uint32_t seed, const Planes& planes, int x0, int y, std::byte* out) const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "color/quantise.h"
@@ -18,8 +19,9 @@ struct Encoder {
     color::Transfer transfer;
     color::Dither dither = color::Dither::kRandom;
     std::shared_ptr<const DeviceTransform> device{};  // instead of `transfer`
+    std::optional<std::array<float, 3>> grey{};       // one channel: the sum of red, green and blue, each times one of these
 
-    int channels() const { return device ? device->channels() : 3; }
+    int channels() const { return grey ? 1 : device ? device->channels() : 3; }
     std::size_t pixel_bytes() const { return static_cast<std::size_t>(channels()) * image::sample_bytes(sample); }
     image::PixelFormat format(int width, int height) const { return {width, height, sample, channels()}; }
 
@@ -27,6 +29,7 @@ struct Encoder {
     void encode(std::size_t level, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const;
 
  private:
+    void encode_grey(std::uint32_t seed, const std::array<std::span<const float>, 3>& rgb, int x0, int y, std::byte* out) const;
     void quantise(std::uint32_t seed, const std::array<std::span<const float>, 3>& planes, int x0, int y, std::byte* out) const;
 };
 

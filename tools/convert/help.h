@@ -17,6 +17,12 @@ Profiles:
                             (printers: RGB, or CMYK for .tif and .jpg); it is
                             embedded unchanged
 
+Film (pictures that latent-develop --film wrote; --list-papers shows all):
+  endura, 2383 ...          paper or print film for negatives
+  light-table, projection   slides; radiance, ilfochrome: paper for slides
+  polymax                   black-and-white paper, with --contrast-filter
+  scan                      a negative, inverted
+
 Tone curves (all print luminance 1/X at half of display white):
   film                      1 - 2^-t, where t is sensitivity times luminance
   linear, reinhard, filmic  for comparison
@@ -42,6 +48,8 @@ Examples:
       print a scene lit by incandescent lamps without the orange cast
   latent-convert spectrum.exr -o canon.png --observer canon_eos_5d
       print a spectral picture as a camera sees it
+  latent-convert exposures.exr -o print.png --paper endura
+      print a colour negative on paper
   latent-convert picture.exr -o wall.tif --tiles --pyramid
       write a tiled pyramid, as BigTIFF if needed
   latent-convert picture.exr -o web.dzi -o preview.jpg --memory 256M

@@ -100,6 +100,24 @@ std::string description_of(const color::RgbSpace& space) {
     return "RGB " + space.name;
 }
 
+// With its texts, and without what depends on the day.
+Bytes finished(cmsHPROFILE profile, const std::string& description) {
+    const auto write = [&](cmsTagSignature tag, const char* words) {  // a text of its own: of each language it takes one only
+        const std::unique_ptr<cmsMLU, decltype(&cmsMLUfree)> text(cmsMLUalloc(nullptr, 1), cmsMLUfree);
+        return text && cmsMLUsetASCII(text.get(), "en", "US", words) && cmsWriteTag(profile, tag, text.get());
+    };
+    if (!write(cmsSigProfileDescriptionTag, description.c_str()) || !write(cmsSigCopyrightTag, "CC0")) throw std::bad_alloc();
+    Bytes bytes = saved(profile);
+    // The header's time of creation, and the hash over it: 2000-01-01 00:00:00 and none [ICC, 7.2].
+    const std::uint16_t date[] = {2000, 1, 1, 0, 0, 0};
+    for (std::size_t i = 0; i < 6; ++i) {
+        bytes[24 + 2 * i] = std::byte(date[i] >> 8);
+        bytes[25 + 2 * i] = std::byte(date[i] & 0xff);
+    }
+    std::fill(bytes.begin() + 84, bytes.begin() + 100, std::byte{0});
+    return bytes;
+}
+
 }  // namespace
 
 Bytes icc_of(const color::RgbSpace& space) {
@@ -114,21 +132,15 @@ Bytes icc_of(const color::RgbSpace& space) {
         if (color::adaptation_matrix(p.white, {0.3457, 0.3585})) throw std::bad_alloc();
         return {};
     }
-    const auto write = [&](cmsTagSignature tag, const char* words) {  // a text of its own: of each language it takes one only
-        const std::unique_ptr<cmsMLU, decltype(&cmsMLUfree)> text(cmsMLUalloc(nullptr, 1), cmsMLUfree);
-        return text && cmsMLUsetASCII(text.get(), "en", "US", words) && cmsWriteTag(profile.get(), tag, text.get());
-    };
-    if (!write(cmsSigProfileDescriptionTag, description_of(space).c_str()) || !write(cmsSigCopyrightTag, "CC0"))
-        throw std::bad_alloc();
-    Bytes bytes = saved(profile.get());
-    // The header's time of creation, and the hash over it: 2000-01-01 00:00:00 and none [ICC, 7.2].
-    const std::uint16_t date[] = {2000, 1, 1, 0, 0, 0};
-    for (std::size_t i = 0; i < 6; ++i) {
-        bytes[24 + 2 * i] = std::byte(date[i] >> 8);
-        bytes[25 + 2 * i] = std::byte(date[i] & 0xff);
-    }
-    std::fill(bytes.begin() + 84, bytes.begin() + 100, std::byte{0});
-    return bytes;
+    return finished(profile.get(), description_of(space));
+}
+
+Bytes grey_icc_of(const color::RgbSpace& space) {
+    const cmsCIExyY white = *cmsD50_xyY();
+    const auto curve = curve_of(space.transfer);
+    const lcms::Profile profile(cmsCreateGrayProfile(&white, curve.get()));
+    if (!profile) throw std::bad_alloc();
+    return finished(profile.get(), "Grey, " + description_of(space));
 }
 
 namespace {
@@ -163,12 +175,37 @@ Status read_matrix(cmsHPROFILE profile, const std::optional<std::array<double, 3
 
 }  // namespace
 
+namespace {
+
+// One channel with a curve: sRGB's primaries stand for it, of which only the luminance is used.
+Status read_grey(cmsHPROFILE profile, Display& display) {
+    const void* curve = cmsReadTag(profile, cmsSigGrayTRCTag);
+    if (curve == nullptr) return Error{ErrorCode::kUnsupported, "is a grey profile without a curve (kTRC)"};
+    const std::array curves{curve, curve, curve};
+    const std::optional<color::Transfer> transfer = transfer_of(curves);
+    if (!transfer) display.device = curves_of(curves);
+    const Result<color::RgbSpace> space = color::RgbSpace::from_primaries(
+        lcms::description_of(profile), color::RgbSpace::srgb().primaries, transfer.value_or(color::Transfer::linear()));
+    if (!space) return space.error();
+    display.space = *space;
+    display.white = space->primaries.white;
+    display.grey = true;
+    return {};
+}
+
+}  // namespace
+
 // The space has the profile's own name: no path may enter an output.
 Result<Display> display_from_icc(const std::string& path, const std::optional<std::array<double, 3>>& luminance_row,
                                  const Rendering& rendering) {
     Display display;
     const Result<lcms::Profile> profile = lcms::open_profile(path, &display.icc);
     if (!profile) return profile.error();
+    if (cmsGetColorSpace(profile->get()) == cmsSigGrayData) {
+        if (luminance_row) return usage_error(fmt::format("--luminance-row: {} has no primaries, but grey alone", path));
+        if (Status s = read_grey(profile->get(), display); !s) return s.error().at(path);
+        return display;
+    }
     const bool tables = !cmsIsMatrixShaper(profile->get()) || cmsIsTag(profile->get(), cmsSigBToA0Tag);
     if (!tables) {
         if (Status s = read_matrix(profile->get(), luminance_row, display); !s) return s.error().at(path);

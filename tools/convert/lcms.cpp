@@ -38,8 +38,8 @@ Result<Profile> open_profile(const std::string& path, Bytes* bytes) {
         return Error{ErrorCode::kForeign,
                      path + ": is not an ICC profile; name an .icc or .icm file, or srgb, display-p3, rec2020 or adobe-rgb"};
     const auto space = static_cast<std::uint32_t>(cmsGetColorSpace(profile.get()));  // the file's, whatever that is
-    if (space != cmsSigRgbData && space != cmsSigCmykData)
-        return Error{ErrorCode::kUnsupported, path + ": is neither an RGB nor a CMYK profile; others are not supported"};
+    if (space != cmsSigRgbData && space != cmsSigCmykData && space != cmsSigGrayData)
+        return Error{ErrorCode::kUnsupported, path + ": is no profile of grey, RGB or CMYK; others are not supported"};
     if (bytes != nullptr) {
         const auto all = std::as_bytes(std::span(*text));
         bytes->assign(all.begin(), all.end());

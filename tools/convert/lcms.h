@@ -20,7 +20,8 @@ using Profile = std::unique_ptr<void, CloseProfile>;
 // The linear light of a space with primaries.
 Profile linear_profile(const color::RgbSpace& space);
 
-// A file of at most 64 MiB; its bytes go to `bytes`. Errors: of reading; kForeign, kUnsupported unless it is one of RGB or CMYK.
+// A file of at most 64 MiB; its bytes go to `bytes`. Errors: of reading; kForeign, kUnsupported unless it is one of grey, RGB or
+// CMYK.
 Result<Profile> open_profile(const std::string& path, Bytes* bytes = nullptr);
 
 // What a profile calls itself, in printable ASCII.

@@ -14,6 +14,7 @@
 #include "color/print.h"
 #include "color/quantise.h"
 #include "image/rect.h"
+#include "tools/convert/darkroom.h"
 #include "tools/convert/device.h"
 #include "tools/convert/inspection.h"
 #include "tools/convert/white.h"
@@ -44,6 +45,9 @@ struct ConvertOptions {
     std::optional<White> white;      // printed neutral; unless given, the picture's own white
     std::string adapt = "bradford";  // from that white to the display's
 
+    DarkroomOptions darkroom;  // of pictures on film
+
+    bool grey = false;                              // one channel, the luminance of the print
     Depth depth = Depth::kDefault;                  // 8 for display files, float for EXR; only what the format holds is accepted
     color::Dither dither = color::Dither::kRandom;  // of 8 bits
     bool show_clipped = false;                      // mark what is burnt, black or out of gamut
@@ -65,7 +69,9 @@ struct ConvertOptions {
     std::uint64_t memory = std::uint64_t{1} << 30;
     bool replace = false;
 
-    bool chooses_exposure() const { return auto_exposure || key || (!sensitivity && tone != "none"); }
+    // A film is exposed whatever tone its print has.
+    bool chooses_exposure() const { return auto_exposure || key || (!sensitivity && (tone != "none" || !darkroom.paper.empty())); }
+    bool paper_decides_tone() const { return !darkroom.paper.empty() && darkroom.paper != "scan"; }
 };
 
 // What is shown instead of the print: "a proof", "clipped", both; "": the print itself.
@@ -93,6 +99,7 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     int width = 0, height = 0;
     std::string profile, gamut, tone, adapt;
     std::string observer;                // "": unknown
+    std::string film;                    // the film and its print; "": none
     std::string shown;                   // shown_by()
     std::string proof;                   // name of the profile that is simulated; "": none
     std::optional<Rendering> rendering;  // of profiles of tables, and of proofs

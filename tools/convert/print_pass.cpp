@@ -43,6 +43,9 @@ struct Outcome {
 struct Workbench {
     image::ExrReader::Scratch scratch;
     std::vector<float> planes, printed;
+    std::vector<float> film_print;  // X, Y, Z of a row
+    std::vector<float> noise;       // of the grain, in planes of a block
+    film::GrainField::Scratch grain;
     std::vector<float> luminances;  // of a row, in the scene or as printed
     std::vector<std::uint8_t> lacking;
     color::LuminanceHistogram histogram;
@@ -67,27 +70,55 @@ void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workb
 
 void print_row(const Exposure& exposure, const PassSettings& settings, const Block& from, const Block& to, int y, bool first,
                Workbench& bench, Outcome& outcome) {
-    bench.luminances.resize(static_cast<std::size_t>(from.area.width()));
+    const std::size_t width = static_cast<std::size_t>(from.area.width());
+    bench.luminances.resize(width);
     if (first) {
         color::luminance_row(settings.y_row, from.row(0, y), from.row(1, y), from.row(2, y), bench.luminances);
         bench.histogram.add(bench.luminances);
     }
+    std::array<std::span<const float>, 3> xyz{from.row(0, y), from.row(1, y), from.row(2, y)};
+    if (exposure.film) {
+        bench.film_print.resize(3 * width);
+        const std::span<float> rows(bench.film_print);
+        const std::array<std::span<float>, 3> seen{rows.first(width), rows.subspan(width, width), rows.last(width)};
+        film::GrainRow grain{};
+        if (settings.emulsion) {
+            const std::size_t row = static_cast<std::size_t>(y - from.area.y0) * width, plane = from.area.pixels();
+            grain = {{&bench.noise[row], &bench.noise[plane + row], &bench.noise[2 * plane + row]},
+                     &settings.emulsion->granularity};
+        }
+        exposure.film->row(static_cast<float>(exposure.sigma), xyz, seen, settings.emulsion ? &grain : nullptr);
+        xyz = {seen[0], seen[1], seen[2]};
+    }
     const std::uint64_t out_of_gamut = outcome.print.out_of_gamut;
-    exposure.print.row(from.row(0, y), from.row(1, y), from.row(2, y), to.row(0, y), to.row(1, y), to.row(2, y), outcome.print,
-                       bench.luminances);
+    exposure.print.row(xyz[0], xyz[1], xyz[2], to.row(0, y), to.row(1, y), to.row(2, y), outcome.print, bench.luminances);
     if (settings.gamut) {
         bench.lacking.resize(bench.luminances.size());
         outcome.print.out_of_gamut =
             out_of_gamut + settings.gamut->find_lacking({to.row(0, y), to.row(1, y), to.row(2, y)}, bench.lacking);
     }
-    const InspectedRow row{from.row(0, y), from.row(1, y), from.row(2, y), bench.luminances, to.row(0, y),
-                           to.row(1, y),   to.row(2, y),   bench.lacking,  from.area.x0,     y};
+    const InspectedRow row{xyz[0],       xyz[1],       xyz[2],        bench.luminances, to.row(0, y),
+                           to.row(1, y), to.row(2, y), bench.lacking, from.area.x0,     y};
     if (settings.gamut_report) find_hue_shifts(exposure.print, settings.space, row, outcome.hue_shifts);
     if (settings.proof) settings.proof->apply({to.row(0, y), to.row(1, y), to.row(2, y)}, {});
     if (settings.show_clipped) mark_clipped(exposure.print, settings.shown_space, row);
 }
 
+// Black and white has one layer of grain, and looks at no other.
+void fill_grain(const Emulsion& emulsion, const PassSettings& settings, const Rect& area, Workbench& bench) {
+    const std::size_t plane = area.pixels();
+    bench.noise.resize(3 * plane);
+    emulsion.grain.fill(area.x0 - settings.frame_x0, area.y0 - settings.frame_y0, area.width(), area.height(),
+                        {bench.noise.data(), bench.noise.data() + plane, bench.noise.data() + 2 * plane}, bench.grain);
+}
+
 }  // namespace
+
+std::size_t emulsion_bytes(const PassSettings& settings, int width, int height) {
+    if (!settings.emulsion) return 0;
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return 3 * sizeof(float) * pixels + settings.emulsion->grain.scratch_bytes(width, height);
+}
 
 bool needs_second_block(const std::vector<Exposure>& exposures, const PassSettings& settings) {
     return exposures.size() > 1 || settings.show_clipped || settings.gamut_report;
@@ -132,6 +163,7 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
         }
         for_each_block(source, plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
             bench.outcomes.resize(exposures.size());
+            if (settings.emulsion) fill_grain(*settings.emulsion, settings, block.area, bench);
             const Block to = apart ? Block(block.area, bench.printed) : block;
             for (std::size_t e = 0; e < exposures.size(); ++e) {
                 for (int y = block.area.y0; y < block.area.y1; ++y)

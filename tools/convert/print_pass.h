@@ -17,6 +17,8 @@ namespace latent::convert {
 struct Exposure {
     double stops = 0, sigma = 1;
     color::Print print;
+    std::shared_ptr<const film::Process>
+        film{};  // develops and prints what the picture holds times `sigma`, before `print`; or null
     std::vector<std::filesystem::path> paths;
     std::vector<std::unique_ptr<Sink>> sinks;
 };
@@ -28,10 +30,15 @@ struct PassSettings {
     color::RgbSpace shown_space;                   // of the result
     std::shared_ptr<const DeviceGamut> gamut;      // null: that of `space`
     bool show_clipped = false, gamut_report = false;
+    std::shared_ptr<const Emulsion> emulsion{};  // of film; null: none
+    int frame_x0 = 0, frame_y0 = 0;              // corner of the picture's frame
 };
 
 // True if blocks are printed beside the picture's pixels, which takes memory for another block per thread.
 bool needs_second_block(const std::vector<Exposure>& exposures, const PassSettings& settings);
+
+// Bytes of grain that each thread holds for a block of this size.
+std::size_t emulsion_bytes(const PassSettings& settings, int width, int height);
 
 // Luminances of all pixels of `plan`. Errors: of reading.
 Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& plan, const std::array<double, 3>& y_row,

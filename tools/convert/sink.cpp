@@ -110,6 +110,7 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
                                                          {"White", text_of(picture.white)},
                                                          {"Adaptation", options.adapt}};
     if (!picture.observer.empty()) all.emplace_back("Observer", picture.observer);
+    if (!picture.film.empty()) all.emplace_back("Film", picture.film);
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
     if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
     if (const std::string shown = shown_by(options); !shown.empty()) all.emplace_back("Shown", shown);
@@ -228,6 +229,12 @@ Result<std::unique_ptr<Sink>> open_sink(const std::filesystem::path& path, const
                     display.device};
     if ((png || tiff) && options.depth == Depth::k16) encoder.sample = SampleType::kU16;
     if (tiff && options.depth == Depth::kFloat) encoder.sample = SampleType::kF32;
+    if (options.grey) {
+        if (type == ".exr" || type == ".dzi")
+            return usage_error(fmt::format("{}: one channel of grey fits .png, .tif and .jpg", path.string()));
+        const auto& m = display.space.luminance_row;
+        encoder.grey = {static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])};
+    }
     if (encoder.channels() == 4 && encoder.sample == SampleType::kF32)
         return usage_error(fmt::format("{}: inks (CMYK) have 8 or 16 bits", path.string()));
     if (encoder.channels() == 4 && !tiff && !jpeg)

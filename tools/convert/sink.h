@@ -39,6 +39,7 @@ struct PrintedPicture {
     double sigma = 1;
     color::Chromaticity white;  // printed neutral
     std::string observer{};     // that the pixels were made for; "": unknown
+    std::string film{};         // and its print; "": not on film
 };
 
 class Sink {

@@ -56,6 +56,7 @@ Result<Meaning> see_spectra(const ConvertOptions& options, image::ExrReader& rea
 // Light in some space: as asked for, else as the file says, else in that of sRGB.
 Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage& image) {
     Meaning meaning{.observer = image.observer};
+    if (image.film) return meaning;  // exposures, which tools/convert/darkroom.h makes a picture of
     color::Primaries primaries = color::RgbSpace::srgb().primaries;
     bool xyz = image.xyz;
     if (!options.input_space.empty()) {

@@ -31,6 +31,9 @@ Observers (default cie1931; --list-observers shows all):
   kodak_trix_400 ...       black-and-white films
   FILE.csv                 wavelength in nm, then three responses or one
 
+Films (--list-films shows all): portra-400, gold-200, velvia-50, tri-x-400, ...
+The picture holds the exposures of their layers, for latent-convert --paper.
+
 Examples:
   latent-develop night.latent --size 2048 -o night.exr
       develop a picture 2048 pixels wide
@@ -41,6 +44,8 @@ Examples:
   latent-develop night.latent --size 2048 --observer kodak_trix_400 \
       --lens-filter wratten-25 --filter-factor auto -o film.exr
       photograph on film, behind a red filter (needs spectral records)
+  latent-develop night.latent --film portra-400 --ei 200 -o exposures.exr
+      photograph on colour film, one stop more than its box says
   latent-develop night.latent --light lamp=2.5 --light sky=6500K,0.3 -o dusk.exr
       change the lights of a file that was rendered with --light-groups
   latent-develop parts/ --budget 10s -o preview.exr
@@ -60,7 +65,28 @@ std::vector<CLI::Option*> add_observer(CLI::App& app, ObserverOptions& options) 
     auto* balance = cli::add_choice<bool>(
         app, "--raw-balance", options.balanced, {{"daylight", true}, {"none", false}},
         "white balance of a camera: daylight (D65 is (1, 1, 1)), or none (one scale for all channels, set by green)");
-    auto* filter = app.add_option("--lens-filter", options.lens_filter, "colour filter in front of the lens, such as wratten-25")
+    auto* film =
+        app.add_option("--film", options.film,
+                       "photographic film: the picture holds the exposures of its layers; print it with latent-convert --paper")
+            ->type_name("NAME")
+            ->excludes(name)
+            ->excludes(output)
+            ->excludes(balance);
+    cli::add_number(app, "--ei", options.exposure_index, "exposure index that the film is exposed for (default: that of its box)",
+                    0.01, 1e6)
+        ->default_str("")
+        ->needs(film);
+    cli::add_number(app, "--push", options.push, "stops by which the film is developed longer (negative: shorter)", -1, 2)
+        ->needs(film);
+    app.add_flag_callback(
+        "--list-films",
+        [] {
+            cli::print(film::list_films());
+            throw CLI::Success();
+        },
+        "list all films: kind, speed, and how complete their data are");
+    auto* filter = app.add_option("--lens-filter", options.lens_filter,
+                                  "filter in front of the lens, such as wratten-25, or mired:131, a conversion filter")
                        ->type_name("NAME");
     cli::add_parsed(app, "--filter-factor", options.filter_factor, parse_filter_factor,
                     "factor by which to multiply the exposure; auto makes up for the light of D65 that the filter absorbs")
@@ -73,7 +99,7 @@ std::vector<CLI::Option*> add_observer(CLI::App& app, ObserverOptions& options) 
             throw CLI::Success();
         },
         "list all observers, cameras, films and filters, with the sources of their numbers");
-    return {name, output, balance, filter};
+    return {name, output, balance, film, filter};
 }
 
 }  // namespace

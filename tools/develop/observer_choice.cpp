@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "color/catalogue.h"
+#include "color/film/exposure.h"
 #include "color/named_spectra.h"
 #include "color/observer_file.h"
 
@@ -37,9 +38,16 @@ Status put_filter(const ObserverOptions& options, ChosenObserver& chosen) {
     return {};
 }
 
-}  // namespace
+Result<ChosenObserver> choose_film(const ObserverOptions& options) {
+    const Result<film::Material> material = film::find_material(options.film, true);
+    if (!material) return material.error().at("--film");
+    const double index = options.exposure_index > 0 ? options.exposure_index : material->exposure_index;
+    Result<color::Observer> layers = film::film_observer(*material, index);
+    if (!layers) return layers.error().at("--film");
+    return ChosenObserver{.observer = *std::move(layers), .primaries = {}, .film = LoadedFilm{*material, index, options.push}};
+}
 
-Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
+Result<ChosenObserver> choose_eye(const ObserverOptions& options) {
     Result<color::Observer> found = color::observer_by_name_or_file(options.name);
     if (!found) return found.error().at("--observer");
     ChosenObserver chosen{.observer = *std::move(found)};
@@ -49,7 +57,6 @@ Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
     if (!options.balanced && (!camera || options.camera_xyz))
         return usage_error(fmt::format("--raw-balance none: {}",
                                        camera ? "goes with --camera-output raw" : chosen.observer.name() + " is not a camera"));
-    if (options.lens_filter.empty() && options.filter_factor != 1) return usage_error("--filter-factor: needs --lens-filter");
     if (camera) {
         const Result<color::CameraFit> fit = color::fit_camera(chosen.observer);
         if (!fit) return fit.error().at(options.name).at("--observer");
@@ -62,8 +69,16 @@ Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
             if (!options.balanced) chosen.observer = chosen.observer.unbalanced();
         }
     }
-    if (!options.lens_filter.empty()) {
-        if (Status s = put_filter(options, chosen); !s) return s.error();
+    return chosen;
+}
+
+}  // namespace
+
+Result<ChosenObserver> choose_observer(const ObserverOptions& options) {
+    if (options.lens_filter.empty() && options.filter_factor != 1) return usage_error("--filter-factor: needs --lens-filter");
+    Result<ChosenObserver> chosen = options.film.empty() ? choose_eye(options) : choose_film(options);
+    if (chosen && !options.lens_filter.empty()) {
+        if (Status s = put_filter(options, *chosen); !s) return s.error();
     }
     return chosen;
 }

@@ -65,6 +65,12 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
         const color::Chromaticity neutral = chosen.observer.neutral();
         spec.adopted_neutral = {{static_cast<float>(neutral.x), static_cast<float>(neutral.y)}};
     }
+    if (chosen.film) {
+        spec.strings.push_back({"latentFilm", chosen.film->material.name});
+        spec.strings.push_back({"latentExposureIndex", fmt::format("{:g}", chosen.film->exposure_index)});
+        spec.strings.push_back({"latentPush", fmt::format("{:g}", chosen.film->push)});
+        spec.strings.push_back({"latentUnits", "exposure of each layer in lux seconds"});
+    }
     if (chosen.observer.is_cie1931()) {
         spec.white_luminance = static_cast<float>(job.light_unit_cd_m2);
         spec.strings.push_back({"colorInteropID", "lin_ciexyzd65_scene"});
@@ -165,7 +171,8 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::Gathe
     report.filter_factor = chosen->filter_factor;
     const bool spectral = job.kind == sampledb::RecordKind::kSpectral;
     if (!spectral && !observer.is_cie1931())
-        return usage_error(fmt::format("--observer {}: needs spectral records; these hold XYZ of cie1931", observer.name()));
+        return usage_error(fmt::format("--{} {}: needs spectral records; these hold XYZ of cie1931",
+                                       chosen->film ? "film" : "observer", observer.name()));
     Result<Channels> channels = options.spectral_bins.count > 0 ? Channels::spectral_bins(job, options.spectral_bins)
                                                                 : Channels::xyz(job, spectral ? &observer : nullptr);
     if (!channels) return channels.error();

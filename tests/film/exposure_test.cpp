@@ -1,0 +1,59 @@
+#include "color/film/exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "color/film/spectra.h"
+#include "color/power_of_ten.h"
+#include "tests/film/reference.h"
+
+namespace latent::film {
+namespace {
+
+// Exposures of a white card under a light, of Y = 1.
+std::array<double, 3> exposures_of_white(const color::Observer& film, const char* light) {
+    const color::Spectrum spectrum = light_spectrum(light);
+    const double y = color::xyz_from_spectrum(spectrum, color::Observer::cie1931()).y;
+    const color::Xyz h = color::xyz_from_spectrum(spectrum, film);
+    return {h.x / y, h.y / y, h.z / y};
+}
+
+TEST(FilmExposure, AGreyCardUnderTheBalanceLightGivesEachLayerTenOverTheExposureIndex) {
+    for (const Material& material : materials()) {
+        if (!material.in_camera()) continue;
+        SCOPED_TRACE(material.name);
+        for (const double index : {material.exposure_index, 50.0}) {
+            const Result<color::Observer> film = film_observer(material, index);
+            ASSERT_TRUE(film);
+            for (const double h : exposures_of_white(*film, material.balance.c_str())) EXPECT_NEAR(0.18 * h * index / 10, 1, 1e-12);
+        }
+    }
+}
+
+// The reference adds up over 380..780 nm; here integrals are exact over 360..830 nm, and blue layers see some ultraviolet.
+TEST(FilmExposure, AgreesWithTheReference) {
+    for (const auto& [key, expected] : reference().items()) {
+        SCOPED_TRACE(key);
+        const Material material = *find_material(ReferencePair(key).film, true);
+        const color::Observer film = *film_observer(material, expected["exposure_index"]);
+        const auto h = exposures_of_white(film, expected["taking_light"].get<std::string>().c_str());
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(std::log10(0.18 * h[c]), expected["grey"]["log10_exposure"][c].get<double>(), 0.002) << c;
+    }
+}
+
+TEST(FilmExposure, DaylightFilmSeesLampsOrangeAndTungstenFilmSeesDaylightBlue) {
+    const auto daylight_film = exposures_of_white(*film_observer(*find_material("portra-400", true), 400), "A");
+    EXPECT_GT(daylight_film[0] / daylight_film[2], 3);
+    const auto tungsten_film = exposures_of_white(*film_observer(*find_material("vision3-500t", true), 500), "D55");
+    EXPECT_LT(tungsten_film[0] / tungsten_film[2], 0.5);
+}
+
+TEST(FilmExposure, LogarithmsInvertPowers) {
+    for (const double x : {-30.0, -3.7, -1e-9, 0.0, 0.25, 1.0, 12.345})
+        EXPECT_NEAR(color::log10_of(color::power_of_ten(x)), x, 1e-14);
+}
+
+}  // namespace
+}  // namespace latent::film

@@ -1,0 +1,126 @@
+#include "tools/convert/darkroom.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/parse.h"
+#include "color/power_of_ten.h"
+#include "tools/convert/options.h"
+#include "tools/convert/source.h"
+
+namespace latent::convert {
+namespace {
+
+// Options that only a picture not on film has; "": none was given.
+std::string_view plain_option(const ConvertOptions& options) {
+    if (options.white) return "--white";
+    if (options.paper_decides_tone() && options.tone != "film") return "--tone";
+    if (options.paper_decides_tone() && options.contrast != 1) return "--contrast";
+    if (options.paper_decides_tone() && options.black != 0) return "--black";
+    return "";
+}
+
+Status check_plain(const ConvertOptions& options) {
+    const DarkroomOptions& d = options.darkroom;
+    const char* given = !d.film.empty()              ? "--film"
+                        : d.filters                  ? "--enlarger"
+                        : d.print_stops != 0         ? "--print-exposure"
+                        : !d.contrast_filter.empty() ? "--contrast-filter"
+                                                     : nullptr;
+    if (given != nullptr) return usage_error(fmt::format("{}: needs --paper; --list-papers shows all", given));
+    return {};
+}
+
+}  // namespace
+
+Result<std::optional<std::array<double, 3>>> parse_filters(std::string_view text) {
+    using Filters = std::optional<std::array<double, 3>>;
+    if (text == "auto") return Filters{};
+    const auto numbers = parse_numbers(text);
+    constexpr double kMost = 500;
+    if (numbers && numbers->size() == 3 && std::ranges::all_of(*numbers, [](double v) { return v >= 0 && v <= kMost; }))
+        return Filters{{(*numbers)[0] / 100, (*numbers)[1] / 100, (*numbers)[2] / 100}};
+    return is_not(text, "the filters of an enlarger (try auto, or yellow, magenta and cyan as in 54,46,0)");
+}
+
+Result<double> parse_format(std::string_view text) {
+    struct Format {
+        const char* name;
+        double longer_mm;
+    };
+    for (const Format& format : {Format{"super8", 5.8},
+                                 {"16mm", 10.3},
+                                 {"super35", 24.9},
+                                 {"35mm", 36},
+                                 {"6x4.5", 56},
+                                 {"6x6", 56},
+                                 {"6x7", 70},
+                                 {"6x9", 84},
+                                 {"4x5in", 120},
+                                 {"8x10in", 245}}) {
+        if (text == format.name) return format.longer_mm;
+    }
+    const Result<double> mm = parse_number(text);
+    if (mm && *mm >= 1 && *mm <= 1000) return mm;
+    return is_not(text, "a format (try 35mm, 6x6, 6x7, 4x5in, super8, 16mm, or the longer side of the frame in mm)");
+}
+
+Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source) {
+    const DarkroomOptions& asked = options.darkroom;
+    if (!asked.grain) return std::shared_ptr<const Emulsion>{};
+    if (asked.paper.empty()) return usage_error("--grain: needs --paper; --list-papers shows all");
+    const auto& exposed = *source.reader.image().film;
+    const Result<film::Material> film = film::find_material(asked.film.empty() ? exposed.name : asked.film, true);
+    if (!film) return film.error();
+    const auto granularity = film::granularity(*film, exposed.push);
+    if (!granularity) return granularity.error().at("--grain");
+    const image::Rect& whole = source.reader.image().display_window;
+    const double pixel_um = 1000 * asked.frame_mm / std::max(whole.width(), whole.height());
+    return std::make_shared<const Emulsion>(Emulsion{film::GrainField(asked.seed, pixel_um, film->colour ? 3 : 1), *granularity});
+}
+
+double grey_exposure(const Source& source) { return 10 / source.reader.image().film->exposure_index; }
+
+Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& options, const Source& source) {
+    const std::string input = options.input.string();
+    const auto& exposed = source.reader.image().film;
+    const DarkroomOptions& asked = options.darkroom;
+    if (asked.paper.empty()) {
+        if (Status s = check_plain(options); !s) return s.error();
+        if (!exposed) return std::shared_ptr<const film::Process>{};
+        const Result<film::Material> film = film::find_material(exposed->name, true);
+        const char* paper = !film || !film->colour ? "polymax" : film->positive() ? "light-table" : "endura";
+        return usage_error(
+            fmt::format("{}: holds the exposures of a film, {}, and needs a paper: add --paper {}; --list-papers shows all", input,
+                        exposed->name, paper));
+    }
+    if (!exposed)
+        return usage_error(fmt::format(
+            "--paper: {} holds no exposures of a film, and spectra cannot be recovered from its colours; develop its samples "
+            "again: latent-develop FILE.latent --film portra-400 -o exposures.exr",
+            input));
+    if (const std::string_view given = plain_option(options); !given.empty())
+        return usage_error(
+            fmt::format("{}: does not go with --paper, where the film and the paper decide; use --stops, --print-exposure "
+                        "or --enlarger",
+                        given));
+    const Result<film::Material> film = film::find_material(asked.film.empty() ? exposed->name : asked.film, true);
+    if (!film && asked.film.empty() && film.error().code == ErrorCode::kUsage)
+        return Error{film.error().code, film.error().message + "; if it is your own film, add --film FOLDER/NAME"}.at(input);
+    if (!film) return film.error().at("--film");
+    const double grey = color::log10_of(grey_exposure(source));
+    Result<film::Process> process = film::Process::make({.film = *film,
+                                                         .push = exposed->push,
+                                                         .grey = {grey, grey, grey},
+                                                         .paper = asked.paper,
+                                                         .couplers = asked.couplers,
+                                                         .trim = asked.balance,
+                                                         .pack = asked.filters,
+                                                         .print_stops = asked.print_stops,
+                                                         .contrast_filter = asked.contrast_filter});
+    if (!process) return process.error().message.starts_with("--") ? process.error() : process.error().at("--paper");
+    return std::make_shared<const film::Process>(*std::move(process));
+}
+
+}  // namespace latent::convert
