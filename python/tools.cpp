@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/memory.h"
 #include "c_api/latent.h"
 #include "python/arrays.h"
 #include "python/failure.h"
@@ -64,7 +65,8 @@ develop::PictureOptions picture_options(const std::vector<std::string>& paths, c
     options.samples = samples_of(given, "samples");
     options.job = job_of(given);
     options.skip_duplicates = get<bool>(given, "skip_duplicates");
-    options.memory = get<std::uint64_t>(given, "memory");
+    const auto memory = get<std::uint64_t>(given, "memory");
+    options.memory = memory != 0 ? memory : default_memory();
     options.threads = get<int>(given, "threads");
     return options;
 }

@@ -28,6 +28,8 @@ def survey(args):
             raise Failure(f"{args.hosts}: names no machine; write one per line")
     works = Works(args)
     report = works.report()
+    if len(works.frames) > 1 and works.plan.prints_by_auto_exposure:
+        planning.note('each frame is printed at an exposure of its own, so the film may flicker; give all the same: --print="--sensitivity 1.6"')
     too_large = "" if report["fits"] else (f"{args.out}: needs about {units.format_size(report['bytes_needed'])} more, but only "
                                            f"{units.format_size(report['free_bytes'])} are free")
     return works, report, too_large

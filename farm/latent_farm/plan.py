@@ -123,6 +123,11 @@ class Plan:
         return list(STEPS[STEPS.index(self.until) + 1:STEPS.index("print")])
 
     @property
+    def prints_by_auto_exposure(self):
+        return self.until == "print" and not any(word.split("=")[0] in ("--sensitivity", "--paper", "--tone") or word.startswith("-s")
+                                                 for word in self.print)
+
+    @property
     def strip_rows(self):
         """Rows of pixels of each strip but the last."""
         _, height = size_of(self.develop)

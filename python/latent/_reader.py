@@ -125,6 +125,15 @@ def open(*paths: Path, job: Optional[str] = None, skip_duplicates: bool = False,
 
 
 def info(*paths: Path, job: Optional[str] = None, skip_duplicates: bool = False) -> dict[str, Any]:
-    """The job, the counts and the making of files in one dict: `Reader.job`, `Reader.info`, and its light_groups, materials, parts."""
+    """The job, the counts and the making of files in one dict: `Reader.job`, `Reader.info`, and its light_groups, materials, parts.
+
+    cpu_seconds is the processor time of all parts that tell theirs.
+    """
     reader = open(*paths, job=job, skip_duplicates=skip_duplicates)
-    return {**reader.job, **reader.info, "light_groups": reader.light_groups, "materials": reader.materials, "parts": reader.parts}
+    return {**reader.job, **reader.info, "light_groups": reader.light_groups, "materials": reader.materials, "parts": reader.parts,
+            "cpu_seconds": sum(_cpu_seconds(part["provenance"]) for part in reader.parts)}
+
+
+def _cpu_seconds(provenance: Any) -> float:
+    seconds = provenance.get("cpu_seconds") if isinstance(provenance, dict) else None  # writers may say what they like
+    return seconds if isinstance(seconds, (int, float)) and seconds > 0 else 0

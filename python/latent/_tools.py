@@ -28,20 +28,21 @@ def merge(
     skip_duplicates: bool = False,
     keep_going: bool = False,
     job: Optional[str] = None,
-    memory: int = 2**30,
+    memory: Optional[int] = None,
     threads: int = 0,
 ) -> dict[str, Any]:
     """Joins files, folders and unfinished parts of one job into one file, as latent-merge does.
 
     require: samples (first, end) that must be present. verify: how the copies are checked, "quick", "stored" or "full". compact:
-    rewrite many small runs as a few large ones. job: 32 hexadecimal digits, if folders hold several. memory: bytes. threads: at most;
-    0: all. Returns counts (samples, files, runs_in, runs_out, camera_records, light_records, bytes) and left_out, a list of lines.
+    rewrite many small runs as a few large ones. job: 32 hexadecimal digits, if folders hold several. memory: bytes; default: 1 GiB, at
+    most half of what may be used. threads: at most; 0: all. Returns counts (samples, files, runs_in, runs_out, camera_records,
+    light_records, bytes) and left_out, a list of lines.
     """
     options = {
         "verify": _LEVELS.index(_arguments.choice("verify", verify, _LEVELS)), "replace": _arguments.flag("replace", replace),
         "require": _arguments.optional(_arguments.interval, "require", require), "compact": _arguments.flag("compact", compact),
         "skip_duplicates": _arguments.flag("skip_duplicates", skip_duplicates), "keep_going": _arguments.flag("keep_going", keep_going),
-        "job": _arguments.optional(_arguments.job_id, "job", job), "memory": _arguments.whole("memory", memory, 1),
+        "job": _arguments.optional(_arguments.job_id, "job", job), "memory": 0 if memory is None else _arguments.whole("memory", memory, 1),
         "threads": _arguments.whole("threads", threads, 0, _MOST_THREADS)}
     return _latent.merge(_arguments.paths(paths), _arguments.path("output", output), options)
 
@@ -52,13 +53,14 @@ def develop(*paths: Path, **options: Any) -> np.ndarray:
     Returns float32 (height, width, 3): linear X, Y, Z (a camera's R, G, B without camera_xyz). With spectral_bins: (height, width,
     bins), radiance in W m^-2 sr^-1 nm^-1. Left-out input and advice are issued as LatentWarning.
 
-    size: width, or (width, height), in pixels; default: the largest with 16 samples per pixel. crop: (x0, y0, x1, y1), pixels of the
-    whole picture. filter: such as "box" or "quartic:-3,1.5", the default. observer: a name ("cie1964", "kodak_trix_400") or a CSV
-    file. camera_xyz: X, Y, Z of a camera. raw_balance: False for channels of a camera with one scale. lens_filter: such as "wratten-25". filter_factor: a factor of the exposure, or "auto".
-    lights: such as ["lamp=2.5"]. dim_fireflies: dims specks of light. image: "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few
-    wavelengths. spectral_bins: their number, or "FROM:TO:STEP" in nm. samples: (first, end). job: 32 hexadecimal digits, if folders
-    hold several. skip_duplicates: files may hold the same samples. memory: bytes to work in, beside the picture's own. threads: at
-    most; 0: all.
+    size: width, or (width, height), in pixels; default: the size rendered for. crop: (x0, y0, x1, y1), pixels of the whole picture.
+    filter: such as "box" or "quartic:-3,1.5", the default. observer: a name ("cie1964", "kodak_trix_400") or a CSV file.
+    camera_xyz: X, Y, Z of a camera. raw_balance: False for channels of a camera with one scale. lens_filter: such as "wratten-25".
+    filter_factor: a factor of the exposure, or "auto". lights: such as ["lamp=2.5"]. dim_fireflies: dims specks of light. image:
+    "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few wavelengths. spectral_bins: their
+    number, or "FROM:TO:STEP" in nm. samples: (first, end). job: 32 hexadecimal digits, if folders hold several. skip_duplicates:
+    files may hold the same samples. memory: bytes to work in, beside the picture's own; default: 1 GiB, at most half of what may be
+    used. threads: at most; 0: all.
 
     >>> xyz = latent.develop("night.latent", size=512, filter="box")
     """
@@ -99,7 +101,7 @@ def _develop(
     samples: Optional[tuple[int, int]] = None,
     job: Optional[str] = None,
     skip_duplicates: bool = False,
-    memory: int = 2**30,
+    memory: Optional[int] = None,
     threads: int = 0,
 ) -> tuple[np.ndarray, list[str]]:
     """Pixels (height, width, channels), and the names of the channels."""
@@ -122,7 +124,8 @@ def _develop(
         "spectral_bins": _arguments.text("spectral_bins", spectral_bins), "layers": ",".join(_arguments.texts("layers", layers)),
         "halves": _arguments.flag("halves", halves), "samples": _arguments.optional(_arguments.interval, "samples", samples),
         "job": _arguments.optional(_arguments.job_id, "job", job), "skip_duplicates": _arguments.flag("skip_duplicates", skip_duplicates),
-        "memory": _arguments.whole("memory", memory, 1), "threads": _arguments.whole("threads", threads, 0, _MOST_THREADS)}
+        "memory": 0 if memory is None else _arguments.whole("memory", memory, 1),
+        "threads": _arguments.whole("threads", threads, 0, _MOST_THREADS)}
     pixels, names, lines = _latent.develop(_arguments.paths(paths), options)
     for line in lines:
         warnings.warn(line, LatentWarning, stacklevel=3)

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -115,17 +116,18 @@ class Finish(FarmTest):
                             "--", "--resolution", "16x16", status=status, env={**os.environ, "PATH": found})
 
     def test_prints_of_an_animation_become_a_film_in_the_order_of_their_numbers(self):
-        self.film("--print=", "--fps", 25)
+        self.assertIn("the film may flicker", self.film("--print=", "--fps", 25).stderr)
         film = self.folder / "film/film.mp4"
         words, pictures = film.read_bytes().split(b"\n", 1)
         self.assertEqual(pictures, b"".join((self.folder / f"film/frame.{number}/picture.png").read_bytes() for number in (1, 9, 10)))
         self.assertTrue(pictures.startswith(PNG) and pictures.count(PNG) == 3)
+        self.assertEqual(struct.unpack(">2I", pictures[16:24]), (16, 16), "the size rendered for")
         self.assertIn(["-framerate", "25"], [json.loads(words)[i:i + 2] for i in range(20)])
         made = film.stat().st_mtime_ns
         self.film()
         self.assertEqual(film.stat().st_mtime_ns, made)
         self.fail_with("film.mp4: exists; ", "latent-farm", "film", self.folder / "film")
-        self.film(spp=2)
+        self.assertNotIn("flicker", self.film("--print=-s 2", spp=2).stderr)
         self.assertNotEqual(film.stat().st_mtime_ns, made)
         self.assertEqual(sorted(["a.10", "a.9", "a", "b.1", "a.09x"], key=in_order), ["a", "a.9", "a.09x", "a.10", "b.1"])
 

@@ -127,14 +127,14 @@ class Tools(unittest.TestCase):
         paths = [self.folder / f"{i}.latent" for i in range(2)]
         for i, path in enumerate(paths):
             zeros = np.zeros(1024)
-            with latent.Writer(path, job_id="4" * 32, samples=(i * 1024, (i + 1) * 1024), provenance={"host": f"node{i}", **names}) as part:
+            with latent.Writer(path, job_id="4" * 32, samples=(i * 1024, (i + 1) * 1024), provenance={"host": f"node{i}", "cpu_seconds": [2.5, "long"][i], **names}) as part:
                 part.write(sample=np.arange(1024) + i * 1024, u=zeros, v=zeros, x=zeros, y=zeros, z=zeros)
         latent.merge(*paths, output=self.folder / "m.latent")
         for night in (latent.open(*paths), latent.open(self.folder / "m.latent")):
-            self.assertEqual(night.parts, [{"provenance": {"host": f"node{i}", **names}, "samples": [(i * 1024, (i + 1) * 1024)]} for i in range(2)])
+            self.assertEqual(night.parts, [{"provenance": {"host": f"node{i}", "cpu_seconds": [2.5, "long"][i], **names}, "samples": [(i * 1024, (i + 1) * 1024)]} for i in range(2)])
             self.assertEqual((night.light_groups, night.materials), (["lamp", "sk\u00ff", ""], ["glass", ""]))
         told = latent.info(self.folder / "m.latent")
-        self.assertEqual((told["parts"], told["materials"], told["samples"]), (night.parts, ["glass", ""], 2048))
+        self.assertEqual((told["parts"], told["materials"], told["samples"], told["cpu_seconds"]), (night.parts, ["glass", ""], 2048, 2.5))
         silent = latent.open(self.generated())
         self.assertEqual((silent.light_groups, silent.materials, silent.parts[0]["provenance"]), ([], [], {"program": "latent-inspect gen"}))
 
