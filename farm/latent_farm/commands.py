@@ -28,8 +28,12 @@ def survey(args):
             raise Failure(f"{args.hosts}: names no machine; write one per line")
     works = Works(args)
     report = works.report()
-    if len(works.frames) > 1 and works.plan.prints_by_auto_exposure:
-        planning.note('each frame is printed at an exposure of its own, so the film may flicker; give all the same: --print="--sensitivity 1.6"')
+    if len(works.frames) > 1 and works.plan.until == "print":
+        if works.plan.prints_by_auto_exposure:
+            planning.note('each frame is printed at an exposure of its own, so the film may flicker; give all the same: '
+                          '--print="--sensitivity 1.6"')
+        if not film.is_possible():
+            planning.note(f"ffmpeg: not found, so there will be prints but no film; install it, then run latent-farm film {shown(args.out)}")
     too_large = "" if report["fits"] else (f"{args.out}: needs about {units.format_size(report['bytes_needed'])} more, but only "
                                            f"{units.format_size(report['free_bytes'])} are free")
     return works, report, too_large
@@ -41,7 +45,7 @@ def to_text(report, free):
     text = f"{units.counted(report['samples'], 'sample')} in {size}, runs of {min(report['samples'], report['run_samples'])}\n"
     if report["missing_samples"]:
         text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {ranges.tasks_text(report['missing_tasks'])}; about "
-                 f"{units.format_duration(report['seconds'])} with {report['machines']} at a time\n")
+                 f"{units.format_duration(report['seconds'])} with {report['at_a_time']} at a time\n")
     text += (f"disk: {units.format_size(report['bytes'])} when finished, {units.format_size(free)} free\n")
     if not report["steps"]:
         return text + "nothing is left to do" + units.left_out(report) + "\n"
@@ -85,7 +89,7 @@ def submit_command(args):
         raise Failure(too_large + "; to submit anyway, use --ignore-space")
     if args.engine != "slurm":
         show(report, args.json)
-        return engines.run(report["commands"])
+        return works.run()
     numbers = works.submit()
     for frame, jobs in zip(report["frames"], numbers):
         frame["jobs"] = jobs

@@ -1,11 +1,14 @@
 """How the steps of a plan are run: by Slurm, by GNU parallel over ssh, or by a plain shell. One command for a task serves all."""
+import contextlib
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
+import tempfile
 
 from latent_farm import files, ranges
-from latent_farm.errors import FAILED, Failure, STOPPED
+from latent_farm.errors import DONE, FAILED, Failure, STOPPED
 
 
 def check(engine):
@@ -39,18 +42,21 @@ def _line(folder, stages, array):
 
 
 def shell_line(folder, stages):
-    """Task after task, stage after stage; ends where one of them fails."""
-    return _line(folder, stages, lambda stage: f"({_each(stage, _command(folder, stage) + ' $k || exit')})")
+    """Task after task, stage after stage. Ends with a stage of which a task failed, or with a task that was interrupted."""
+    return _line(folder, stages, lambda stage: f"(s=0; {_each(stage, _command(folder, stage) + ' $k || s=$?; [ $s != 75 ] || break')}; exit $s)")
+
+
+def _parallel(folder, hosts):
+    """When it ends, tasks have ten minutes to save what they have rendered."""
+    return ["parallel", "--will-cite", "--jobs", "1", *(["--sshloginfile", hosts] if hosts else []), "--retries", "3",
+            "--termseq", "TERM,600000,KILL,25", "--joblog", f"+{folder.logs / 'parallel.log'}"]
 
 
 def parallel_line(folder, stages, hosts):
     """parallel reads whole commands: what it finds in a command of its own, such as {} or {= =}, it would replace."""
-    options = ["--will-cite", "--jobs", "1", *(["--sshloginfile", hosts] if hosts else []),
-               "--retries", "3", "--joblog", f"+{folder.logs / 'parallel.log'}"]
-
     def array(stage):
         command = shlex.join(["printf", r"%s %d\n", _command(folder, stage)])
-        return f"({_each(stage, command + ' $k')}) | {shlex.join(['parallel', *options])}"
+        return f"({_each(stage, command + ' $k')}) | {shlex.join(_parallel(folder, hosts))}"
     return _line(folder, stages, array)
 
 
@@ -61,16 +67,61 @@ def lines_of(folder, plan, stages):
     return [parallel_line(folder, stages, plan.hosts) if plan.engine == "parallel" else shell_line(folder, stages)]
 
 
-def run(lines):
-    """Runs the lines of parallel or of a shell, in the foreground. What they report goes to standard error."""
-    for line in lines:
-        process = subprocess.Popen(["/bin/sh", "-c", line], stdout=sys.stderr)
-        status = None
-        while status is None:
-            try:
-                status = process.wait()
-            except KeyboardInterrupt:  # the tasks have received it too, and save their work
-                pass
-        if status != 0:
-            return STOPPED if status in (STOPPED, 130) else FAILED
-    return 0
+class Foreground:
+    """Does here what lines_of says. A signal is passed on to what runs, which saves its work; nothing more is begun."""
+
+    def __init__(self):
+        self._process, self._stopped = None, False
+
+    def run(self, chains):
+        """Each of `chains` is a folder, its plan, and stages. Returns an exit status."""
+        before = {number: signal.signal(number, self._stop) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        try:
+            for folder, plan, stages in chains:
+                for stage in stages:
+                    status = self._stage(folder, plan, stage)
+                    if self._stopped or status != DONE:
+                        return STOPPED if self._stopped or status == STOPPED else FAILED
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+        return DONE
+
+    def _stop(self, *_):
+        self._stopped = True
+        self._end()
+
+    def _end(self):
+        """parallel ends its tasks at the second signal; the others end at the first."""
+        for _ in range(2):
+            if self._process:
+                with contextlib.suppress(ProcessLookupError):
+                    self._process.send_signal(signal.SIGTERM)
+
+    def _stage(self, folder, plan, stage):
+        run = [str(folder.path / "run"), stage.script]
+        if stage.tasks is None:
+            return self._wait(run)
+        if plan.engine == "parallel":
+            with tempfile.TemporaryFile() as commands:
+                commands.write("".join(f"{shlex.join(run)} {task}\n" for task in stage.tasks).encode(errors="surrogateescape"))
+                commands.seek(0)
+                return self._wait(_parallel(folder, plan.hosts), commands)
+        worst = DONE
+        for task in stage.tasks:
+            status = self._wait([*run, str(task)])
+            worst = status if status != DONE else worst
+            if self._stopped or status == STOPPED:
+                break
+        return worst
+
+    def _wait(self, command, given=subprocess.DEVNULL):
+        """In a session of its own, so that signals reach it only from here. What it reports goes to standard error."""
+        if self._stopped:
+            return STOPPED
+        with subprocess.Popen(command, stdin=given, stdout=sys.stderr, start_new_session=True) as self._process:
+            if self._stopped:  # meanwhile
+                self._end()
+            status = self._process.wait()
+        self._process = None
+        return status

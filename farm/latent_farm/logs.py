@@ -9,6 +9,7 @@ from latent_farm.errors import Failure as Fault
 TAIL = 1 << 16  # bytes of a log that are read
 BEGIN = re.compile(r"\w+(?: \d+)? on (.*), \d{4}-\d\d-\d\dT[\d:]{8}Z(?:, restart \d+)?")
 END = re.compile(r"\w+(?: \d+)?: failed with status (\d+)(?:: (.*))?")
+INTERRUPTED = re.compile(r"\w+(?: \d+)?: interrupted; .*")
 
 
 class Failed(typing.NamedTuple):
@@ -48,6 +49,16 @@ def failure(folder, step, task):
             begin, host = at + 1, found[1]
     said = lines[begin:-1]
     return Failed(step, task, host, int(end[1]), end[2] or (said[-1] if said else f"status {end[1]}"), f"logs/{log_name(step, task)}")
+
+
+def ended(folder, step, task):
+    """When its last attempt failed or was interrupted, by the clock of the file system; 0 if it goes on, as far as the log says."""
+    path = folder.logs / log_name(step, task)
+    lines = read_tail(path)
+    try:
+        return path.stat().st_mtime if lines and (END.fullmatch(lines[-1]) or INTERRUPTED.fullmatch(lines[-1])) else 0
+    except OSError:
+        return 0
 
 
 def failures(folder, stages):

@@ -124,8 +124,7 @@ class Plan:
 
     @property
     def prints_by_auto_exposure(self):
-        return self.until == "print" and not any(word.split("=")[0] in ("--sensitivity", "--paper", "--tone") or word.startswith("-s")
-                                                 for word in self.print)
+        return not any(word.split("=")[0] in ("--sensitivity", "--paper", "--tone") or word.startswith("-s") for word in self.print)
 
     @property
     def strip_rows(self):

@@ -27,6 +27,7 @@ class PartFile:
     changed: float  # when a run was last committed to it, by the clock of the file system
     bytes: int
     adopted: int  # samples that earlier attempts had rendered
+    over: bool = False  # an attempt that failed or was interrupted, and says so in its log
 
     @property
     def rate(self):
@@ -39,6 +40,7 @@ class PartFile:
 class State:
     files: list
     left_out: list  # what is there and does not count, with the reason
+    spare: list  # attempts at tasks whose part is finished: copies of a folder may have them
     merged: list  # ranges of samples of the merged file
     disk: int  # bytes used
     free: int
@@ -66,12 +68,16 @@ def read_state(folder, plan):
     paths = [folder.parts / name for name in names if not name.startswith(".")]
     if folder.merged.exists():
         paths.append(folder.merged)
-    state = State([], [], [], 0, shutil.disk_usage(folder.path).free)
+    state = State([], [], [], [], 0, shutil.disk_usage(folder.path).free)
     ours = [path for path in paths if path == folder.merged or NAME.fullmatch(path.name)]
     state.left_out += [(str(path), "not the name of a part") for path in paths if path not in ours]
     for at in range(0, len(ours), BATCH):
         for path, info in zip(ours[at:at + BATCH], tools.info(ours[at:at + BATCH])):
             take(state, folder, plan, path, info)
+    finished = {file.task for file in state.files if not file.attempt} - set(unfinished(plan, state))
+    state.spare = [file for file in state.files if file.attempt and file.task in finished]
+    state.files = [file for file in state.files if file not in state.spare]
+    state.disk -= sum(file.bytes for file in state.spare)
     return state
 
 
@@ -99,7 +105,9 @@ def take(state, folder, plan, path, info):
         return
     state.left_out += [(str(path), reason) for reason in info["damage"]]
     host, begun, before = origin_of(info)
-    state.files.append(PartFile(path.name, int(name[1]), attempt, held, host, begun, status.st_mtime, status.st_size, 0 if attempt else before))
+    task = int(name[1])
+    over = attempt and logs.ended(folder, "task", task) >= status.st_mtime
+    state.files.append(PartFile(path.name, task, attempt, held, host, begun, status.st_mtime, status.st_size, 0 if attempt else before, over))
 
 
 def unfinished(plan, state):

@@ -6,6 +6,7 @@ from latent_farm import logs, ranges, state, units
 from latent_farm.names import shown
 from latent_farm.plan import Stage
 
+LAST = ["film", "done"]  # steps that follow when all frames are finished
 MOST_SHOWN = 8  # failures, in text
 
 
@@ -20,7 +21,7 @@ def machines_of(plan, files, unfinished, now, stalled_after):
         machine["last_commit"] = max(machine["last_commit"], file.changed)
         if file.rate:
             machine["rates"].append(file.rate)
-        if not file.attempt or file.task not in unfinished or file is not newest[file.task]:  # another has gone on with it
+        if not file.attempt or file.over or file.task not in unfinished or file is not newest[file.task]:  # another has gone on with it
             continue
         if now - file.changed <= stalled_after:
             machine["working"] += 1
@@ -53,7 +54,7 @@ def summary(folder, plan, found, now, stalled_after):
         "samples_per_second": rate, "seconds_left": 0 if not lacks else lacks / rate if rate else None,
         "machines": machines, "bytes": found.disk,
         "bytes_when_finished": round(held_twice * plan.samples * (per_sample or plan.bytes_per_sample)),
-        "free_bytes": found.free, "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
+        "free_bytes": found.free, "spare": [file.name for file in found.spare], "spare_bytes": sum(file.bytes for file in found.spare), "left_out": [{"place": place, "reason": reason} for place, reason in found.left_out],
         "until": plan.until, "steps_left_out": plan.steps_left_out, "complete": not lacks, "merged": not ranges.missing((0, plan.samples), found.merged),
         "steps_left": [stage.name for stage in stages],
         "failed": [failed._asdict() for failed in logs.failures(folder, stages)],
@@ -74,6 +75,9 @@ def to_text(report, now):
         lines.append(f"rate:    {units.format_count(report['samples_per_second'])} samples/s, {units.format_duration(left)} left")
     lines.append(f"disk:    {units.format_size(report['bytes'])} used, {units.format_size(report['bytes_when_finished'])} "
                  f"when finished, {units.format_size(report['free_bytes'])} free")
+    if report["spare"]:
+        lines.append(f"spare:   {units.counted(len(report['spare']), 'attempt')} at finished tasks, {units.format_size(report['spare_bytes'])}; "
+                     "delete them if you like")
     lines += failures_text(report["failed"])
     if report["steps_left"]:
         lines.append(f"left:    {', '.join(report['steps_left'])}")
@@ -102,7 +106,7 @@ def status(whole, folders, stalled_after):
     return {
         "folder": str(whole.path), "engine": plans[0].engine, "samples": samples, "committed": committed, "samples_per_second": rate,
         "seconds_left": 0 if not left else left / rate if rate else None, "complete": not left,
-        "frames_done": sum(not report["steps_left"] for report in reports), "steps_left": [stage.name for stage in last],
+        "frames_done": sum(not report["steps_left"] for report in reports), "steps_left": [*dict.fromkeys(step for report in reports for step in report["steps_left"]), *(stage.name for stage in last)],
         "failed": [failed._asdict() for failed in logs.failures(whole, [Stage("film"), Stage("done")])], "frames": reports}, now
 
 
@@ -112,7 +116,8 @@ def text_of_all(report, now):
         done = 100 * report["committed"] / report["samples"]
         text = f"{report['frames_done']} of {len(texts)} frames are done; {report['committed']} of {report['samples']} samples committed ({done:.1f} %)"
         texts.append(text + (f", {units.format_duration(report['seconds_left'])} left" if report["seconds_left"] else "") + "\n")
-    last = [f"then:    {', '.join(report['steps_left'])}"] * bool(report["steps_left"]) + failures_text(report["failed"])
+    last = [step for step in report["steps_left"] if step in LAST]
+    last = [f"then:    {', '.join(last)}"] * bool(last) + failures_text(report["failed"])
     return "\n".join(texts) + "".join(line + "\n" for line in last)
 
 

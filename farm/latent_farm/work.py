@@ -1,6 +1,6 @@
 """What is to be done: in the folder of a plan, made, extended or as it was; and for all frames together."""
 from latent_farm import engines, frames, planning, ranges, scripts, slurm, state
-from latent_farm.errors import Misuse
+from latent_farm.errors import Failure, Misuse, STOPPED
 from latent_farm.folder import Folder
 
 
@@ -21,10 +21,11 @@ class Work:
         plan, found = self.plan, self.found
         left = sum(ranges.size(ranges.missing(plan.range_of(task), found.held_by(task))) for task in self.missing)
         whole = plan.bytes * (1 if plan.until == "render" else 2)
+        at_a_time = 1 if plan.engine == "shell" else min(plan.machines, max(1, len(self.missing)))
         return {"folder": str(self.folder.path), "job": plan.job, "samples": plan.samples, "tasks": plan.tasks,
                 "task_samples": plan.task_samples, "task_seconds": plan.task_seconds, "run_samples": plan.run_samples,
                 "machines": plan.machines, "samples_per_second": plan.rate, "missing_tasks": ranges.array_list(self.missing),
-                "missing_samples": left, "seconds": left / plan.rate / min(plan.machines, max(1, len(self.missing))),
+                "missing_samples": left, "at_a_time": at_a_time, "seconds": left / plan.rate / at_a_time,
                 "bytes": whole, "bytes_needed": max(0, whole - found.disk),
                 "until": plan.until, "steps_left_out": plan.steps_left_out, "steps": [stage.name for stage in self.stages]}
 
@@ -57,6 +58,13 @@ class Works:
             lines.append(own)
             jobs += last
         return lines + [slurm.Chain(self.folder, self.plan).lines(self.last, jobs, "L")[0]]
+
+    def run(self):
+        """Everything, by parallel or in a loop. Returns an exit status."""
+        status = engines.Foreground().run([*self._chains(), (self.folder, self.plan, self.last)])
+        if status == STOPPED:
+            raise Failure(f"interrupted; what was finished is saved; go on with latent-farm resume {self.folder.path}", STOPPED)
+        return status
 
     def submit(self):
         """The numbers of the jobs of Slurm: [those of each frame, and of what follows]."""

@@ -83,8 +83,17 @@ class Commands(FarmTest):
     def stages(self, tasks):
         return [Stage("render", tasks), Stage("merge")]
 
-    def tasks_run_by(self, line):
-        """A task notes its number and its folder's name; one that is called with 13 fails."""
+    def tasks_run_by(self, engine, tasks):
+        """The status and the tasks, in the order in which they ran, of the engine's line; submit does the same. Task 13 fails."""
+        chain = self.night, types.SimpleNamespace(engine=engine, hosts=""), self.stages(tasks)
+        [line] = engines.lines_of(*chain)
+        status, ran = self.ran_by(lambda: subprocess.run(["/bin/sh", "-c", line], capture_output=True).returncode)
+        with (self.folder / "said").open("w") as said, mock.patch("sys.stderr", said):
+            again, ran_again = self.ran_by(lambda: engines.Foreground().run([chain]))
+        self.assertEqual((bool(status), sorted(ran)), (bool(again), sorted(ran_again)))
+        return status, ran
+
+    def ran_by(self, act):
         task = self.night.path / "task"
         task.write_text('#!/bin/sh\necho "$1" >>"$(dirname "$0")/logs/ran"\n[ "$1" != 13 ]\n')
         task.chmod(0o755)
@@ -92,22 +101,21 @@ class Commands(FarmTest):
         merge.write_text('#!/bin/sh\necho merge >>"$(dirname "$0")/logs/ran"\n')
         merge.chmod(0o755)
         files.write(self.night.path / "run", scripts.RUN, 0o777)
-        done = subprocess.run(["/bin/sh", "-c", line], capture_output=True, text=True)
+        status = act()
         ran = pathlib.Path(self.night.logs / "ran")
         lines = ran.read_text().split()
         ran.unlink()
-        return done.returncode, lines
+        return status, lines
 
-    def test_a_shell_runs_every_task_and_then_the_steps_and_stops_at_a_failure(self):
-        self.assertEqual(self.tasks_run_by(engines.shell_line(self.night, self.stages([0, 1, 2, 7]))), (0, ["0", "1", "2", "7", "merge"]))
-        status, ran = self.tasks_run_by(engines.shell_line(self.night, self.stages([12, 13, 14])))
-        self.assertEqual((status, ran), (1, ["12", "13"]))
+    def test_a_shell_runs_every_task_and_no_step_after_a_failure(self):
+        self.assertEqual(self.tasks_run_by("shell", [0, 1, 2, 7]), (0, ["0", "1", "2", "7", "merge"]))
+        self.assertEqual(self.tasks_run_by("shell", [12, 13, 14]), (1, ["12", "13", "14"]))
 
     @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
     def test_parallel_runs_every_task_and_no_step_after_a_failure(self):
-        status, ran = self.tasks_run_by(engines.parallel_line(self.night, self.stages([0, 1, 2, 7]), None))
+        status, ran = self.tasks_run_by("parallel", [0, 1, 2, 7])
         self.assertEqual((status, sorted(ran)), (0, ["0", "1", "2", "7", "merge"]))
-        status, ran = self.tasks_run_by(engines.parallel_line(self.night, self.stages([12, 13, 14]), None))
+        status, ran = self.tasks_run_by("parallel", [12, 13, 14])
         self.assertNotEqual(status, 0)
         self.assertEqual(sorted(ran), ["12", "13", "13", "13", "14"])  # three tries
 

@@ -10,7 +10,7 @@ import sys
 import time
 import unittest
 
-from support import SCENE, FarmTest
+from support import SCENE, FarmTest, start
 from latent_farm.frames import in_order
 from latent_farm.names import is_control
 
@@ -72,6 +72,22 @@ class Failures(FarmTest):
             self.assertEqual(task.wait(), status)
             self.assertEqual([failed["reason"] for failed in self.status()["failed"]], ["killed, perhaps because memory ran out"] * (status == 137))
         self.assertTrue((night / "logs/task-00000.log").read_text().endswith("task 0: interrupted; what it finished is saved\n"))
+
+    def test_a_submission_that_is_interrupted_saves_its_work_and_leaves_nothing_running(self):
+        for engine, number in [("shell", signal.SIGINT), ("shell", signal.SIGTERM)] + [("parallel", signal.SIGTERM)] * bool(shutil.which("parallel")):
+            name = f"{engine}-{number}"
+            self.plan("--tasks", 2, "--checkpoint", "0.05", spp=4000, out=name, engine=engine)
+            farm = start("latent-farm", "resume", self.folder / name)
+            while not self.status(name)["committed"]:
+                time.sleep(0.05)
+            self.assertGreater(self.status(name)["tasks_working"], 0)
+            farm.send_signal(number)
+            said = farm.communicate()[1]
+            self.assertEqual(farm.returncode, 75, said)
+            self.assertTrue(said.endswith(f"latent-farm: interrupted; what was finished is saved; go on with latent-farm resume {self.folder / name}\n"), said)
+            self.assertEqual(subprocess.run(["pgrep", "-f", f"latent-render.*{self.folder / name}/"]).returncode, 1, "none is running")
+            report = self.status(name)
+            self.assertEqual((report["tasks_working"], report["failed"]), (0, []))
 
     def test_a_log_with_anything_in_it_gives_one_harmless_line(self):
         self.plan("--tasks", 1)

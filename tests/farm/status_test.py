@@ -58,6 +58,18 @@ class Status(FarmTest):
         self.assertIsNone(status["seconds_left"])
         self.assertEqual(self.status("night", "--stalled-after", "10m")["stalled"], [])
 
+    def test_an_attempt_at_a_finished_task_counts_for_nothing(self):
+        self.plan("--tasks", 2)
+        for task in range(2):
+            self.succeed(self.folder / "night/task", task)
+        parts, before = self.folder / "night/parts", self.status()
+        shutil.copy(parts / "part-00001.latent", parts / "part-00001.latent.part.n1.7")
+        after = self.status()
+        self.assertEqual((after["spare"], after["spare_bytes"]), (["part-00001.latent.part.n1.7"], (parts / "part-00001.latent").stat().st_size))
+        for what in ("machines", "bytes", "bytes_when_finished", "committed", "tasks_working", "stalled"):
+            self.assertEqual(after[what], before[what], what)
+        self.assertIn("spare:   1 attempt at finished tasks", self.succeed("latent-farm", "status", self.folder / "night").stdout)
+
     def test_a_task_that_was_killed_and_is_rendered_again_counts_once(self):
         now = 1e9
         files = [state.PartFile(f"part-00000.latent.part.{i}", 0, True, [(0, held)], host, now - 100, now - age, held, 0)

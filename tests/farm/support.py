@@ -14,10 +14,19 @@ SCENE = SOURCE / "scenes/sodium.pbrt"
 sys.path.insert(0, str(SOURCE / "farm"))
 
 
+def words(command):
+    program = TOOLS / command[0] if str(command[0]).startswith("latent-") else command[0]
+    return [str(program), *map(str, command[1:])]
+
+
 def run(*command, **settings):
     """A tool and its arguments. Its status, standard output and standard error."""
-    program = TOOLS / command[0] if str(command[0]).startswith("latent-") else command[0]
-    return subprocess.run([str(program), *map(str, command[1:])], stdin=subprocess.DEVNULL, capture_output=True, text=True, **settings)
+    return subprocess.run(words(command), stdin=subprocess.DEVNULL, capture_output=True, text=True, **settings)
+
+
+def start(*command):
+    """The same, while it runs."""
+    return subprocess.Popen(words(command), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def one_frame(report):
