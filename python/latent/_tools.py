@@ -74,7 +74,7 @@ def develop_layers(*paths: Path, **options: Any) -> dict[str, np.ndarray]:
     Z) or spectral bins, and those of two more options:
 
     layers: of "variance", "weight" and "count"; and of "albedo", "normal", "depth", "position" and "id", if the scene was rendered with
-    --aov. halves: the picture of each half of the samples, too. Other options: see `develop`.
+    --aov, and names of other columns. halves: the picture of each half of the samples, too. Other options: see `develop`.
     """
     pixels, names = _develop(paths, **options)
     return {name: pixels[:, :, i] for i, name in enumerate(names)}

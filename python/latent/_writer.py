@@ -77,8 +77,9 @@ class Writer:
 
     def write(self, *, sample: Any, u: Any, v: Any, x: Any = None, y: Any = None, z: Any = None, power: Any = None,
               wavelengths: Any = None, share: Any = None, record_class: Any = None, extra: Mapping[str, Any] = {}) -> None:
-        """Submits whole arrays, grain by grain; columns as in `submit`. All missing samples count as rendered, whether they have
-        records or not. Records of samples that are on disk already are left out."""
+        """Submits all records of the part, grain by grain; columns as in `submit`. All missing samples count as rendered, whether they
+        have records or not. Records of samples that were on disk when the part was opened are left out. To write a part piece by
+        piece, use `grains` and `submit`."""
         sample, u, v, values, share, record_class, extras = self._columns(
             sample, u, v, x, y, z, power, wavelengths, share, record_class, extra)
         first, end = self._samples
@@ -87,12 +88,18 @@ class Writer:
             raise ValueError(f"sample: {sample[outside][0]} is not in {first}:{end}, the samples of this part")
         order = np.argsort(sample, kind="stable")
         sample = sample[order]
+        late = np.zeros(len(sample), bool)
+        for first, end in self.missing:
+            late[slice(*np.searchsorted(sample, (first, end)))] = True
         for grain in self.grains():
             begin, end = np.searchsorted(sample, np.asarray(grain, np.uint64))
             rows = order[begin:end]
             self._writer.submit(grain, sample[begin:end], u[rows], v[rows], [column[rows] for column in values],
                                 None if share is None else share[rows], None if record_class is None else record_class[rows],
                                 [column[rows] for column in extras])
+            late[begin:end] = False
+        if late.any():
+            raise ValueError(f"sample: {sample[late][0]} was submitted before; write takes all records of a part in one call")
 
     def _columns(self, sample: Any, u: Any, v: Any, x: Any, y: Any, z: Any, power: Any, wavelengths: Any, share: Any,
                  record_class: Any, extra: Mapping[str, Any]) -> tuple[Any, ...]:
@@ -113,6 +120,8 @@ class Writer:
         if record_class is not None:
             record_class = column("record_class", record_class, np.uint8, n)
         if set(_arguments.mapping("extra", extra, "columns")) != set(self._extra):
+            for name in self._extra.keys() - extra.keys():
+                raise ValueError(f"extra: {name!r} is missing; the columns of this job are {list(self._extra)}")
             raise ValueError(f"extra: {_arguments.shown(list(extra))}; the columns of this job are {list(self._extra)}")
         extras = [column(f"extra: {name}", extra[name], kind, n) for name, kind in self._extra.items()]
         return sample, _arguments.positions("u", u, n), _arguments.positions("v", v, n), values, share, record_class, extras

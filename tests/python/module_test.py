@@ -103,6 +103,20 @@ class Module(unittest.TestCase):
         np.testing.assert_array_equal(read["u"][order], np.floor(given["u"] * 2**32) / 2**32)
         np.testing.assert_array_equal(read["share"], 1)
 
+    def test_records_of_a_sample_that_was_submitted_before_are_refused(self):
+        def records(first, end):
+            zeros = np.zeros(end - first)
+            return {"sample": np.arange(first, end), **{name: zeros for name in "uvxyz"}}
+
+        with latent.Writer(self.path("w.latent"), job_id="1" * 32, samples=(0, 4096)) as part:
+            part.write(**records(0, 1000))
+            for first, end in ((1000, 2000), (4095, 4096)):
+                self.assertRaisesRegex(ValueError, f"^sample: {first} was submitted before", part.write, **records(first, end))
+        with latent.Writer(self.path("v.latent"), job_id="1" * 32, samples=(0, 4096)) as part:
+            part.submit(next(part.grains()), **records(0, 1024))
+            part.write(**records(1024, 4096))
+        self.assertEqual([latent.open(self.path(name)).info["camera_records"] for name in ("w.latent", "v.latent")], [1000, 4096])
+
     def test_a_record_has_up_to_128_columns_of_its_own(self):
         random = np.random.default_rng(2)
         n, path = 4000, self.path("w.latent")
