@@ -24,9 +24,11 @@ def survey(args):
             raise Misuse("--hosts: needs --engine parallel")
         args.hosts = os.path.abspath(args.hosts)
         check_name(args.hosts)
-        if not engines.hosts_in(args.hosts):
-            raise Failure(f"{args.hosts}: names no machine; write one per line")
+        engines.hosts_in(args.hosts)
     works = Works(args)
+    for plan in (frame.plan for frame in works.frames):
+        if plan.engine == "parallel" and plan.hosts:
+            engines.hosts_in(plan.hosts)  # may have become anything since it was planned
     report = works.report()
     if len(works.frames) > 1 and works.plan.until == "print":
         if works.plan.prints_by_auto_exposure:

@@ -24,7 +24,10 @@ def hosts_in(path):
         text = files.read(path).decode(errors="replace")
     except FileNotFoundError:
         raise Failure(f"{path}: no such file") from None
-    return [line for line in (line.split("#")[0].strip() for line in text.splitlines()) if line]
+    hosts = [line for line in (line.split("#")[0].strip() for line in text.splitlines()) if line]
+    if not hosts:
+        raise Failure(f"{path}: names no machine; write one per line")
+    return hosts
 
 
 def _command(folder, stage):

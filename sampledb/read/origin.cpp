@@ -38,6 +38,11 @@ double cpu_seconds_in(std::string_view provenance) {
     return is_number && seconds > 0 ? seconds : 0;
 }
 
+bool was_resumed(std::string_view provenance) {
+    const std::string_view before = member_of(provenance, "committed_before");
+    return !before.empty() && before != "0";
+}
+
 // The members of the first that all have with the same value.
 std::vector<Member> common_members(const std::vector<std::string_view>& objects) {
     std::vector<Member> common = members_of(objects.front());
@@ -78,6 +83,7 @@ Origin origin_of(const FileContents& file) {
         origin.common = own_provenance(file).json;
         if (!footer.objection.empty()) origin.parts = footer.json;
         origin.cpu_seconds = cpu_seconds_in(origin.common);
+        origin.resumed = was_resumed(origin.common);
         return origin;
     }
     const std::vector<Member> common = common_members(provenances);
@@ -87,6 +93,7 @@ Origin origin_of(const FileContents& file) {
     origin.parts = "[";
     for (std::size_t i = 0; i < provenances.size(); ++i) {
         origin.cpu_seconds += cpu_seconds_in(provenances[i]);
+        origin.resumed = origin.resumed || was_resumed(provenances[i]);
         std::vector<Member> differences = members_of(provenances[i]);
         std::erase_if(differences, [&](const Member& member) { return std::ranges::find(common, member) != common.end(); });
         const bool is_object = provenances[i].starts_with('{');

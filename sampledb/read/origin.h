@@ -15,7 +15,8 @@ struct Origin {
     std::string parts = "[]";   // JSON: [{"samples": [[A, B], ...], "differences": {...}}, ...]; empty if nothing was merged
     std::size_t part_count = 0;
     bool incomplete = false;  // there were more parts than a file lists
-    double cpu_seconds = 0;   // of all parts that say it
+    double cpu_seconds = 0;   // of all parts that say it, each since it was resumed
+    bool resumed = false;     // any of them
 };
 
 // A header or footer that is no JSON object is quoted, as a string, in `common` or `parts`: see quote_provenance.

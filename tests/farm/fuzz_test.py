@@ -120,7 +120,7 @@ class Fuzz(FarmTest):
         for _ in range(2000):
             origin = chance.choice((None, [], "x", *[{key: chance.choice((*VALUES, "9999-12-31T23:59:59Z", "0001-01-01T00:00:00Z")) for key in keys}] * 8))
             info = {"job": PLAN.job, "samples": [[0, 8192]], "damage": [], "origin": origin}
-            found = state.State([], [], [], 0, 1)
+            found = state.State([], [], [], [], 0, 1)
             path = mock.Mock(stat=lambda: types.SimpleNamespace(st_mtime=chance.choice((-1e11, 0.0, 1e9, 1e18)), st_size=9))
             path.name = chance.choice(("part-00000.latent", "part-00000.latent.part.0"))
             state.take(found, self.night, PLAN, path, info)

@@ -1,4 +1,5 @@
 """Files that strangers made: their names run no command, whatever runs the steps, and are not obeyed by a terminal."""
+import json
 import os
 import pathlib
 import shlex
@@ -174,6 +175,13 @@ class Folders(FarmTest):
             self.fail_with(f"{name}: is not a regular file", "latent-farm", *command)
             (night / name).unlink()
             self.plan("--tasks", 2)
+
+    def test_a_plan_that_names_an_endless_list_of_machines_is_refused(self):
+        (self.folder / "hosts").write_text("node1\n")
+        self.plan("--hosts", self.folder / "hosts", engine="parallel")
+        plan = self.folder / "night/plan.json"
+        plan.write_text(json.dumps({**json.loads(plan.read_text()), "hosts": "/dev/zero"}))
+        self.fail_with("/dev/zero: is not a regular file", "latent-farm", "resume", self.folder / "night")
 
     def test_what_others_called_their_files_and_machines_does_not_reach_the_terminal(self):
         self.plan("--tasks", 1, command="submit")

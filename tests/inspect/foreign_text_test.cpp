@@ -103,6 +103,13 @@ TEST_F(ForeignText, HowAFileWasMadeIsToldInOnePlaceBeforeAndAfterMerging) {
     EXPECT_EQ(info["parts"], json::parse(R"([{"samples":[[0,50]],"differences":{"host":"x","cpu_seconds":1.5}},)"
                                          R"({"samples":[[50,100]],"differences":{"cpu_seconds":2,"host":"y"}}])"));
     EXPECT_EQ(info["cpu_seconds"], 3.5);
+
+    const auto cpu_time = [&](const char* origin) {
+        return inspect({"info", write("a.latent", file_with(make_short_job(), origin, ""))}).out;
+    };
+    EXPECT_THAT(cpu_time(R"({"cpu_seconds":2})"), ::testing::HasSubstr("CPU time    2.0s\n"));
+    EXPECT_THAT(cpu_time(R"({"cpu_seconds":2,"committed_before":7})"),
+                ::testing::HasSubstr("2.0s, and what ran before rendering was resumed\n"));
 }
 
 TEST_F(ForeignText, AProvenanceOfMorePartsThanAreKeptSaysThatItIsIncomplete) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/size.h"
 #include "sampledb/format/footer.h"
 #include "tests/faults/process.h"
 #include "tests/support/gathered.h"
@@ -54,7 +55,10 @@ TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
     EXPECT_EQ(info["columns_estimated"], false);
     EXPECT_NEAR(stored * records + info["frame_bytes"].get<double>(), info["stored_bytes"].get<double>(), 0.5);
     EXPECT_GT(stored * records, 0.9 * (info["stored_bytes"].get<double>() - 4 * 5000));
-    EXPECT_NE(inspect({"info", file}).out.find(to_hex(job.id)), std::string::npos);
+    const std::string text = inspect({"info", file}).out;
+    EXPECT_NE(text.find(to_hex(job.id)), std::string::npos);
+    EXPECT_NE(text.find(format_size(info["stored_bytes"].get<std::uint64_t>()) + " without superseded runs"), std::string::npos)
+        << text;
     const auto selected = gather({file});
     ASSERT_EQ(info["run_list"].size(), 4u);
     for (std::size_t i = 0; i < 4; ++i) {
@@ -80,6 +84,20 @@ TEST_F(InspectTest, InfoListsTheGroupsOfLightsAndNoSpectra) {
         EXPECT_EQ(
             json::parse(inspect({"info", "--json", file}).out)["light_groups"],
             json::parse(R"([{"name":"lamp","spectrum":true},{"name":"sky","spectrum":false},{"name":"2","spectrum":false}])"));
+    }
+}
+
+TEST_F(InspectTest, WhatIsNoLatentFileIsSkippedInAFolderButNotWhereItIsNamed) {
+    const fs::path parts = folder_ / "parts";
+    fs::create_directory(parts);
+    fs::rename(write("a.latent", synthetic::make_file(make_short_job(), four_runs()).bytes), parts / "a.latent");
+    std::ofstream(parts / "notes.txt") << "a shopping list";
+    for (const char* command : {"info", "verify"}) {
+        const Outcome outcome = inspect({command, "--json", parts});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(json::parse(outcome.out).size(), 1u) << outcome.out;
+        EXPECT_NE(outcome.err.find("notes.txt: not a Latent file, skipped\n"), std::string::npos) << outcome.err;
+        EXPECT_EQ(inspect({command, parts / "a.latent", parts / "notes.txt"}).status, 1);
     }
 }
 

@@ -249,9 +249,11 @@ std::string to_text(const FileInfo& info) {
     line("light", grouped(info.light_records) + (info.light_records == 1 ? " record" : " records"));
     line("runs", fmt::format("{} of up to {} samples; {} superseded, {} ending before a boundary; {} pages", info.runs,
                              job.run_samples, info.superseded_runs, info.open_runs, grouped(info.pages)));
-    line("size", records == 0 ? format_size(info.size)
-                              : fmt::format("{}, {:.2f} bytes per record", format_size(info.size),
-                                            static_cast<double>(info.stored_bytes) / static_cast<double>(records)));
+    std::string size = format_size(info.size);
+    if (info.superseded_runs > 0) size += fmt::format(", {} without superseded runs", format_size(info.stored_bytes));
+    if (records > 0)
+        size += fmt::format(", {:.2f} bytes per record", static_cast<double>(info.stored_bytes) / static_cast<double>(records));
+    line("size", size);
     const auto per_record = [&](std::uint64_t bytes) { return static_cast<double>(bytes) / static_cast<double>(records); };
     for (const ColumnCost& column : info.columns) {
         line("", fmt::format("{:<10}{:7.3f} bytes per record, {:.0f} decoded{}", printable_line(column.name),
@@ -267,7 +269,9 @@ std::string to_text(const FileInfo& info) {
         line("merged", fmt::format("from {}{} (--json lists how they differ)", origin.incomplete ? "at least " : "",
                                    counted(origin.part_count, "part")));
     }
-    if (origin.cpu_seconds > 0) line("CPU time", format_duration(origin.cpu_seconds));
+    if (origin.cpu_seconds > 0)
+        line("CPU time",
+             format_duration(origin.cpu_seconds) + (origin.resumed ? ", and what ran before rendering was resumed" : ""));
     for (const std::string& reason : info.left_out()) line("damaged", reason);
     for (const std::string& remark : info.remarks()) line("note", remark);
     return text;

@@ -38,24 +38,32 @@ inline int graver(int a, int b) {
     return std::ranges::find(kAscending, a) < std::ranges::find(kAscending, b) ? b : a;
 }
 
-// Looks at every file, also behind one that cannot be read, and returns the gravest status.
-// As JSON, one file is an object; several are an array, where a file that cannot be read has an "error".
+// Looks at every file, also behind one that cannot be read, and returns the gravest status. What lies in a folder and is not a
+// Latent file is skipped. As JSON, one file is an object; several are an array, where a file that cannot be read has an "error".
 template <class Look>
 int print_each(const std::vector<std::filesystem::path>& named, bool as_json, const Look& look) {
-    std::vector<std::pair<std::filesystem::path, Status>> files;  // an error: they cannot be listed
+    struct Listed {
+        sampledb::InputFile file;
+        Status status;  // an error: it cannot be listed
+    };
+    std::vector<Listed> files;
     for (const std::filesystem::path& name : named) {
         const Result<std::vector<sampledb::InputFile>> found = sampledb::list_input_files({name});
-        if (!found) files.emplace_back(name, found.error());
-        for (const sampledb::InputFile& file : found ? *found : std::vector<sampledb::InputFile>{})
-            files.emplace_back(file.path, Status{});
+        if (!found) files.push_back({{name}, found.error()});
+        for (const sampledb::InputFile& file : found ? *found : std::vector<sampledb::InputFile>{}) files.push_back({file, {}});
     }
     int gravest = cli::kDone;
     const bool array = as_json && files.size() != 1;
     if (array) cli::print("[");
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        if (i > 0 && as_json) cli::print(",\n");
-        const auto& [path, listed] = files[i];
-        const auto report = listed ? look(path) : decltype(look(path))(listed.error());
+    bool is_first = true;
+    for (const Listed& listed : files) {
+        const std::filesystem::path& path = listed.file.path;
+        const auto report = listed.status ? look(path) : decltype(look(path))(listed.status.error());
+        if (!report && !listed.file.named && report.error().code == ErrorCode::kForeign) {
+            cli::note(report.error().message + ", skipped");
+            continue;
+        }
+        if (as_json && !std::exchange(is_first, false)) cli::print(",\n");
         if (report) {
             gravest = graver(gravest, status_of(*report));
             cli::print(as_json ? to_json_text(*report) : to_text(*report));
