@@ -11,6 +11,7 @@ case $k in '' | *[!0-9]* | 0?*) echo "usage: $0 K    (K: 0 to $last)" >&2; exit 
 [ "$k" -le "$last" ] || { echo "$0: $k: the last one is $last" >&2; exit 2; }
 """
 CHDIR = """
+unset CDPATH
 cd "$(dirname -- "$0")" || exit 1
 """
 

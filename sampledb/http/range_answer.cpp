@@ -46,6 +46,7 @@ bool RangeAnswer::take_header(std::string_view line) {
         std::from_chars(line.data() + std::min(line.find(' '), line.size() - 1) + 1, line.data() + line.size(), status_);
         version_.reset();
         modified_.clear();
+        length_ = 0;
         encoded_ = false;
     } else if (const auto range = value_of(line, "content-range")) {
         // "bytes 0-4095/1000000", or "bytes */1000000" if the range is not there
@@ -60,6 +61,9 @@ bool RangeAnswer::take_header(std::string_view line) {
         announced_ = version_ && !none ? last - first_ + 1 : 0;
     } else if (const auto modified = value_of(line, "last-modified")) {
         modified_ = *modified;
+    } else if (const auto length = value_of(line, "content-length")) {
+        std::string_view text = *length;
+        if (!take_number(text, "", length_)) length_ = 0;
     } else if (const auto encoding = value_of(line, "content-encoding")) {
         encoded_ = *encoding != "identity";
     }
@@ -70,10 +74,12 @@ bool RangeAnswer::take_header(std::string_view line) {
 bool RangeAnswer::take_bytes(ByteSpan bytes) {
     received_ += bytes.size();
     if (status_ != 206) return status_ / 100 != 2 && received_ <= kMostErrorPage;
-    too_long_ = received_ > announced_;
+    const std::uint64_t surplus = received_ - std::min(received_, announced_);
+    too_long_ = surplus > 0 && length_ > 0;  // without a length, the range is where the answer ends
     if (!verdict_on_range(false)) return false;
-    into_.insert(into_.end(), bytes.begin(), bytes.end());
-    return true;
+    into_.insert(into_.end(), bytes.begin(),
+                 bytes.end() - static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(surplus, bytes.size())));
+    return received_ < announced_ || length_ == announced_;
 }
 
 Status RangeAnswer::verdict(bool whole) const {

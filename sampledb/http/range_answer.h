@@ -26,7 +26,8 @@ class RangeAnswer {
     RangeAnswer(std::uint64_t offset, std::uint64_t size, const RemoteVersion* known, Bytes& into)
         : offset_(offset), size_(size), known_(known), into_(into) {}
 
-    // Both return false if the transfer is to be cut off: what comes would not be used.
+    // Both return false if the transfer is to be cut off: what comes would not be used, or everything is there and the server has
+    // not said that the answer ends here.
     bool take_header(std::string_view line);  // a status line begins another answer, after a redirection
     bool take_bytes(ByteSpan bytes);
 
@@ -50,6 +51,7 @@ class RangeAnswer {
     std::uint64_t received_ = 0;      // bytes, of an error's page too
     int status_ = 0;
     std::uint64_t first_ = 0, announced_ = 0;  // Content-Range: first byte, number of bytes
+    std::uint64_t length_ = 0;                 // Content-Length; 0: none
     std::optional<RemoteVersion> version_;     // from Content-Range
     std::string modified_;
     bool encoded_ = false, too_long_ = false;

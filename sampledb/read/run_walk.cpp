@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/size.h"
+#include "base/url.h"
 #include "sampledb/data/limits.h"
 #include "sampledb/format/footer.h"
 #include "sampledb/format/frames.h"
@@ -27,6 +29,9 @@ struct Place {
     RunFrame frame{};                                      // kOtherVersion
     Error why{ErrorCode::kForeign, "no run begins here"};  // none, or not one that can be read
 };
+
+// Bytes of a file on a server that are searched for the next run: it could go on with zeros for ever.
+constexpr std::uint64_t kMostSearched = 256 << 20;
 
 class Walker {
  public:
@@ -100,7 +105,13 @@ class Walker {
     // The next block at or behind `offset` where a run of this job or a footer begins.
     Result<Place> search(std::uint64_t offset) const {
         constexpr std::uint64_t kChunk = 64 * kBlock;
+        const std::uint64_t begin = offset;
         for (; offset < end_; offset += kChunk) {
+            if (offset - begin >= kMostSearched && source_.file() == nullptr) {
+                return Error{ErrorCode::kCorrupt,
+                             fmt::format("{}: no run begins in the {} behind byte {}; download the file to search all of it",
+                                         shown_name(source_.name()), format_size(kMostSearched), begin)};
+            }
             offset += (source_.end_of_hole(offset) - offset) / kBlock * kBlock;
             if (offset >= end_) break;
             const Result<Bytes> chunk = read(offset, kChunk);

@@ -19,7 +19,8 @@ struct RunWalk {
 };
 
 // Walks from `begin`, the end of the header, to `end`: that of the file, or where a footer is known to begin. After damage it goes
-// on at the next block that begins a run of the job. Errors: kIo; kUnsupported (more runs than are read).
+// on at the next block that begins a run of the job. Errors: kIo; kUnsupported (more runs than are read);
+// kCorrupt (of a file that is not on disk: no run in 256 MiB).
 Result<RunWalk> walk_runs(const ByteSource& source, std::uint64_t begin, std::uint64_t end, const JobId& job);
 
 // The run of the job that begins at `offset` and lies within the file. Errors: kTruncated if it is cut off, others if none begins

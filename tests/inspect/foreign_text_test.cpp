@@ -1,4 +1,5 @@
 // Names and provenance that another program wrote: shown so that they cannot steer a terminal, copied without being understood.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

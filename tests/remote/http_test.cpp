@@ -63,7 +63,7 @@ class HttpTest : public ::testing::Test {
 };
 
 TEST_F(HttpTest, ReadsAreThoseOfTheFileHoweverTheServerBehaves) {
-    for (const std::string way : {"plain", "rough", "moved"}) {
+    for (const std::string way : {"plain", "rough", "moved", "open-ended"}) {
         SCOPED_TRACE(way);
         const auto source = opened(way + "/file");
         ASSERT_TRUE(source);
@@ -136,6 +136,7 @@ TEST_F(HttpTest, WhatTheServerRefusesIsAnErrorThatNamesTheUrl) {
     expect_error("refused/file", ErrorCode::kIo, "refuses access (status 403)");
     expect_error("whole/file", ErrorCode::kIo, "must support range requests");
     expect_error("other/file", ErrorCode::kIo, "another range of bytes than the one requested");
+    expect_error("crumbs/file", ErrorCode::kIo, "sends only a few bytes of what it is asked for, here 10 (tried 64 times)");
     expect_error("broken/file", ErrorCode::kIo, "status 500 (tried 5 times)");
     expect_error("circle/file", ErrorCode::kIo, "Maximum (10) redirects followed");
     expect_error("local-file/file", ErrorCode::kIo, "Protocol \"file\" not supported");
@@ -169,14 +170,20 @@ TEST_F(HttpTest, AnAnswerThatNeverEndsIsCutOff) {
     patience_.lag_seconds = 3;
     std::vector<std::thread> threads;
     for (const Lie lie : {Lie{"endless-page", "cannot be read at byte 0"}, Lie{"endless-extension", "cannot be read at byte 0"},
-                          Lie{"endless-bytes", "sent more"}, Lie{"endless-header", "a header without end"},
-                          Lie{"endless-line", "a line of the answer is too long"}, Lie{"endless-continue", "a header without end"},
-                          Lie{"endless-size", "cannot be read at byte 0"}, Lie{"drip", "too slow"},
-                          Lie{"silent", "cannot be read at byte 0"}, Lie{"later", "status 503"}})
+                          Lie{"endless-header", "a header without end"}, Lie{"endless-line", "a line of the answer is too long"},
+                          Lie{"endless-continue", "a header without end"}, Lie{"endless-size", "cannot be read at byte 0"},
+                          Lie{"drip", "too slow"}, Lie{"silent", "cannot be read at byte 0"}, Lie{"later", "status 503"}})
         threads.emplace_back([this, lie] { expect_error(std::string(lie.way) + "/file", ErrorCode::kIo, lie.words); });
     for (std::thread& thread : threads) thread.join();
     for (const std::string way : {"endless-404", "endless-redirection"})
         expect_error(way + "/file", ErrorCode::kNotFound, "there is no such file");
+}
+
+TEST_F(HttpTest, AnAnswerWithoutALengthEndsWithTheRangeThatItAnnounces) {
+    const auto source = opened("endless-bytes/file");
+    ASSERT_TRUE(source);
+    Bytes some(100'000);
+    EXPECT_TRUE(source->read(500'000, some));
 }
 
 TEST_F(HttpTest, AFileThatShrinksWithEveryAnswerIsAnError) {

@@ -92,7 +92,7 @@ class Remote(FarmTest):
     def test_a_server_that_lies_costs_no_memory(self):
         self.generate("a.latent", "--records", "10K")
         peaks = []
-        for way in ("refused", "overflowing-size", "impossible-size", "endless-404", "endless-bytes", "endless-header", "more"):
+        for way in ("refused", "overflowing-size", "impossible-size", "endless-404", "endless-bytes", "endless-header", "more", "bottomless"):
             process = subprocess.Popen([TOOLS / "latent-inspect", "info", self.server.url("a.latent", way)], stderr=subprocess.PIPE, text=True)
             said = process.stderr.read()
             _, status, usage = os.wait4(process.pid, 0)

@@ -8,6 +8,9 @@ other    sends other bytes than were asked for
 broken   always an error of the server
 refused  403
 moved    a redirection to plain
+crumbs   ten bytes of each range
+open-ended  does not say how long an answer is, and leaves the connection open
+bottomless  the file, and zeros behind it up to 2^62 bytes
 LIES, STREAMS, REDIRECTIONS: what no honest server does
 """
 import functools
@@ -150,7 +153,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.fail(302, Location=REDIRECTIONS.get(way) or self.server.url(name))
         if not path.is_file():
             return self.fail(404)
-        size = path.stat().st_size
+        size = path.stat().st_size if way != "bottomless" else 1 << 62
         match = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("Range", ""))
         if not match or way == "whole":
             first, end, status = 0, size, 200
@@ -167,11 +170,14 @@ class Handler(http.server.BaseHTTPRequestHandler):
             kind = "stalled"
         if kind in ("error", "busy"):
             return self.fail(503 if kind == "error" else 429, Retry_After="0")
+        if way == "crumbs":
+            end = first + 10
         if kind == "short":  # a range that is shorter than was asked for
             end = (first + end + 1) // 2
         with path.open("rb") as file:
             file.seek(first)
             body = file.read(end - first)
+            body += bytes(end - first - len(body))  # zeros behind a file that is said to be longer
         right = {"first": first, "last": end - 1, "size": size, "body": body}
         if way in STREAMS:
             return self.stream(*STREAMS[way], right)
@@ -180,18 +186,20 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_response(status)
         if status == 206:
             self.send_header("Content-Range", f"bytes {first}-{end - 1}/{size}")
-        self.send_header("Content-Length", str(end - first))
+        if way != "open-ended":
+            self.send_header("Content-Length", str(end - first))
         self.end_headers()
         part = body if kind in ("whole", "short") else body[:len(body) // 2 + 1]
         self.wfile.write(part)
         with self.server.lock:
             self.server.sent += len(part)
-        if kind == "stalled":
+        if kind == "stalled" or way == "open-ended":
+            self.wfile.flush()
             time.sleep(30)
         if kind == "reset":
             self.wfile.flush()
             self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        if kind in ("cut", "reset", "stalled"):
+        if kind in ("cut", "reset", "stalled") or way == "open-ended":
             self.close_connection = True
 
 

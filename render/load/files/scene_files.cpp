@@ -52,6 +52,20 @@ Result<std::string> unpacked(const std::filesystem::path& path, std::string_view
     return out;
 }
 
+Result<Hash128> hash_of(const std::filesystem::path& path) {
+    const Result<File> file = File::open_read(path);
+    if (!file) return file.error();
+    Hasher128 hasher;
+    std::vector<std::byte> buffer(std::size_t{1} << 20);
+    for (std::uint64_t offset = 0;;) {
+        const Result<std::size_t> size = file->read_some(offset, buffer);
+        if (!size) return size.error();
+        if (*size == 0) return hasher.digest();
+        hasher.update(std::span(buffer).first(*size));
+        offset += *size;
+    }
+}
+
 }  // namespace
 
 std::filesystem::path SceneFiles::resolve(const std::string& name) const {
@@ -87,18 +101,10 @@ Result<std::string> SceneFiles::include(const std::filesystem::path& path) {
     return text;
 }
 
-Result<Hash128> SceneFiles::hash(const std::string& name) const {
-    const Result<File> file = File::open_read(resolve(name));
-    if (!file) return file.error();
-    Hasher128 hasher;
-    std::vector<std::byte> buffer(std::size_t{1} << 20);
-    for (std::uint64_t offset = 0;;) {
-        const Result<std::size_t> size = file->read_some(offset, buffer);
-        if (!size) return size.error();
-        if (*size == 0) return hasher.digest();
-        hasher.update(std::span(buffer).first(*size));
-        offset += *size;
-    }
+Result<Hash128> SceneFiles::hash(const std::string& name) {
+    const std::filesystem::path path = resolve(name);
+    const auto known = hashes_.find(path);
+    return known != hashes_.end() ? known->second : hashes_.emplace(path, hash_of(path)).first->second;
 }
 
 }  // namespace latent::render

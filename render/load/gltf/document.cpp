@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <memory>
+#include <utility>
 
 #include "base/bytes.h"
 #include "base/json.h"
@@ -191,13 +194,21 @@ std::optional<std::string> GltfDocument::resource(const GltfValue& uri) const {
 
 void GltfDocument::read_buffers(std::string_view binary_chunk, bool has_chunk) {
     const GltfValue buffers = root()["buffers"];
+    std::map<std::string, std::shared_ptr<const std::string>> by_uri;
     for (std::size_t i = 0; i < buffers.size(); ++i) {
         const GltfValue buffer = buffers[i];
-        std::optional<std::string> bytes;
+        std::shared_ptr<const std::string> bytes;
         if (buffer["uri"].exists()) {
-            bytes = resource(buffer["uri"]);
+            const std::string uri = buffer["uri"].text();
+            const auto known = by_uri.find(uri);
+            if (known != by_uri.end()) {
+                bytes = known->second;
+            } else if (std::optional<std::string> read = resource(buffer["uri"])) {
+                bytes = std::make_shared<const std::string>(std::move(*read));
+                if (!uri.starts_with("data:")) by_uri.emplace(uri, bytes);
+            }
         } else if (i == 0 && has_chunk) {
-            bytes = std::string(binary_chunk);
+            bytes = std::make_shared<const std::string>(binary_chunk);
         } else {
             buffer.error("has no uri, and the file has no binary chunk");
         }

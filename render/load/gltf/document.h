@@ -1,6 +1,7 @@
 // render/load/gltf/document.h: the text and the binary buffers of a glTF 2.0 file, .gltf or .glb [glTF2].
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -24,11 +25,11 @@ class GltfDocument {
     GltfValue root() const { return {&json_, name_ + ": ", *diagnostics_}; }
     // Whether its members are what they should be (schema.h); else there were errors, and there are no buffers.
     bool is_sound() const { return is_sound_; }
-    // The bytes of /buffers/i; nothing if there was an error.
-    const std::optional<std::string>& buffer(std::size_t i) const { return buffers_[i]; }
+    // The bytes of /buffers/i; null if there was an error.
+    const std::string* buffer(std::size_t i) const { return buffers_[i].get(); }
     // What "uri" says, relative to the file: a "data:" URI or a file. Nothing, with an error, if it cannot be read.
     std::optional<std::string> resource(const GltfValue& uri) const;
-    const SceneFiles& files() const { return *files_; }
+    SceneFiles& files() const { return *files_; }
 
  private:
     GltfDocument(std::string name, SceneFiles& files, Diagnostics& diagnostics)
@@ -40,7 +41,7 @@ class GltfDocument {
     Diagnostics* diagnostics_;
     nlohmann::json json_;
     bool is_sound_ = false;
-    std::vector<std::optional<std::string>> buffers_;
+    std::vector<std::shared_ptr<const std::string>> buffers_;  // one for all that name the same file
 };
 
 // The file that a relative URI names, its %-escapes resolved. Nothing if it has a scheme, such as "https:".

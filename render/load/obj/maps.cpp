@@ -31,7 +31,7 @@ std::optional<std::string> find_file(std::string name, const std::string& mtl_na
 
 }  // namespace
 
-std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name, const SceneFiles& files) {
+std::optional<MtlMap> read_map(const Statements& s, const std::string& mtl_name, SceneFiles& files) {
     // How many words follow an option at most; those of numbers may be fewer.
     static const std::map<std::string_view, std::size_t> kOptions = {
         {"-blendu", 1}, {"-blendv", 1}, {"-cc", 1}, {"-clamp", 1}, {"-texres", 1}, {"-imfchan", 1}, {"-type", 1},

@@ -17,6 +17,6 @@ struct MtlMap {
 
 // "map_Kd -s 2 2 1 -clamp on wood 1.png". The file is looked for in the folder of the MTL file, in that of the OBJ file, and in
 // both without the folders of its name. Nothing, with a warning, if there is none.
-std::optional<MtlMap> read_map(const Statements& statement, const std::string& mtl_name, const SceneFiles& files);
+std::optional<MtlMap> read_map(const Statements& statement, const std::string& mtl_name, SceneFiles& files);
 
 }  // namespace latent::render
