@@ -1,7 +1,8 @@
 """Raw spectral samples of a Mitsuba 3 scene. Usage: mitsuba3.py SCENE.xml NAME.latent [SAMPLES_PER_PIXEL]
 
-NOT TESTED: Debian 12 has no package of Mitsuba. This example was written from its documentation of mitsuba.Integrator.sample and
-mitsuba.Sensor.sample_ray_differential, in a spectral variant, whose rays carry 4 wavelengths each.
+In a spectral variant, whose rays carry 4 wavelengths each. `scripts/install peers` installs Mitsuba and a library that it needs:
+
+    PYTHONPATH=build/python DRJIT_LIBLLVM_PATH=/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1 .peers/bin/python examples/mitsuba3.py ...
 """
 import hashlib
 import pathlib
@@ -11,7 +12,6 @@ import mitsuba as mi
 import numpy as np
 
 import latent
-
 
 
 def columns(array, k):

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 sources, tools = map(pathlib.Path, sys.argv[1:])
-SKIPPED = re.compile(r"(build.*|node_modules|out|\.git)$")
+SKIPPED = re.compile(r"(build.*|node_modules|out|\.git|\.peers)$")
 
 
 def pages(folder):

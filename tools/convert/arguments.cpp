@@ -126,6 +126,10 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     app.add_option("--adapt", options.adapt, "chromatic adaptation from that white to the white of the display")
         ->check(CLI::IsMember({"bradford", "cat16"}))
         ->capture_default_str();
+    cli::add_parsed(
+        app, "--glare", options.glare, parse_glare,
+        "spread the light of lamps as the aperture of a lens does (f:16, or blades:6,f:8), or as an eye does; see below")
+        ->type_name("GLARE");
     add_darkroom(app, options.darkroom);
     app.add_flag("--gray,--grey", options.grey, "write one channel, the luminance of the print, with a profile of grey");
     cli::add_choice<Depth>(app, "--bits", options.depth, {{"8", Depth::k8}, {"16", Depth::k16}, {"float", Depth::kFloat}},

@@ -20,6 +20,7 @@
 #include "tools/convert/print_pass.h"
 #include "tools/convert/sink.h"
 #include "tools/convert/source.h"
+#include "tools/convert/spread_light.h"
 
 namespace latent::convert {
 
@@ -175,6 +176,12 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (!film) return film.error();
     const Result<std::shared_ptr<const Emulsion>> emulsion = emulsion_for(options, *source);
     if (!emulsion) return emulsion.error();
+    std::optional<image::Kernel> kernel;
+    if (options.glare) {
+        Result<image::Kernel> glare = glare_kernel(*options.glare, *source, options.darkroom.frame_mm);
+        if (!glare) return glare.error().at("--glare");
+        kernel = *std::move(glare);
+    }
     const Result<ToneChoice> tone = tone_of(options);
     if (options.paper_decides_tone()) options.tone = "paper";
     if (!tone) return tone.error();
@@ -204,7 +211,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         options, *display, settings,
         {source->area, image.display_window, settings.sigma, *white, source->observer, *film ? (*film)->description() : ""}, *film);
     if (!exposures) return exposures.error();
-    const PassSettings pass{
+    PassSettings pass{
         source->xyz_from_file.m[1], display->print_space(), display->proof, display->space,          display->gamut,
         options.show_clipped,       options.gamut_report,   *emulsion,      image.display_window.x0, image.display_window.y0};
     MemoryNeed need;
@@ -215,9 +222,17 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         }
     }
     if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
+    if (kernel) need.bytes_held += image::Convolver::bytes(kernel->radius(), image.data_window);
     need.second_block = needs_second_block(*exposures, pass);
     const Result<BandPlan> plan = plan_bands(image, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
+    if (kernel) {
+        Result<std::unique_ptr<SpreadLight>> spread =
+            SpreadLight::make(source->reader, *kernel, *plan, folder_of(options.outputs.front()), options.threads);
+        if (!spread) return spread.error();
+        pass.spread = *std::move(spread);
+        kernel.reset();
+    }
     Result<PassReport> printed = print_all(*source, *plan, *exposures, pass, progress);
     if (!printed) return printed.error();
     for (const Exposure& exposure : *exposures) {
@@ -246,6 +261,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.proof = display->proof_name;
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
+    if (options.glare) report.glare = options.glare->text;
     if (*film) report.film = (*film)->description();
     report.warnings.insert(report.warnings.end(), source->warnings.begin(), source->warnings.end());
     if (report.chose_exposure && !report.auto_sigma)

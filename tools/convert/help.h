@@ -23,6 +23,12 @@ Film (pictures that latent-develop --film wrote; --list-papers shows all):
   polymax                   black-and-white paper, with --contrast-filter
   scan                      a negative, inverted
 
+Glare (before the exposure and the tone curve; --format is the size of the frame):
+  f:16                      a round aperture; f:22 spreads light farther
+  blades:6,f:8,rotation:15  stars of 6 rays; odd numbers of blades make twice as many
+  FILE.exr,f:8              a picture of the aperture, white where it is open
+  eye, eye,age:70,field:60  an eye; field is what the longer side covers, in degrees
+
 Tone curves (all print luminance 1/X at half of display white):
   film                      1 - 2^-t, where t is sensitivity times luminance
   linear, reinhard, filmic  for comparison

@@ -16,6 +16,7 @@
 #include "image/rect.h"
 #include "tools/convert/darkroom.h"
 #include "tools/convert/device.h"
+#include "tools/convert/glare.h"
 #include "tools/convert/inspection.h"
 #include "tools/convert/white.h"
 
@@ -45,7 +46,8 @@ struct ConvertOptions {
     std::optional<White> white;      // printed neutral; unless given, the picture's own white
     std::string adapt = "bradford";  // from that white to the display's
 
-    DarkroomOptions darkroom;  // of pictures on film
+    std::optional<Glare> glare;  // that the light of the scene gets
+    DarkroomOptions darkroom;    // of pictures on film
 
     bool grey = false;                              // one channel, the luminance of the print
     Depth depth = Depth::kDefault;                  // 8 for display files, float for EXR; only what the format holds is accepted
@@ -100,6 +102,7 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::string profile, gamut, tone, adapt;
     std::string observer;                // "": unknown
     std::string film;                    // the film and its print; "": none
+    std::string glare;                   // as --glare; "": none
     std::string shown;                   // shown_by()
     std::string proof;                   // name of the profile that is simulated; "": none
     std::optional<Rendering> rendering;  // of profiles of tables, and of proofs

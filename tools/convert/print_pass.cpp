@@ -53,17 +53,18 @@ struct Workbench {
 };
 using Workbenches = tbb::enumerable_thread_specific<Workbench>;
 
-// Reads the blocks of a band side by side and hands each to `use`.
+// Reads the blocks of a band side by side, of the source or of what has become of its light, and hands each to `use`.
 template <class Use>
-void for_each_block(const Source& source, const std::vector<Rect>& blocks, Workbenches& benches, FirstError& error,
-                    const Use& use) {
+void for_each_block(const Source& source, const SpreadLight* spread, const std::vector<Rect>& blocks, Workbenches& benches,
+                    FirstError& error, const Use& use) {
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         if (error) return;
         Workbench& bench = benches.local();
         const Block block(blocks[i], bench.planes);
-        if (Status s = source.reader.read(block.area, block.planes, static_cast<std::size_t>(block.area.width()), bench.scratch);
-            !s)
-            return error.set(s.error());
+        const auto width = static_cast<std::size_t>(block.area.width());
+        const Status read = spread != nullptr ? spread->read(block.area, block.planes, width)
+                                              : source.reader.read(block.area, block.planes, width, bench.scratch);
+        if (!read) return error.set(read.error());
         use(block, bench);
     });
 }
@@ -129,7 +130,7 @@ Result<color::LuminanceHistogram> measure(const Source& source, const BandPlan& 
     Workbenches benches;
     FirstError error;
     for (std::size_t i = 0; i < plan.band_ends.size() && !error; ++i) {
-        for_each_block(source, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
+        for_each_block(source, nullptr, plan.blocks(plan.band(i)), benches, error, [&](const Block& block, Workbench& bench) {
             bench.luminances.resize(static_cast<std::size_t>(block.area.width()));
             for (int y = block.area.y0; y < block.area.y1; ++y) {
                 color::luminance_row(y_row, block.row(0, y), block.row(1, y), block.row(2, y), bench.luminances);
@@ -157,11 +158,12 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
             return nullptr;
         }
         const Rect area = plan.band(next++);
+        if (settings.spread) error.keep(settings.spread->prepare(area));
         auto bands = std::make_shared<Bands>(exposures.size());
         for (std::size_t e = 0; e < exposures.size(); ++e) {
             for (const auto& sink : exposures[e].sinks) (*bands)[e].push_back(sink->new_band(area));
         }
-        for_each_block(source, plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
+        for_each_block(source, settings.spread.get(), plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
             bench.outcomes.resize(exposures.size());
             if (settings.emulsion) fill_grain(*settings.emulsion, settings, block.area, bench);
             const Block to = apart ? Block(block.area, bench.printed) : block;

@@ -10,6 +10,7 @@
 #include "tools/convert/options.h"
 #include "tools/convert/sink.h"
 #include "tools/convert/source.h"
+#include "tools/convert/spread_light.h"
 
 namespace latent::convert {
 
@@ -32,6 +33,7 @@ struct PassSettings {
     bool show_clipped = false, gamut_report = false;
     std::shared_ptr<const Emulsion> emulsion{};  // of film; null: none
     int frame_x0 = 0, frame_y0 = 0;              // corner of the picture's frame
+    std::shared_ptr<SpreadLight> spread{};       // what the picture's light becomes before it is printed; null: it stays
 };
 
 // True if blocks are printed beside the picture's pixels, which takes memory for another block per thread.

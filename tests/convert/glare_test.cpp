@@ -1,0 +1,219 @@
+// The glare of lenses and eyes: its pattern against optics, and prints that have it.
+#include "tools/convert/glare.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "image/convolver.h"
+#include "image/exr_reader.h"
+#include "tests/convert/test_picture.h"
+
+namespace latent::convert {
+namespace {
+
+using ::testing::HasSubstr;
+
+image::Kernel pattern_of(const std::string& glare, double pixel_um, double nm) {
+    const Result<image::Kernel> kernel = lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}});
+    EXPECT_TRUE(kernel);
+    return *kernel;
+}
+
+double total(const image::Kernel& kernel) {
+    double sum = 0;
+    for (const float v : kernel.plane(0)) sum += static_cast<double>(v);
+    return sum;
+}
+
+TEST(Glare, ARoundApertureIsDarkFirstAt1Point22LambdaN) {
+    for (const double nm : {450.0, 550.0, 650.0}) {
+        for (const double f_number : {8.0, 16.0}) {
+            const image::Kernel kernel = pattern_of("f:" + std::to_string(f_number), 1, nm);
+            int dark = 1;
+            while (kernel.at(0, dark + 1, 0) < kernel.at(0, dark, 0)) ++dark;
+            EXPECT_NEAR(dark, 1.2197 * nm / 1000 * f_number, 1) << nm << " nm, f/" << f_number;
+            EXPECT_NEAR(total(kernel), 1, 1e-4);
+        }
+    }
+}
+
+// [BornWolf99] 8.5.2: within radius r, 1 - J0^2(v) - J1^2(v), v = pi r / (lambda N).
+TEST(Glare, ARoundAperturesLightLiesWithinRadiiAsRayleighFound) {
+    const image::Kernel kernel = pattern_of("f:16", 1, 550);
+    for (const double radius : {8.0, 15.0, 30.0, 60.0, 120.0}) {
+        double sum = 0;
+        for (int y = -130; y <= 130; ++y) {
+            for (int x = -130; x <= 130; ++x) sum += std::hypot(x, y) <= radius ? static_cast<double>(kernel.at(0, x, y)) : 0;
+        }
+        const double v = std::numbers::pi * radius / (0.55 * 16), j0 = std::cyl_bessel_j(0, v), j1 = std::cyl_bessel_j(1, v);
+        EXPECT_NEAR(sum, 1 - j0 * j0 - j1 * j1, 0.01) << radius;
+    }
+}
+
+TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
+    for (const auto& [blades, rays] : {std::pair{6, 6}, {8, 8}, {5, 10}, {7, 14}}) {
+        const image::Kernel kernel = pattern_of("f:16,blades:" + std::to_string(blades), 4, 550);
+        EXPECT_NEAR(total(kernel), 1, 1e-4);
+        constexpr int kDirections = 720;
+        std::vector<double> light(kDirections);
+        for (int y = -150; y <= 150; ++y) {
+            for (int x = -150; x <= 150; ++x) {
+                const double r = std::hypot(x, y);
+                if (r < 100 || r > 150) continue;
+                const double turn = (std::atan2(y, x) + std::numbers::pi) / (2 * std::numbers::pi);
+                light[static_cast<std::size_t>(turn * kDirections) % kDirections] += static_cast<double>(kernel.at(0, x, y));
+            }
+        }
+        const double mean = total(kernel) > 0 ? std::accumulate(light.begin(), light.end(), 0.0) / kDirections : 0;
+        int found = 0;
+        bool inside = false;
+        for (const double l : light) inside = l > 3 * mean || (inside && l >= mean);  // at the end, which is the beginning
+        for (const double l : light) {
+            if (l > 3 * mean && !inside) ++found;
+            // Rays are several directions wide and do not touch.
+            if (l > 3 * mean) inside = true;
+            if (l < mean) inside = false;
+        }
+        EXPECT_EQ(found, rays) << blades;
+    }
+}
+
+TEST(Glare, IsWiderInRedThanInBlue) {
+    const image::Kernel red = pattern_of("f:8", 2, 650), blue = pattern_of("f:8", 2, 450);
+    EXPECT_LT(red.at(0, 0, 0), blue.at(0, 0, 0));
+}
+
+// The general glare equation of [CIE146], to its own accuracy, from 2 to 30 degrees.
+TEST(Glare, AnEyesVeilIsThatOfTheGeneralGlareEquation) {
+    constexpr double kPixel = 0.1, kPigment = 0.5;
+    const double steradians = std::pow(kPixel * std::numbers::pi / 180, 2);
+    double younger = 0;
+    for (const double age : {25.0, 75.0}) {
+        const image::Kernel kernel = eye_kernel(*parse_glare("eye,age:" + std::to_string(age)), kPixel, 300);
+        for (const int x : {20, 50, 100, 200, 300}) {
+            const double theta = x * kPixel;
+            const double expected = 10 / (theta * theta * theta) +
+                                    (5 / (theta * theta) + 0.1 * kPigment / theta) * (1 + std::pow(age / 62.5, 4)) +
+                                    0.0025 * kPigment;
+            EXPECT_NEAR(static_cast<double>(kernel.at(0, x, 0)) / steradians / expected, 1, 0.2) << theta << " degrees, " << age;
+        }
+        EXPECT_LT(total(kernel), 1);
+        EXPECT_GT(total(kernel), younger);
+        younger = total(kernel);
+    }
+}
+
+class GlarePrint : public PrintTest {
+ protected:
+    static std::array<float, 3> lamps(int x, int y) {
+        std::array<float, 3> light = colourful(x, y);
+        if ((x == 150 && y == 100) || (x == 3 && y == 5)) light = {2000, 3000, 1000};
+        return light;
+    }
+    std::vector<float> light(const std::string& input, const std::string& output, ConvertOptions options) const {
+        options.tone = "none";
+        options.profile = "1,0,0,0,1,0,0,0,1";
+        const Result<ConvertReport> report = print(input, output, options);
+        EXPECT_TRUE(report) << (report ? "" : report.error().message);
+        if (!report) return {};
+        const Result<image::ExrReader> reader = image::ExrReader::open(folder_ / output);
+        EXPECT_TRUE(reader);
+        const image::Rect window = reader->image().data_window;
+        std::vector<float> pixels(3 * window.pixels());
+        image::ExrReader::Scratch scratch;
+        EXPECT_TRUE(reader->read(window, {&pixels[0], &pixels[window.pixels()], &pixels[2 * window.pixels()]},
+                                 static_cast<std::size_t>(window.width()), scratch));
+        return pixels;
+    }
+};
+
+TEST_F(GlarePrint, IsTheSameForAnyThreadsMemoryFileAndCrop) {
+    write_picture(folder_ / "a.exr", {}, lamps);
+    write_picture(folder_ / "tiled.exr", {.tile = 32, .zip = true}, lamps);
+    for (const char* glare : {"blades:6,f:22", "eye"}) {
+        ConvertOptions options;
+        options.glare = *parse_glare(glare);
+        options.threads = 1;
+        options.replace = true;
+        const std::vector<float> whole = light("a.exr", "whole.exr", options);
+        options.threads = 3;
+        options.memory = 128 << 20;
+        EXPECT_EQ(light("a.exr", "b.exr", options), whole);
+        EXPECT_EQ(light("tiled.exr", "c.exr", options), whole);
+        options.crop = image::Rect{33, 21, 133, 71};
+        const std::vector<float> crop = light("tiled.exr", "d.exr", options);
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t y = 0; y < 50; ++y) {
+                for (std::size_t x = 0; x < 100; ++x)
+                    ASSERT_EQ(crop[(c * 50 + y) * 100 + x], whole[(c * 200 + y + 21) * 300 + x + 33]);
+            }
+        }
+    }
+}
+
+TEST_F(GlarePrint, MovesLightButLosesNone) {
+    write_picture(folder_ / "a.exr", {}, lamps);
+    const std::vector<float> before = light("a.exr", "before.exr", {});
+    for (const char* glare : {"f:64", "blades:5,f:22", "eye"}) {
+        ConvertOptions options;
+        options.glare = *parse_glare(glare);
+        options.replace = true;
+        const std::vector<float> after = light("a.exr", "after.exr", options);
+        ASSERT_EQ(after.size(), before.size());
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto sum = [&](const std::vector<float>& v) {
+                return std::accumulate(v.begin() + static_cast<std::ptrdiff_t>(c * 60000),
+                                       v.begin() + static_cast<std::ptrdiff_t>((c + 1) * 60000), 0.0);
+            };
+            EXPECT_NEAR(sum(after) / sum(before), 1, 1e-5) << glare;
+        }
+        const std::size_t lamp = 60000 + 100 * 300 + 150;
+        EXPECT_LT(after[lamp], 0.99F * before[lamp]);
+        EXPECT_GT(after[lamp + 4], before[lamp + 4]);
+    }
+}
+
+TEST_F(GlarePrint, ShapesAreRefusedWithWhatWouldDo) {
+    for (const auto& [text, why] : {std::pair{"blades:2,f:8", "3 to 64 blades"},
+                                    {"blades:6.5", "3 to 64 blades"},
+                                    {"f:0", "0.5 to 1000"},
+                                    {"f:x", "f needs a number"},
+                                    {"lens", "not a kind of glare"},
+                                    {"", "not a kind of glare"},
+                                    {"f:8,eye", "not a kind of glare"},
+                                    {"eye,f:8", "age and field only"},
+                                    {"f:8,age:50", "those of an eye"},
+                                    {"blades:6,f:8,colour:3", "colour is not known"},
+                                    {"a.exr,blades:6", "needs no blades"}}) {
+        const Result<Glare> glare = parse_glare(text);
+        ASSERT_FALSE(glare) << text;
+        EXPECT_EQ(glare.error().code, ErrorCode::kUsage);
+        EXPECT_THAT(glare.error().message, HasSubstr(why));
+    }
+    write_picture(folder_ / "a.exr", {});
+    write_picture(folder_ / "black.exr", {}, [](int, int) { return std::array{0.0F, 0.0F, 0.0F}; });
+    const auto refused = [&](const std::string& glare, const std::string& memory = "512M") {
+        const testing::Outcome done = run_tool({at("a.exr"), "-o", at("a.png"), "--glare", glare, "--memory", memory});
+        EXPECT_EQ(done.status, memory == "512M" ? 1 : 2);
+        EXPECT_FALSE(std::filesystem::exists(folder_ / "a.png"));
+        return done.err;
+    };
+    EXPECT_THAT(refused(at("none.exr") + ",f:8"), HasSubstr("none.exr"));
+    EXPECT_THAT(refused(at("black.exr") + ",f:8"), HasSubstr("no light passes"));
+    EXPECT_THAT(refused("f:22", "4M"), HasSubstr("needs at least"));
+}
+
+// A picture of a round hole is a round hole.
+TEST_F(GlarePrint, AnApertureMayBeAPicture) {
+    write_picture(folder_ / "hole.exr", {.width = 400, .height = 400}, [](int x, int y) {
+        return std::hypot(x - 199.5, y - 199.5) < 200 ? std::array{1.0F, 1.0F, 1.0F} : std::array{0.0F, 0.0F, 0.0F};
+    });
+    const image::Kernel drawn = pattern_of(at("hole.exr") + ",f:16", 4, 550), round = pattern_of("f:16", 4, 550);
+    for (int x = 0; x <= 20; ++x) EXPECT_NEAR(drawn.at(0, x, 0), round.at(0, x, 0), 0.01 * round.at(0, 0, 0)) << x;
+}
+
+}  // namespace
+}  // namespace latent::convert

@@ -1,0 +1,49 @@
+// tools/convert/glare.h: how a lens or an eye spreads the light of a point. Equations: docs/color.md, "Light that spreads".
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "image/kernel.h"
+
+namespace latent::convert {
+
+struct Source;
+
+struct Glare {
+    std::string text;  // as it was asked for
+    bool eye = false;
+    // Of a lens:
+    double f_number = 8;
+    int blades = 0;                    // 0: a round aperture
+    double rotation = 0;               // degrees
+    std::filesystem::path aperture{};  // a picture of it, how much light passes; "": blades
+    // Of an eye:
+    double field = 40;  // degrees that the longer side of the picture covers
+    double age = 30;    // years
+};
+
+// "blades:6,f:8,rotation:15", "f:16", "eye", "eye,age:70,field:60", "FILE.exr,f:8". Errors: kUsage.
+Result<Glare> parse_glare(std::string_view text);
+
+// A wavelength, and how much of it each channel of a picture gets.
+struct Wavelength {
+    double nm = 0;
+    std::array<float, 3> weights{};
+};
+// Of white light, in the channels of `source`; each adds up to 1.
+std::vector<Wavelength> wavelengths_of(const Source& source);
+
+// `pixel_um`: the size of a pixel on the sensor. Errors: of reading the picture of an aperture.
+Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light);
+// `pixel_degrees`: the angle of a pixel.
+image::Kernel eye_kernel(const Glare& glare, double pixel_degrees, int radius);
+
+// For a picture that was taken on a frame whose longer side is `frame_mm`.
+Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm);
+
+}  // namespace latent::convert
