@@ -17,7 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 
 image::Kernel pattern_of(const std::string& glare, double pixel_um, double nm) {
-    const Result<image::Kernel> kernel = lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}});
+    const Result<image::Kernel> kernel =
+        lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}}, image::Convolver::kMostRadius);
     EXPECT_TRUE(kernel);
     return *kernel;
 }
@@ -35,7 +36,7 @@ TEST(Glare, ARoundApertureIsDarkFirstAt1Point22LambdaN) {
             int dark = 1;
             while (kernel.at(0, dark + 1, 0) < kernel.at(0, dark, 0)) ++dark;
             EXPECT_NEAR(dark, 1.2197 * nm / 1000 * f_number, 1) << nm << " nm, f/" << f_number;
-            EXPECT_NEAR(total(kernel), 1, 1e-4);
+            EXPECT_NEAR(total(kernel), 1, 2e-3);  // what goes farther than half the reach is faded
         }
     }
 }
@@ -56,7 +57,7 @@ TEST(Glare, ARoundAperturesLightLiesWithinRadiiAsRayleighFound) {
 TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
     for (const auto& [blades, rays] : {std::pair{6, 6}, {8, 8}, {5, 10}, {7, 14}}) {
         const image::Kernel kernel = pattern_of("f:16,blades:" + std::to_string(blades), 4, 550);
-        EXPECT_NEAR(total(kernel), 1, 1e-4);
+        EXPECT_NEAR(total(kernel), 1, 4e-3);
         constexpr int kDirections = 720;
         std::vector<double> light(kDirections);
         for (int y = -150; y <= 150; ++y) {

@@ -22,6 +22,7 @@ Film (pictures that latent-develop --film wrote; --list-papers shows all):
   light-table, projection   slides; radiance, ilfochrome: paper for slides
   polymax                   black-and-white paper, with --contrast-filter
   scan                      a negative, inverted
+  --look NAME               paper, format, grain and halation by one name
 
 Glare (before the exposure and the tone curve; --format is the size of the frame):
   f:16                      a round aperture; f:22 spreads light farther
