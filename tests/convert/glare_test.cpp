@@ -177,6 +177,31 @@ TEST_F(GlarePrint, MovesLightButLosesNone) {
     }
 }
 
+// A small kernel on a larger picture makes many tiles, whose rows wait in a file that is written over and over.
+TEST_F(GlarePrint, OfManyTilesIsOnePicture) {
+    constexpr int kWidth = 900, kHeight = 700;
+    write_picture(folder_ / "a.exr", {.width = kWidth, .height = kHeight}, lamps);
+    write_picture(folder_ / "tiled.exr", {.width = kWidth, .height = kHeight, .tile = 32, .zip = true}, lamps);
+    const std::vector<float> before = light("a.exr", "before.exr", {});
+    ConvertOptions options;
+    options.glare = *parse_glare("blades:6,f:2");
+    options.replace = true;
+    options.threads = 1;
+    const std::vector<float> whole = light("a.exr", "whole.exr", options);
+    EXPECT_NEAR(std::accumulate(whole.begin(), whole.end(), 0.0) / std::accumulate(before.begin(), before.end(), 0.0), 1, 1e-5);
+    options.threads = 3;
+    options.memory = 16 << 20;
+    EXPECT_EQ(light("tiled.exr", "b.exr", options), whole);
+    options.crop = image::Rect{133, 421, 733, 671};
+    const std::vector<float> crop = light("a.exr", "c.exr", options);
+    for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t y = 0; y < 250; ++y) {
+            for (std::size_t x = 0; x < 600; ++x)
+                ASSERT_EQ(crop[(c * 250 + y) * 600 + x], whole[(c * kHeight + y + 421) * kWidth + x + 133]);
+        }
+    }
+}
+
 TEST_F(GlarePrint, ShapesAreRefusedWithWhatWouldDo) {
     for (const auto& [text, why] : {std::pair{"blades:2,f:8", "3 to 64 blades"},
                                     {"blades:6.5", "3 to 64 blades"},
