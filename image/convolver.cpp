@@ -63,6 +63,7 @@ Convolver::Convolver(const Kernel& kernel, const Rect& picture)
             }
         }
         all_[c] = sums_[c].back();
+        if (c == 2 && std::ranges::all_of(re, [](float weight) { return weight == 0; })) continue;
         fourier_.forward(re.data(), im.data());
         spectrum_[c].resize((size / 2 + 1) * size);
         for (std::size_t row = 0; row < size; ++row) {
@@ -103,7 +104,11 @@ void Convolver::spread(Planes& planes, const Take& take) const {
     take(0, planes[0].data());
     take(1, planes[1].data());
     std::ranges::fill(planes[0], 0.0F);
-    run(planes[2], planes[0], 2, 2);
+    if (spectrum_[2].empty()) {  // nothing spreads
+        std::ranges::fill(planes[2], 0.0F);
+    } else {
+        run(planes[2], planes[0], 2, 2);
+    }
     take(2, planes[2].data());
 }
 

@@ -46,9 +46,10 @@ class Convolver {
     Rect picture_;
     int radius_, size_;
     SquareFourier fourier_;
-    std::array<std::vector<float>, 3> spectrum_;  // real; rows as of stored_row() in convolver.cpp
-    std::array<std::vector<float>, 3> sums_;      // of weights above and to the left
-    std::array<float, 3> all_{};                  // that a pixel far from the edges gives away
+    std::array<std::vector<float>, 3>
+        spectrum_;  // real; rows as of stored_row() in convolver.cpp; the third: or empty, as nothing spreads
+    std::array<std::vector<float>, 3> sums_;  // of weights above and to the left
+    std::array<float, 3> all_{};              // that a pixel far from the edges gives away
 };
 
 }  // namespace latent::image

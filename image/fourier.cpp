@@ -3,9 +3,12 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "image/fourier_strip.h"
 
@@ -34,6 +37,17 @@ void fill_circle(std::vector<float>& cosine, std::vector<float>& sine) {
     }
 }
 
+// Rows become columns, of a square as wide as a strip.
+void turn(const float* from, std::size_t from_stride, float* to, std::size_t to_stride) {
+    float square[kStripLanes][kStripLanes];
+    for (std::size_t y = 0; y < kStripLanes; ++y) {
+        for (std::size_t x = 0; x < kStripLanes; ++x) square[y][x] = from[y * from_stride + x];
+    }
+    for (std::size_t x = 0; x < kStripLanes; ++x) {
+        for (std::size_t y = 0; y < kStripLanes; ++y) to[x * to_stride + y] = square[y][x];
+    }
+}
+
 }  // namespace
 
 SquareFourier::SquareFourier(int size) : size_(size), cos_(static_cast<std::size_t>(size)), sin_(static_cast<std::size_t>(size)) {
@@ -52,36 +66,45 @@ int SquareFourier::frequency(int place) const {
     return reversed;
 }
 
-// Strips of columns, or of rows, are copied together: columns of a large array evict each other from a cache.
+// Strips of columns, or of rows, are copied together: columns of a large array evict each other from a cache. So rows are read, and
+// written, in whole lines of it.
 template <bool kForward>
 void SquareFourier::along_both(float* re, float* im) const {
     const std::size_t size = static_cast<std::size_t>(size_);
     tbb::enumerable_thread_specific<std::vector<float>> buffers;
-    const auto along = [&](bool columns) {
+    const auto each_strip = [&](const auto& work) {
         tbb::parallel_for(std::size_t{0}, size / kStripLanes, [&](std::size_t strip) {
             std::vector<float>& buffer = buffers.local();
             buffer.resize(2 * size * kStripLanes);
-            float* const parts[] = {buffer.data(), buffer.data() + size * kStripLanes};
-            float* const planes[] = {re, im};
-            const std::size_t first = strip * kStripLanes * (columns ? 1 : size);
-            const std::size_t step = columns ? size : 1, across = columns ? 1 : size;
-            for (int p = 0; p < 2; ++p) {
-                for (std::size_t i = 0; i < size; ++i) {
-                    for (std::size_t k = 0; k < kStripLanes; ++k)
-                        parts[p][i * kStripLanes + k] = planes[p][first + i * step + k * across];
-                }
-            }
-            fourier_strip(kForward, parts[0], parts[1], size, cos_.data(), sin_.data());
-            for (int p = 0; p < 2; ++p) {
-                for (std::size_t i = 0; i < size; ++i) {
-                    for (std::size_t k = 0; k < kStripLanes; ++k)
-                        planes[p][first + i * step + k * across] = parts[p][i * kStripLanes + k];
-                }
-            }
+            work(strip * kStripLanes, std::array{std::pair{re, buffer.data()}, std::pair{im, buffer.data() + size * kStripLanes}});
         });
     };
-    along(kForward);
-    along(!kForward);
+    const auto transform = [&](const auto& parts) {
+        fourier_strip(kForward, parts[0].second, parts[1].second, size, cos_.data(), sin_.data());
+    };
+    const auto columns = [&](std::size_t first, const auto& parts) {
+        for (const auto& [plane, part] : parts) {
+            for (std::size_t y = 0; y < size; ++y) std::copy_n(plane + y * size + first, kStripLanes, part + y * kStripLanes);
+        }
+        transform(parts);
+        for (const auto& [plane, part] : parts) {
+            for (std::size_t y = 0; y < size; ++y) std::copy_n(part + y * kStripLanes, kStripLanes, plane + y * size + first);
+        }
+    };
+    const auto rows = [&](std::size_t first, const auto& parts) {
+        for (const auto& [plane, part] : parts) {
+            for (std::size_t x = 0; x < size; x += kStripLanes)
+                turn(plane + first * size + x, size, part + x * kStripLanes, kStripLanes);
+        }
+        transform(parts);
+        for (const auto& [plane, part] : parts) {
+            for (std::size_t x = 0; x < size; x += kStripLanes)
+                turn(part + x * kStripLanes, kStripLanes, plane + first * size + x, size);
+        }
+    };
+    if constexpr (kForward) each_strip(columns);
+    each_strip(rows);
+    if constexpr (!kForward) each_strip(columns);
 }
 
 void SquareFourier::forward(float* re, float* im) const { along_both<true>(re, im); }

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "color/power_vector-inl.h"
+
 // Mul and Add only, no fused or approximate operation: all instruction sets give the same bits.
 HWY_BEFORE_NAMESPACE();
 namespace latent::film::HWY_NAMESPACE {
@@ -20,38 +22,16 @@ using I = hn::Rebind<std::int32_t, D>;
 constexpr D d;
 constexpr I integer;
 
-HWY_INLINE V constant(float value) { return hn::Set(d, value); }
+using color::HWY_NAMESPACE::constant;
 
-// x = 2^n m, 1/sqrt 2 <= m < sqrt 2; ln m = 2 (s + s^3/3 + ... + s^9/9) of s = (m - 1) / (m + 1), |s| < 0.172: to 1e-8.
 HWY_INLINE V log10_of(V x) {
-    const auto bits = hn::BitCast(integer, x);
-    const auto offset = hn::Set(integer, 0x3f3504f3);  // 1/sqrt 2
-    const auto n = hn::ShiftRight<23>(hn::Sub(bits, offset));
-    const V m = hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(n)));
-    const V s = hn::Div(hn::Sub(m, constant(1)), hn::Add(m, constant(1))), square = hn::Mul(s, s);
-    V sum = constant(2.0F / 9);
-    for (const float term : {2.0F / 7, 2.0F / 5, 2.0F / 3, 2.0F}) sum = hn::Add(hn::Mul(sum, square), constant(term));
-    constexpr float kLog10Of2 = 0.30102999566F, kLog10OfE = 0.43429448190F;
-    return hn::Add(hn::Mul(hn::ConvertTo(d, n), constant(kLog10Of2)), hn::Mul(hn::Mul(sum, s), constant(kLog10OfE)));
+    constexpr float kLog10Of2 = 0.30102999566F;
+    return hn::Mul(color::HWY_NAMESPACE::log2(x), constant(kLog10Of2));
 }
 
-// 10^v = 2^n 2^f, |f| <= 1/2, by the series of 2^f, whose next term is below 1e-8.
 HWY_INLINE V power_of_ten(V v) {
     constexpr float kLog2Of10 = 3.32192809489F;
-    constexpr float kTaylor[] = {1.0F,
-                                 0.69314718056F,
-                                 0.240226506959F,
-                                 0.0555041086648F,
-                                 0.00961812910763F,
-                                 0.00133335581464F,
-                                 0.000154035303934F,
-                                 0.0000152527338041F};
-    const V t = hn::Min(hn::Max(hn::Mul(v, constant(kLog2Of10)), constant(-100)), constant(100));
-    const V n = hn::Round(t), f = hn::Sub(t, n);
-    V sum = constant(kTaylor[7]);
-    for (int i = 6; i >= 0; --i) sum = hn::Add(hn::Mul(sum, f), constant(kTaylor[i]));
-    const V power = hn::BitCast(d, hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(integer, n), hn::Set(integer, 127))));
-    return hn::Mul(sum, power);
+    return color::HWY_NAMESPACE::exp2(hn::Min(hn::Max(hn::Mul(v, constant(kLog2Of10)), constant(-100)), constant(100)));
 }
 
 using Places = decltype(hn::Zero(integer));

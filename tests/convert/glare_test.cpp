@@ -17,7 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 
 image::Kernel pattern_of(const std::string& glare, double pixel_um, double nm) {
-    const Result<image::Kernel> kernel = lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}});
+    const Result<image::Kernel> kernel =
+        lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}}, image::Convolver::kMostRadius);
     EXPECT_TRUE(kernel);
     return *kernel;
 }
@@ -35,7 +36,7 @@ TEST(Glare, ARoundApertureIsDarkFirstAt1Point22LambdaN) {
             int dark = 1;
             while (kernel.at(0, dark + 1, 0) < kernel.at(0, dark, 0)) ++dark;
             EXPECT_NEAR(dark, 1.2197 * nm / 1000 * f_number, 1) << nm << " nm, f/" << f_number;
-            EXPECT_NEAR(total(kernel), 1, 1e-4);
+            EXPECT_NEAR(total(kernel), 1, 2e-3);  // what goes farther than half the reach is faded
         }
     }
 }
@@ -56,7 +57,7 @@ TEST(Glare, ARoundAperturesLightLiesWithinRadiiAsRayleighFound) {
 TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
     for (const auto& [blades, rays] : {std::pair{6, 6}, {8, 8}, {5, 10}, {7, 14}}) {
         const image::Kernel kernel = pattern_of("f:16,blades:" + std::to_string(blades), 4, 550);
-        EXPECT_NEAR(total(kernel), 1, 1e-4);
+        EXPECT_NEAR(total(kernel), 1, 4e-3);
         constexpr int kDirections = 720;
         std::vector<double> light(kDirections);
         for (int y = -150; y <= 150; ++y) {
@@ -173,6 +174,31 @@ TEST_F(GlarePrint, MovesLightButLosesNone) {
         const std::size_t lamp = 60000 + 100 * 300 + 150;
         EXPECT_LT(after[lamp], 0.99F * before[lamp]);
         EXPECT_GT(after[lamp + 4], before[lamp + 4]);
+    }
+}
+
+// A small kernel on a larger picture makes many tiles, whose rows wait in a file that is written over and over.
+TEST_F(GlarePrint, OfManyTilesIsOnePicture) {
+    constexpr int kWidth = 900, kHeight = 700;
+    write_picture(folder_ / "a.exr", {.width = kWidth, .height = kHeight}, lamps);
+    write_picture(folder_ / "tiled.exr", {.width = kWidth, .height = kHeight, .tile = 32, .zip = true}, lamps);
+    const std::vector<float> before = light("a.exr", "before.exr", {});
+    ConvertOptions options;
+    options.glare = *parse_glare("blades:6,f:2");
+    options.replace = true;
+    options.threads = 1;
+    const std::vector<float> whole = light("a.exr", "whole.exr", options);
+    EXPECT_NEAR(std::accumulate(whole.begin(), whole.end(), 0.0) / std::accumulate(before.begin(), before.end(), 0.0), 1, 1e-5);
+    options.threads = 3;
+    options.memory = 16 << 20;
+    EXPECT_EQ(light("tiled.exr", "b.exr", options), whole);
+    options.crop = image::Rect{133, 421, 733, 671};
+    const std::vector<float> crop = light("a.exr", "c.exr", options);
+    for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t y = 0; y < 250; ++y) {
+            for (std::size_t x = 0; x < 600; ++x)
+                ASSERT_EQ(crop[(c * 250 + y) * 600 + x], whole[(c * kHeight + y + 421) * kWidth + x + 133]);
+        }
     }
 }
 

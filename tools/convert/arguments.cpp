@@ -7,6 +7,7 @@
 #include "base/parse.h"
 #include "color/catalogue.h"
 #include "tools/convert/help.h"
+#include "tools/convert/looks.h"
 
 namespace latent::convert {
 namespace {
@@ -41,7 +42,24 @@ void add_darkroom(CLI::App& app, DarkroomOptions& darkroom) {
                  "let the layers of the film hold each other back, which makes colours purer (default: on)");
     app.add_flag("--balance,!--no-balance", darkroom.balance,
                  "match the contrasts of the layers so that greys are neutral; a slide's grey card (default: on)");
-    app.add_flag("--grain", darkroom.grain, "show the grain of the film");
+    app.add_flag_function(
+        "--grain,!--no-grain", [&darkroom](std::int64_t given) { darkroom.grain = given > 0; }, "show the grain of the film");
+    app.add_flag_function(
+        "--mtf,!--no-mtf", [&darkroom](std::int64_t given) { darkroom.mtf = given > 0; }, "be no sharper than the film");
+    cli::add_parsed(app, "--halation", darkroom.halation, parse_halation,
+                    "light that comes back from the base of the film, around lamps: a little (backed), or as much as without the "
+                    "black back (bare)")
+        ->type_name("none|backed|bare");
+    app.add_option("--look", darkroom.look,
+                   "paper, format, grain, sharpness and halation that go with a film; --list-looks shows all")
+        ->type_name("NAME");
+    app.add_flag_callback(
+        "--list-looks",
+        [] {
+            cli::print(list_looks());
+            throw CLI::Success();
+        },
+        "list all looks, and the films to develop with");
     cli::add_parsed(app, "--format", darkroom.frame_mm, parse_format,
                     "size of the frame on the film: 35mm, 6x6, 6x7, 4x5in, super8, ..., or its longer side in mm")
         ->type_name("FORMAT|MM")

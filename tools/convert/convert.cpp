@@ -16,6 +16,7 @@
 #include "tools/convert/darkroom.h"
 #include "tools/convert/display.h"
 #include "tools/convert/icc.h"
+#include "tools/convert/looks.h"
 #include "tools/convert/luminances.h"
 #include "tools/convert/print_pass.h"
 #include "tools/convert/sink.h"
@@ -148,6 +149,23 @@ std::string coarse_print(int width, double paper_width_mm, int dpi) {
         paper_width_mm, width, dpi, std::ceil(paper_width_mm / 25.4 * kFineDpi / 100) * 100, kFineDpi);
 }
 
+// Where the light of a pixel goes; nothing if it stays. A film sees what the lens has spread.
+Result<std::optional<image::Kernel>> kernel_for(const ConvertOptions& options, const Source& source) {
+    const Result<std::optional<FilmBlur>> blur = blur_for(options, source);
+    if (!blur) return blur.error();
+    const int most = image::Convolver::kMostRadius / (*blur && options.glare ? 2 : 1);
+    const double frame_mm = options.darkroom.frame();
+    std::optional<image::Kernel> film, lens;
+    if (*blur) film = film_kernel(**blur, pixel_um(source, frame_mm), most);
+    if (options.glare) {
+        Result<image::Kernel> glare = glare_kernel(*options.glare, source, frame_mm, most);
+        if (!glare) return glare.error().at("--glare");
+        lens = *std::move(glare);
+    }
+    if (lens && film) return std::optional(image::in_turn(*lens, *film));
+    return lens ? std::move(lens) : std::move(film);
+}
+
 Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
     ConvertReport report;
     if (Status s = check_outputs(options, report.notes); !s) return s.error();
@@ -172,16 +190,17 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (!options.proof.empty()) {
         if (Status s = add_proof(options.proof, options.rendering, *display); !s) return s.error();
     }
+    if (!options.darkroom.look.empty()) {
+        const auto& exposed = source->reader.image().film;
+        if (Status s = add_look(options.darkroom.look, options.input.string(), exposed ? exposed->name : "", options.darkroom); !s)
+            return s.error().at("--look");
+    }
     const Result<std::shared_ptr<const film::Process>> film = darkroom_for(options, *source);
     if (!film) return film.error();
     const Result<std::shared_ptr<const Emulsion>> emulsion = emulsion_for(options, *source);
     if (!emulsion) return emulsion.error();
-    std::optional<image::Kernel> kernel;
-    if (options.glare) {
-        Result<image::Kernel> glare = glare_kernel(*options.glare, *source, options.darkroom.frame_mm);
-        if (!glare) return glare.error().at("--glare");
-        kernel = *std::move(glare);
-    }
+    Result<std::optional<image::Kernel>> kernel = kernel_for(options, *source);
+    if (!kernel) return kernel.error();
     const Result<ToneChoice> tone = tone_of(options);
     if (options.paper_decides_tone()) options.tone = "paper";
     if (!tone) return tone.error();
@@ -222,16 +241,15 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         }
     }
     if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
-    if (kernel) need.bytes_held += image::Convolver::bytes(kernel->radius(), image.data_window);
+    if (*kernel) need.bytes_held += image::Convolver::bytes((*kernel)->radius(), image.data_window);
     need.second_block = needs_second_block(*exposures, pass);
     const Result<BandPlan> plan = plan_bands(image, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
-    if (kernel) {
+    if (*kernel) {
         Result<std::unique_ptr<SpreadLight>> spread =
-            SpreadLight::make(source->reader, *kernel, *plan, folder_of(options.outputs.front()), options.threads);
+            SpreadLight::make(source->reader, **std::move(kernel), *plan, folder_of(options.outputs.front()), options.threads);
         if (!spread) return spread.error();
         pass.spread = *std::move(spread);
-        kernel.reset();
     }
     Result<PassReport> printed = print_all(*source, *plan, *exposures, pass, progress);
     if (!printed) return printed.error();

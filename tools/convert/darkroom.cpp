@@ -32,6 +32,11 @@ Status check_plain(const ConvertOptions& options) {
     return {};
 }
 
+// The picture holds exposures of a film.
+Result<film::Material> exposed_film(const DarkroomOptions& asked, const Source& source) {
+    return film::find_material(asked.film.empty() ? source.reader.image().film->name : asked.film, true);
+}
+
 }  // namespace
 
 Result<std::optional<std::array<double, 3>>> parse_filters(std::string_view text) {
@@ -42,6 +47,13 @@ Result<std::optional<std::array<double, 3>>> parse_filters(std::string_view text
     if (numbers && numbers->size() == 3 && std::ranges::all_of(*numbers, [](double v) { return v >= 0 && v <= kMost; }))
         return Filters{{(*numbers)[0] / 100, (*numbers)[1] / 100, (*numbers)[2] / 100}};
     return is_not(text, "the filters of an enlarger (try auto, or yellow, magenta and cyan as in 54,46,0)");
+}
+
+Result<Halation> parse_halation(std::string_view text) {
+    if (text == "none") return Halation::kNone;
+    if (text == "backed") return Halation::kBacked;
+    if (text == "bare") return Halation::kBare;
+    return is_not(text, "a halation (none, backed, bare)");
 }
 
 Result<double> parse_format(std::string_view text) {
@@ -68,16 +80,34 @@ Result<double> parse_format(std::string_view text) {
 
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source) {
     const DarkroomOptions& asked = options.darkroom;
-    if (!asked.grain) return std::shared_ptr<const Emulsion>{};
+    if (!asked.grain.value_or(false)) return std::shared_ptr<const Emulsion>{};
     if (asked.paper.empty()) return usage_error("--grain: needs --paper; --list-papers shows all");
-    const auto& exposed = *source.reader.image().film;
-    const Result<film::Material> film = film::find_material(asked.film.empty() ? exposed.name : asked.film, true);
+    const Result<film::Material> film = exposed_film(asked, source);
     if (!film) return film.error();
-    const auto granularity = film::granularity(*film, exposed.push);
+    const auto granularity = film::granularity(*film, source.reader.image().film->push);
     if (!granularity) return granularity.error().at("--grain");
     const image::Rect& whole = source.reader.image().display_window;
-    const double pixel_um = 1000 * asked.frame_mm / std::max(whole.width(), whole.height());
+    const double pixel_um = 1000 * asked.frame() / std::max(whole.width(), whole.height());
     return std::make_shared<const Emulsion>(Emulsion{film::GrainField(asked.seed, pixel_um, film->colour ? 3 : 1), *granularity});
+}
+
+Result<std::optional<FilmBlur>> blur_for(const ConvertOptions& options, const Source& source) {
+    const DarkroomOptions& asked = options.darkroom;
+    const Halation halation = asked.halation.value_or(Halation::kNone);
+    const bool mtf = asked.mtf.value_or(false);
+    if (!mtf && halation == Halation::kNone) return std::optional<FilmBlur>{};
+    if (asked.paper.empty())
+        return usage_error(fmt::format("{}: needs --paper; --list-papers shows all", mtf ? "--mtf" : "--halation"));
+    const Result<film::Material> film = exposed_film(asked, source);
+    if (!film) return film.error();
+    FilmBlur blur;
+    if (halation != Halation::kNone) blur.returned = film::returned_share(*film, halation == Halation::kBare);
+    if (mtf) {
+        const Result<film::Triple> half = film::half_contrast(*film);
+        if (!half) return half.error().at("--mtf");
+        blur.half = *half;
+    }
+    return std::optional(blur);
 }
 
 double grey_exposure(const Source& source) { return 10 / source.reader.image().film->exposure_index; }

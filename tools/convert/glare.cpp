@@ -8,7 +8,6 @@
 
 #include "base/parse.h"
 #include "color/observer.h"
-#include "image/convolver.h"
 #include "image/fourier.h"
 #include "tools/convert/source.h"
 
@@ -108,25 +107,31 @@ Result<Plane> picture_plane(const std::filesystem::path& path, double diameter) 
     return Error{ErrorCode::kOutOfRange, path.string() + ": is black, so no light passes this aperture"};
 }
 
-// Fraunhofer: the square of the aperture's Fourier transform; adds up to 1.
+// 1 in the inner half of a pattern, 0 at its edge: rays do not end all at once.
+double faded(int x, int y) {
+    const double r = 2 * std::sqrt(static_cast<double>(x * x + y * y)) / kPattern, t = std::clamp(2 - 2 * r, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+// Fraunhofer: the square of the aperture's Fourier transform; adds up to 1 before it is faded.
 image::Pattern diffraction(Plane aperture) {
     const image::SquareFourier fourier(kPattern);
     Plane zero(aperture.size());
     fourier.forward(aperture.data(), zero.data());
-    image::Pattern pattern{kPattern, Plane(aperture.size())};
-    std::vector<std::size_t> place(kPattern);
-    for (int i = 0; i < kPattern; ++i)
-        place[static_cast<std::size_t>(i)] = static_cast<std::size_t>((fourier.frequency(i) + kPattern / 2) % kPattern);
     double sum = 0;
-    for (std::size_t y = 0; y < kPattern; ++y) {
-        for (std::size_t x = 0; x < kPattern; ++x) {
-            const std::size_t from = y * kPattern + x;
-            const float light = aperture[from] * aperture[from] + zero[from] * zero[from];
-            pattern.light[place[y] * kPattern + place[x]] = light;
-            sum += static_cast<double>(light);
-        }
+    for (std::size_t i = 0; i < aperture.size(); ++i) {
+        aperture[i] = aperture[i] * aperture[i] + zero[i] * zero[i];
+        sum += static_cast<double>(aperture[i]);
     }
-    for (float& light : pattern.light) light = static_cast<float>(static_cast<double>(light) / sum);
+    std::vector<int> place(kPattern);  // from the middle
+    for (int i = 0; i < kPattern; ++i)
+        place[static_cast<std::size_t>(i)] = (fourier.frequency(i) + kPattern / 2) % kPattern - kPattern / 2;
+    image::Pattern pattern{kPattern, std::move(zero)};
+    for (std::size_t i = 0; i < aperture.size(); ++i) {
+        const int x = place[i % kPattern], y = place[i / kPattern];
+        pattern.light[static_cast<std::size_t>(y + kPattern / 2) * kPattern + static_cast<std::size_t>(x + kPattern / 2)] =
+            static_cast<float>(static_cast<double>(aperture[i]) / sum * faded(x, y));
+    }
     return pattern;
 }
 
@@ -223,7 +228,7 @@ std::vector<Wavelength> wavelengths_of(const Source& source) {
     return out;
 }
 
-Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light) {
+Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light, int most_radius) {
     // A cell of the pattern is lambda N diameter / kPattern wide: half the width that holds all detail, or less for small pixels.
     const auto cell_um = [&](double nm, double diameter) { return nm / 1000 * glare.f_number * diameter / kPattern; };
     double diameter = kPattern / 2.0;
@@ -232,7 +237,7 @@ Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std
     if (!aperture) return aperture.error();
     const image::Pattern pattern = diffraction(*std::move(aperture));
     const double reach = kPattern / 2.0 * cell_um(light.back().nm, diameter) / pixel_um;
-    image::Kernel kernel(std::min(image::Convolver::kMostRadius, static_cast<int>(std::ceil(reach)) + 1));
+    image::Kernel kernel(std::min(most_radius, static_cast<int>(std::ceil(reach)) + 1));
     for (const Wavelength& wavelength : light)
         image::add_pattern(pattern, cell_um(wavelength.nm, diameter) / pixel_um, wavelength.weights, kernel);
     return kernel;
@@ -269,11 +274,11 @@ image::Kernel eye_kernel(const Glare& glare, double pixel_degrees, int radius) {
     return kernel;
 }
 
-Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm) {
+Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm, int most_radius) {
     const image::Rect& whole = source.reader.image().display_window;
     const int longer = std::max(whole.width(), whole.height());
-    if (glare.eye) return eye_kernel(glare, glare.field / longer, std::min(image::Convolver::kMostRadius, longer));
-    return lens_kernel(glare, 1000 * frame_mm / longer, wavelengths_of(source));
+    if (glare.eye) return eye_kernel(glare, glare.field / longer, std::min(most_radius, longer));
+    return lens_kernel(glare, pixel_um(source, frame_mm), wavelengths_of(source), most_radius);
 }
 
 }  // namespace latent::convert

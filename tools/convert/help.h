@@ -22,12 +22,13 @@ Film (pictures that latent-develop --film wrote; --list-papers shows all):
   light-table, projection   slides; radiance, ilfochrome: paper for slides
   polymax                   black-and-white paper, with --contrast-filter
   scan                      a negative, inverted
+  --look NAME               paper, format, grain and halation by one name
 
-Glare (before the exposure and the tone curve; --format is the size of the frame):
+Glare (of the light, before exposure and tone; --format is the frame's size):
   f:16                      a round aperture; f:22 spreads light farther
-  blades:6,f:8,rotation:15  stars of 6 rays; odd numbers of blades make twice as many
+  blades:6,f:8,rotation:15  stars of 6 rays; of 10 with 5 blades
   FILE.exr,f:8              a picture of the aperture, white where it is open
-  eye, eye,age:70,field:60  an eye; field is what the longer side covers, in degrees
+  eye, eye,age:70,field:60  an eye; field: degrees of the longer side
 
 Tone curves (all print luminance 1/X at half of display white):
   film                      1 - 2^-t, where t is sensitivity times luminance

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/url.h"
 #include "color/camera.h"
 #include "color/observer_file.h"
@@ -84,6 +86,11 @@ Result<Meaning> read_colour(const ConvertOptions& options, const image::ExrImage
 }
 
 }  // namespace
+
+double pixel_um(const Source& source, double frame_mm) {
+    const image::Rect& whole = source.reader.image().display_window;
+    return 1000 * frame_mm / std::max(whole.width(), whole.height());
+}
 
 Result<Source> open_source(const ConvertOptions& options) {
     if (is_url(options.input))

@@ -16,6 +16,9 @@ struct Source {
     std::vector<std::string> warnings{};
 };
 
+// Size of a pixel on a frame whose longer side is `frame_mm`.
+double pixel_um(const Source& source, double frame_mm);
+
 // Errors: those of ExrReader::open and of observers; kUsage for a crop beyond the pixels that the file holds, naming these, and for
 // options that do not go with what it holds.
 Result<Source> open_source(const ConvertOptions& options);

@@ -43,13 +43,14 @@ Status RowFile::read(std::size_t channel, int x0, int y, std::span<float> row) c
     return file_.read_exact(place(channel, x0, y), std::as_writable_bytes(row));
 }
 
-Result<std::unique_ptr<SpreadLight>> SpreadLight::make(const image::ExrReader& reader, const image::Kernel& kernel,
-                                                       const BandPlan& print, const std::filesystem::path& folder, int threads) {
+Result<std::unique_ptr<SpreadLight>> SpreadLight::make(const image::ExrReader& reader, image::Kernel kernel, const BandPlan& print,
+                                                       const std::filesystem::path& folder, int threads) {
     const image::ExrImage& image = reader.image();
     constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has more to hold than this one
     Result<BandPlan> input = plan_bands(image, image.data_window, {}, kEnough, threads);
     if (!input) return input.error();
     image::Convolver convolver(kernel, image.data_window);
+    kernel = image::Kernel(0);  // no longer needed, and large
     Result<RowFile> before = RowFile::create(folder, image.data_window, convolver.size() + highest(*input));
     if (!before) return before.error();
     Result<RowFile> after = RowFile::create(folder, print.area, convolver.step() + highest(print));

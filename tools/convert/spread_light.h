@@ -30,10 +30,10 @@ class RowFile {
 
 class SpreadLight {
  public:
-    // Of the pixels that `reader` holds; `plan`: how `print` reads the result, band after band. `memory`: for reading. The files
-    // are in `folder`. Errors: of plan_bands, kIo.
-    static Result<std::unique_ptr<SpreadLight>> make(const image::ExrReader& reader, const image::Kernel& kernel,
-                                                     const BandPlan& print, const std::filesystem::path& folder, int threads);
+    // Of the pixels that `reader` holds, which outlives it; `print`: the bands that will be prepared. The files are in `folder`.
+    // Errors: kIo.
+    static Result<std::unique_ptr<SpreadLight>> make(const image::ExrReader& reader, image::Kernel kernel, const BandPlan& print,
+                                                     const std::filesystem::path& folder, int threads);
 
     // Makes the rows of a band; bands come in their order. On any threads. Errors: of reading; kIo.
     Status prepare(const image::Rect& band);

@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""What guessing spectra from colours costs a film: beside spectral_film_lut, which has the same data of the same films.
+
+    python3 -m venv v && v/bin/pip install spectral-film-lut colour-science && v/bin/python bench/film_guess.py [TOOLS]
+
+TOOLS: the folder of latent-convert [build/bin]; needs oiiotool too. The 24 patches of the ColorChecker lie under D55. Their exposures of
+the film's layers are added up from the true spectra, and guessed by spectral_film_lut from X, Y, Z; both relative to the grey card. Both are
+then printed by the same latent-convert. Prints, for each film, the guess's error in stops and the difference of the prints (CIEDE2000)."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import colour
+import numpy as np
+import spectral_film_lut
+from spectral_film_lut.config import SPECTRAL_SHAPE
+from spectral_film_lut.film_spectral import FilmSpectral
+from spectral_film_lut.xy_lut import apply_2d_lut
+
+TOP = pathlib.Path(__file__).resolve().parent.parent
+TOOLS = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else TOP / "build/bin")
+FILMS = [("Kodak Portra 400", "portra-400", "endura"), ("Kodak Gold 200", "gold-200", "endura"), ("Kodak Ektar 100", "ektar-100", "supra-endura"),
+         ("Fuji Pro 400H", "pro-400h", "crystal-archive-super-c"), ("Fuji Velvia 50", "velvia-50", "light-table"),
+         ("Kodachrome 64", "kodachrome-64", "light-table")]
+NM = SPECTRAL_SHAPE.range()
+METHODS = ["SFL upsampling", "Mallett 2019", "Simple Matrix"]
+
+
+def table(path):
+    rows = [line.split(",") for line in path.read_text().splitlines() if line and not line.startswith("#")]
+    return np.array([[float(v) for v in row] for row in rows if row[0][0].isdigit()])
+
+
+def patches():
+    data = table(TOP / "color/data/colorchecker_ohta1997_5nm.csv")
+    return np.stack([np.interp(NM, data[:, 0], column) for column in data[:, 1:].T])
+
+
+def prints(film, paper, index, exposures, folder):
+    """X, Y, Z of the prints of exposures relative to the grey card, under an even-energy white."""
+    create = ["oiiotool", "--create", f"{len(exposures)}x1", "3"]
+    for i, exposure in enumerate(exposures):
+        create += ["--fill:color=" + ",".join(f"{v * 10 / index:.9g}" for v in exposure), f"1x1+{i}+0"]
+    create += ["--attrib:type=string", "latentFilm", film, "--attrib:type=string", "latentExposureIndex", str(index),
+               "--attrib:type=string", "latentPush", "0", "-d", "float", "-o", f"{folder}/in.exr"]
+    subprocess.run(create, check=True)
+    subprocess.run([TOOLS / "latent-convert", f"{folder}/in.exr", "-o", f"{folder}/out.exr", "--paper", paper, "-s", "1",
+                    "--profile", "1,0,0,0,1,0,0,0,1", "--force", "-q"], check=True, stdout=subprocess.DEVNULL)
+    text = subprocess.run(["oiiotool", "--dumpdata", f"{folder}/out.exr"], check=True, capture_output=True, text=True).stdout
+    return np.array([[float(v) for v in line.split(":")[1].split()] for line in text.splitlines() if "Pixel (" in line])
+
+
+def main():
+    stocks = {stock.name: stock for stock in spectral_film_lut.FILM_STOCKS}
+    reflectance = patches()
+    light = np.interp(NM, colour.SDS_ILLUMINANTS["D55"].wavelengths, colour.SDS_ILLUMINANTS["D55"].values)
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    matching = np.stack([np.interp(NM, observer.wavelengths, observer.values[:, c]) for c in range(3)], axis=1)
+    scale = 1 / (light @ matching)[1]
+    xyz = scale * (reflectance * light) @ matching
+    grey_xyz = 0.18 * scale * light @ matching
+    print(f"{'film':<16}{'method':<18}{'layers, stops: mean, largest':<32}{'print, dE2000: mean, largest':<32}patch")
+    with tempfile.TemporaryDirectory() as folder:
+        for name, film, paper in FILMS:
+            stock = FilmSpectral(stocks[name])
+            sensitivity = np.asarray(stock.sensitivity, dtype=float)
+            true = (reflectance * light) @ sensitivity / (0.18 * light @ sensitivity)
+            for method in METHODS:
+                lut_in = np.concatenate([xyz, grey_xyz[None]]).astype(np.float32)
+                lut = stock.get_input_lut(5503, upsampling_method=method)
+                guessed = np.asarray(apply_2d_lut(lut_in, lut), dtype=float)
+                guessed = np.maximum(guessed[:-1] / guessed[-1], 1e-4)
+                stops = np.abs(np.log2(guessed / true))
+                a, b = (prints(film, paper, stock.iso, e, folder) for e in (true, guessed))
+                lab = [colour.XYZ_to_Lab(v, [1 / 3, 1 / 3]) for v in (a, b)]
+                differences = colour.difference.delta_E_CIE2000(*lab)
+                print(f"{film:<16}{method:<18}{f'{stops.mean():.3f}, {stops.max():.3f}':<32}"
+                      f"{f'{differences.mean():.2f}, {differences.max():.2f}':<32}{differences.argmax() + 1}")
+
+
+main()
