@@ -51,6 +51,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
     if (options.dim_fireflies) spec.strings.push_back({"latentFireflies", "dimmed"});
+    if (!options.lens.is_whole()) spec.strings.push_back({"latentLens", options.lens.text()});
     if (options.ratio) spec.strings.push_back({"latentEstimator", "ratio"});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
@@ -179,6 +180,8 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::Gathe
     Layers layers = options.layers;
     layers.samples = options.dim_fireflies;
     if (Status s = channels->add_layers(job, layers); !s) return s.error();
+    if (Status s = channels->weigh(job, options.lens); !s) return s.error();
+    if (channels->lens()) report.lens = {channels->lens()->mean(), channels->lens()->kept()};
     if (options.ratio) {
         if (Status s = channels->use_ratio(); !s) return s.error();
     }
@@ -354,6 +357,18 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
                                        too_flat ? height : std::round(exact)));
     }
     return Size{width, static_cast<std::uint32_t>(height)};
+}
+
+std::vector<PictureOptions> frames_of(const PictureOptions& options) {
+    std::vector<PictureOptions> frames(options.frames, options);
+    for (std::uint32_t i = 0; i < options.frames && options.frames > 1; ++i) {
+        PictureOptions& frame = frames[i];
+        frame.frames = 1;
+        frame.lens.shutter.frame = i, frame.lens.shutter.frames = options.frames;
+        const std::filesystem::path& name = options.output;
+        frame.output.replace_filename(fmt::format("{}.{:04}{}", name.stem().string(), i + 1, name.extension().string()));
+    }
+    return frames;
 }
 
 Result<Forecast> forecast_picture(const PictureOptions& asked) {

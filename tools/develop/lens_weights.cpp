@@ -1,0 +1,169 @@
+#include "tools/develop/lens_weights.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace latent::develop {
+
+namespace {
+
+constexpr std::size_t kTimes = 256;
+constexpr std::size_t kMeansAcross = 33;  // points of the film, from border to border
+
+std::optional<std::size_t> place_of(const sampledb::Job& job, const char* column) {
+    const auto found = std::ranges::find(job.extra, column, &sampledb::ExtraColumnSpec::name);
+    if (found == job.extra.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - job.extra.begin());
+}
+
+// The leading 8 bits of an unsigned number.
+std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) {
+    const std::size_t bytes = sampledb::width(column.type);
+    return static_cast<std::size_t>(column.values[row * bytes + bytes - 1]);
+}
+
+// Mean weight, and the mean of its square.
+struct Moments {
+    double mean = 0, square = 0;
+    void add(double weight, double share) { mean += weight * share, square += weight * weight * share; }
+    double kept() const { return square > 0 ? mean * mean / square : 0; }
+};
+
+}  // namespace
+
+std::string LensChoice::text() const {
+    std::string text;
+    const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+    if (!aperture_text.empty()) add("aperture " + aperture_text);
+    if (!shutter_text.empty()) add("shutter " + shutter_text);
+    if (shutter.frames > 1) add(fmt::format("frame {} of {}", shutter.frame + 1, shutter.frames));
+    if (exposure_follows) add("exposure follows");
+    return text;
+}
+
+Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice& choice) {
+    LensWeights weights;
+    weights.follows_ = choice.exposure_follows;
+    if (!choice.aperture.is_whole()) {
+        const auto x = place_of(job, "lens.x"), y = place_of(job, "lens.y");
+        if (!x || !y)
+            return usage_error(
+                "--aperture: the files do not say where light met the lens; render the scene again with --aov lens, and a camera "
+                "that has a lens");
+        weights.lens_columns_ = {*x, *y};
+        weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height);
+        if (!(weights.mean_ > 0)) return usage_error("--aperture: no light passes");
+    }
+    if (!choice.shutter.is_whole()) {
+        weights.time_column_ = place_of(job, "shutter");
+        if (!weights.time_column_)
+            return usage_error(
+                "--shutter: the files do not say when light met the lens; render the scene again with --aov time; something in it "
+                "must move");
+        Result<ShutterCurve> curve = ShutterCurve::make(choice.shutter);
+        if (!curve) return curve.error();
+        weights.set_shutter(choice.shutter, *std::move(curve));
+    }
+    return weights;
+}
+
+void LensWeights::set_aperture(const Aperture& aperture, double film_width, double film_height) {
+    LensCells cells = cells_of(aperture);
+    cells_ = std::move(cells.transmission);
+    double disk = 0;
+    std::vector<std::size_t> passing;
+    for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+        disk += static_cast<double>(cells.area[cell]);
+        if (cells_[cell] > 0 && cells.area[cell] > 0) passing.push_back(cell);
+    }
+    const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
+    rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
+    rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
+    const std::size_t across = aperture.cat_eye > 0 ? kMeansAcross : 1;
+    double mean = 0, kept = 0;
+    for (std::size_t i = 0; i < across * across; ++i) {
+        const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / (kMeansAcross - 1) : 0.5f; };
+        const float u = place(i % across), v = place(i / across);
+        Moments here;
+        for (const std::size_t cell : passing)
+            here.add(static_cast<double>(cells_[cell] * between_rims(cell, u, v)), static_cast<double>(cells.area[cell]) / disk);
+        means_.push_back(static_cast<float>(here.mean));
+        const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
+            return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / (kMeansAcross - 1);
+        };
+        const double area = share(i % across) * share(i / across);
+        mean += area * here.mean;
+        kept += area * here.kept();
+    }
+    mean_ *= mean;
+    kept_ *= kept;
+}
+
+// The share of a cell that lies in the rear rim, the unit circle moved towards the centre of the picture's other side; its edge
+// counts as straight within a cell.
+float LensWeights::between_rims(std::size_t cell, float u, float v) const {
+    if (rim_u_ == 0) return 1;
+    constexpr float kPerCell = kLensCells / 2.0f;
+    const float x = (static_cast<float>(cell % kLensCells) + 0.5f) / kPerCell - 1 - (u - 0.5f) * rim_u_,
+                y = (static_cast<float>(cell / kLensCells) + 0.5f) / kPerCell - 1 - (v - 0.5f) * rim_v_;
+    return std::clamp((1 - std::sqrt(x * x + y * y)) * kPerCell + 0.5f, 0.0f, 1.0f);
+}
+
+float LensWeights::lens_mean(float u, float v) const {
+    if (means_.size() == 1) return means_[0];
+    const float x = u * (kMeansAcross - 1), y = v * (kMeansAcross - 1);
+    const std::size_t i = std::min(static_cast<std::size_t>(x), kMeansAcross - 2),
+                      j = std::min(static_cast<std::size_t>(y), kMeansAcross - 2);
+    const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+    const float* const upper = means_.data() + j * kMeansAcross + i;
+    const float* const lower = upper + kMeansAcross;
+    return (upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy;
+}
+
+void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
+    curve_ = std::move(curve);
+    frame_ = shutter.frame, frames_ = shutter.frames, rolling_ = shutter.rolling;
+    Moments moments;
+    for (std::size_t time = 0; time < kTimes; ++time) {
+        open_[time] = open(time, 0.5f);
+        moments.add(static_cast<double>(open_[time]), 1.0 / kTimes);
+    }
+    const double mean = curve_->all() * (1 - rolling_) / frames_;
+    time_mean_ = static_cast<float>(mean);
+    mean_ *= mean;
+    kept_ *= moments.kept();
+}
+
+// The mean transmission over 1/256 of the exposure, for a row of the picture at v.
+float LensWeights::open(std::size_t time, float v) const {
+    const double begins = frame_ + static_cast<double>(v) * rolling_, takes = 1 - rolling_;
+    const auto passed = [&](std::size_t at) {
+        return curve_->until((static_cast<double>(at) / kTimes * frames_ - begins) / takes);
+    };
+    return static_cast<float>((passed(time + 1) - passed(time)) * takes / frames_ * kTimes);
+}
+
+LensWeights::Factors LensWeights::operator()(const sampledb::Page& page, std::size_t row) const {
+    float weight = 1, mean = 1;
+    const float u = static_cast<float>(page.u[row]) * 0x1p-32f, v = static_cast<float>(page.v[row]) * 0x1p-32f;
+    if (lens_columns_) {
+        const std::size_t cell =
+            leading_byte(page.extra[(*lens_columns_)[1]], row) * kLensCells + leading_byte(page.extra[(*lens_columns_)[0]], row);
+        weight = cells_[cell];
+        if (rim_u_ != 0 && weight > 0) weight *= between_rims(cell, u, v);
+        mean = lens_mean(u, v);
+    }
+    if (time_column_) {
+        const std::size_t time = leading_byte(page.extra[*time_column_], row);
+        weight *= rolling_ > 0 ? open(time, v) : open_[time];
+        mean *= time_mean_;
+    }
+    // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
+    if (page.record_class == sampledb::RecordClass::kCamera) return {follows_ ? weight * mean : weight, weight};
+    return {follows_ || weight == 0 ? weight : weight / mean, 0};
+}
+
+}  // namespace latent::develop
