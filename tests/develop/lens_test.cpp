@@ -1,13 +1,16 @@
 // Laws of a lens and a shutter that are chosen after rendering: their weights, and pictures of weighted records.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 
 #include "tests/develop/developed.h"
 #include "tests/faults/process.h"
 #include "tools/develop/picture.h"
+#include "tools/develop/refocused.h"
 
 namespace latent::develop {
 namespace {
@@ -20,7 +23,7 @@ using sampledb::RecordKind;
 using sampledb::Records;
 
 Job job_with_lens() {
-    Job job = synthetic::make_short_job(RecordKind::kXyz);
+    Job job = synthetic::make_job(RecordKind::kXyz);
     job.extra = {{"lens.x", ColumnType::kU8}, {"lens.y", ColumnType::kU8}, {"shutter", ColumnType::kU8}};
     return job;
 }
@@ -223,7 +226,7 @@ TEST(Lens, KeepsTheExposureUnlessItIsToFollow) {
 }
 
 TEST(Lens, PixelsDependOnNeitherMemoryNorThreads) {
-    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3}, 24);
+    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3}, 24, 16384);
     expect_same_with_little_memory(gathering, settings_for(330, 220),
                                    {.variance = true, .weight = true, .count = true, .halves = true},
                                    choice("0.5,blades:5,cat-eye:0.3", "soft,rolling:0.2"));
@@ -243,6 +246,112 @@ TEST(Lens, OnlySamplesThatCountAreCounted) {
     EXPECT_EQ(all, static_cast<double>(gathering.coverage().size()));
     EXPECT_EQ(count(choice("left")) + count(choice("right")), all);
     EXPECT_LT(count(choice("left")), 0.55 * all);
+}
+
+// Moves records by hand. Light records count for the part of the lens that the rendered film has seen their new place through.
+TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
+    const Job job = job_with_lens();
+    const sampledb::SampleRange range{0, 16384};
+    const Records records = records_of(job, range, {.light_per_sample = 0.3});
+    MemoryGathering gathering(job);
+    gathering.add(Coverage(range), records);
+    LensChoice lens;
+    lens.film_shift = {0.08, -0.12};
+    const LensCells cells = cells_of({});
+    const auto middle = [](std::size_t cell) { return (static_cast<double>(cell) + 0.5) / 128 - 1; };
+    Records moved = records.without_rows();
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        double at[2];
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            at[axis] = (axis == 0 ? records.u : records.v)[i] * 0x1p-32 +
+                       lens.film_shift[axis] * middle(static_cast<std::size_t>(records.extra[axis].values[i]));
+        if (!(at[0] >= 0 && at[0] < 1 && at[1] >= 0 && at[1] < 1)) continue;
+        moved.append(records, i, 0);
+        moved.u.back() = static_cast<std::uint32_t>(at[0] * 0x1p32), moved.v.back() = static_cast<std::uint32_t>(at[1] * 0x1p32);
+        if (records.record_class[i] == RecordClass::kCamera) continue;
+        double all = 0, seen = 0;
+        for (std::size_t cell = 0; cell < cells.area.size(); ++cell) {
+            const double u = at[0] - lens.film_shift[0] * middle(cell % kLensCells),
+                         v = at[1] - lens.film_shift[1] * middle(cell / kLensCells);
+            all += static_cast<double>(cells.area[cell]);
+            if (u >= 0 && u < 1 && v >= 0 && v < 1) seen += static_cast<double>(cells.area[cell]);
+        }
+        for (auto* values : {&moved.x, &moved.y, &moved.z}) values->back() *= static_cast<float>(all / seen);
+    }
+    const Settings settings = settings_for(24, 16);
+    const Developed developed = develop_in_memory(Refocused(gathering, lens.film_shift), settings, 2, nullptr, {}, lens);
+    const std::vector<ReferencePixel> expected = reference(job, moved, range.size(), settings);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c)
+            ASSERT_NEAR(static_cast<double>(developed.picture.pixels()[3 * i + c]), expected[i].value[c],
+                        4 * expected[i].tolerance[c]);
+    }
+}
+
+TEST(Focus, DependsOnNeitherMemoryNorThreads) {
+    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3}, 24, 16384);
+    LensChoice lens = choice("0.8");
+    lens.film_shift = {0.01, 0.02};
+    expect_same_with_little_memory(Refocused(gathering, lens.film_shift), settings_for(330, 220),
+                                   {.variance = true, .weight = true, .count = true, .halves = true}, lens);
+}
+
+class LensTool : public ::testing::Test {
+ protected:
+    // A file of records that do or do not tell where they met the lens, of a lens that the provenance does or does not tell.
+    testing::Outcome develop(bool columns, bool lens, const std::vector<std::string>& options) {
+        Job job = job_with_lens();
+        if (!columns) job.extra.clear();
+        const std::string told = lens ? R"({"lens": {"radius": 0.006, "focus": 3, "window": [-0.5, -0.3, 0.5, 0.3]}})" : "{}";
+        synthetic::write_file(folder_ / "a.latent",
+                              synthetic::make_file(job, synthetic::runs_between({0, synthetic::kShortRun}), true, {}, told).bytes);
+        std::vector<std::string> command = {testing::tool("latent-develop"),
+                                            (folder_ / "a.latent").string(),
+                                            "-o",
+                                            (folder_ / "a.exr").string(),
+                                            "--force",
+                                            "--size",
+                                            "30"};
+        command.insert(command.end(), options.begin(), options.end());
+        return testing::run(command);
+    }
+    testing::TemporaryFolder folder_;
+};
+
+TEST_F(LensTool, SaysWhatItCostsAndWhatItMadeOfAnFNumber) {
+    const testing::Outcome outcome = develop(true, true, {"--aperture", "f:6,blades:6", "--focus", "2.5", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const nlohmann::json report = nlohmann::json::parse(outcome.out);
+    const double part = 0.25 * 3 * std::sin(std::numbers::pi / 3) / std::numbers::pi;  // rendered as f/3
+    EXPECT_NEAR(report["lens"]["light"].get<double>(), part, 1e-3);
+    EXPECT_NEAR(report["lens"]["samples_kept"].get<double>(), part, 2e-3);  // cells along the edge count for less
+    EXPECT_NEAR(report["lens"]["noise"].get<double>(), 1 / std::sqrt(part), 0.02);
+    EXPECT_EQ(report["lens"]["focus"], 2.5);
+}
+
+TEST_F(LensTool, WritesTheFramesOfASequence) {
+    const testing::Outcome outcome = develop(true, true, {"--frames", "3", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const nlohmann::json reports = nlohmann::json::parse(outcome.out);
+    ASSERT_EQ(reports.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(reports[i]["output"], (folder_ / fmt::format("a.{:04}.exr", i + 1)).string());
+        EXPECT_TRUE(std::filesystem::exists(reports[i]["output"].get<std::string>()));
+    }
+}
+
+TEST_F(LensTool, SaysWhatToDoAboutFilesThatCannot) {
+    const auto refusal = [&](bool columns, bool lens, const std::vector<std::string>& options) {
+        const testing::Outcome outcome = develop(columns, lens, options);
+        EXPECT_EQ(outcome.status, 2) << outcome.err;
+        return outcome.err;
+    };
+    EXPECT_NE(refusal(false, true, {"--aperture", "0.5"}).find("again with --aov lens"), std::string::npos);
+    EXPECT_NE(refusal(false, true, {"--focus", "2"}).find("again with --aov lens"), std::string::npos);
+    EXPECT_NE(refusal(false, true, {"--frames", "2"}).find("again with --aov time"), std::string::npos);
+    EXPECT_NE(refusal(true, true, {"--focus", "9,9"}).find("again with --aov depth,lens, or give a distance"), std::string::npos);
+    EXPECT_NE(refusal(true, false, {"--focus", "2"}).find("do not tell the lens of their camera"), std::string::npos);
+    EXPECT_NE(refusal(true, true, {"--aperture", "f:2"}).find("rendered as f/3; a wider one must be rendered"), std::string::npos);
 }
 
 // Frames of a sequence divide the exposure: the shutter of each runs from its beginning to its end.
@@ -277,7 +386,7 @@ TEST(Lens, WhatIsMissingOrImpossibleIsRefusedInOneLine) {
     for (const char* wide : {"1.5", "2"})
         EXPECT_NE(parse_aperture(wide).error().message.find("a wider lens must be rendered"), std::string::npos);
     for (const char* bad : {"", "0", "-1", "blades:2", "blades:6.5", "blades", "blades:6:10:2", "gaussian:1", "anamorphic:0.5",
-                            "cat-eye", "left:1", "star", "0.5,"})
+                            "cat-eye", "left:1", "star", "0.5,", "f:0", "0.5,f:8"})
         EXPECT_FALSE(parse_aperture(bad)) << bad;
     for (const char* bad : {"", "0.5", "0.5:0.2", "0:1.5", "0:0.5,0.4:1", "soft,film", "rolling:1", "rolling", "0:0.5:1", "a:b"})
         EXPECT_FALSE(parse_shutter(bad)) << bad;

@@ -1,9 +1,12 @@
 // Where and when light met the lens (`--aov lens,time`): the records of a part of the lens, or of the shutter's time, are those of
 // a smaller lens or a shorter exposure. docs/rendering.md, "AOVs".
+#include "tools/develop/lens_columns.h"
+
 #include <numbers>
 
 #include "tests/transport/pictures.h"
 #include "tools/develop/lens_weights.h"
+#include "tools/develop/recorded_lens.h"
 
 namespace latent::render::testing {
 namespace {
@@ -34,7 +37,16 @@ Shape "sphere" "float radius" .3
 using develop::LensChoice;
 using develop::LensWeights;
 
-// Of a part of the lens and of the exposure, from records of all of both.
+// As develop::Refocused moves records. False: off the film.
+bool move_on_film(const std::array<double, 2>& shift, sampledb::Page& page, std::size_t row) {
+    const std::array<double, 2> lens = develop::lens_point(page, {0, 1}, row);
+    const double u = page.u[row] * 0x1p-32 + shift[0] * lens[0], v = page.v[row] * 0x1p-32 + shift[1] * lens[1];
+    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) return false;
+    page.u[row] = static_cast<std::uint32_t>(u * 0x1p32), page.v[row] = static_cast<std::uint32_t>(v * 0x1p32);
+    return true;
+}
+
+// Of a part of the lens and of the exposure, or focused elsewhere, from records of all of both.
 Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::uint64_t samples, const LensChoice& lens) {
     settings.max_depth = 3;
     settings.record = sampledb::RecordKind::kXyz;
@@ -56,6 +68,11 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
             page.u = records.u, page.v = records.v, page.extra = records.extra;
             for (std::size_t i = 0; i < records.size(); ++i) {
                 page.record_class = records.record_class[i];
+                if (!move_on_film(lens.film_shift, page, i)) {
+                    records.x[i] = records.y[i] = records.z[i] = records.share[i] = 0;
+                    continue;
+                }
+                records.u[i] = page.u[i], records.v[i] = page.v[i];
                 const LensWeights::Factors factors = (*weights)(page, i);
                 for (auto* values : {&records.x, &records.y, &records.z}) (*values)[i] *= factors.value;
                 records.share[i] *= factors.share;
@@ -129,6 +146,31 @@ TEST(LensColumns, APartOfBothIsASmallerLensAndAShorterExposure) {
     expect_equal(
         picture_of_part(scene_from(scene_text(".3", kWhole)), {.kind = IntegratorKind::kBdpt}, 24'576, choice("0.7", "0.5:0.75")),
         picture_of_part(scene_from(scene_text(".21", kPart)), {.kind = IntegratorKind::kBdpt}, 6144, kWholeLens));
+}
+
+// Away from the border, where the film that was rendered lacks records of a part of the lens.
+TEST(LensColumns, ALensCanBeFocusedElsewhere) {
+    const double half = std::tan(25 * std::numbers::pi / 180);
+    const Scene at_3 = scene_from(scene_text(".15", kWhole));
+    std::string text = scene_text(".15", kWhole);
+    text.replace(text.find("focaldistance\" 3"), 16, "focaldistance\" 2");
+    const Scene at_2 = scene_from(text);
+    LensChoice refocused;
+    refocused.film_shift = develop::RecordedLens{.15, 3, -half, -half, half, half}.film_shift(2);
+    const auto without_border = [](Estimate estimate) {
+        for (Blocks* blocks : {&estimate.mean, &estimate.error}) {
+            Blocks inner{6, {}};
+            for (std::size_t b = 0; b < 64; ++b) {
+                if (b % 8 > 0 && b % 8 < 7 && b / 8 > 0 && b / 8 < 7) inner.xyz.push_back(blocks->xyz[b]);
+            }
+            *blocks = inner;
+        }
+        return estimate;
+    };
+    for (const IntegratorKind kind : {IntegratorKind::kPath, IntegratorKind::kBdpt}) {
+        expect_equal(without_border(picture_of_part(at_3, {.kind = kind}, 8192, refocused)),
+                     without_border(picture_of_part(at_2, {.kind = kind}, 8192, kWholeLens)));
+    }
 }
 
 // What the pictures above cannot see: that the axes are those of the picture. A lamp before the focal plane lies farther left, seen

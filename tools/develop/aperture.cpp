@@ -74,7 +74,7 @@ std::array<double, 2> sampled_cell(const Opening& opening, double x, double y, d
 }
 
 Result<Aperture> refuse(std::string_view part) {
-    return is_not(part, "part of an aperture (try 0.35, blades:6, gaussian, anamorphic:1.33, cat-eye:0.5, left or right)");
+    return is_not(part, "part of an aperture (try 0.35, f:8, blades:6, gaussian, anamorphic:1.33, cat-eye:0.5, left or right)");
 }
 
 }  // namespace
@@ -91,7 +91,10 @@ Result<Aperture> parse_aperture(std::string_view text) {
         const std::optional<NamedNumbers> named = named_numbers(part);
         if (!named) return refuse(part);
         const std::vector<double>& n = named->numbers;
-        if (named->name == "blades" && n.size() >= 1 && n.size() <= 3) {
+        if (named->name == "f" && n.size() == 1) {
+            aperture.f_number = n[0];
+            if (!(aperture.f_number > 0)) return is_not(part, "an f-number (try f:8)");
+        } else if (named->name == "blades" && n.size() >= 1 && n.size() <= 3) {
             if (!(n[0] >= 3 && n[0] <= 64) || n[0] != std::floor(n[0])) return is_not(part, "3 to 64 blades (try blades:6)");
             aperture.blades = static_cast<std::uint32_t>(n[0]);
             if (n.size() > 1) aperture.rotation_degrees = n[1];
@@ -116,6 +119,7 @@ Result<Aperture> parse_aperture(std::string_view text) {
             return refuse(part);
         }
     }
+    if (aperture.radius < 1 && aperture.f_number > 0) return is_not(text, "an aperture: it has two radii");
     return aperture;
 }
 

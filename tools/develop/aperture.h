@@ -13,6 +13,7 @@ namespace latent::develop {
 // On the unit disk of the lens that was rendered; x to the right and y upwards, as the camera sees them.
 struct Aperture {
     double radius = 1;            // of the circle, on which the corners between blades lie; 0 < radius <= 1
+    double f_number = 0;          // or, until it is known which was rendered: recorded_lens.h
     std::uint32_t blades = 0;     // 0: a circle; else 3 or more
     double rotation_degrees = 0;  // of the first corner, from the x axis towards the y axis
     double curvature = 0;         // of the blades: 0 straight, 1 the circle
@@ -25,8 +26,8 @@ struct Aperture {
     bool operator==(const Aperture&) const = default;
 };
 
-// "0.35", "blades:6:15:0.2", "gaussian", "anamorphic:1.33", "cat-eye:0.5", "left", "right", or several with commas between them.
-// Errors: kUsage.
+// "0.35", "f:8", "blades:6:15:0.2", "gaussian", "anamorphic:1.33", "cat-eye:0.5", "left", "right", or several with commas between
+// them. Errors: kUsage.
 Result<Aperture> parse_aperture(std::string_view text);
 
 // The square of 2 x 2 around the unit disk is cut into kLensCells x kLensCells cells, rows upwards in y: what the lens columns of

@@ -112,7 +112,7 @@ void add_lens(CLI::App& app, LensChoice& lens) {
         return parse_aperture(text);
     };
     cli::add_parsed(app, "--aperture", lens.aperture, aperture,
-                    "smaller aperture: a fraction of the rendered radius, blades:N[:ROTATION[:CURVATURE]], gaussian, "
+                    "smaller aperture: a fraction of the rendered radius, f:N, blades:N[:ROTATION[:CURVATURE]], gaussian, "
                     "anamorphic:X, cat-eye:X, left or right (half of the lens, for stereo); needs files rendered with "
                     "--aov lens")
         ->type_name("0..1,...");
@@ -166,6 +166,10 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
         ->type_name("NAME=X|FILTER|6500K,...")
         ->allow_extra_args(false);
     add_lens(app, options.lens);
+    cli::add_parsed(app, "--focus", options.focus, parse_focus,
+                    "refocus: a distance from the lens in the units of the scene, or a pixel of the picture whose surface is to be "
+                    "sharp (this needs files rendered with --aov depth,lens)")
+        ->type_name("DISTANCE|X,Y");
     cli::add_count(app, "--frames", options.frames,
                    "divide the exposure into so many frames, each a picture of its own: NAME.0001.exr, NAME.0002.exr, ...", 1u,
                    9999u);

@@ -6,24 +6,14 @@
 #include <cmath>
 #include <utility>
 
+#include "tools/develop/lens_columns.h"
+
 namespace latent::develop {
 
 namespace {
 
 constexpr std::size_t kTimes = 256;
 constexpr std::size_t kMeansAcross = 33;  // points of the film, from border to border
-
-std::optional<std::size_t> place_of(const sampledb::Job& job, const char* column) {
-    const auto found = std::ranges::find(job.extra, column, &sampledb::ExtraColumnSpec::name);
-    if (found == job.extra.end()) return std::nullopt;
-    return static_cast<std::size_t>(found - job.extra.begin());
-}
-
-// The leading 8 bits of an unsigned number.
-std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) {
-    const std::size_t bytes = sampledb::width(column.type);
-    return static_cast<std::size_t>(column.values[row * bytes + bytes - 1]);
-}
 
 // Mean weight, and the mean of its square.
 struct Moments {
@@ -47,14 +37,10 @@ std::string LensChoice::text() const {
 Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice& choice) {
     LensWeights weights;
     weights.follows_ = choice.exposure_follows;
-    if (!choice.aperture.is_whole()) {
-        const auto x = place_of(job, "lens.x"), y = place_of(job, "lens.y");
-        if (!x || !y)
-            return usage_error(
-                "--aperture: the files do not say where light met the lens; render the scene again with --aov lens, and a camera "
-                "that has a lens");
-        weights.lens_columns_ = {*x, *y};
-        weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height);
+    if (!choice.aperture.is_whole() || choice.is_refocused()) {
+        if (Status s = check_lens_columns(job, "--aperture"); !s) return s.error();
+        weights.lens_columns_ = lens_columns(job);
+        weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height, choice.film_shift);
         if (!(weights.mean_ > 0)) return usage_error("--aperture: no light passes");
     }
     if (!choice.shutter.is_whole()) {
@@ -70,7 +56,8 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
     return weights;
 }
 
-void LensWeights::set_aperture(const Aperture& aperture, double film_width, double film_height) {
+void LensWeights::set_aperture(const Aperture& aperture, double film_width, double film_height,
+                               const std::array<double, 2>& film_shift) {
     LensCells cells = cells_of(aperture);
     cells_ = std::move(cells.transmission);
     double disk = 0;
@@ -100,6 +87,18 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     }
     mean_ *= mean;
     kept_ *= kept;
+    film_shift_ = film_shift;
+    if (film_shift == std::array<double, 2>{}) return;
+    constexpr std::size_t kRow = kLensCells + 1;
+    light_below_.assign(kRow * kRow, 0);
+    for (std::size_t y = 0; y < kLensCells; ++y) {
+        double row = 0;
+        for (std::size_t x = 0; x < kLensCells; ++x) {
+            const std::size_t cell = y * kLensCells + x;
+            row += static_cast<double>(cells_[cell]) * static_cast<double>(cells.area[cell]);
+            light_below_[(y + 1) * kRow + x + 1] = light_below_[y * kRow + x + 1] + row;
+        }
+    }
 }
 
 // The share of a cell that lies in the rear rim, the unit circle moved towards the centre of the picture's other side; its edge
@@ -121,6 +120,24 @@ float LensWeights::lens_mean(float u, float v) const {
     const float* const upper = means_.data() + j * kMeansAcross + i;
     const float* const lower = upper + kMeansAcross;
     return (upper[0] * (1 - fx) + upper[1] * fx) * (1 - fy) + (lower[0] * (1 - fx) + lower[1] * fx) * fy;
+}
+
+// A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
+// light through these, over that through all.
+float LensWeights::share_on_film(float u, float v) const {
+    if (light_below_.empty()) return 1;
+    const auto cells = [](double position, double shift) {  // whose centres the film has
+        if (shift == 0) return std::array<std::size_t, 2>{0, kLensCells};
+        const double a = (position - 1) / shift, b = position / shift;
+        const auto place = [](double x) { return std::clamp((x + 1) * (kLensCells / 2.0), 0.0, double{kLensCells}); };
+        return std::array{static_cast<std::size_t>(place(std::min(a, b)) + 0.5),
+                          static_cast<std::size_t>(place(std::max(a, b)) + 0.5)};
+    };
+    const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
+    const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
+    const auto below = [&](std::size_t x, std::size_t y) { return light_below_[y * (kLensCells + 1) + x]; };
+    const double share = (below(x1, y1) - below(x0, y1) - below(x1, y0) + below(x0, y0)) / light_below_.back();
+    return share > 0 ? static_cast<float>(share) : 1.0f;
 }
 
 void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
@@ -163,7 +180,8 @@ LensWeights::Factors LensWeights::operator()(const sampledb::Page& page, std::si
     }
     // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
     if (page.record_class == sampledb::RecordClass::kCamera) return {follows_ ? weight * mean : weight, weight};
-    return {follows_ || weight == 0 ? weight : weight / mean, 0};
+    if (weight == 0) return {0, 0};
+    return {weight / (follows_ ? 1 : mean) / share_on_film(u, v), 0};
 }
 
 }  // namespace latent::develop

@@ -22,7 +22,10 @@ struct LensChoice {
     bool exposure_follows = false;  // less light makes a darker picture; else it is as bright as that of the whole lens
     std::string aperture_text{}, shutter_text{};  // as they were given
 
-    bool is_whole() const { return aperture.is_whole() && shutter.is_whole(); }
+    std::array<double, 2> film_shift{};  // of a lens that is focused elsewhere: recorded_lens.h
+
+    bool is_refocused() const { return film_shift != std::array<double, 2>{}; }
+    bool is_whole() const { return aperture.is_whole() && shutter.is_whole() && !is_refocused(); }
     std::string text() const;  // "aperture 0.35; shutter 0.2:0.5"
 };
 
@@ -44,10 +47,11 @@ class LensWeights {
     double kept() const { return kept_; }
 
  private:
-    void set_aperture(const Aperture& aperture, double film_width, double film_height);
+    void set_aperture(const Aperture& aperture, double film_width, double film_height, const std::array<double, 2>& film_shift);
     void set_shutter(const Shutter& shutter, ShutterCurve curve);
     float between_rims(std::size_t cell, float u, float v) const;
     float lens_mean(float u, float v) const;
+    float share_on_film(float u, float v) const;
     float open(std::size_t time, float v) const;
 
     bool follows_ = false;
@@ -57,6 +61,9 @@ class LensWeights {
     std::vector<float> cells_{};                                // transmission
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
     std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
+
+    std::array<double, 2> film_shift_{};
+    std::vector<double> light_below_{};  // through all cells at a lower x and y than each corner of cells; if the film is shifted
 
     std::optional<std::size_t> time_column_{};
     std::optional<ShutterCurve> curve_{};

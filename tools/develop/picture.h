@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "sampledb/read/gathering.h"
 #include "tools/develop/develop.h"
+#include "tools/develop/focus.h"
 #include "tools/develop/forecast.h"
 #include "tools/develop/observer_choice.h"
 #include "tools/develop/picture_sink.h"
@@ -27,6 +28,7 @@ struct PictureOptions {
     ObserverOptions observer;
     std::vector<std::string> lights;  // "lamp=2.5": light_setting.h
     LensChoice lens;
+    std::optional<Focus> focus;
     std::uint32_t frames = 1;    // pictures that divide the exposure among them: see frames_of
     std::string image = "both";  // or camera, light
     SpectralBins spectral_bins;  // none: XYZ
@@ -48,8 +50,9 @@ struct PictureOptions {
 
 // What remains of all samples.
 struct LensCost {
-    double light = 1;    // fraction of the light that passes
-    double samples = 1;  // as many, of equal weight, would be as noisy
+    double light = 1;               // fraction of the light that passes
+    double samples = 1;             // as many, of equal weight, would be as noisy
+    std::optional<double> focus{};  // distance, if it was changed
     double noise() const { return 1 / std::sqrt(samples); }
 };
 
