@@ -36,17 +36,22 @@ class Opening {
         has_rim_ = a.radius < 1 || a.squeeze > 1 || a.blades > 0;  // else it is the disk itself, in which all points lie
     }
 
-    double transmission(double x, double y) const {
-        if (a_.half == Aperture::Half::kLeft ? x > 0 : a_.half == Aperture::Half::kRight && x < 0) return 0;
+    bool is_open(double x, double y) const {
+        if (a_.half == Aperture::Half::kLeft ? x > 0 : a_.half == Aperture::Half::kRight && x < 0) return false;
         x *= a_.squeeze;
-        const double r2 = x * x + y * y, radius2 = a_.radius * a_.radius;
-        if (has_rim_ && r2 > radius2) return 0;
-        if (!normals_.empty()) {
-            double along = 0;
-            for (const std::array<double, 2>& n : normals_) along = std::max(along, n[0] * x + n[1] * y);
-            if ((1 - a_.curvature) * along / apothem_ + a_.curvature * std::sqrt(r2) / a_.radius > 1) return 0;
-        }
-        return a_.gaussian ? color::power_of_e(-2 * r2 / radius2) : 1;
+        const double r2 = x * x + y * y;
+        if (has_rim_ && r2 > a_.radius * a_.radius) return false;
+        if (normals_.empty()) return true;
+        double along = 0;
+        for (const std::array<double, 2>& n : normals_) along = std::max(along, n[0] * x + n[1] * y);
+        if (a_.curvature == 0) return along <= apothem_;
+        return (1 - a_.curvature) * along / apothem_ + a_.curvature * std::sqrt(r2) / a_.radius <= 1;
+    }
+    // Where it is open.
+    double transmission(double x, double y) const {
+        if (!a_.gaussian) return 1;
+        x *= a_.squeeze;
+        return color::power_of_e(-2 * (x * x + y * y) / (a_.radius * a_.radius));
     }
 
  private:
@@ -56,21 +61,23 @@ class Opening {
     bool has_rim_ = false;
 };
 
-// Area and transmission, from kPointsAcross x kPointsAcross points of a cell that lies from (x, y) to (x, y) + side.
-std::array<double, 2> sampled_cell(const Opening& opening, double x, double y, double side) {
-    double all = 0, inside = 0, within_disk = 0;
-    constexpr double kStep = 1.0 / kPointsAcross;
+// Of a cell that lies from (x, y) to (x, y) + side, by kPointsAcross x kPointsAcross points: how much of it lies in the disk, and
+// how much of that is open; of a cell that hardly touches the disk, how much of all.
+struct Shares {
+    double in_disk, open;
+};
+Shares shares_of(const Opening& opening, double x, double y, double side) {
+    double open = 0, in_disk = 0, both = 0;
+    constexpr double kStep = 1.0 / kPointsAcross, kPoints = kPointsAcross * kPointsAcross;
     for (std::size_t i = 0; i < kPointsAcross * kPointsAcross; ++i) {
         const double px = x + side * kStep * (static_cast<double>(i % kPointsAcross) + 0.5),
                      py = y + side * kStep * (static_cast<double>(i / kPointsAcross) + 0.5);
-        const double through = opening.transmission(px, py);
-        all += through;
-        if (px * px + py * py > 1) continue;
-        within_disk += through;
-        ++inside;
+        const bool is_open = opening.is_open(px, py), is_in_disk = px * px + py * py <= 1;
+        open += is_open ? 1 : 0;
+        in_disk += is_in_disk ? 1 : 0;
+        both += is_open && is_in_disk ? 1 : 0;
     }
-    constexpr double kPoints = kPointsAcross * kPointsAcross;
-    return {inside / kPoints, inside > 0 ? within_disk / inside : all / kPoints};
+    return {in_disk / kPoints, in_disk > 0 ? both / in_disk : open / kPoints};
 }
 
 Result<Aperture> refuse(std::string_view part) {
@@ -126,20 +133,22 @@ Result<Aperture> parse_aperture(std::string_view text) {
 LensCells cells_of(const Aperture& aperture) {
     const Opening opening(aperture);
     constexpr double kSide = 2.0 / kLensCells;
+    constexpr int kCorners = 4;
     LensCells cells{std::vector<float>(kLensCells * kLensCells), std::vector<float>(kLensCells * kLensCells)};
     for (std::size_t cell = 0; cell < cells.area.size(); ++cell) {
         const double x = static_cast<double>(cell % kLensCells) * kSide - 1, y = static_cast<double>(cell / kLensCells) * kSide - 1;
-        std::array<double, 2> area_and_transmission{};
-        bool alike = true;
-        for (std::size_t i = 0; i < 9; ++i) {
-            const double px = x + kSide / 2 * static_cast<double>(i % 3), py = y + kSide / 2 * static_cast<double>(i / 3);
-            const std::array<double, 2> here = {px * px + py * py <= 1 ? 1.0 : 0.0, opening.transmission(px, py)};
-            alike = alike && (i == 0 || here == area_and_transmission);
-            area_and_transmission = here;
+        int open = 0, in_disk = 0;
+        for (int i = 0; i < kCorners; ++i) {
+            const double px = x + kSide * (i % 2), py = y + kSide * (i / 2);
+            open += opening.is_open(px, py) ? 1 : 0;
+            in_disk += px * px + py * py <= 1 ? 1 : 0;
         }
-        if (!alike) area_and_transmission = sampled_cell(opening, x, y, kSide);
-        cells.area[cell] = static_cast<float>(area_and_transmission[0]);
-        cells.transmission[cell] = static_cast<float>(area_and_transmission[1]);
+        const auto is_mixed = [](int corners) { return corners > 0 && corners < kCorners; };
+        const Shares shares = is_mixed(open) || is_mixed(in_disk) ? shares_of(opening, x, y, kSide)
+                                                                  : Shares{in_disk > 0 ? 1.0 : 0.0, open > 0 ? 1.0 : 0.0};
+        cells.area[cell] = static_cast<float>(shares.in_disk);
+        if (shares.open > 0)
+            cells.transmission[cell] = static_cast<float>(shares.open * opening.transmission(x + kSide / 2, y + kSide / 2));
     }
     return cells;
 }

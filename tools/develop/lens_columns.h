@@ -35,11 +35,19 @@ inline Status check_lens_columns(const sampledb::Job& job, const char* option) {
                        "has a lens");
 }
 
-// The leading 8 bits of an unsigned number.
-inline std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) {
-    const std::size_t bytes = sampledb::width(column.type);
-    return static_cast<std::size_t>(column.values[row * bytes + bytes - 1]);
-}
+// The leading 8 bits of unsigned numbers.
+class LeadingBytes {
+ public:
+    LeadingBytes() = default;
+    explicit LeadingBytes(const sampledb::ExtraColumn& column)
+        : width_(sampledb::width(column.type)), first_(column.values.data() + width_ - 1) {}
+    std::size_t operator[](std::size_t row) const { return static_cast<std::size_t>(first_[row * width_]); }
+
+ private:
+    std::size_t width_ = 1;
+    const std::byte* first_ = nullptr;
+};
+inline std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) { return LeadingBytes(column)[row]; }
 
 // The middle of the cell of the lens, on the unit disk.
 inline std::array<double, 2> lens_point(const sampledb::Page& page, const std::array<std::size_t, 2>& columns, std::size_t row) {

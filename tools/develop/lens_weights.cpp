@@ -178,10 +178,31 @@ LensWeights::Factors LensWeights::operator()(const sampledb::Page& page, std::si
         weight *= rolling_ > 0 ? open(time, v) : open_[time];
         mean *= time_mean_;
     }
-    // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
-    if (page.record_class == sampledb::RecordClass::kCamera) return {follows_ ? weight * mean : weight, weight};
-    if (weight == 0) return {0, 0};
-    return {weight / (follows_ ? 1 : mean) / share_on_film(u, v), 0};
+    return factors_of(page.record_class, weight, mean, light_below_.empty() ? 1 : share_on_film(u, v));
+}
+
+// A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.
+LensWeights::Factors LensWeights::factors_of(sampledb::RecordClass record_class, float weight, float mean,
+                                             float share_on_film) const {
+    if (record_class == sampledb::RecordClass::kCamera) return {follows_ ? weight * mean : weight, weight};
+    return {weight == 0 ? 0 : weight / (follows_ ? 1 : mean) / share_on_film, 0};
+}
+
+void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::size_t end, std::vector<Factors>& out) const {
+    out.resize(end - begin);
+    if (!is_same_all_over_the_film()) {
+        for (std::size_t row = begin; row < end; ++row) out[row - begin] = (*this)(page, row);
+        return;
+    }
+    const float mean = (means_.empty() ? 1 : means_[0]) * time_mean_;
+    const auto bytes = [&](std::size_t column) { return LeadingBytes(page.extra[column]); };
+    const LeadingBytes x = lens_columns_ ? bytes((*lens_columns_)[0]) : LeadingBytes(),
+                       y = lens_columns_ ? bytes((*lens_columns_)[1]) : LeadingBytes(),
+                       time = time_column_ ? bytes(*time_column_) : LeadingBytes();
+    for (std::size_t row = begin; row < end; ++row) {
+        const float through = lens_columns_ ? cells_[y[row] * kLensCells + x[row]] : 1, open = time_column_ ? open_[time[row]] : 1;
+        out[row - begin] = factors_of(page.record_class, through * open, mean, 1);
+    }
 }
 
 }  // namespace latent::develop

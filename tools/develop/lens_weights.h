@@ -41,6 +41,7 @@ class LensWeights {
         float value, share;
     };
     Factors operator()(const sampledb::Page& page, std::size_t row) const;
+    void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, std::vector<Factors>& out) const;
 
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
@@ -53,6 +54,8 @@ class LensWeights {
     float lens_mean(float u, float v) const;
     float share_on_film(float u, float v) const;
     float open(std::size_t time, float v) const;
+    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_below_.empty(); }
+    Factors factors_of(sampledb::RecordClass record_class, float weight, float mean, float share_on_film) const;
 
     bool follows_ = false;
     double mean_ = 1, kept_ = 1;
