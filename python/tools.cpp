@@ -54,6 +54,12 @@ develop::PictureOptions picture_options(const std::vector<std::string>& paths, c
     options.observer.lens_filter = get<std::string>(given, "lens_filter");
     options.observer.filter_factor = get<double>(given, "filter_factor");
     options.lights = get<std::vector<std::string>>(given, "lights");
+    if (const auto aperture = get<std::string>(given, "aperture"); !aperture.empty())
+        options.lens.aperture = parsed(develop::parse_aperture, aperture);
+    if (const auto shutter = get<std::string>(given, "shutter"); !shutter.empty())
+        options.lens.shutter = parsed(develop::parse_shutter, shutter);
+    if (const auto focus = get<std::string>(given, "focus"); !focus.empty()) options.focus = parsed(develop::parse_focus, focus);
+    options.lens.exposure_follows = get<bool>(given, "exposure_follows");
     options.image = get<std::string>(given, "image");
     options.dim_fireflies = get<bool>(given, "dim_fireflies");
     options.ratio = get<bool>(given, "ratio");

@@ -56,8 +56,10 @@ def develop(*paths: Path, **options: Any) -> np.ndarray:
     size: width, or (width, height), in pixels; default: the size rendered for. crop: (x0, y0, x1, y1), pixels of the whole picture.
     filter: such as "box" or "quartic:-3,1.5", the default. observer: a name ("cie1964", "kodak_trix_400") or a CSV file.
     camera_xyz: X, Y, Z of a camera. raw_balance: False for channels of a camera with one scale. lens_filter: such as "wratten-25".
-    filter_factor: a factor of the exposure, or "auto". lights: such as ["lamp=2.5"]. dim_fireflies: dims specks of light. image:
-    "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few wavelengths. spectral_bins: their
+    filter_factor: a factor of the exposure, or "auto". lights: such as ["lamp=2.5"]. aperture, shutter: such as "0.35,blades:6" and
+    "0.2:0.5", of files rendered with --aov lens,time. exposure_follows: these darken the picture. focus: a distance, or
+    (x, y), a pixel that is to be sharp. dim_fireflies: dims specks of light.
+    image: "camera", "light" or "both". estimator: "standard", or "ratio", with less colour noise of few wavelengths. spectral_bins: their
     number, or "FROM:TO:STEP" in nm. samples: (first, end). job: 32 hexadecimal digits, if folders hold several. skip_duplicates:
     files may hold the same samples. memory: bytes to work in, beside the picture's own; default: 1 GiB, at most half of what may be
     used. threads: at most; 0: all.
@@ -93,6 +95,10 @@ def _develop(
     filter_factor: Union[float, str] = 1,
     lights: Sequence[str] = (),
     dim_fireflies: bool = False,
+    aperture: str = "",
+    shutter: str = "",
+    exposure_follows: bool = False,
+    focus: Union[float, tuple[float, float], None] = None,
     image: str = "both",
     estimator: str = "standard",
     spectral_bins: Union[int, str] = "",
@@ -120,6 +126,8 @@ def _develop(
         "raw_balance": _arguments.flag("raw_balance", raw_balance), "lens_filter": _arguments.text("lens_filter", lens_filter),
         "filter_factor": float(filter_factor), "lights": _arguments.texts("lights", lights),
         "dim_fireflies": _arguments.flag("dim_fireflies", dim_fireflies),
+        "aperture": _arguments.text("aperture", aperture), "shutter": _arguments.text("shutter", shutter),
+        "exposure_follows": _arguments.flag("exposure_follows", exposure_follows), "focus": _focus(focus),
         "image": _arguments.choice("image", image, ["both", "camera", "light"]), "ratio": estimator == "ratio",
         "spectral_bins": _arguments.text("spectral_bins", spectral_bins), "layers": ",".join(_arguments.texts("layers", layers)),
         "halves": _arguments.flag("halves", halves), "samples": _arguments.optional(_arguments.interval, "samples", samples),
@@ -130,6 +138,12 @@ def _develop(
     for line in lines:
         warnings.warn(line, LatentWarning, stacklevel=3)
     return pixels, names
+
+
+def _focus(value: Union[float, tuple[float, float], None]) -> str:
+    """As latent-develop takes it."""
+    numbers = [] if value is None else value if isinstance(value, (tuple, list)) else [value]
+    return ",".join(repr(float(_arguments.real("focus", number))) for number in numbers)
 
 
 def _size(name: str, value: Any) -> str:

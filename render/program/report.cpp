@@ -183,6 +183,12 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings, std
     out["embree"] = Geometry::embree_version();
     out["render_epoch"] = kRenderEpoch;
     if (settings.aovs.any()) out["aovs"] = to_text(settings.aovs);
+    const CameraDescription& camera = job.scene.description.camera;
+    if (camera.kind == CameraKind::kPerspective && camera.lens_radius > 0) {
+        out["lens"] = {{"radius", camera.lens_radius},
+                       {"focus", camera.focal_distance},
+                       {"window", {camera.x0, camera.y0, camera.x1, camera.y1}}};
+    }
     if (settings.aovs.id) {
         Json names = json_of_materials(job);
         if (!names.is_null()) out["materials"] = std::move(names);

@@ -15,14 +15,15 @@ void keep_samples(const Coverage& coverage, Page& page) {
 void keep_rows(std::span<const std::size_t> rows, Page& page) {
     const auto keep = [&](Shape shape, auto& values) {
         if (values.empty()) return;
+        const auto from = values;
         auto* to = values.data();
         for (const std::size_t row : rows) {
             if (shape.rows == Rows::kRecords) {
-                copy_row(values.data(), row, shape.width, to);
+                copy_row(from.data(), row, shape.width, to);
                 to += shape.width;
             } else {
                 const std::size_t first = page.first_pair[row], count = page.first_pair[row + 1] - first;
-                to = std::copy_n(values.data() + first, count, to);
+                to = std::copy_n(from.data() + first, count, to);
             }
         }
     };

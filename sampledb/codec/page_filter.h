@@ -12,7 +12,7 @@ namespace latent::sampledb {
 // Keeps the rows whose sample lies in the coverage, in their order. The page's sample numbers are decoded.
 void keep_samples(const Coverage& coverage, Page& page);
 
-// Keeps these rows, ascending; columns that are empty stay so.
+// Keeps these rows, in this order; columns that are empty stay so.
 void keep_rows(std::span<const std::size_t> rows, Page& page);
 
 }  // namespace latent::sampledb

@@ -113,6 +113,10 @@ std::size_t join_four(std::span<const ByteSpan> planes, std::span<std::byte> val
 void join_planes(std::span<const ByteSpan> planes, std::span<std::byte> values) {
     const std::size_t value_width = planes.size();
     const std::size_t n = values.size() / value_width;
+    if (value_width == 1 && planes[0].size() == n) {
+        std::ranges::copy(planes[0], values.begin());
+        return;
+    }
     for (std::size_t i = value_width == 4 ? join_four(planes, values) : 0; i < n; ++i) {
         for (std::size_t p = 0; p < value_width; ++p) values[i * value_width + p] = planes[p][planes[p].size() == 1 ? 0 : i];
     }

@@ -48,10 +48,11 @@ Settings settings_for(std::uint32_t width, std::uint32_t height, const char* fil
 }
 
 Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads, const color::Observer* observer,
-                            const Layers& layers) {
+                            const Layers& layers, const LensChoice& lens) {
     auto channels = Channels::xyz(gathering.job(), observer);
     EXPECT_TRUE(channels);
     EXPECT_TRUE(channels->add_layers(gathering.job(), layers));
+    EXPECT_TRUE(channels->weigh(gathering.job(), lens));
     MemoryPicture picture(settings.crop, channels->layout().outputs());
     Result<DevelopCounts> counts = DevelopCounts{};
     Threads(threads).run([&] { counts = develop(gathering, *channels, settings, picture); });
@@ -60,11 +61,12 @@ Developed develop_in_memory(const sampledb::Gathering& gathering, Settings setti
     return {std::move(picture), counts ? *counts : DevelopCounts{}};
 }
 
-Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers) {
+Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers,
+                                         const LensChoice& lens) {
     settings.memory = std::uint64_t{1} << 30;
-    Developed whole = develop_in_memory(gathering, settings, 1, nullptr, layers);
+    Developed whole = develop_in_memory(gathering, settings, 1, nullptr, layers, lens);
     settings.memory = std::uint64_t{40} << 20;
-    const Developed little = develop_in_memory(gathering, settings, 2, nullptr, layers);
+    const Developed little = develop_in_memory(gathering, settings, 2, nullptr, layers, lens);
     EXPECT_GT(little.counts.regions, whole.counts.regions);
     EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
     return whole;

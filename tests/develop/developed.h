@@ -99,10 +99,11 @@ struct Developed {
 // Develops on `threads` threads; an empty crop means all. The job's records are XYZ, or seen by `observer`. A pixel has the values
 // of RowLayout::outputs().
 Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads = 2,
-                            const color::Observer* observer = nullptr, const Layers& layers = {});
+                            const color::Observer* observer = nullptr, const Layers& layers = {}, const LensChoice& lens = {});
 
 // Develops with 1 GiB on one thread, and with 40 MiB on two: in more regions, and to the same bits. Returns the former.
-Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers);
+Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers,
+                                         const LensChoice& lens = {});
 
 struct ReferencePixel {
     double value[3];

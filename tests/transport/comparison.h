@@ -69,11 +69,12 @@ struct Verdict {
 inline Verdict compare(const Estimate& ours, const Estimate& reference, std::size_t channel) {
     Verdict v;
     double sum = 0, sum_reference = 0, variance = 0;
-    for (std::size_t b = 0; b < 64; ++b) {
+    const std::size_t blocks = ours.mean.xyz.size();
+    for (std::size_t b = 0; b < blocks; ++b) {
         const double error = std::hypot(ours.error.xyz[b][channel], reference.error.xyz[b][channel]);
         const double difference = ours.mean.xyz[b][channel] - reference.mean.xyz[b][channel];
         v.worst_z = std::max(v.worst_z, std::abs(difference / error));
-        v.mean_z2 += difference * difference / (error * error) / 64;
+        v.mean_z2 += difference * difference / (error * error) / static_cast<double>(blocks);
         sum += ours.mean.xyz[b][channel];
         sum_reference += reference.mean.xyz[b][channel];
         variance += error * error;

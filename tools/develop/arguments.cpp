@@ -46,6 +46,10 @@ Examples:
       photograph on film, behind a red filter (needs spectral records)
   latent-develop night.latent --film portra-400 --ei 200 -o exposures.exr
       photograph on colour film, one stop more than its box says
+  latent-develop portrait.latent --aperture 0.35,blades:6 -o deep.exr
+      stop the lens down, and give it six blades (needs --aov lens)
+  latent-develop car.latent --shutter 0.4:0.6 -o sharp.exr
+      expose for the middle fifth of the time (needs --aov time)
   latent-develop night.latent --light lamp=2.5 --light sky=6500K,0.3 -o dusk.exr
       change the lights of a file that was rendered with --light-groups
   latent-develop parts/ --budget 10s -o preview.exr
@@ -102,6 +106,28 @@ std::vector<CLI::Option*> add_observer(CLI::App& app, ObserverOptions& options) 
     return {name, output, balance, film, filter};
 }
 
+void add_lens(CLI::App& app, LensChoice& lens) {
+    const auto aperture = [&lens](const std::string& text) {
+        lens.aperture_text = text;
+        return parse_aperture(text);
+    };
+    cli::add_parsed(app, "--aperture", lens.aperture, aperture,
+                    "smaller aperture: a fraction of the rendered radius, f:N, blades:N[:ROTATION[:CURVATURE]], gaussian, "
+                    "anamorphic:X, cat-eye:X, left or right (half of the lens, for stereo); needs files rendered with "
+                    "--aov lens")
+        ->type_name("0..1,...");
+    const auto shutter = [&lens](const std::string& text) {
+        lens.shutter_text = text;
+        return parse_shutter(text);
+    };
+    cli::add_parsed(app, "--shutter", lens.shutter, shutter,
+                    "shorter exposure: parts of the one that was rendered, from 0 to 1; soft, film or FILE.csv (time, "
+                    "transmission); rolling:X; needs files rendered with --aov time")
+        ->type_name("A:B,...");
+    app.add_flag("--exposure-follows", lens.exposure_follows,
+                 "a smaller aperture and a shorter exposure make a darker picture, as in a camera");
+}
+
 }  // namespace
 
 Result<double> parse_filter_factor(std::string_view text) {
@@ -139,6 +165,14 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
                    "with --light-groups")
         ->type_name("NAME=X|FILTER|6500K,...")
         ->allow_extra_args(false);
+    add_lens(app, options.lens);
+    cli::add_parsed(app, "--focus", options.focus, parse_focus,
+                    "refocus: a distance from the lens in the units of the scene, or a pixel of the picture whose surface is to be "
+                    "sharp (this needs files rendered with --aov depth,lens)")
+        ->type_name("DISTANCE|X,Y");
+    cli::add_count(app, "--frames", options.frames,
+                   "divide the exposure into so many frames, each a picture of its own: NAME.0001.exr, NAME.0002.exr, ...", 1u,
+                   9999u);
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
         ->type_name("A:B");
     auto* fraction =

@@ -54,6 +54,14 @@ Status Channels::mix_lights(const sampledb::Job& job, const std::vector<GroupFac
     return {};
 }
 
+Status Channels::weigh(const sampledb::Job& job, const LensChoice& choice) {
+    if (choice.is_whole()) return {};
+    Result<LensWeights> weights = LensWeights::make(job, choice);
+    if (!weights) return weights.error();
+    lens_ = *std::move(weights);
+    return {};
+}
+
 Status Channels::use_ratio() {
     if (kind_ == sampledb::RecordKind::kXyz) return usage_error("--estimator ratio: needs spectral records; these hold XYZ");
     Result<BatchWhite> white = BatchWhite::make(density_, batch_, *lights_[0].observer);
@@ -119,7 +127,7 @@ Result<Channels> Channels::spectral_bins(const sampledb::Job& job, const Spectra
 
 sampledb::ColumnSet Channels::columns() const {
     return {.samples = layout_.layers.by_sample() || layout_.layers.halves,
-            .extra = group_column_.has_value() || layout_.layers.aovs()};
+            .extra = group_column_.has_value() || layout_.layers.aovs() || lens_.has_value()};
 }
 
 const Channels::GroupLight& Channels::light_of(const sampledb::Page& page, std::size_t row) const {
@@ -179,7 +187,7 @@ void Channels::complete_rows(const sampledb::Page& page, std::size_t begin, std:
                 first[layout_.divisor_square(c)] = divisor * divisor;
             }
         }
-        if (layout_.layers.count && camera) first[layout_.counter()] = 1;
+        if (layout_.layers.count && camera && (!lens_ || first[layout_.share()] != 0)) first[layout_.counter()] = 1;
         row = next;
     }
 }
@@ -188,16 +196,24 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
     float* const rows = out;
+    thread_local std::vector<LensWeights::Factors> factors;
+    if (lens_) lens_->factors(page, begin, end, factors);
     if (step == 4 && !layout_.layers.samples && !group_column_ && kind_ == sampledb::RecordKind::kXyz &&
         (!camera || page.unit_share) &&
         interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
+        for (std::size_t i = 0; lens_ && i < end - begin; ++i) {
+            for (int c = 0; c < 3; ++c) out[4 * i + static_cast<std::size_t>(c)] *= factors[i].value;
+            out[4 * i + 3] *= factors[i].share;
+        }
         return 0;
     }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
-        float share = sampledb::share_of(page, row);
-        const GroupLight& light = light_of(page, row);
         std::fill(out, out + step, 0.0f);
+        const LensWeights::Factors lens = lens_ ? factors[row - begin] : LensWeights::Factors{1, 1};
+        if (lens.value == 0) continue;
+        float share = sampledb::share_of(page, row) * lens.share;
+        const GroupLight& light = light_of(page, row);
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];
             out[1] = page.y[row];
@@ -205,7 +221,8 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
         } else {
             spectral_row(light, page, row, out);
         }
-        if (light.factor != 1) std::for_each(out, out + n, [&](float& value) { value *= light.factor; });
+        if (const float factor = light.factor * lens.value; factor != 1)
+            std::for_each(out, out + n, [&](float& value) { value *= factor; });
         float check = share;  // times zero: 0 if all are finite, else NaN
         for (int c = 0; c < n; ++c) check += out[c] * 0.0f;
         if (!std::isfinite(check)) {

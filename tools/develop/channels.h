@@ -15,6 +15,7 @@
 #include "tools/develop/aov_columns.h"
 #include "tools/develop/batch_response.h"
 #include "tools/develop/layers.h"
+#include "tools/develop/lens_weights.h"
 #include "tools/develop/light_mix.h"
 
 namespace latent::develop {
@@ -39,6 +40,10 @@ class Channels {
     Status add_layers(const sampledb::Job& job, const Layers& layers);
     // Multiplies the records of each group of lights. Errors: kUsage for curves in XYZ jobs.
     Status mix_lights(const sampledb::Job& job, const std::vector<GroupFactor>& factors);
+
+    // Weighs records by where and when they met the lens; those of no weight become rows of zeros. Errors: of LensWeights::make.
+    Status weigh(const sampledb::Job& job, const LensChoice& choice);
+    const std::optional<LensWeights>& lens() const { return lens_; }
 
     // Divides each channel by what its responses make of white [R06 3.3.6] (docs/developing.md, "The ratio estimator"). Of X, Y, Z.
     // Errors: kUsage: XYZ jobs; as of BatchWhite::make.
@@ -78,6 +83,7 @@ class Channels {
     std::vector<GroupLight> lights_{1};  // by number of their group; the last one is that of all further groups
     std::optional<BatchWhite> white_;    // of the ratio estimator
     AovColumns aovs_;
+    std::optional<LensWeights> lens_;
     std::optional<std::size_t> group_column_;  // among the extra ones; none: all light is alike
 };
 

@@ -73,7 +73,8 @@ class Engine {
         counts_.light_paths = gathering.light_paths();
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
-        const double camera_density = std::min(static_cast<double>(gathering.coverage().size()), expected_.camera) / pixels;
+        const double camera_density =
+            std::min(static_cast<double>(gathering.coverage().size()), expected_.camera) / pixels * mean_weight();
         normalisation_ = {channels.layout(),
                           classes_.camera,
                           classes_.light,
@@ -125,12 +126,15 @@ class Engine {
         return Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
     }
 
+    // Mean weight of records.
+    double mean_weight() const { return channels_.lens() ? channels_.lens()->mean() : 1; }
+
     std::optional<Fireflies> fireflies() const {
         if (!settings_.dim_fireflies) return std::nullopt;
         assert(channels_.layout().layers.samples);
         const double pixels = static_cast<double>(settings_.width) * settings_.height;
         return Fireflies(grid_, settings_.filter.reach(), channels_.layout(), classes_,
-                         static_cast<double>(gathering_.coverage().size()) / pixels);
+                         static_cast<double>(gathering_.coverage().size()) / pixels * mean_weight());
     }
 
     // N over the samples of each half.

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "base/json.h"
-#include "base/url.h"
 #include "color/light_spectrum.h"
-#include "sampledb/read/file_reader.h"
 #include "sampledb/read/provenance.h"
+#include "tools/develop/origins.h"
 
 namespace latent::develop {
 
@@ -43,19 +41,12 @@ Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathe
     if (std::ranges::find(gathering.job().extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name) ==
         gathering.job().extra.end())
         return usage_error("--light: the files have no light groups; render the scene with --light-groups");
-    for (const sampledb::SelectedRun& run : gathering.runs()) {
-        const std::filesystem::path& path = gathering.files()[run.file];
-        const Result<std::shared_ptr<const sampledb::ByteSource>> source = sampledb::open_source(path);
-        if (!source) return source.error();
-        const Result<sampledb::FileContents> frames = sampledb::read_frames(**source);
-        if (!frames) return frames.error().at(shown_name(path));
-        std::vector<LightGroup> groups;
-        sampledb::for_each_origin(*frames, [&](std::string_view origin) {
-            if (groups.empty()) groups = light_groups_in(origin);
-        });
-        if (!groups.empty()) return groups;
-        break;  // all parts of a job say the same
-    }
+    std::vector<LightGroup> groups;
+    const auto take = [&](std::string_view origin) {
+        if (groups.empty()) groups = light_groups_in(origin);
+    };
+    if (Status s = for_each_origin(gathering, take); !s) return s.error();
+    if (!groups.empty()) return groups;
     std::vector<LightGroup> numbered;
     for (int i = 0; i < 256; ++i) numbered.push_back({std::to_string(i)});
     return numbered;

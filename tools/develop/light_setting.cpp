@@ -6,22 +6,9 @@
 
 #include "base/parse.h"
 #include "color/light_name.h"
+#include "tools/develop/option_parts.h"
 
 namespace latent::develop {
-
-namespace {
-
-std::vector<std::string_view> parts_of(std::string_view text, char separator) {
-    std::vector<std::string_view> parts;
-    while (true) {
-        const std::size_t end = text.find(separator);
-        parts.push_back(text.substr(0, end));
-        if (end == std::string_view::npos) return parts;
-        text.remove_prefix(end + 1);
-    }
-}
-
-}  // namespace
 
 Result<LightSetting> parse_light(std::string_view text) {
     const std::size_t equals = text.rfind('=');

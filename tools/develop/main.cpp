@@ -1,4 +1,7 @@
 // latent-develop: records become pixels: linear XYZ, or a spectrum per pixel.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "base/cli.h"
 #include "base/temporary_path.h"
 #include "tools/develop/arguments.h"
@@ -16,7 +19,8 @@ int main(int argc, char** argv) try {
     app.add_flag("--dry-run", dry_run,
                  "develop some runs and pixels for up to two seconds, then print the expected time, memory and file size, and the "
                  "free space")
-        ->excludes(app.get_option("--budget"));
+        ->excludes(app.get_option("--budget"))
+        ->excludes(app.get_option("--frames"));
     cli::add_common(app, common, true);
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
@@ -30,13 +34,22 @@ int main(int argc, char** argv) try {
         if (!forecast) return cli::fail(forecast.error());
         return cli::print_report(common.json ? develop::to_json(*forecast) : develop::to_text(*forecast), cli::kDone);
     }
-    const Result<develop::PictureReport> report = develop::develop_picture(options, cli::progress(common, "developing"));
-    if (!report) return cli::fail(report.error());
-    for (const std::string& note : report->gathering.notes) cli::note(note);
-    for (const std::string& warning : report->warnings) cli::warn(warning);
-    for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
-    return cli::print_report(common.json ? develop::to_json(*report) : develop::to_text(*report),
-                             report->has_losses() ? cli::kDoneWithLosses : cli::kDone);
+    int status = cli::kDone;
+    std::vector<std::string> reports;
+    for (const develop::PictureOptions& frame : develop::frames_of(options)) {
+        const Result<develop::PictureReport> report = develop::develop_picture(frame, cli::progress(common, "developing"));
+        if (!report) return cli::fail(report.error());
+        if (reports.empty()) {  // all frames have the same
+            for (const std::string& note : report->gathering.notes) cli::note(note);
+            for (const std::string& warning : report->warnings) cli::warn(warning);
+            for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
+        }
+        if (report->has_losses()) status = cli::kDoneWithLosses;
+        reports.push_back(common.json ? develop::to_json(*report) : develop::to_text(*report));
+    }
+    const bool is_list = common.json && options.frames > 1;
+    return cli::print_report(is_list ? fmt::format("[{}]\n", fmt::join(reports, ",")) : fmt::format("{}", fmt::join(reports, "")),
+                             status);
 } catch (...) {
     return latent::cli::fail_with_exception();
 }

@@ -14,6 +14,9 @@
 #include "color/rgb_space.h"
 #include "tools/develop/estimate.h"
 #include "tools/develop/exr_picture.h"
+#include "tools/develop/lens_columns.h"
+#include "tools/develop/recorded_lens.h"
+#include "tools/develop/refocused.h"
 #include "tools/develop/splat.h"
 #include "tools/develop/subset.h"
 
@@ -51,6 +54,7 @@ image::ExrTileSpec exr_spec(const PictureOptions& options, const PictureReport& 
     spec.strings = {{"latentFilter", report.filter}, {"latentJob", to_hex(report.job)}};
     if (!options.lights.empty()) spec.strings.push_back({"latentLights", fmt::format("{}", fmt::join(options.lights, " "))});
     if (options.dim_fireflies) spec.strings.push_back({"latentFireflies", "dimmed"});
+    if (!options.lens.is_whole()) spec.strings.push_back({"latentLens", options.lens.text()});
     if (options.ratio) spec.strings.push_back({"latentEstimator", "ratio"});
     if (options.spectral_bins.count > 0) {
         spec.channels = layout.names(spectral_channel_names(options.spectral_bins));
@@ -179,6 +183,9 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::Gathe
     Layers layers = options.layers;
     layers.samples = options.dim_fireflies;
     if (Status s = channels->add_layers(job, layers); !s) return s.error();
+    if (Status s = channels->weigh(job, options.lens); !s) return s.error();
+    if (channels->lens()) report.lens = {channels->lens()->mean(), channels->lens()->kept()};
+    if (options.focus && report.lens) report.lens->focus = options.focus->distance;
     if (options.ratio) {
         if (Status s = channels->use_ratio(); !s) return s.error();
     }
@@ -281,13 +288,47 @@ Size size_of_width(double width, double aspect) {
     return {side(width), side(width / aspect)};
 }
 
+// What a lens is said to be becomes what it is to the lens that was rendered.
+Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb::Gathering& all) {
+    PictureOptions options = asked;
+    Aperture& aperture = options.lens.aperture;
+    if (aperture.f_number > 0) {
+        if (Status s = check_lens_columns(all.job(), "--aperture"); !s) return s.error();
+        const Result<RecordedLens> lens = recorded_lens(all, "--aperture");
+        if (!lens) return lens.error();
+        aperture.radius = lens->f_number() / aperture.f_number;
+        if (aperture.radius > 1)
+            return usage_error(fmt::format("--aperture f:{:g}: the lens was rendered as f/{:.3g}; a wider one must be rendered",
+                                           aperture.f_number, lens->f_number()));
+    }
+    if (options.focus) {
+        if (Status s = check_lens_columns(all.job(), "--focus"); !s) return s.error();
+        const Result<RecordedLens> lens = recorded_lens(all, "--focus");
+        if (!lens) return lens.error();
+        if (options.focus->pixel) {
+            const Result<Size> size = options.size.empty() ? default_size(all) : parse_size_on_film(options.size, all.job());
+            if (!size) return size.error();
+            const Result<double> distance = distance_at(all, *lens, *options.focus->pixel, size->width, size->height);
+            if (!distance) return distance.error();
+            options.focus->distance = *distance;
+        }
+        options.lens.film_shift = lens->film_shift(options.focus->distance);
+    }
+    return options;
+}
+
 // `running`: since the command began.
-Result<PictureReport> develop_once(const PictureOptions& options, sampledb::VerifyLevel verify, const Stopwatch& running,
+Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::VerifyLevel verify, const Stopwatch& running,
                                    PictureSink& sink, const Progress& progress) {
-    const sampledb::GatherOptions gather = gather_options(options, verify);
+    const sampledb::GatherOptions gather = gather_options(asked, verify);
     const auto gathered = sampledb::Gathering::open(gather);
     if (!gathered) return with_advice(gathered.error(), gather.inputs);
-    const sampledb::Gathering& all = **gathered;
+    const Result<PictureOptions> seen = seen_by_lens(asked, **gathered);
+    if (!seen) return seen.error();
+    const PictureOptions& options = *seen;
+    std::optional<Refocused> refocused;
+    if (options.lens.is_refocused()) refocused.emplace(**gathered, options.lens.film_shift);
+    const sampledb::Gathering& all = refocused ? *refocused : **gathered;
     const std::uint64_t available = all.coverage().size();
     if (!options.is_preview())
         return develop_prepared(options, all, prepare(options, gather, all, available, default_size(all)), true, sink, progress);
@@ -356,12 +397,29 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
     return Size{width, static_cast<std::uint32_t>(height)};
 }
 
-Result<Forecast> forecast_picture(const PictureOptions& asked) {
-    if (Status s = set_simd_level(asked.simd); !s) return s.error();
-    const sampledb::GatherOptions gather = gather_options(asked, sampledb::VerifyLevel::kHeaders);
+std::vector<PictureOptions> frames_of(const PictureOptions& options) {
+    std::vector<PictureOptions> frames(options.frames, options);
+    for (std::uint32_t i = 0; i < options.frames && options.frames > 1; ++i) {
+        PictureOptions& frame = frames[i];
+        frame.frames = 1;
+        frame.lens.shutter.frame = i, frame.lens.shutter.frames = options.frames;
+        const std::filesystem::path& name = options.output;
+        frame.output.replace_filename(fmt::format("{}.{:04}{}", name.stem().string(), i + 1, name.extension().string()));
+    }
+    return frames;
+}
+
+Result<Forecast> forecast_picture(const PictureOptions& given) {
+    if (Status s = set_simd_level(given.simd); !s) return s.error();
+    const sampledb::GatherOptions gather = gather_options(given, sampledb::VerifyLevel::kHeaders);
     const auto gathered = sampledb::Gathering::open(gather);
     if (!gathered) return with_advice(gathered.error(), gather.inputs);
-    const sampledb::Gathering& all = **gathered;
+    const Result<PictureOptions> seen = seen_by_lens(given, **gathered);
+    if (!seen) return seen.error();
+    const PictureOptions& asked = *seen;
+    std::optional<Refocused> refocused;
+    if (asked.lens.is_refocused()) refocused.emplace(**gathered, asked.lens.film_shift);
+    const sampledb::Gathering& all = refocused ? *refocused : **gathered;
     if (all.coverage().empty()) return nothing_to_develop(gather);
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const std::size_t runs = count_for(all, order, asked.fraction);

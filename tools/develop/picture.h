@@ -1,6 +1,7 @@
 // tools/develop/picture.h: files of records become one picture: what latent-develop does between its command line and the engine.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "base/result.h"
 #include "sampledb/read/gathering.h"
 #include "tools/develop/develop.h"
+#include "tools/develop/focus.h"
 #include "tools/develop/forecast.h"
 #include "tools/develop/observer_choice.h"
 #include "tools/develop/picture_sink.h"
@@ -25,8 +27,11 @@ struct PictureOptions {
     std::string filter = Filter::standard().name();
     ObserverOptions observer;
     std::vector<std::string> lights;  // "lamp=2.5": light_setting.h
-    std::string image = "both";       // or camera, light
-    SpectralBins spectral_bins;       // none: XYZ
+    LensChoice lens;
+    std::optional<Focus> focus;
+    std::uint32_t frames = 1;    // pictures that divide the exposure among them: see frames_of
+    std::string image = "both";  // or camera, light
+    SpectralBins spectral_bins;  // none: XYZ
     Layers layers;
     bool dim_fireflies = false;
     bool ratio = false;  // the ratio estimator
@@ -43,6 +48,14 @@ struct PictureOptions {
     bool is_preview() const { return fraction < 1 || budget_seconds > 0; }
 };
 
+// What remains of all samples.
+struct LensCost {
+    double light = 1;               // fraction of the light that passes
+    double samples = 1;             // as many, of equal weight, would be as noisy
+    std::optional<double> focus{};  // distance, if it was changed
+    double noise() const { return 1 / std::sqrt(samples); }
+};
+
 struct PictureReport {
     std::string output;
     std::uint32_t width = 0, height = 0;
@@ -51,6 +64,7 @@ struct PictureReport {
     std::string filter, observer;
     std::vector<std::string> lights;  // as they were mixed
     bool dims_fireflies = false;
+    std::optional<LensCost> lens;  // of a part of the lens or of the exposure
     std::optional<color::CameraFit> camera_fit;
     double filter_factor = 1;  // of a filter in front of the lens
     sampledb::JobId job;
@@ -86,6 +100,9 @@ Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& jo
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress);
 // The same, to `sink`.
 Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress);
+
+// A command for each frame: "night.0001.exr", ... are what `options.output` "night.exr" becomes. One frame keeps its name.
+std::vector<PictureOptions> frames_of(const PictureOptions& options);
 
 // What that will take, from developing a few runs for about two seconds into nothing. Errors as above.
 Result<Forecast> forecast_picture(const PictureOptions& options);

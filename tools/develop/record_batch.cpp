@@ -213,7 +213,8 @@ void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells
     cells.push_back(current);
 }
 
-void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
+// Returns how many rows it made: those that have no weight are left out.
+std::uint32_t Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
     place_rows(grid_.place_x(rows.cell_x), std::span(page.u).subspan(rows.first, rows.count), filling.x + to);
     place_rows(grid_.place_y(rows.cell_y), std::span(page.v).subspan(rows.first, rows.count), filling.y + to);
     const std::uint64_t not_finite =
@@ -222,6 +223,22 @@ void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const F
         const bool camera = page.record_class == sampledb::RecordClass::kCamera;
         (camera ? counts_.camera_not_finite : counts_.light_not_finite) += not_finite;
     }
+    return channels_.lens() ? drop_zeros(rows.count, filling.x + to, filling.y + to, filling.values + to * stride_) : rows.count;
+}
+
+// Rows of zeros, which add nothing to any sum. Returns how many rows are left.
+std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float* const row = values + i * stride_;
+        if (std::all_of(row, row + stride_, [](float value) { return value == 0; })) continue;
+        if (kept < i) {
+            x[kept] = x[i], y[kept] = y[i];
+            std::copy_n(row, stride_, values + kept * stride_);
+        }
+        ++kept;
+    }
+    return kept;
 }
 
 Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const SlotRows>& kept) {
@@ -244,9 +261,8 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellRows& rows = cells[i];
-        copy_rows(page, rows, filling, to);
         pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to,
-                     rows.count};
+                     copy_rows(page, rows, filling, to)};
         to += rows.count;
     }
     kept = {pieces, cells.size()};

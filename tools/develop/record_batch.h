@@ -88,7 +88,8 @@ class Loader {
     Status load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept);
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
-    void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
+    std::uint32_t copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
+    std::uint32_t drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const;
     std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + stride_ * sizeof(float); }
 
     const sampledb::Gathering& gathering_;

@@ -54,6 +54,10 @@ std::string to_json(const PictureReport& r) {
                              {"left_out", r.gathering.left_out},
                              {"notes", r.gathering.notes},
                              {"warnings", r.warnings}};
+    if (r.lens) {
+        report["lens"] = {{"light", r.lens->light}, {"samples_kept", r.lens->samples}, {"noise", r.lens->noise()}};
+        if (r.lens->focus) report["lens"]["focus"] = *r.lens->focus;
+    }
     if (r.dims_fireflies) report["fireflies"] = {{"camera", json_of(c.camera_dimmed)}, {"light", json_of(c.light_dimmed)}};
     if (r.camera_fit) report["camera_fit"] = json_of(*r.camera_fit);
     return with_member(with_member(json_text(report), "samples", r.coverage), "missing_samples", r.missing) + "\n";
@@ -72,6 +76,11 @@ std::string to_text(const PictureReport& r) {
     if (r.coverage.size() < r.available)
         text += fmt::format("a preview of {:.2g} % of the samples\n",
                             100 * static_cast<double>(r.coverage.size()) / static_cast<double>(r.available));
+    if (r.lens && r.lens->focus) text += fmt::format("focused at a distance of {:.4g}\n", *r.lens->focus);
+    if (r.lens)
+        text += fmt::format(
+            "lens and shutter: {:.3g} % of the light; noise as from {:.3g} % of the samples, {:.2g} times that of all\n",
+            100 * r.lens->light, 100 * r.lens->samples, r.lens->noise());
     if (r.dims_fireflies)
         text += fmt::format("fireflies: {} dimmed; the camera image lost {:.2g} % of its light, the light image {:.2g} %\n",
                             counted(c.camera_dimmed.samples + c.light_dimmed.samples, "sample"), 100 * c.camera_dimmed.share(),

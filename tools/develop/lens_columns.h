@@ -1,0 +1,60 @@
+// tools/develop/lens_columns.h: where and when the light of records met the lens. docs/format.md, "Registry".
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
+
+namespace latent::develop {
+
+// Its place among the extra columns.
+inline std::optional<std::size_t> place_of(const sampledb::Job& job, const char* column) {
+    const auto found = std::ranges::find(job.extra, column, &sampledb::ExtraColumnSpec::name);
+    if (found == job.extra.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - job.extra.begin());
+}
+
+// Those of lens.x and lens.y, if the job has both.
+inline std::optional<std::array<std::size_t, 2>> lens_columns(const sampledb::Job& job) {
+    const auto x = place_of(job, "lens.x"), y = place_of(job, "lens.y");
+    if (!x || !y) return std::nullopt;
+    return std::array{*x, *y};
+}
+
+// Errors: kUsage, beginning with `option`: it has not.
+inline Status check_lens_columns(const sampledb::Job& job, const char* option) {
+    if (lens_columns(job)) return {};
+    return usage_error(std::string(option) +
+                       ": the files do not say where light met the lens; render the scene again with --aov lens, and a camera that "
+                       "has a lens");
+}
+
+// The leading 8 bits of unsigned numbers.
+class LeadingBytes {
+ public:
+    LeadingBytes() = default;
+    explicit LeadingBytes(const sampledb::ExtraColumn& column)
+        : width_(sampledb::width(column.type)), first_(column.values.data() + width_ - 1) {}
+    std::size_t operator[](std::size_t row) const { return static_cast<std::size_t>(first_[row * width_]); }
+
+ private:
+    std::size_t width_ = 1;
+    const std::byte* first_ = nullptr;
+};
+inline std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) { return LeadingBytes(column)[row]; }
+
+// The middle of the cell of the lens, on the unit disk.
+inline std::array<double, 2> lens_point(const sampledb::Page& page, const std::array<std::size_t, 2>& columns, std::size_t row) {
+    const auto along = [&](std::size_t column) {
+        return (static_cast<double>(leading_byte(page.extra[column], row)) + 0.5) / 128 - 1;
+    };
+    return {along(columns[0]), along(columns[1])};
+}
+
+}  // namespace latent::develop

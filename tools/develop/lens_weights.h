@@ -1,0 +1,78 @@
+// tools/develop/lens_weights.h: a smaller aperture and a shorter exposure than those rendered, as weights of records.
+// docs/developing.md, "Lens and shutter".
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "sampledb/data/job.h"
+#include "sampledb/data/page.h"
+#include "tools/develop/aperture.h"
+#include "tools/develop/shutter.h"
+
+namespace latent::develop {
+
+struct LensChoice {
+    Aperture aperture{};
+    Shutter shutter{};
+    bool exposure_follows = false;  // less light makes a darker picture; else it is as bright as that of the whole lens
+    std::string aperture_text{}, shutter_text{};  // as they were given
+
+    std::array<double, 2> film_shift{};  // of a lens that is focused elsewhere: recorded_lens.h
+
+    bool is_refocused() const { return film_shift != std::array<double, 2>{}; }
+    bool is_whole() const { return aperture.is_whole() && shutter.is_whole() && !is_refocused(); }
+    std::string text() const;  // "aperture 0.35; shutter 0.2:0.5"
+};
+
+// A record's weight is the transmission of the aperture in its cell of the lens, times that of the shutter in its 1/256 of the
+// exposure; both are means over the cell. Thread-safe.
+class LensWeights {
+ public:
+    // Errors: kUsage: the job lacks the columns, or the choice lets no light through; of the shutter's file.
+    static Result<LensWeights> make(const sampledb::Job& job, const LensChoice& choice);
+
+    // What the value and the share of a record are multiplied by; the share of a light record is 0.
+    struct Factors {
+        float value, share;
+    };
+    Factors operator()(const sampledb::Page& page, std::size_t row) const;
+    void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, std::vector<Factors>& out) const;
+
+    double mean() const { return mean_; }  // of the weights of camera records
+    // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
+    double kept() const { return kept_; }
+
+ private:
+    void set_aperture(const Aperture& aperture, double film_width, double film_height, const std::array<double, 2>& film_shift);
+    void set_shutter(const Shutter& shutter, ShutterCurve curve);
+    float between_rims(std::size_t cell, float u, float v) const;
+    float lens_mean(float u, float v) const;
+    float share_on_film(float u, float v) const;
+    float open(std::size_t time, float v) const;
+    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_below_.empty(); }
+    Factors factors_of(sampledb::RecordClass record_class, float weight, float mean, float share_on_film) const;
+
+    bool follows_ = false;
+    double mean_ = 1, kept_ = 1;
+
+    std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
+    std::vector<float> cells_{};                                // transmission
+    float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
+    std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
+
+    std::array<double, 2> film_shift_{};
+    std::vector<double> light_below_{};  // through all cells at a lower x and y than each corner of cells; if the film is shifted
+
+    std::optional<std::size_t> time_column_{};
+    std::optional<ShutterCurve> curve_{};
+    double frame_ = 0, frames_ = 1, rolling_ = 0;
+    std::array<float, 256> open_{};  // transmission at each time; of rows of the middle
+    float time_mean_ = 1;
+};
+
+}  // namespace latent::develop

@@ -1,0 +1,28 @@
+#include "tools/develop/option_parts.h"
+
+#include "base/parse.h"
+
+namespace latent::develop {
+
+std::vector<std::string_view> parts_of(std::string_view text, char separator) {
+    std::vector<std::string_view> parts;
+    while (true) {
+        const std::size_t end = text.find(separator);
+        parts.push_back(text.substr(0, end));
+        if (end == std::string_view::npos) return parts;
+        text.remove_prefix(end + 1);
+    }
+}
+
+std::optional<NamedNumbers> named_numbers(std::string_view text) {
+    const std::vector<std::string_view> parts = parts_of(text, ':');
+    NamedNumbers named{parts[0]};
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+        const Result<double> number = parse_number(parts[i]);
+        if (!number) return std::nullopt;
+        named.numbers.push_back(*number);
+    }
+    return named;
+}
+
+}  // namespace latent::develop
