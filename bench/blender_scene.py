@@ -94,8 +94,8 @@ cycles.pixel_filter_type = "BOX"
 
 bpy.context.view_layer.update()
 lights = dict(export_cameras=True, export_lights=True, export_apply=True)
-bpy.ops.export_scene.gltf(filepath=f"{folder}/scene.glb", export_format="GLB", convert_lighting_mode="COMPAT", **lights)
-bpy.ops.export_scene.gltf(filepath=f"{folder}/scene.gltf", export_format="GLTF_SEPARATE", convert_lighting_mode="COMPAT", **lights)
+bpy.ops.export_scene.gltf(filepath=f"{folder}/scene.glb", export_format="GLB", **lights)
+bpy.ops.export_scene.gltf(filepath=f"{folder}/scene.gltf", export_format="GLTF_SEPARATE", **lights)
 bpy.ops.export_scene.obj(filepath=f"{folder}/scene.obj")
 
 bpy.ops.render.render(write_still=True)

@@ -9,7 +9,7 @@ from latent_farm.errors import DONE, Failure, Misuse
 from latent_farm.folder import Folder
 from latent_farm.names import check_name, shown
 from latent_farm.output import output_is_kept, say
-from latent_farm.plan import check_render_options
+from latent_farm.plan import check_render_options, with_absolute_names
 from latent_farm.prometheus import to_prometheus
 from latent_farm.work import Works
 
@@ -17,6 +17,7 @@ from latent_farm.work import Works
 def survey(args):
     """The work of all frames, and what is to be said if it will not fit on the disk."""
     check_render_options(args.options)
+    args.options = with_absolute_names(args.options)
     for option in args.options:
         check_name(option, "options must not")
     if args.hosts:

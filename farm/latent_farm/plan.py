@@ -172,6 +172,21 @@ TAKEN = {"--spp": OWN, "--checkpoint": OWN, "--samples": INSIDE, "--shard": INSI
          **dict.fromkeys(("--dry-run", "--json", "--force", "--quiet", "-q", "--max-time", "--more-than"), ALWAYS)}
 
 
+FILES = ("--add", "--sky")  # of latent-render, by whose names tasks find them from any folder
+
+
+def with_absolute_names(options):
+    found = []
+    for option in options:
+        name, equals, value = option.partition("=")
+        if found and found[-1] in FILES:
+            option = os.path.abspath(option)
+        elif equals and name in FILES:
+            option = f"{name}={os.path.abspath(value)}"
+        found.append(option)
+    return found
+
+
 def check_render_options(options):
     for option in options:
         name = option.split("=")[0]

@@ -129,6 +129,10 @@ void add_arguments(CLI::App& app, CommandLine& line) {
                       "time for a preview: a small picture, NAME.preview.png, and the forecast of --dry-run")
         ->excludes(dry);
     add_model_arguments(app, line.settings.model);
+    app.add_option("--add", line.settings.additions,
+                   "pbrt file whose lights, shapes and camera are added to the scene; may be repeated")
+        ->type_name("FILE")
+        ->allow_extra_args(false);
     app.add_flag("--strict", line.settings.strict, "refuse the scene if anything that may affect its samples is ignored");
     app.add_flag_callback(
         "--list-features", [] { cli::print(list_features()), throw CLI::Success(); },

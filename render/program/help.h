@@ -15,6 +15,8 @@ inline constexpr const char* kBelowOptions =
     "      render the same samples in two processes\n"
     "  latent-render scenes/cornell.pbrt -o big.latent --resolution 16Kx16K --dry-run\n"
     "      estimate time and file size first\n"
+    "  latent-render model.glb --add lamps.pbrt -o model.latent --spp 64\n"
+    "      render a model under the lamps of a pbrt file\n"
     "  latent-render scenes/cornell.pbrt --preview 5s\n"
     "      preview the picture first, in cornell.preview.png\n\n"
     "Exit status: 0 done; 1 failed; 2 wrong usage; 3 done, but the report could not\n"

@@ -160,7 +160,8 @@ Result<std::unique_ptr<RenderJob>> prepare(const RenderSettings& settings) {
     auto out = std::make_unique<RenderJob>();
     Result<std::string> simd = choose_simd(settings.simd);
     if (!simd) return simd.error();
-    Result<LoadedScene> scene = load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra, settings.model);
+    Result<LoadedScene> scene =
+        load_scene(settings.scene, settings.integrator.has_value(), settings.rgb_spectra, settings.model, settings.additions);
     if (!scene) return scene.error();
     if (settings.strict && !scene->warnings.empty())
         return Error{ErrorCode::kUnsupported,

@@ -41,9 +41,10 @@ struct RenderSettings {
     std::uint64_t texture_cache = 0;  // TextureSettings::cache_bytes
     color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth;  // what the colours of the scene stand for
     ModelOptions model{};
-    bool light_groups = false;  // records say whose light they are
-    AovSettings aovs{};         // records say what is seen
-    std::string simd = "best";  // or a level of base/simd.h
+    std::vector<std::filesystem::path> additions{};  // files of pbrt's that are added to the scene
+    bool light_groups = false;                       // records say whose light they are
+    AovSettings aovs{};                              // records say what is seen
+    std::string simd = "best";                       // or a level of base/simd.h
 
     double spp = 16;  // samples per pixel of `resolution`, or of the scene's film
     std::optional<Resolution> resolution;

@@ -165,6 +165,7 @@ std::string provenance(const RenderJob& job, const RenderSettings& settings, std
     ::gethostname(host, sizeof host - 1);
     Json out = {
         {"program", "latent-render " LATENT_VERSION}, {"scene", settings.scene.string()}, {"integrator", bdpt ? "bdpt" : "path"}};
+    for (const std::filesystem::path& addition : settings.additions) out["additions"].push_back(addition.string());
     if (bdpt) out["connections"] = integrator.connections == Connections::kAll ? "all" : "one";
     if (integrator.max_depth == kUnlimited) {
         out["max_depth"] = "unlimited";

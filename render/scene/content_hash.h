@@ -1,4 +1,4 @@
-// render/scene/content_hash.h: the identity of a scene, whichever format and layout it came from. docs/scenes.md, "What is in the
+// render/scene/content_hash.h: the identity of a scene, whichever format and layout it came from. docs/jobs.md, "What is in the
 // job id?".
 #pragma once
 

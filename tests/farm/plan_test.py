@@ -162,6 +162,19 @@ class Plan(FarmTest):
         for name in ("x", "y", "z"):
             self.assertFalse((self.folder / name).exists(), name)
 
+    def test_files_that_render_options_name_are_found_from_any_folder(self):
+        (self.folder / "lamp.pbrt").write_text('LightSource "point" "float scale" 9\n')
+        jobs = []
+        for options in ([], ["--add", "lamp.pbrt"], ["--add=lamp.pbrt"]):
+            report = one_frame(json.loads(self.succeed("latent-farm", "plan", SCENE, "--spp", 4, "--out", "night", "--engine", "shell",
+                                                       "--json", "--", "--resolution", "64x64", *options, cwd=self.folder).stdout))
+            jobs.append(report["job"])
+            for command in report["commands"]:
+                self.succeed("/bin/sh", "-c", command, cwd="/")
+            shutil.rmtree(self.folder / "night")
+        self.assertEqual(jobs[1], jobs[2])
+        self.assertNotEqual(jobs[0], jobs[1])
+
     def test_other_options_of_develop_make_the_picture_anew(self):
         self.plan("--tasks", 2, "--develop=--size 16", command="submit")
         first = (self.folder / "night/picture.exr").read_bytes()

@@ -276,7 +276,7 @@ TEST(SceneRefusals, TheListOfFeaturesIsTrue) {
     }
     EXPECT_THAT(list_features(), HasSubstr("  Material        diffuse conductor"));
     EXPECT_THAT(list_features(), HasSubstr("  Integrator      simplepath simplevolpath mlt sppm\n"));
-    EXPECT_THAT(list_features(), HasSubstr("  Material        phong latent:phongtransmission\n"));
+    EXPECT_THAT(list_features(), HasSubstr("  Material        phong latent:phongtransmission latent:principled\n"));
     EXPECT_THAT(list_features(), HasSubstr("KHR_lights_punctual"));
 }
 

@@ -1,4 +1,4 @@
-// render/load/gltf/gltf.h: a glTF 2.0 file, .gltf or .glb, becomes a model [glTF2]. docs/scenes.md, "glTF".
+// render/load/gltf/gltf.h: a glTF 2.0 file, .gltf or .glb, becomes a model [glTF2]. docs/models.md, "glTF".
 #pragma once
 
 #include <string>

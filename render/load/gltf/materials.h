@@ -1,5 +1,5 @@
 // render/load/gltf/materials.h: the materials of a glTF file [glTF2 3.9] and the extensions of them that are supported.
-// docs/scenes.md, "glTF".
+// docs/models.md, "glTF".
 #pragma once
 
 #include <optional>

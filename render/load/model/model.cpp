@@ -70,16 +70,18 @@ Status set_lens(const ModelOptions& options, const Box& box, CameraDescription& 
 
 }  // namespace
 
-Result<std::vector<std::string>> complete(Model model, const ModelOptions& options, const color::Spectrum& white,
-                                          SceneDescription& scene) {
+Result<std::vector<std::string>> complete(Model& model, std::vector<Model> additions, const ModelOptions& options,
+                                          const color::Spectrum& white) {
+    const Box box = box_of(model.shapes, model.objects, model.scene.instances);
+    const std::vector<Vec3d> points = points_of(model);
+    for (Model& more : additions) append(std::move(more), model);
     // Lit windows and displays: other viewers, too, show their model under a sky.
     const auto glows = [](const LoadedShape& loaded) { return loaded.shape.area_light != kNone; };
     const auto is_lamp = [&](const LoadedShape& loaded) { return glows(loaded) && model.radiances[loaded.shape.area_light] > 1; };
     const bool has_light = !model.scene.lights.empty() || std::ranges::any_of(model.shapes, is_lamp);
     std::vector<std::string> notes = std::move(model.notes);
     if (!model.has_camera && !model.has_idle_cameras) notes.emplace_back("has no camera; one that shows the whole model is added");
-    const Box box = box_of(model.shapes, model.objects, model.scene.instances);
-    if (!model.has_camera) model.scene.camera = framing(points_of(model), model.scene.film, options);
+    if (!model.has_camera) model.scene.camera = framing(points, model.scene.film, options);
     if (const Status set = set_lens(options, box, model.scene.camera); !set) return set.error();
     if (!options.sky.empty()) {
         Result<LightDescription> sky = sky_of(options.sky, white, options);
@@ -93,9 +95,6 @@ Result<std::vector<std::string>> complete(Model model, const ModelOptions& optio
         model.scene.lights.push_back(studio_sky(white, options));
         if (has_ground) model.shapes.push_back(studio_ground(box, options, model.scene));
     }
-    model.scene.files = std::move(scene.files);
-    scene = std::move(model.scene);
-    place(std::move(model.shapes), std::move(model.objects), scene);
     return notes;
 }
 

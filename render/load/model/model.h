@@ -1,4 +1,4 @@
-// render/load/model/model.h: a scene while it is loaded from a format that describes models: glTF, OBJ.
+// render/load/model/model.h: a scene while it is loaded.
 #pragma once
 
 #include <string>
@@ -13,21 +13,26 @@
 namespace latent::render {
 
 struct Model {
-    SceneDescription scene{};                                                // without shapes
-    std::vector<LoadedShape> shapes{};                                       // of the world
-    std::vector<std::vector<LoadedShape>> objects{};                         // of each of scene.objects
-    std::vector<double> radiances{};                                         // of each of scene.area_lights: the largest component
-    std::vector<std::string> cameras{}, variants{};                          // names of all in the scene
+    SceneDescription scene{};                         // without shapes
+    std::vector<LoadedShape> shapes{};                // of the world
+    std::vector<std::vector<LoadedShape>> objects{};  // of each of scene.objects
+    std::vector<double> radiances{};                  // of each of scene.area_lights, of glTF and OBJ: the largest component
+    std::vector<std::string> cameras{}, variants{};   // names of all in the scene
     bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
+    bool has_integrator = false;                                             // the scene says which, and how deep
     std::vector<std::string> notes{};                                        // what was read in another way than it stands there
     std::vector<File> embedded{};                                            // pictures in the model's own file
 };
 
-// Gives a model what it lacks and a picture needs (stage.h), what `options` say instead of it, then its place (placement.h). A
-// model without camera and lights also gets a ground. Surfaces of radiance 1 or less do not count as lights.
-// The scene keeps its list of files. Returns the model's notes and what was added, in words, but for a camera in place of idle
-// ones, which were told. Errors: those of read_picture, kUsage.
-Result<std::vector<std::string>> complete(Model model, const ModelOptions& options, const color::Spectrum& white,
-                                          SceneDescription& scene);
+// Adds a scene to another: lights, media, shapes and all that they are made of; its camera with film and shutter, and its
+// integrator, if it has them.
+void append(Model more, Model& model);
+
+// Gives a model what it lacks and a picture needs (stage.h), and what `options` say instead of it. A
+// model without camera and lights also gets a ground. Surfaces of radiance 1 or less do not count as lights. `additions` are
+// appended, and may have what the model lacks; the model alone is framed. Returns the model's notes and what was added, in words,
+// but for a camera in place of idle ones, which were told. Errors: those of read_picture, kUsage.
+Result<std::vector<std::string>> complete(Model& model, std::vector<Model> additions, const ModelOptions& options,
+                                          const color::Spectrum& white);
 
 }  // namespace latent::render

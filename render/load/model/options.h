@@ -1,4 +1,4 @@
-// render/load/model/options.h: what a model cannot say itself, and who renders it says instead. docs/scenes.md, "Formats".
+// render/load/model/options.h: what a model cannot say itself, and who renders it says instead. docs/models.md.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // render/load/model/stage.h: what a model that is nothing but a model is shown with: a camera, a sky with a key light, a ground.
-// docs/scenes.md, "Formats".
+// docs/models.md, "What a model lacks".
 #pragma once
 
 #include <span>

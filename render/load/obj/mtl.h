@@ -1,4 +1,4 @@
-// render/load/obj/mtl.h: the materials of an MTL file. docs/scenes.md, "OBJ".
+// render/load/obj/mtl.h: the materials of an MTL file. docs/models.md, "OBJ".
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// render/load/obj/obj.h: a Wavefront OBJ file, with its MTL files, becomes a model [Wavefront]. docs/scenes.md, "OBJ".
+// render/load/obj/obj.h: a Wavefront OBJ file, with its MTL files, becomes a model [Wavefront]. docs/models.md, "OBJ".
 #pragma once
 
 #include <string>

@@ -7,7 +7,6 @@
 
 #include "render/load/pbrt/features.h"
 #include "render/load/pbrt/lights.h"
-#include "render/load/pbrt/materials.h"
 #include "render/load/pbrt/media.h"
 #include "render/load/pbrt/shapes.h"
 #include "render/load/pbrt/subsurface.h"
@@ -25,13 +24,14 @@ bool is_tiny(const Affined& object_from_world) {
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator)
+SceneBuilder::SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, const PbrtUse& use)
     : scene_(scene),
       files_(files),
       diagnostics_(diagnostics),
       spectra_(files, scene.rgb_spectra),
       textures_(scene, files, spectra_, diagnostics),
-      options_(scene, diagnostics, replace_integrator) {
+      options_(scene, diagnostics, use),
+      is_addition_(use.is_addition) {
     scene.materials.push_back(
         {.spectra = {{"reflectance", color::Spectrum::constant(0.5)}}});  // what shapes are made of before any Material
     uses_.emplace_back();
@@ -74,9 +74,12 @@ void SceneBuilder::apply(const Directive& d) {
         options_.apply(d, in_world_ && !is_world_supposed_, state_.ctm, state_.outside_medium) || apply_state(d))
         return;
     if (!in_world_ && d.name != "MakeNamedMedium") {
-        if (!is_incomplete_) return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
+        const bool is_world_alone = is_addition_ && !options_.has_camera();
+        if (!is_incomplete_ && !is_world_alone) return diagnostics_.error(d.where, d.name + ": must come after WorldBegin");
+        const CurrentTransform ctm = state_.ctm;
         begin_world();
-        is_world_supposed_ = true;  // WorldBegin may be what is lost
+        if (is_world_alone) state_.ctm = ctm;
+        is_world_supposed_ = !is_world_alone;  // WorldBegin may be what is lost
     }
     if (d.name == "Material" || d.name == "MakeNamedMaterial") return add_material(d);
     if (d.name == "MakeNamedMedium") return add_medium(d);
@@ -166,18 +169,33 @@ MaterialDescription SceneBuilder::read_mixture(const ParameterList& list) {
     return mixture;
 }
 
+MaterialDescription SceneBuilder::whole(PbrtMaterial material) {
+    if (!material.second) return std::move(material.surface);
+    const auto first = static_cast<std::uint32_t>(scene_.materials.size());
+    MaterialDescription mixture{.type = "mix",
+                                .numbers = {{"amount", material.second_share}},
+                                .mixed = {first, first + 1},
+                                .location = material.surface.location};
+    for (MaterialDescription* part : {&material.surface, &*material.second}) {
+        scene_.materials.push_back(std::move(*part));
+        uses_.emplace_back();
+    }
+    return mixture;
+}
+
 void SceneBuilder::add_material(const Directive& d) {
     const ParameterList parameters = list(d, "material");
     const bool has_name = d.name == "MakeNamedMaterial";
     const std::optional<std::string> type = has_name ? parameters.string("type") : d.strings[0];
     if (!type) parameters.error("MakeNamedMaterial: \"string type\" is missing");
-    std::optional<MaterialDescription> material;
+    std::optional<PbrtMaterial> material;
     MaterialUse use{.is_interface = type && is_interface(*type)};
     if (type == "subsurface") {  // before the surface, which reports what nobody reads
         use.inside = static_cast<std::uint32_t>(scene_.media.size());
         scene_.media.push_back(read_subsurface(parameters, textures_));
     }
-    if (type) material = *type == "mix" ? read_mixture(parameters) : read_material(*type, parameters, textures_, files_);
+    if (type)
+        material = *type == "mix" ? PbrtMaterial{read_mixture(parameters)} : read_material(*type, parameters, textures_, files_);
     std::uint32_t index = static_cast<std::uint32_t>(scene_.materials.size());
     if (has_name) {
         index = materials_.mention(d.strings[0], d.where, index);
@@ -188,7 +206,8 @@ void SceneBuilder::add_material(const Directive& d) {
         uses_.emplace_back();
     }
     uses_[index] = use;
-    scene_.materials[index] = std::move(material).value_or(MaterialDescription{.location = d.where});
+    MaterialDescription read = material ? whole(std::move(*material)) : MaterialDescription{.location = d.where};
+    scene_.materials[index] = std::move(read);
     scene_.materials[index].name = has_name ? d.strings[0] : "";
     if (!has_name) state_.material = index;
 }
@@ -325,6 +344,7 @@ void SceneBuilder::report(const std::vector<UndefinedName>& undefined) {
 }
 
 void SceneBuilder::finish(const SourceLocation& end) {
+    if (!in_world_ && is_addition_) begin_world();
     if (!in_world_ && !is_incomplete_) diagnostics_.error(end, "the scene ends before WorldBegin");
     for (const Pushed& open : stack_) diagnostics_.error(open.where, open.by + " has no end");
     std::vector<UndefinedName> undefined;
@@ -388,7 +408,6 @@ void SceneBuilder::finish(const SourceLocation& end) {
                                            scene_.max_depth));
         scene_.max_depth = kUnlimited;
     }
-    if (diagnostics_.errors().empty()) place(std::move(shapes_), std::move(object_shapes_), scene_);
 }
 
 }  // namespace latent::render

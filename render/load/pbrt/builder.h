@@ -12,6 +12,7 @@
 #include "render/load/mesh/placement.h"
 #include "render/load/pbrt/attributes.h"
 #include "render/load/pbrt/directive.h"
+#include "render/load/pbrt/materials.h"
 #include "render/load/pbrt/names.h"
 #include "render/load/pbrt/options.h"
 #include "render/load/pbrt/spectra.h"
@@ -22,14 +23,17 @@ namespace latent::render {
 
 class SceneBuilder {
  public:
-    // `scene` is filled, its rgb_spectra given; it, `files` and `diagnostics` outlive the builder. `replace_integrator` replaces
-    // the scene's.
-    SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, bool replace_integrator);
+    // `scene` is filled, but for its shapes, its rgb_spectra given; it, `files` and `diagnostics` outlive the builder.
+    SceneBuilder(SceneDescription& scene, SceneFiles& files, Diagnostics& diagnostics, const PbrtUse& use);
 
     // Any directive but Include and Import.
     void apply(const Directive& directive);
     // After the last directive: unresolved names, missing ends.
     void finish(const SourceLocation& end);
+    // After that, without errors: the shapes of the world, and those of each object.
+    std::vector<LoadedShape> take_shapes() { return std::move(shapes_); }
+    std::vector<std::vector<LoadedShape>> take_object_shapes() { return std::move(object_shapes_); }
+    const SceneOptions& options() const { return options_; }
 
     // Import: what the file changes in the graphics state ends with it.
     void begin_import(const SourceLocation& where) { push("Import", where); }
@@ -60,6 +64,7 @@ class SceneBuilder {
     void report(const std::vector<UndefinedName>& undefined);
     std::uint32_t material(const std::string& text, const SourceLocation& where);  // by name
     MaterialDescription read_mixture(const ParameterList& list);
+    MaterialDescription whole(PbrtMaterial material);  // its two parts are added to the scene
     void add_material(const Directive& d);
     void add_medium(const Directive& d);
     MediumDescription read_sum(const ParameterList& list);
@@ -100,6 +105,7 @@ class SceneBuilder {
     std::uint32_t object_ = kNone;                                         // that is being defined
     std::vector<std::pair<std::uint32_t, SourceLocation>> with_tangents_;  // "S" of shapes, and their materials
     bool is_incomplete_ = false;                                           // something could not be read
+    const bool is_addition_;                                               // PbrtUse
     bool in_world_ = false, is_world_supposed_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <span>
+#include <utility>
 
 #include "color/named_spectra.h"
 #include "render/load/brdf/measured.h"
@@ -19,7 +20,8 @@ struct Reading {
     const ParameterList& list;
     SceneTextures& textures;
     const SceneFiles& files;
-    MaterialDescription& material;
+    PbrtMaterial& whole;
+    MaterialDescription& material;  // whole.surface
 };
 // Reads one parameter of a material, or a few that belong together, into the inputs of its closure.
 using Part = std::function<void(const Reading&)>;
@@ -210,6 +212,69 @@ std::vector<Part> glossy(const Part& more) {
     return {share("Kd", 0.25), share("Ks", 0.25), number("exponent", 20, 0, 1e5), more, conserving("Kd", "Ks")};
 }
 
+// Facets and body of a Principled surface: f0 is that of the index at 587.6 nm, and f90 is 1, both times "specular".
+Part mirror() {
+    return [](const Reading& r) {
+        index("eta")(r);
+        const double n = r.material.spectra.at("eta").value(587.5618), root = (n - 1) / (n + 1),
+                     weight = r.list.number("specular", 1, 0, 1);
+        r.material.spectra.erase("eta");
+        r.material.numbers["f0"] = static_cast<float>(std::min(root * root, 1.0) * weight);
+        r.material.numbers["f90"] = static_cast<float>(weight);
+    };
+}
+
+// Fibres above the surface, unless their colour is black.
+Part sheen() {
+    return [](const Reading& r) {
+        const std::optional<SpectrumInput> color = r.textures.find_spectrum(r.list, "sheen", SpectrumRole::kReflectance);
+        const FloatInput roughness = r.textures.number(r.list, "sheenroughness", 0.5, 0, 1);
+        if (!color || (!color->is_textured() && !(color->value.max_value() > 0))) return;
+        r.material.type = "sheen";
+        r.material.spectra["sheen.color"] = *color;
+        r.material.numbers["sheen.roughness"] = roughness;
+    };
+}
+
+// The points of a Principled surface that light passes: of glass, or like paper. Metal is opaque.
+Part passing() {
+    return [](const Reading& r) {
+        const FloatInput& metallic = r.material.numbers.at("metallic");
+        const auto share = [&](const char* name) {
+            FloatInput given = r.textures.number(r.list, name, 0, 0, 1);
+            if (given.is_textured() || given.value > 0) {
+                if (metallic.is_textured() || (given.is_textured() && metallic.value > 0))
+                    r.list.error(fmt::format("{}: cannot be combined with a texture for metallic, nor its own with a metal", name));
+                given.value *= 1 - metallic.value;
+            }
+            return given;
+        };
+        const FloatInput clear = share("transmission"), matt = share("diffusetransmission");
+        const bool is_thin = r.list.flag("thin", false), is_clear = clear.is_textured() || clear.value > 0,
+                   is_matt = matt.is_textured() || matt.value > 0;
+        const auto color = r.textures.find_spectrum(r.list, "diffusetransmissioncolor", SpectrumRole::kReflectance);
+        if (is_clear && is_matt) r.list.error("transmission and diffusetransmission cannot be combined");
+        r.whole.second_share = is_clear ? clear : matt;
+        if (is_clear) {
+            MaterialDescription glass{.type = is_thin ? "thindielectric" : "dielectric", .location = r.material.location};
+            const SpectrumInput& base = r.material.spectra.at("base_color");
+            const bool is_white = !base.is_textured() && base.value.min_value() == 1 && base.value.max_value() == 1;
+            if (!is_white) glass.spectra["transmittance"] = base;
+            const FloatInput& rough = r.material.numbers.at("roughness");
+            if (rough.is_textured()) r.list.error("roughness: of glass must be a number");
+            if (is_thin && rough.value > 0) r.list.warn("roughness: thin glass is rendered without it");
+            if (!is_thin) glass.numbers["alpha_x"] = glass.numbers["alpha_y"] = rough.value * rough.value;
+            const Reading of_glass{r.list, r.textures, r.files, r.whole, glass};
+            index("eta")(of_glass);
+            r.whole.second = std::move(glass);
+        } else if (is_matt) {
+            r.whole.second = MaterialDescription{.type = "diffusetransmission",
+                                                 .spectra = {{"transmittance", color.value_or(color::Spectrum::constant(1))}},
+                                                 .location = r.material.location};
+        }
+    };
+}
+
 struct MaterialType {
     std::string name;
     std::vector<Part> parts;     // read in this order
@@ -244,6 +309,10 @@ const std::vector<MaterialType>& types() {
          {number("eta", 1.55, 1.0001, 10), number("beta_m", 0.3, 0, 1), number("beta_n", 0.3, 0, 1), number("alpha", 2, -45, 45),
           pigment()}},
         {"measured", {measurement()}},
+        {"latent:principled",
+         {reflectance("color", 0.8, "base_color"), number("metallic", 0, 0, 1), number("roughness", 0.5, 0, 1), mirror(),
+          number("coat", 0, 0, 1), number("coatroughness", 0, 0, 1, "coat_roughness"), sheen(), passing()},
+         "metallicroughness"},
         {"subsurface", {constant_index("eta", 1.33), roughness()}, "dielectric"},  // what is below: read_subsurface
     };
     return table;
@@ -260,8 +329,8 @@ std::vector<std::string_view> material_types() {
 
 bool is_interface(std::string_view type) { return type == "interface" || type == "none" || type.empty(); }
 
-std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
-                                                 const SceneFiles& files) {
+std::optional<PbrtMaterial> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
+                                          const SceneFiles& files) {
     if (is_interface(type)) {
         if (type != "interface") list.note(fmt::format("Material \"{}\": an old name of \"interface\"", type));
         list.report_unused();
@@ -272,16 +341,24 @@ std::optional<MaterialDescription> read_material(const std::string& type, const 
         list.error(unsupported("Material", type));
         return std::nullopt;
     }
-    MaterialDescription material{.type = found->closure, .location = list.directive().where};
-    for (const Part& read : found->parts) read({list, textures, files, material});
+    PbrtMaterial whole{.surface = {.type = found->closure, .location = list.directive().where}};
+    MaterialDescription& material = whole.surface;
+    for (const Part& read : found->parts) read({list, textures, files, whole, material});
     material.displacement.texture = textures.find_texture(list, "displacement").value_or(kNone);
     material.normal_map = textures.normal_map(list);
     if (material.displacement.is_textured() && material.normal_map != kNone) {
         list.warn("normalmap: ignored, since there is a displacement");
         material.normal_map = kNone;
     }
+    if (whole.second) {
+        whole.second->displacement = material.displacement;
+        whole.second->normal_map = material.normal_map;
+        if (!whole.second_share.is_textured() && whole.second_share.value == 1) {
+            material = *std::exchange(whole.second, std::nullopt);
+        }
+    }
     list.report_unused();
-    return material;
+    return whole;
 }
 
 }  // namespace latent::render

@@ -20,8 +20,15 @@ namespace latent::render {
 std::vector<std::string_view> material_types();
 // "interface", or an old name of it: the surface scatters nothing.
 bool is_interface(std::string_view type);
+
+struct PbrtMaterial {
+    MaterialDescription surface;
+    // What it is instead, at this share of its points.
+    std::optional<MaterialDescription> second{};
+    FloatInput second_share{};
+};
 // Nothing: an interface, or an error was reported.
-std::optional<MaterialDescription> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
-                                                 const SceneFiles& files);
+std::optional<PbrtMaterial> read_material(const std::string& type, const ParameterList& list, SceneTextures& textures,
+                                          const SceneFiles& files);
 
 }  // namespace latent::render

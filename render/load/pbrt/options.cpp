@@ -40,7 +40,8 @@ bool SceneOptions::apply(const Directive& d, bool in_world, const CurrentTransfo
     } else if (d.name == "Film") {
         scene_.film = read_film(d.strings[0], ParameterList(d, {}, diagnostics_));
     } else if (d.name == "Integrator") {
-        read_integrator(d.strings[0], ParameterList(d, {}, diagnostics_), replace_integrator_, scene_);
+        read_integrator(d.strings[0], ParameterList(d, {}, diagnostics_), use_.replaces_integrator, scene_);
+        has_integrator_ = true;
     } else if (d.name == "Sampler") {
         diagnostics_.note(d.where, "Sampler is ignored; set the number of samples with --spp or --samples");
     } else if (d.name == "PixelFilter") {
@@ -67,6 +68,8 @@ void SceneOptions::place_camera(const CurrentTransform& ctm, std::uint32_t outsi
     const double length = end_time_ - start_time_;
     scene_.shutter = {(times.open - start_time_) / length, (times.close - start_time_) / length};
     scene_.camera = read_camera(d.strings[0], list, scene_.film);
+    if (use_.is_right_handed && inverse && !inverse->swaps_handedness())
+        scene_.camera.world_from_camera = Affined({-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}) * scene_.camera.world_from_camera;
     if (camera_from_world.moves()) scene_.camera.end = inverse_at_end.value_or(Affined{}) * scene_.camera.world_from_camera;
     scene_.camera.world_from_camera = inverse.value_or(Affined{}) * scene_.camera.world_from_camera;
     scene_.camera.medium = medium;

@@ -1,0 +1,102 @@
+// Material "latent:principled" is the material of glTF: the same parameters are the same surface.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "render/scene/canonical.h"
+#include "tests/render/models.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using testing::Folder;
+using testing::GltfFile;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// A quad of this material: all that it is made of counts, but not how it is seen and lit.
+class Principled : public ::testing::Test {
+ protected:
+    Hash128 of_gltf(const Json& material) const {
+        GltfFile file;
+        const Json position = file.add_floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3"),
+                   indices = file.add_indices({0, 1, 2, 0, 2, 3});
+        file.json["meshes"] = {
+            {{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}, {"material", 0}}}}}};
+        file.json["materials"] = {material};
+        file.json["nodes"] = {{{"mesh", 0}}};
+        file.json["scenes"] = {{{"nodes", {0}}}};
+        return surface(folder_.write("a.glb", testing::as_glb(file)), {.stage = false});
+    }
+    Hash128 of_pbrt(const std::string& parameters) const {
+        return surface(folder_.write("a.pbrt", "WorldBegin\nMaterial \"latent:principled\" " + parameters +
+                                                   "\nShape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  1 1 0  0 1 0 ] "
+                                                   "\"integer indices\" [ 0 1 2 0 2 3 ]\n"));
+    }
+    static Json pbr(const Json& factors, const Json& extensions = Json::object()) {
+        return {{"pbrMetallicRoughness", factors}, {"extensions", extensions}};
+    }
+    Folder folder_;
+
+ private:
+    static Hash128 surface(const std::filesystem::path& path, const ModelOptions& options = {}) {
+        Result<LoadedScene> scene = load_scene(path, false, color::RgbSpectra::kSmooth, options);
+        if (!scene) throw std::runtime_error(scene.error().message);
+        EXPECT_THAT(scene->warnings, ::testing::IsEmpty());
+        SceneDescription& all = scene->description;
+        all.origin = {};
+        all.camera = {};
+        all.lights.clear();
+        for (ShapeDescription& shape : all.shapes) shape.mesh.reset();
+        return make_canonical(all);
+    }
+};
+
+TEST_F(Principled, IsTheMaterialOfGltf) {
+    const Json red = {.5, .25, .125, 1};
+    EXPECT_EQ(of_gltf(pbr({{"baseColorFactor", red}, {"metallicFactor", 0}, {"roughnessFactor", .5}})),
+              of_pbrt(R"("rgb color" [ .5 .25 .125 ])"));
+    EXPECT_EQ(
+        of_gltf(pbr({{"baseColorFactor", red}, {"metallicFactor", .75}, {"roughnessFactor", .25}},
+                    {{"KHR_materials_ior", {{"ior", 1.75}}}, {"KHR_materials_specular", {{"specularFactor", .5}}}})),
+        of_pbrt(R"("rgb color" [ .5 .25 .125 ] "float metallic" .75 "float roughness" .25 "float eta" 1.75 "float specular" .5)"));
+    EXPECT_EQ(of_gltf(pbr({{"baseColorFactor", red}, {"metallicFactor", 0}, {"roughnessFactor", 1}},
+                          {{"KHR_materials_clearcoat", {{"clearcoatFactor", .5}, {"clearcoatRoughnessFactor", .125}}},
+                           {"KHR_materials_sheen", {{"sheenColorFactor", {.5, .5, .25}}, {"sheenRoughnessFactor", .75}}}})),
+              of_pbrt(R"("rgb color" [ .5 .25 .125 ] "float roughness" 1 "float coat" .5 "float coatroughness" .125)"
+                      R"( "rgb sheen" [ .5 .5 .25 ] "float sheenroughness" .75)"));
+}
+
+TEST_F(Principled, PassesLightAsTheMaterialOfGltfDoes) {
+    const Json factors = {{"baseColorFactor", {.5, .25, .125, 1}}, {"metallicFactor", .5}, {"roughnessFactor", .5}};
+    const Json solid = {{"thicknessFactor", 1}};
+    EXPECT_EQ(
+        of_gltf(pbr(factors, {{"KHR_materials_transmission", {{"transmissionFactor", .5}}}, {"KHR_materials_volume", solid}})),
+        of_pbrt(R"("rgb color" [ .5 .25 .125 ] "float metallic" .5 "float transmission" .5)"));
+    EXPECT_EQ(of_gltf(pbr({{"metallicFactor", 0}, {"roughnessFactor", 0}},
+                          {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_ior", {{"ior", 1.25}}}})),
+              of_pbrt(R"("rgb color" [ 1 1 1 ] "float roughness" 0 "float transmission" 1 "bool thin" true "float eta" 1.25)"));
+    EXPECT_EQ(of_gltf(pbr(factors, {{"KHR_materials_diffuse_transmission",
+                                     {{"diffuseTransmissionFactor", .5}, {"diffuseTransmissionColorFactor", {.5, .25, .75}}}}})),
+              of_pbrt(R"("rgb color" [ .5 .25 .125 ] "float metallic" .5 "float diffusetransmission" .5)"
+                      R"( "rgb diffusetransmissioncolor" [ .5 .25 .75 ])"));
+}
+
+TEST_F(Principled, WhatCannotBeIsRefused) {
+    const auto refused = [](const std::string& parameters) {
+        const std::string texture = "Texture \"t\" \"float\" \"constant\"\n";
+        const Result<LoadedScene> scene = testing::load_world(texture + "Material \"latent:principled\" " + parameters);
+        return scene ? "" : scene.error().message;
+    };
+    EXPECT_THAT(refused(R"("float metalic" 1)"), HasSubstr("did you mean metallic, eta?"));
+    EXPECT_THAT(refused(R"("float roughness" 2)"), HasSubstr("roughness: 2 is not between 0 and 1"));
+    EXPECT_THAT(refused(R"("float transmission" 1 "float diffusetransmission" 1)"), HasSubstr("cannot be combined"));
+    EXPECT_THAT(refused(R"("float transmission" 1 "texture metallic" "t")"), HasSubstr("transmission: "));
+    EXPECT_THAT(refused(R"("texture transmission" "t" "float metallic" .5)"), HasSubstr("transmission: "));
+    EXPECT_THAT(refused(R"("float transmission" 1 "texture roughness" "t")"), HasSubstr("roughness: "));
+    EXPECT_EQ(refused(R"("texture transmission" "t" "texture coat" "t" "texture coatroughness" "t" "texture sheenroughness" "t")"),
+              "");
+}
+
+}  // namespace
+}  // namespace latent::render
