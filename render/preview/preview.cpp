@@ -16,15 +16,24 @@
 namespace latent::render {
 namespace {
 
-constexpr double kMostPixels = 1024, kLeastPixels = 16;  // of the longer side
-constexpr double kLeastPerPixel = 4;                     // samples
+constexpr double kMostPixels = 1024, kUsefulPixels = 480, kLeastPixels = 160;  // of the longer side
+constexpr double kCleanPerPixel = 4;                                           // samples; below kUsefulPixels, one is enough
 
-// Of the picture; the height follows from the film.
-std::string width_for(const RenderJob& job, std::uint64_t samples) {
+// Of the picture; the height follows from the film. Rather noisy than tiny.
+double width_for(const RenderJob& job, std::uint64_t samples) {
     const double shape = static_cast<double>(job.job.aspect_height) / job.job.aspect_width, longer = std::max(1.0, shape);
-    const double enough = std::sqrt(static_cast<double>(samples) / (kLeastPerPixel * shape));
-    const double width = std::min({static_cast<double>(job.resolution.width), kMostPixels / longer, enough});
-    return fmt::format("{:.0f}", std::max(std::floor(width), std::ceil(kLeastPixels / longer)));
+    const double at_one = std::sqrt(static_cast<double>(samples) / shape), clean = at_one / std::sqrt(kCleanPerPixel);
+    const double width = std::min({static_cast<double>(job.resolution.width), kMostPixels / longer,
+                                   std::max(clean, std::min(at_one, kUsefulPixels / longer))});
+    return std::max(std::floor(width), 1.0);
+}
+
+// One for each pixel of the smallest picture.
+std::uint64_t least_samples(const RenderJob& job) {
+    const double width = job.job.aspect_width, height = job.job.aspect_height,
+                 scale = std::min(kLeastPixels / std::max(width, height), job.resolution.width / width);
+    return static_cast<std::uint64_t>(
+        std::min(std::ceil(scale * width) * std::ceil(scale * height), static_cast<double>(job.range.size())));
 }
 
 }  // namespace
@@ -34,7 +43,7 @@ std::filesystem::path preview_path(const RenderOptions& options) {
 }
 
 Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
-    const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "; give it more time"};
+    const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "", least_samples(job)};
     const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
     if (!trial) return trial.error();
     const Result<Forecast> expected = forecast(job, options, *trial);
@@ -43,7 +52,7 @@ Result<Preview> preview(const RenderJob& job, const RenderOptions& options, doub
     develop::PictureOptions picture;
     picture.inputs = {trial->file};
     picture.output = trial->folder.path() / "preview.exr";
-    picture.size = width_for(job, trial->samples);
+    picture.size = fmt::format("{:.0f}", width_for(job, trial->samples));
     picture.dim_fireflies = true;
     picture.threads = options.threads;
     const Result<develop::PictureReport> developed = develop::develop_picture(picture, {});

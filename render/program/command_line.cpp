@@ -43,6 +43,9 @@ void add_model_arguments(CLI::App& app, ModelOptions& model) {
     app.add_option("--camera", model.camera, "camera of a glTF file, by its name or its node's (default: the first)")
         ->type_name("NAME");
     app.add_option("--variant", model.variant, "variant of the materials of a glTF file, by its name")->type_name("NAME");
+    app.add_option("--time", model.time, "moment of the first animation of a glTF file, in seconds (default: it rests)")
+        ->type_name("SECONDS")
+        ->check(CLI::Validator(CLI::Range(0.0, 1e6)).description(""));
     cli::add_choice<ModelView>(
         app, "--view", model.view,
         {{"three-quarter", ModelView::kThreeQuarter}, {"front", ModelView::kFront}, {"top", ModelView::kTop}},

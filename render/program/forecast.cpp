@@ -66,6 +66,7 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
     RenderOptions trial = options;
     trial.output = folder / "trial.latent";
     trial.max_seconds = seconds;
+    trial.least_samples = place.least_samples;
     Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return place.explained(report.error());
     // Finished samples of a run whose other grains were given up may not be committed: only what is counts.

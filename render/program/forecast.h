@@ -41,12 +41,13 @@ struct Trial {
     double seconds_per_sample = 0;  // RenderReport's
 };
 // Where a trial makes its folder, what it is for ("preview"), what to do if that cannot be: "choose another folder with -o", and
-// what if no sample was finished: "; give it more time".
+// what if no sample was finished: "; give it more time". Its time is over only once so many samples are done.
 struct TrialPlace {
     std::filesystem::path parent;
     std::string_view purpose;
     std::string_view remedy;
     std::string_view if_too_short;
+    std::uint64_t least_samples = 0;
 
     // Replaces the error of a full disk, which names a hidden folder, by one that says what to do.
     Error explained(const Error& error) const;

@@ -29,12 +29,15 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 // Grains of what is missing, in order of sample number; the state that the threads share.
 class Work {
  public:
-    Work(const sampledb::Coverage& missing, const std::atomic<bool>& stop, double max_seconds)
-        : grains_(missing), stop_(stop), max_seconds_(max_seconds) {}
+    Work(const sampledb::Coverage& missing, const std::atomic<bool>& stop, const RenderOptions& options)
+        : grains_(missing), stop_(stop), max_seconds_(options.max_seconds), least_samples_(options.least_samples) {}
 
     // The next grain; empty when there is none, or no more is wanted.
     SampleRange next() { return stopping() ? SampleRange{} : grains_.next(); }
-    bool stopping() { return stop_ || error_ || (max_seconds_ > 0 && seconds_since(begin_) > max_seconds_); }
+    bool stopping() {
+        const bool is_over = max_seconds_ > 0 && seconds_since(begin_) > max_seconds_;
+        return stop_ || error_ || (is_over && (least_samples_ == 0 || samples() >= least_samples_));
+    }
     // True once a grain in work is no longer worth waiting for.
     bool give_up() {
         if (error_) return true;
@@ -71,6 +74,7 @@ class Work {
     sampledb::GrainQueue grains_;
     const std::atomic<bool>& stop_;
     const double max_seconds_;
+    const std::uint64_t least_samples_;
     const Clock::time_point begin_ = Clock::now();
     std::atomic<double> stopped_at_{-1};
     FirstError error_;
@@ -131,7 +135,7 @@ Result<RenderReport> render(const RenderJob& job, const RenderOptions& options, 
     if (!opened) return opened.error();
     sampledb::PartWriter& writer = **opened;
 
-    Work work(writer.missing(), stop, options.max_seconds);
+    Work work(writer.missing(), stop, options);
     const std::uint64_t total = writer.missing().size(), before = job.range.size() - total;
     if (progress && total > 0) progress(static_cast<double>(before) / static_cast<double>(job.range.size()), "");
     const std::uint64_t shadow_rays_before = job.integrator->shadow_rays();  // of forecasts

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "render/load/gltf/accessors.h"
+#include "render/load/gltf/animation.h"
 #include "render/load/gltf/lights.h"
 #include "render/load/gltf/materials.h"
 #include "render/load/gltf/meshes.h"
@@ -25,8 +26,8 @@ Affined rotation(const std::array<double, 4>& q) {  // x y z w, of unit length
             {}};
 }
 
-Affined local_transform(const GltfValue& node) {
-    if (node["matrix"].exists()) {
+Affined local_transform(const GltfValue& node, const GltfNodePose& pose) {
+    if (node["matrix"].exists() && !pose.is_placed()) {
         const std::array<double, 16> m =
             node["matrix"].numbers(std::array<double, 16>{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
         if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) node["matrix"].error("must be affine");
@@ -35,9 +36,9 @@ Affined local_transform(const GltfValue& node) {
         }
         return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
     }
-    const std::array<double, 3> t = node["translation"].numbers(std::array<double, 3>{}),
-                                s = node["scale"].numbers(std::array<double, 3>{1, 1, 1});
-    std::array<double, 4> q = node["rotation"].numbers(std::array<double, 4>{0, 0, 0, 1});
+    const std::array<double, 3> t = pose.translation.value_or(node["translation"].numbers(std::array<double, 3>{})),
+                                s = pose.scale.value_or(node["scale"].numbers(std::array<double, 3>{1, 1, 1}));
+    std::array<double, 4> q = pose.rotation.value_or(node["rotation"].numbers(std::array<double, 4>{0, 0, 0, 1}));
     const double size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     if (!(size > 0) || !std::isfinite(size)) node["rotation"].error("is not a rotation");
     for (double& x : q) x /= size > 0 ? size : 1;
@@ -60,6 +61,9 @@ class GltfLoader {
         match_emission_of_blender();
         for (std::uint32_t i = 0; i < root()["meshes"].size(); ++i) meshes_.push_back({.index = i});
         world_from_node_.resize(root()["nodes"].size());
+        model_.has_animation = root()["animations"].size() > 0;
+        poses_.resize(root()["nodes"].size());
+        if (options_.time && model_.has_animation) poses_ = poses_at(document_, *options_.time);
         walk_nodes();
         for (Placement& p : placements_) pose(p);
         // Meshes in the order of the nodes that place them; those that several nodes place become objects.
@@ -68,7 +72,9 @@ class GltfLoader {
         model_.has_idle_cameras = !model_.has_camera && root()["cameras"].size() > 0;
         if (model_.has_idle_cameras)
             root()["cameras"].warn("no node of the scene has a camera; one that shows the whole model is added");
-        if (root()["animations"].size() > 0) root()["animations"].warn("animations are ignored: the model is in its rest pose");
+        if (model_.has_animation && !options_.time)
+            root()["animations"].warn("animations are ignored: the model is in its rest pose; --time SECONDS shows a moment");
+        if (root()["animations"].size() > 1 && options_.time) root()["animations"].warn("only the first animation is shown");
         return std::move(model_);
     }
 
@@ -209,7 +215,7 @@ class GltfLoader {
             const Open next = open.back();
             open.pop_back();
             const GltfValue node = nodes[next.node];
-            const Affined m = next.world_from_parent * local_transform(node);
+            const Affined m = next.world_from_parent * local_transform(node, poses_[next.node]);
             if (!is_finite(m)) {
                 node.error("its transformation exceeds the range of single precision");
                 continue;
@@ -289,9 +295,10 @@ class GltfLoader {
     void pose(Placement& p) {
         const GltfValue node = root()["nodes"][p.node];
         const std::optional<std::uint32_t> skin = node["skin"].index(root()["skins"]);
-        if (!skin && !node["weights"].is_array()) return;
-        Mesh mesh{.index = p.mesh, .pose = {.weights = numbers(node["weights"])}};
-        if (!node["weights"].is_array()) mesh.pose.weights = numbers(root()["meshes"][p.mesh]["weights"]);
+        const std::optional<std::vector<double>>& moved = poses_[p.node].weights;
+        if (!skin && !moved && !node["weights"].is_array()) return;
+        Mesh mesh{.index = p.mesh, .pose = {.weights = moved ? *moved : numbers(node["weights"])}};
+        if (!moved && !node["weights"].is_array()) mesh.pose.weights = numbers(root()["meshes"][p.mesh]["weights"]);
         if (skin) {
             mesh.pose.joints = joints_of(root()["skins"][*skin]);
             p.world_from_node = {};
@@ -419,6 +426,7 @@ class GltfLoader {
     Model model_;
     std::vector<Used> used_;
     std::vector<Mesh> meshes_;
+    std::vector<GltfNodePose> poses_;                      // of each node, at the moment that is shown
     std::vector<std::optional<Affined>> world_from_node_;  // of those in the scene
     std::vector<Placement> placements_;
     std::uint64_t vertices_ = 0;

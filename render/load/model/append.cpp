@@ -1,6 +1,12 @@
 // render/load/model/append.cpp: one scene added to another: their tables follow one another, and indices count on.
+#include <array>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <memory>
+#include <optional>
 #include <tuple>
+#include <variant>
 
 #include "render/load/model/model.h"
 #include "render/scene/fields.h"

@@ -19,9 +19,10 @@ struct Model {
     std::vector<double> radiances{};                  // of each of scene.area_lights, of glTF and OBJ: the largest component
     std::vector<std::string> cameras{}, variants{};   // names of all in the scene
     bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
-    bool has_integrator = false;                                             // the scene says which, and how deep
-    std::vector<std::string> notes{};                                        // what was read in another way than it stands there
-    std::vector<File> embedded{};                                            // pictures in the model's own file
+    bool has_animation = false;
+    bool has_integrator = false;       // the scene says which, and how deep
+    std::vector<std::string> notes{};  // what was read in another way than it stands there
+    std::vector<File> embedded{};      // pictures in the model's own file
 };
 
 // Adds a scene to another: lights, media, shapes and all that they are made of; its camera with film and shutter, and its

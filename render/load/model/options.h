@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace latent::render {
@@ -11,8 +12,9 @@ namespace latent::render {
 enum class ModelView : std::uint8_t { kThreeQuarter, kFront, kTop };
 
 struct ModelOptions {
-    std::string camera{};   // the name of a camera or of its node; empty: the first
-    std::string variant{};  // the name of a variant of the model's materials; empty: as they are
+    std::string camera{};          // the name of a camera or of its node; empty: the first
+    std::string variant{};         // the name of a variant of the model's materials; empty: as they are
+    std::optional<double> time{};  // [s] of the model's first animation; nothing: the model rests
     ModelView view = ModelView::kThreeQuarter;
     bool is_z_up = false;               // of models without a camera: up is +z, and the front -y; else up is +y, and the front +z
     bool stage = true;                  // a model without camera and lights stands on a ground

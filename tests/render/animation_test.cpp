@@ -1,0 +1,107 @@
+// --time: a moment of an animation is the model whose nodes are where they are then.
+#include <gmock/gmock.h>
+
+#include "render/scene/content_hash.h"
+#include "tests/render/models.h"
+#include "tests/render/scenes.h"
+
+namespace latent::render {
+namespace {
+
+using testing::Folder;
+using testing::GltfFile;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+class Animation : public ::testing::Test {
+ protected:
+    // Two triangles, of which an animation moves one.
+    static GltfFile model() {
+        GltfFile file;
+        const Json position = file.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3"),
+                   up = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+        file.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}}}, {"targets", {{{"POSITION", up}}}}}}}}};
+        file.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {5, 0, 0}}}};
+        file.json["scenes"] = {{{"nodes", {0, 1}}}};
+        return file;
+    }
+    static void animate(GltfFile& file, const char* path, std::initializer_list<double> values, const char* type,
+                        const char* interpolation) {
+        Json& animation = file.json["animations"][0];
+        const Json times = file.add_floats({1, 3}, "VEC1"), output = file.add_floats(values, type);
+        for (const Json& accessor : {times, output}) {
+            Json& kind = file.json["accessors"][accessor.get<std::size_t>()]["type"];
+            if (kind == "VEC1") kind = "SCALAR";
+        }
+        animation["channels"].push_back({{"sampler", animation["samplers"].size()}, {"target", {{"node", 0}, {"path", path}}}});
+        animation["samplers"].push_back({{"input", times}, {"output", output}, {"interpolation", interpolation}});
+    }
+    Result<LoadedScene> load(const GltfFile& file, std::optional<double> time = {}) const {
+        return load_scene(folder_.write("a.glb", testing::as_glb(file)), false, color::RgbSpectra::kSmooth,
+                          {.time = time, .stage = false});
+    }
+    SceneDescription described(const GltfFile& file, std::optional<double> time = {}) const {
+        Result<LoadedScene> scene = load(file, time);
+        if (!scene) throw std::runtime_error(scene.error().message);
+        return std::move(scene->description);
+    }
+    // The model with these members in the node that moves.
+    Hash128 at_rest(const Json& members) const {
+        GltfFile file = model();
+        file.json["nodes"][0].update(members);
+        return content_hash(described(file));
+    }
+    Hash128 at(const GltfFile& file, double time) const { return content_hash(described(file, time)); }
+    Folder folder_;
+};
+
+TEST_F(Animation, KeyFramesAreStepsLinesOrSplines) {
+    GltfFile steps = model(), lines = model(), splines = model();
+    animate(steps, "translation", {0, 0, 0, 2, 4, 8}, "VEC3", "STEP");
+    animate(lines, "translation", {0, 0, 0, 2, 4, 8}, "VEC3", "LINEAR");
+    // Before, value, after. Halfway, the tangents add (1 - -1) / 8 of the two seconds.
+    animate(splines, "translation", {9, 9, 9, 0, 0, 0, 1, 0, 0, -1, 0, 0, 2, 4, 8, 9, 9, 9}, "VEC3", "CUBICSPLINE");
+    for (const GltfFile* file : {&steps, &lines, &splines}) {
+        EXPECT_EQ(at(*file, 0), at_rest({{"translation", {0, 0, 0}}}));
+        EXPECT_EQ(at(*file, 1), at_rest({{"translation", {0, 0, 0}}}));
+        EXPECT_EQ(at(*file, 3), at_rest({{"translation", {2, 4, 8}}}));
+        EXPECT_EQ(at(*file, 9), at_rest({{"translation", {2, 4, 8}}}));
+    }
+    EXPECT_EQ(at(steps, 2.5), at_rest({{"translation", {0, 0, 0}}}));
+    EXPECT_EQ(at(lines, 2.5), at_rest({{"translation", {1.5, 3, 6}}}));
+    EXPECT_EQ(at(splines, 2), at_rest({{"translation", {1.5, 2, 4}}}));
+}
+
+TEST_F(Animation, RotationsTurnEvenlyTheShorterWay) {
+    const double h = std::sqrt(0.5);
+    for (const double sign : {1.0, -1.0}) {  // two ways to write one rotation
+        GltfFile file = model();
+        animate(file, "rotation", {0, 0, 0, 1, 0, 0, sign * h, sign * h}, "VEC4", "LINEAR");
+        const Affined turned = described(file, 1 + 2.0 / 3).instances.at(0).world_from_object;  // by 30 degrees
+        EXPECT_LT(max_abs(turned.x - Vec3d(std::sqrt(0.75), 0.5, 0)), 1e-6);
+        EXPECT_LT(max_abs(turned.y - Vec3d(-0.5, std::sqrt(0.75), 0)), 1e-6);
+    }
+}
+
+TEST_F(Animation, ScalesAndWeightsOfMorphTargetsMove) {
+    GltfFile scaled = model(), morphed = model();
+    animate(scaled, "scale", {1, 1, 1, 3, 1, 1}, "VEC3", "LINEAR");
+    EXPECT_EQ(at(scaled, 2), at_rest({{"scale", {2, 1, 1}}}));
+    animate(morphed, "weights", {0, 1}, "VEC1", "LINEAR");
+    EXPECT_EQ(at(morphed, 1.5), at_rest({{"weights", {.25}}}));
+}
+
+TEST_F(Animation, WithoutAMomentTheModelRestsAndAWarningSaysSo) {
+    GltfFile file = model();
+    animate(file, "translation", {7, 0, 0, 2, 4, 8}, "VEC3", "LINEAR");
+    const Result<LoadedScene> scene = load(file);
+    ASSERT_TRUE(scene);
+    EXPECT_THAT(scene->warnings, ::testing::ElementsAre(HasSubstr("rest pose; --time SECONDS shows a moment")));
+    EXPECT_EQ(content_hash(scene->description), at_rest(Json::object()));
+    EXPECT_THAT(load(model(), 1).error().message, HasSubstr("--time: "));
+    file.json["animations"][0]["samplers"][0]["output"] = file.json["animations"][0]["samplers"][0]["input"];
+    EXPECT_THAT(load(file, 1).error().message, HasSubstr("/accessors/"));
+}
+
+}  // namespace
+}  // namespace latent::render
