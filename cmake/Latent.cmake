@@ -42,8 +42,9 @@ target_compile_definitions(latent_options INTERFACE LATENT_VERSION="${PROJECT_VE
 target_compile_options(latent_options INTERFACE -ffp-contract=off)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(latent_options INTERFACE -msse4.2 -maes -mpclmul)
-  # Highway 1.0.3 refuses to be compiled for processors that have this target, as -march=native does on them.
-  target_compile_definitions(latent_options INTERFACE HWY_DISABLED_TARGETS=HWY_AVX3_DL)
+  if(CMAKE_CXX_FLAGS MATCHES "-march=")  # Highway 1.0.3 refuses to be compiled for processors that have this target
+    target_compile_definitions(latent_options INTERFACE HWY_DISABLED_TARGETS=HWY_AVX3_DL)
+  endif()
 elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
   target_compile_options(latent_options INTERFACE -march=armv8-a+crypto)
   target_compile_definitions(latent_options INTERFACE "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
