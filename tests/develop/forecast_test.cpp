@@ -116,6 +116,8 @@ TEST(Forecast, OfTheToolIsThatOfItsFileAndWritesNone) {
         EXPECT_GT(forecast["expected_cpu_seconds"], 0);
         std::filesystem::remove(at("a.exr"));
     }
+    EXPECT_EQ(testing::run({testing::tool("latent-develop"), at("a.latent"), "--dry-run"}).status, 0);
+    EXPECT_EQ(testing::run({testing::tool("latent-develop"), at("a.latent")}).status, 2);
     const testing::Outcome text = run({"--dry-run"});
     EXPECT_NE(text.out.find(" free"), std::string::npos) << text.out;
     EXPECT_EQ(run({"--size", "4M", "--dry-run", "--crop", "0,0,8,8"}).status, 0);

@@ -148,7 +148,6 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
     app.footer(kHelp);
     app.add_option("FILE", options.inputs, "files of one job, their http(s) URLs, or folders of files")->required();
     app.add_option("-o,--output", options.output, "picture to write")
-        ->required()
         ->check(
             cli::ends_in(".exr", "; develop to .exr first, then print: latent-convert FILE.exr -o FILE.png (or .tif, .jpg, .dzi)"));
     app.add_option("--size", options.size,

@@ -18,10 +18,15 @@ int main(int argc, char** argv) try {
     develop::add_arguments(app, options);
     app.add_flag("--dry-run", dry_run,
                  "develop some runs and pixels for up to two seconds, then print the expected time, memory and file size, and the "
-                 "free space")
+                 "free space; needs no --output")
         ->excludes(app.get_option("--budget"))
         ->excludes(app.get_option("--frames"));
     cli::add_common(app, common, true);
+    app.parse_complete_callback([&] {
+        if (!options.output.empty()) return;
+        if (!dry_run) throw CLI::RequiredError("--output");
+        options.output = "picture.exr";  // the free space is that of this folder
+    });
     if (const auto done = cli::parse(app, argc, argv)) return *done;
 
     options.replace = common.force;
