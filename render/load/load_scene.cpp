@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "render/load/gltf/gltf.h"
+#include "render/load/model/append.h"
 #include "render/load/obj/obj.h"
 #include "render/load/read_pbrt.h"
 #include "render/load/scene_format.h"

@@ -25,7 +25,7 @@ struct LoadedScene {
 //
 // With `replace_integrator`, that of a pbrt scene is replaced: whatever its name is, the picture is as asked. `rgb_spectra` says
 // what the colours of the scene stand for. `model` is for glTF and OBJ: kUsage if a pbrt scene is given any of it. `additions` are
-// files of pbrt's: what they hold is added to the scene, in its coordinates (model.h, append).
+// files of pbrt's: what they hold is added to the scene, in its coordinates (model/append.h).
 Result<LoadedScene> load_scene(const std::filesystem::path& path, bool replace_integrator = false,
                                color::RgbSpectra rgb_spectra = color::RgbSpectra::kSmooth, const ModelOptions& model = {},
                                const std::vector<std::filesystem::path>& additions = {});

@@ -1,4 +1,5 @@
-// render/load/model/append.cpp: one scene added to another: their tables follow one another, and indices count on.
+#include "render/load/model/append.h"
+
 #include <array>
 #include <iterator>
 #include <limits>
@@ -8,7 +9,6 @@
 #include <tuple>
 #include <variant>
 
-#include "render/load/model/model.h"
 #include "render/scene/fields.h"
 
 namespace latent::render {

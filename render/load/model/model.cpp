@@ -7,6 +7,7 @@
 
 #include "render/load/files/lat_long.h"
 #include "render/load/files/pictures.h"
+#include "render/load/model/append.h"
 #include "render/load/model/stage.h"
 #include "render/scene/check.h"
 

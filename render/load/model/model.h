@@ -25,10 +25,6 @@ struct Model {
     std::vector<File> embedded{};      // pictures in the model's own file
 };
 
-// Adds a scene to another: lights, media, shapes and all that they are made of; its camera with film and shutter, and its
-// integrator, if it has them.
-void append(Model more, Model& model);
-
 // Gives a model what it lacks and a picture needs (stage.h), and what `options` say instead of it. A
 // model without camera and lights also gets a ground. Surfaces of radiance 1 or less do not count as lights. `additions` are
 // appended, and may have what the model lacks; the model alone is framed. Returns the model's notes and what was added, in words,
