@@ -8,8 +8,9 @@
 
 namespace latent::render {
 
-// Facets are GGX, reflectances Schlick's: of the metal from the base colour b to 1, of the dielectric from f0 to f90. With E(mu)
-// the albedo of the dielectric's facets [KelemenSzirmayKalos01], E_c that of the coat times its share:
+// Facets are GGX, reflectances Schlick's: of the metal from the base colour b to 1, of the dielectric from f0, times a colour if
+// there is one, to f90. With E(mu) the albedo of the dielectric's facets, in each wavelength [KelemenSzirmayKalos01], E_c that of
+// the coat times its share:
 //   f = (1 - E_c(a)) (1 - E_c(b)) (metallic f_metal + (1 - metallic) (f_facets + b (1 - E(a)) (1 - E(b)) / (pi (1 - mean E))))
 //       + coat f_coat
 // Reciprocal; a white dielectric returns all it gets. The same from both sides.
@@ -17,10 +18,14 @@ class MetallicRoughness {
  public:
     static constexpr std::string_view kName = "metallicroughness";
     // Alphas are the squares of roughnesses.
-    static constexpr std::array kInputs = {Input::reflectance("base_color"),        Input::number("roughness", 1, 0, 1),
-                                           Input::number("metallic", 0, 0, 1),      Input::number("f0", 0.04f, 0, 1),
-                                           Input::number("f90", 1, 0, 1),           Input::number("coat", 0, 0, 1),
-                                           Input::number("coat_roughness", 0, 0, 1)};
+    static constexpr std::array kInputs = {Input::reflectance("base_color"),
+                                           Input::number("roughness", 1, 0, 1),
+                                           Input::number("metallic", 0, 0, 1),
+                                           Input::number("f0", 0.04f, 0, 1),
+                                           Input::number("f90", 1, 0, 1),
+                                           Input::number("coat", 0, 0, 1),
+                                           Input::number("coat_roughness", 0, 0, 1),
+                                           Input{.name = "specular_color", .may_be_missing = true}};
     static constexpr bool kTransmits = false;
 
     struct Parameters {
@@ -31,7 +36,8 @@ class MetallicRoughness {
     // Facets are never smoother than kMinAlpha: a mirror would leave the rest of the surface undrawn.
     static constexpr float kMinAlpha = 0.002f;
     explicit MetallicRoughness(const Values<MetallicRoughness>& v);
-    MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters);
+    // `specular_color`: of f0; null: white.
+    MetallicRoughness(const SampledSpectrum& base, const Parameters& parameters, const SampledSpectrum* specular_color = nullptr);
 
     bool is_delta() const { return false; }
     SampledSpectrum albedo() const { return *base_; }
@@ -47,10 +53,11 @@ class MetallicRoughness {
     };
     Lobes lobes(const Vec3f& wo) const;
 
-    const SampledSpectrum* base_;
+    const SampledSpectrum *base_, *specular_color_;
     float brightest_, metallic_, f0_, f90_, coat_;
     Microfacets facets_, coat_facets_;
-    SchlickAlbedo metal_albedo_, albedo_, coat_albedo_;  // of the brightest wavelength; of the dielectric; of the coat
+    // Of the metal and of the dielectric, both where they reflect most; of the dielectric where it reflects least; of the coat.
+    SchlickAlbedo metal_albedo_, albedo_, least_albedo_, coat_albedo_;
 };
 
 }  // namespace latent::render

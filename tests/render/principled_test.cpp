@@ -58,8 +58,10 @@ TEST_F(Principled, IsTheMaterialOfGltf) {
               of_pbrt(R"("rgb color" [ .5 .25 .125 ])"));
     EXPECT_EQ(
         of_gltf(pbr({{"baseColorFactor", red}, {"metallicFactor", .75}, {"roughnessFactor", .25}},
-                    {{"KHR_materials_ior", {{"ior", 1.75}}}, {"KHR_materials_specular", {{"specularFactor", .5}}}})),
-        of_pbrt(R"("rgb color" [ .5 .25 .125 ] "float metallic" .75 "float roughness" .25 "float eta" 1.75 "float specular" .5)"));
+                    {{"KHR_materials_ior", {{"ior", 1.75}}},
+                     {"KHR_materials_specular", {{"specularFactor", .5}, {"specularColorFactor", {1, .5, .25}}}}})),
+        of_pbrt(
+            R"("rgb color" [ .5 .25 .125 ] "float metallic" .75 "float roughness" .25 "float eta" 1.75 "float specular" .5 "rgb specularcolor" [ 1 .5 .25 ])"));
     EXPECT_EQ(of_gltf(pbr({{"baseColorFactor", red}, {"metallicFactor", 0}, {"roughnessFactor", 1}},
                           {{"KHR_materials_clearcoat", {{"clearcoatFactor", .5}, {"clearcoatRoughnessFactor", .125}}},
                            {"KHR_materials_sheen", {{"sheenColorFactor", {.5, .5, .25}}, {"sheenRoughnessFactor", .75}}}})),

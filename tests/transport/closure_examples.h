@@ -118,6 +118,7 @@ inline std::vector<Example<MetallicRoughness>> examples() {
     using M = MetallicRoughness;
     return {{.name = "metal", .scatters = M(v.rising, {.metallic = 1, .alpha = 0.3f})},
             {.name = "plastic", .scatters = M(v.falling, {.alpha = 0.1f})},
+            {.name = "plastic with a coloured mirror", .scatters = M(v.falling, {.alpha = 0.3f, .f0 = 0.4f}, &v.rising)},
             {.name = "white clay", .scatters = M(v.white, {.alpha = 0.8f, .f0 = 0.2f})},
             {.name = "blend", .scatters = M(v.rising, {.metallic = 0.4f, .alpha = 0.5f})},
             {.name = "white under a coat", .scatters = M(v.white, {.alpha = 0.6f, .coat = 1, .coat_alpha = 0.1f})},

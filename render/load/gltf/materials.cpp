@@ -66,9 +66,8 @@ MaterialDescription read_glass(const GltfValue& material, const ModelColors& col
 void tell_of_ignored(const GltfValue& material) {
     if (const GltfValue occlusion = material["occlusionTexture"]; occlusion.exists())
         occlusion.note("is not used: occlusion is computed");
-    const GltfValue specular = material.extension("KHR_materials_specular"), volume = material.extension("KHR_materials_volume"),
-                    coat = material.extension("KHR_materials_clearcoat");
-    for (const GltfValue& info : {specular["specularColorTexture"], volume["thicknessTexture"], coat["clearcoatNormalTexture"]}) {
+    const GltfValue volume = material.extension("KHR_materials_volume"), coat = material.extension("KHR_materials_clearcoat");
+    for (const GltfValue& info : {volume["thicknessTexture"], coat["clearcoatNormalTexture"]}) {
         if (info.exists()) info.warn("is not supported, and is ignored");
     }
 }
@@ -96,6 +95,15 @@ void read_alpha(const GltfValue& material, const GltfValue& picture, double fact
         out.alpha = textures.thresholded(out.alpha, static_cast<float>(material["alphaCutoff"].factor(0.5, 0, kNoLimit)));
 }
 
+// The colour of what a dielectric reflects, unless it is grey: `rgb` over its brightest component, times the picture. Returns that
+// component.
+double read_specular_color(const GltfValue& picture, const LinearRgb& rgb, GltfTextures& textures, MaterialDescription& surface) {
+    const double bright = std::ranges::max(rgb);
+    if (bright > 0 && (picture.exists() || std::ranges::min(rgb) != bright))
+        surface.spectra["specular_color"] = textures.color(picture, {rgb[0] / bright, rgb[1] / bright, rgb[2] / bright});
+    return bright;
+}
+
 // What of a material its two models say each in its own way.
 struct Body {
     GltfValue picture;  // of its colour and alpha
@@ -112,9 +120,9 @@ Body read_metallic_roughness(const GltfValue& material, VertexColors vertices, G
     surface.numbers["roughness"] = textures.number(rough, PictureChannel::kGreen, body.roughness);
     surface.numbers["metallic"] = textures.number(rough, PictureChannel::kBlue, body.metallic);
     const GltfValue specular = material.extension("KHR_materials_specular"), weight_picture = specular["specularTexture"];
-    const LinearRgb tint = rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit);
-    const double bright = std::ranges::max(tint), weight = specular["specularFactor"].factor(1, 0, 1);
-    if (std::ranges::min(tint) != bright) specular["specularColorFactor"].warn("only its brightest component is used");
+    const double weight = specular["specularFactor"].factor(1, 0, 1),
+                 bright = read_specular_color(specular["specularColorTexture"],
+                                              rgb_of(specular["specularColorFactor"], {1, 1, 1}, kNoLimit), textures, surface);
     // F0 of the index, 1.5 by default; an index of 0 stands for a perfect reflector.
     const GltfValue ior = material.extension("KHR_materials_ior")["ior"];
     const double index = ior.number(1.5) == 0 ? 0 : ior.factor(1.5, 1, kNoLimit), root = (index - 1) / (index + 1);
@@ -123,8 +131,7 @@ Body read_metallic_roughness(const GltfValue& material, VertexColors vertices, G
     return body;
 }
 
-// Colours of the diffuse body and of the mirror above it. Without a body it is a metal; else the mirror is grey, by its brightest
-// component.
+// Colours of the diffuse body and of the mirror above it. Without a body it is a metal.
 Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, GltfTextures& textures,
                               MaterialDescription& surface) {
     const LinearRgb specular = rgb_of(glossy["specularFactor"], {1, 1, 1});
@@ -140,9 +147,7 @@ Body read_specular_glossiness(const GltfValue& glossy, VertexColors vertices, Gl
         surface.spectra["base_color"] = textures.color(picture, specular);
     } else {
         surface.spectra["base_color"] = textures.color(body.picture, diffuse, vertices);
-        const double bright = std::ranges::max(specular);
-        if (std::ranges::min(specular) != bright) glossy["specularFactor"].warn("only its brightest component is used");
-        surface.numbers["f0"] = textures.number(picture, PictureChannel::kGreen, bright, VertexColors::kAbsent);
+        surface.numbers["f0"] = static_cast<float>(read_specular_color(picture, specular, textures, surface));
     }
     return body;
 }

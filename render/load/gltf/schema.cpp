@@ -46,7 +46,7 @@ constexpr GltfMember kSheenMembers[] = {numbers("sheenColorFactor", 3), number("
                                         object("sheenColorTexture", kInfo), object("sheenRoughnessTexture", kInfo)};
 constexpr GltfObjectType kSheen{kSheenMembers};
 constexpr GltfMember kSpecularMembers[] = {number("specularFactor"), numbers("specularColorFactor", 3),
-                                           object("specularTexture", kInfo), any("specularColorTexture")};
+                                           object("specularTexture", kInfo), object("specularColorTexture", kInfo)};
 constexpr GltfObjectType kSpecular{kSpecularMembers};
 constexpr GltfMember kTransmissionMembers[] = {number("transmissionFactor"), object("transmissionTexture", kInfo)};
 constexpr GltfObjectType kTransmission{kTransmissionMembers};

@@ -221,6 +221,8 @@ Part mirror() {
         r.material.spectra.erase("eta");
         r.material.numbers["f0"] = static_cast<float>(std::min(root * root, 1.0) * weight);
         r.material.numbers["f90"] = static_cast<float>(weight);
+        if (const auto color = r.textures.find_spectrum(r.list, "specularcolor", SpectrumRole::kReflectance))
+            r.material.spectra["specular_color"] = *color;
     };
 }
 
