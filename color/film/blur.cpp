@@ -9,7 +9,7 @@ namespace latent::film {
 Result<Triple> half_contrast(const Material& film) {
     const Result<std::optional<Columns>> table = find_table(film, "mtf");
     if (!table) return table.error();
-    if (!*table) return Error{ErrorCode::kUnsupported, film.title + ": how sharp it is, is not known"};
+    if (!*table) return Error{ErrorCode::kUnsupported, film.title + ": its sharpness is not known; leave out --mtf"};
     const std::vector<double>& f = (*table)->values[0];
     Triple half{};
     constexpr const char* kLayer[] = {"r", "g", "b"};

@@ -26,7 +26,7 @@ def hosts_in(path):
         raise Failure(f"{path}: no such file") from None
     hosts = [line for line in (line.split("#")[0].strip() for line in text.splitlines()) if line]
     if not hosts:
-        raise Failure(f"{path}: names no machine; write one per line")
+        raise Failure(f"{path}: lists no machine; write one per line")
     return hosts
 
 
@@ -78,7 +78,8 @@ class Foreground:
 
     def run(self, chains):
         """Each of `chains` is a folder, its plan, and stages. Returns an exit status."""
-        before = {number: signal.signal(number, self._stop) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        heeded = [number for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+        before = {number: signal.signal(number, self._stop) for number in heeded}  # nohup has one ignored
         try:
             for folder, plan, stages in chains:
                 for stage in stages:

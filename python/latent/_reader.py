@@ -127,7 +127,7 @@ def open(*paths: Path, job: Optional[str] = None, skip_duplicates: bool = False,
 def info(*paths: Path, job: Optional[str] = None, skip_duplicates: bool = False) -> dict[str, Any]:
     """The job, the counts and the making of files in one dict: `Reader.job`, `Reader.info`, and its light_groups, materials, parts.
 
-    cpu_seconds is the processor time of all parts that tell theirs.
+    cpu_seconds is the processor time of all parts that report it.
     """
     reader = open(*paths, job=job, skip_duplicates=skip_duplicates)
     return {**reader.job, **reader.info, "light_groups": reader.light_groups, "materials": reader.materials, "parts": reader.parts,

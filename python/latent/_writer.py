@@ -90,7 +90,7 @@ class Writer:
         sample = sample[order]
         late = np.zeros(len(sample), bool)
         for first, end in self.missing:
-            late[slice(*np.searchsorted(sample, (first, end)))] = True
+            late[slice(*np.searchsorted(sample, np.asarray((first, end), np.uint64)))] = True
         for grain in self.grains():
             begin, end = np.searchsorted(sample, np.asarray(grain, np.uint64))
             rows = order[begin:end]

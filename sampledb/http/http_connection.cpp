@@ -136,7 +136,7 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
 
         std::string what = handle_->message[0] != '\0' ? handle_->message : curl_easy_strerror(code);
         if (code == CURLE_OK)
-            what = fmt::format("the server sends only a few bytes of what it is asked for, here {}", answer.received());
+            what = fmt::format("the server sent only {} of the {} bytes requested", answer.received(), size - before);
         if (code == CURLE_OUT_OF_MEMORY) what = "a line of the answer is too long, or memory has run out";
         if (answer.status() >= 400) what = fmt::format("the server answers with status {}", answer.status());
         if (code == CURLE_ABORTED_BY_CALLBACK)

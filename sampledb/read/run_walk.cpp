@@ -109,7 +109,7 @@ class Walker {
         for (; offset < end_; offset += kChunk) {
             if (offset - begin >= kMostSearched && source_.file() == nullptr) {
                 return Error{ErrorCode::kCorrupt,
-                             fmt::format("{}: no run begins in the {} behind byte {}; download the file to search all of it",
+                             fmt::format("{}: no run begins in the {} after byte {}; download the file to search all of it",
                                          shown_name(source_.name()), format_size(kMostSearched), begin)};
             }
             offset += (source_.end_of_hole(offset) - offset) / kBlock * kBlock;

@@ -350,7 +350,7 @@ TEST_F(LensTool, SaysWhatToDoAboutFilesThatCannot) {
     EXPECT_NE(refusal(false, true, {"--focus", "2"}).find("again with --aov lens"), std::string::npos);
     EXPECT_NE(refusal(false, true, {"--frames", "2"}).find("again with --aov time"), std::string::npos);
     EXPECT_NE(refusal(true, true, {"--focus", "9,9"}).find("again with --aov depth,lens, or give a distance"), std::string::npos);
-    EXPECT_NE(refusal(true, false, {"--focus", "2"}).find("do not tell the lens of their camera"), std::string::npos);
+    EXPECT_NE(refusal(true, false, {"--focus", "2"}).find("do not describe their camera's lens"), std::string::npos);
     EXPECT_NE(refusal(true, true, {"--aperture", "f:2"}).find("rendered as f/3; a wider one must be rendered"), std::string::npos);
 }
 

@@ -307,7 +307,7 @@ class Plan(FarmTest):
         farm = ["latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x"]
         self.fail_with("none: no such file", *farm, "--engine", "parallel", "--hosts", self.folder / "none")
         (self.folder / "hosts").write_text("# node1\n\n")
-        self.fail_with("hosts: names no machine", *farm, "--engine", "parallel", "--hosts", self.folder / "hosts")
+        self.fail_with("hosts: lists no machine", *farm, "--engine", "parallel", "--hosts", self.folder / "hosts")
         self.fail_with("at least 1, or auto", *farm, "--engine", "shell", "--tasks", "foo", status=2)
         self.fail_with("--bogus", *farm, "--engine", "shell", "--", "--bogus", status=2)
         self.assertFalse((self.folder / "x").exists())

@@ -136,7 +136,7 @@ TEST_F(HttpTest, WhatTheServerRefusesIsAnErrorThatNamesTheUrl) {
     expect_error("refused/file", ErrorCode::kIo, "refuses access (status 403)");
     expect_error("whole/file", ErrorCode::kIo, "must support range requests");
     expect_error("other/file", ErrorCode::kIo, "another range of bytes than the one requested");
-    expect_error("crumbs/file", ErrorCode::kIo, "sends only a few bytes of what it is asked for, here 10 (tried 64 times)");
+    expect_error("crumbs/file", ErrorCode::kIo, "the server sent only 10 of the ");
     expect_error("broken/file", ErrorCode::kIo, "status 500 (tried 5 times)");
     expect_error("circle/file", ErrorCode::kIo, "Maximum (10) redirects followed");
     expect_error("local-file/file", ErrorCode::kIo, "Protocol \"file\" not supported");

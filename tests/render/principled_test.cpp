@@ -84,6 +84,16 @@ TEST_F(Principled, PassesLightAsTheMaterialOfGltfDoes) {
                       R"( "rgb diffusetransmissioncolor" [ .5 .25 .75 ])"));
 }
 
+// Half metal, and half of the rest glass: of what is not glass, two thirds are metal.
+TEST_F(Principled, MetalHasItsShareOfAllPoints) {
+    const Result<LoadedScene> scene =
+        testing::load_world("Material \"latent:principled\" \"float metallic\" .5 \"float transmission\" .5 Shape \"sphere\"");
+    ASSERT_TRUE(scene);
+    const auto opaque = std::ranges::find(scene->description.materials, "metallicroughness", &MaterialDescription::type);
+    ASSERT_NE(opaque, scene->description.materials.end());
+    EXPECT_FLOAT_EQ(opaque->numbers.at("metallic").value, 2.F / 3);
+}
+
 TEST_F(Principled, WhatCannotBeIsRefused) {
     const auto refused = [](const std::string& parameters) {
         const std::string texture = "Texture \"t\" \"float\" \"constant\"\n";

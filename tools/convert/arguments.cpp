@@ -45,7 +45,7 @@ void add_darkroom(CLI::App& app, DarkroomOptions& darkroom) {
     app.add_flag_function(
         "--grain,!--no-grain", [&darkroom](std::int64_t given) { darkroom.grain = given > 0; }, "show the grain of the film");
     app.add_flag_function(
-        "--mtf,!--no-mtf", [&darkroom](std::int64_t given) { darkroom.mtf = given > 0; }, "be no sharper than the film");
+        "--mtf,!--no-mtf", [&darkroom](std::int64_t given) { darkroom.mtf = given > 0; }, "blur the print as the film does");
     cli::add_parsed(app, "--halation", darkroom.halation, parse_halation,
                     "light that comes back from the base of the film, around lamps: a little (backed), or as much as without the "
                     "black back (bare)")

@@ -78,9 +78,9 @@ Result<Plane> picture_plane(const std::filesystem::path& path, double diameter) 
     const Result<image::ExrReader> reader = image::ExrReader::open(path);
     if (!reader) return reader.error();
     const image::Rect& window = reader->image().data_window;
-    if (std::max(window.width(), window.height()) > 4 * kPattern)
+    if (std::max(window.width(), window.height()) > kPattern)
         return Error{ErrorCode::kUnsupported, fmt::format("{}: has {} x {} pixels; an aperture may have {} along a side",
-                                                          path.string(), window.width(), window.height(), 4 * kPattern)};
+                                                          path.string(), window.width(), window.height(), kPattern)};
     std::vector<float> pixels(3 * window.pixels());
     image::ExrReader::Scratch scratch;
     const auto width = static_cast<std::size_t>(window.width());

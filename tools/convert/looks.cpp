@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/near_names.h"
 #include "color/film/material.h"
 
 namespace latent::convert {

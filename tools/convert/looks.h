@@ -12,7 +12,7 @@ namespace latent::convert {
 // For people: each look, what it is, and the film to develop with.
 std::string list_looks();
 
-// Fills in what was not asked for otherwise. Errors: kUsage, with names that are near; if the picture is on another film.
+// Fills in what was not asked for otherwise. Errors: kUsage, with all names; if the picture is on another film.
 Status add_look(std::string_view name, const std::string& input, std::string_view film, DarkroomOptions& darkroom);
 
 }  // namespace latent::convert

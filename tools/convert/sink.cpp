@@ -111,8 +111,8 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
                                                          {"Adaptation", options.adapt}};
     if (!picture.observer.empty()) all.emplace_back("Observer", picture.observer);
     if (!picture.film.empty()) all.emplace_back("Film", picture.film);
-    if (const auto& glare = options.glare; glare && glare->aperture.empty()) all.emplace_back("Glare", glare->text);
-    if (options.glare && !options.glare->aperture.empty()) all.emplace_back("Glare", fmt::format("f:{}", options.glare->f_number));
+    if (const auto& glare = options.glare)
+        all.emplace_back("Glare", glare->aperture.empty() ? glare->text : fmt::format("f:{}", glare->f_number));
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));
     if (options.black != 0) all.emplace_back("Black", fmt::format("{}", options.black));
     if (const std::string shown = shown_by(options); !shown.empty()) all.emplace_back("Shown", shown);

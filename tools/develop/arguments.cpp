@@ -171,7 +171,7 @@ void add_arguments(CLI::App& app, PictureOptions& options) {
         ->type_name("DISTANCE|X,Y");
     cli::add_count(app, "--frames", options.frames,
                    "divide the exposure into so many frames, each a picture of its own: NAME.0001.exr, NAME.0002.exr, ...", 1u,
-                   9999u);
+                   256u);
     cli::add_parsed(app, "--samples", options.samples, sampledb::parse_sample_range, "samples to use, A to B-1 (default: all)")
         ->type_name("A:B");
     auto* fraction =

@@ -48,6 +48,7 @@ Result<double> distance_at(const sampledb::Gathering& gathering, const RecordedL
         };
         return page.record_class == sampledb::RecordClass::kCamera && along(page.node.x, 0) && along(page.node.y, 1);
     };
+    const auto columns = lens_columns(gathering.job());
     std::vector<double> distances;
     sampledb::PageDecoder decoder;
     sampledb::Page page;
@@ -58,10 +59,10 @@ Result<double> distance_at(const sampledb::Gathering& gathering, const RecordedL
             if (!reaches(info)) continue;
             if (Status s = gathering.read_page(run, info, {.values = false, .share = false}, decoder, page); !s) return s.error();
             for (std::size_t row = 0; row < page.count; ++row) {
-                if (!is_near(page.u[row], 0) || !is_near(page.v[row], 1)) continue;
                 const auto its_depth = static_cast<double>(load_le<float>(page.extra[*depth].values.data() + 4 * row));
-                distances.push_back(lens.distance(page.u[row] * 0x1p-32, page.v[row] * 0x1p-32,
-                                                  lens_point(page, *lens_columns(gathering.job()), row), its_depth));
+                if (!is_near(page.u[row], 0) || !is_near(page.v[row], 1) || !(its_depth > 0)) continue;
+                distances.push_back(
+                    lens.distance(page.u[row] * 0x1p-32, page.v[row] * 0x1p-32, lens_point(page, *columns, row), its_depth));
             }
         }
     }

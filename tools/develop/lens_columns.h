@@ -20,9 +20,16 @@ inline std::optional<std::size_t> place_of(const sampledb::Job& job, const char*
     return static_cast<std::size_t>(found - job.extra.begin());
 }
 
+// The same, if it holds fractions as unsigned numbers.
+inline std::optional<std::size_t> place_of_fractions(const sampledb::Job& job, const char* column) {
+    const std::optional<std::size_t> place = place_of(job, column);
+    if (place && job.extra[*place].type == sampledb::ColumnType::kF32) return std::nullopt;
+    return place;
+}
+
 // Those of lens.x and lens.y, if the job has both.
 inline std::optional<std::array<std::size_t, 2>> lens_columns(const sampledb::Job& job) {
-    const auto x = place_of(job, "lens.x"), y = place_of(job, "lens.y");
+    const auto x = place_of_fractions(job, "lens.x"), y = place_of_fractions(job, "lens.y");
     if (!x || !y) return std::nullopt;
     return std::array{*x, *y};
 }

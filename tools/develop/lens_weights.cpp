@@ -44,7 +44,7 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
         if (!(weights.mean_ > 0)) return usage_error("--aperture: no light passes");
     }
     if (!choice.shutter.is_whole()) {
-        weights.time_column_ = place_of(job, "shutter");
+        weights.time_column_ = place_of_fractions(job, "shutter");
         if (!weights.time_column_)
             return usage_error(
                 "--shutter: the files do not say when light met the lens; render the scene again with --aov time; something in it "

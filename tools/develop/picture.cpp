@@ -296,10 +296,12 @@ Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb:
         if (Status s = check_lens_columns(all.job(), "--aperture"); !s) return s.error();
         const Result<RecordedLens> lens = recorded_lens(all, "--aperture");
         if (!lens) return lens.error();
+        constexpr double kRounding = 1.001;  // f-numbers are written with few digits
         aperture.radius = lens->f_number() / aperture.f_number;
-        if (aperture.radius > 1)
+        if (aperture.radius > kRounding)
             return usage_error(fmt::format("--aperture f:{:g}: the lens was rendered as f/{:.3g}; a wider one must be rendered",
                                            aperture.f_number, lens->f_number()));
+        aperture.radius = std::min(aperture.radius, 1.0);
     }
     if (options.focus) {
         if (Status s = check_lens_columns(all.job(), "--focus"); !s) return s.error();

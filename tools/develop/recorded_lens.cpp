@@ -47,7 +47,7 @@ Result<RecordedLens> recorded_lens(const sampledb::Gathering& gathering, const c
     if (Status s = for_each_origin(gathering, take); !s) return s.error();
     if (!lens)
         return usage_error(fmt::format(
-            "{}: the files do not tell the lens of their camera; render the scene again, with a camera that has a lens", option));
+            "{}: the files do not describe their camera's lens; render the scene again, with a camera that has a lens", option));
     return *lens;
 }
 

@@ -174,6 +174,9 @@ void read_second(const GltfValue& material, const Body& body, const ModelColors&
                                 .spectra = {{"transmittance", textures.color(diffuse["diffuseTransmissionColorTexture"], tint)}}};
         out.second_share = textures.number(diffuse["diffuseTransmissionTexture"], PictureChannel::kAlpha, diffused);
     }
+    FloatInput& metallic = out.surface.numbers.at("metallic");
+    if (metallic.value > 0 && !metallic.is_textured() && !out.second_share.is_textured())
+        metallic.value /= 1 - out.second_share.value;  // of what light does not pass
 }
 
 }  // namespace

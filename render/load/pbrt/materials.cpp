@@ -241,12 +241,12 @@ Part sheen() {
 // The points of a Principled surface that light passes: of glass, or like paper. Metal is opaque.
 Part passing() {
     return [](const Reading& r) {
-        const FloatInput& metallic = r.material.numbers.at("metallic");
+        FloatInput& metallic = r.material.numbers.at("metallic");
         const auto share = [&](const char* name) {
             FloatInput given = r.textures.number(r.list, name, 0, 0, 1);
             if (given.is_textured() || given.value > 0) {
                 if (metallic.is_textured() || (given.is_textured() && metallic.value > 0))
-                    r.list.error(fmt::format("{}: cannot be combined with a texture for metallic, nor its own with a metal", name));
+                    r.list.error(fmt::format("{}: needs a number for metallic; a texture for it needs metallic 0", name));
                 given.value *= 1 - metallic.value;
             }
             return given;
@@ -257,6 +257,7 @@ Part passing() {
         const auto color = r.textures.find_spectrum(r.list, "diffusetransmissioncolor", SpectrumRole::kReflectance);
         if (is_clear && is_matt) r.list.error("transmission and diffusetransmission cannot be combined");
         r.whole.second_share = is_clear ? clear : matt;
+        if (metallic.value > 0) metallic.value /= 1 - r.whole.second_share.value;  // of what light does not pass
         if (is_clear) {
             MaterialDescription glass{.type = is_thin ? "thindielectric" : "dielectric", .location = r.material.location};
             const SpectrumInput& base = r.material.spectra.at("base_color");
