@@ -22,8 +22,8 @@ struct Preview {
 std::filesystem::path preview_path(const RenderOptions& options);
 
 // Renders for `seconds` into a temporary file beside the output, develops it and writes it to preview_path, in the place of what is
-// there. The picture is no larger than the job's resolution, than 1024 pixels, and than what has 4 samples per pixel. Errors: those
-// of render, develop and convert; kStopped if not one sample was finished.
+// there. The picture is no larger than the job's resolution, than 1024 pixels, and than what has enough samples for each pixel.
+// Errors: those of render, develop and convert; kStopped if not one sample was finished.
 Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop);
 
 std::string to_text(const Preview& preview, const RenderJob& job, bool json);

@@ -66,7 +66,7 @@ TEST_F(PreviewTest, ItsSizeIsThatOfTheJobUnlessTimeIsShort) {
     ASSERT_EQ(render({"--resolution", "40x40", "--spp", "8", "--preview", "60"}).status, 0);
     EXPECT_EQ(png_size("p.preview.png"), (std::pair{40u, 40u}));
     // An attempt that was stopped before its end is developed, too.
-    const Outcome stopped = render({"--resolution", "16000x16000", "--preview", "1us", "--json"});
+    const Outcome stopped = render({"--resolution", "16000x16000", "--preview", "0.000001", "--json"});
     ASSERT_EQ(stopped.status, 0) << stopped.err;
     const auto report = nlohmann::json::parse(stopped.out);
     EXPECT_GE(report["preview"]["samples_per_pixel"], 1);
