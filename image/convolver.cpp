@@ -37,7 +37,7 @@ int Convolver::size_for(int radius, const Rect& picture) {
 }
 
 std::size_t Convolver::bytes(int radius, const Rect& picture) {
-    const auto size = static_cast<std::size_t>(size_for(radius, picture)), side = static_cast<std::size_t>(2 * radius + 2);
+    const auto size = static_cast<std::size_t>(size_for(radius, picture)), side = 2 * static_cast<std::size_t>(radius) + 2;
     return 3 * sizeof(float) * (size * size + (size / 2 + 1) * size + side * side);
 }
 
@@ -56,7 +56,8 @@ Convolver::Convolver(const Kernel& kernel, const Rect& picture)
             for (int x = -radius_; x <= radius_; ++x) {
                 const float weight = x == 0 && y == 0 ? 0.0F : kernel.at(c, x, y);
                 re[static_cast<std::size_t>(y & (size_ - 1)) * size + static_cast<std::size_t>(x & (size_ - 1))] = weight * scale;
-                const auto column = static_cast<std::size_t>(x + radius_);
+                const int from_left = x + radius_;
+                const auto column = static_cast<std::size_t>(from_left);
                 row += static_cast<double>(weight);
                 columns[column] += row;
                 sums_[c][static_cast<std::size_t>(y + radius_ + 1) * (side + 1) + column + 1] = static_cast<float>(columns[column]);
@@ -118,8 +119,11 @@ float Convolver::usable(float value) {
 }
 
 float Convolver::given_away(std::size_t channel, int x, int y) const {
-    const auto side = static_cast<std::size_t>(2 * radius_ + 2);
-    const auto end = [&](int distance) { return static_cast<std::size_t>(std::min(distance, radius_) + radius_); };
+    const std::size_t side = 2 * static_cast<std::size_t>(radius_) + 2;
+    const auto end = [&](int distance) {
+        const int within = std::min(distance, radius_) + radius_;
+        return static_cast<std::size_t>(within);
+    };
     const std::size_t left = static_cast<std::size_t>(radius_ - std::min(x - picture_.x0, radius_)),
                       right = end(picture_.x1 - 1 - x) + 1,
                       top = static_cast<std::size_t>(radius_ - std::min(y - picture_.y0, radius_)),

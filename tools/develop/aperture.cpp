@@ -101,7 +101,7 @@ Result<Aperture> parse_aperture(std::string_view text) {
         if (named->name == "f" && n.size() == 1) {
             aperture.f_number = n[0];
             if (!(aperture.f_number > 0)) return is_not(part, "an f-number (try f:8)");
-        } else if (named->name == "blades" && n.size() >= 1 && n.size() <= 3) {
+        } else if (named->name == "blades" && !n.empty() && n.size() <= 3) {
             if (!(n[0] >= 3 && n[0] <= 64) || n[0] != std::floor(n[0])) return is_not(part, "3 to 64 blades (try blades:6)");
             aperture.blades = static_cast<std::uint32_t>(n[0]);
             if (n.size() > 1) aperture.rotation_degrees = n[1];
