@@ -43,7 +43,12 @@ int main(int argc, char** argv) try {
     if (!job) return cli::fail(job.error());
     for (const std::string& added : (*job)->scene.added) cli::note(added);
     for (const std::string& warning : (*job)->warnings) cli::warn(warning);
-    const auto missing = sampledb::PartWriter::find_missing(part_options(**job, options), (*job)->job);
+    auto missing = sampledb::PartWriter::find_missing(part_options(**job, options), (*job)->job);
+    if (!missing && missing.error().code == ErrorCode::kMismatch && (line.dry_run || line.preview_seconds > 0)) {
+        cli::note(options.output.string() + ": holds the samples of another job, and stays as it is");
+        options.force = true;  // as if it were not there: nothing is written to it
+        missing = sampledb::PartWriter::find_missing(part_options(**job, options), (*job)->job);
+    }
     if (!missing) return cli::fail(missing.error());
     options.provenance_json = provenance(**job, settings, (*job)->range.size() - missing->size());
     const std::atomic<bool>& stop_requested = commit_on_signals();

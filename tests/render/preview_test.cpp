@@ -87,6 +87,16 @@ TEST_F(PreviewTest, WhatIsRenderedAlreadyStays) {
     EXPECT_THAT(outcome.out, HasSubstr("all 4096 samples are already committed"));
     EXPECT_EQ(folder_.names(), (std::vector<std::string>{"p.latent", "p.preview.png"}));
     EXPECT_EQ(render({"--preview", "1", "--dry-run"}).status, 2);
+    // Samples of another job do not keep anyone from a look.
+    const std::string samples = latent::testing::read_text(folder_ / "p.latent");
+    for (const std::vector<std::string>& look : {std::vector<std::string>{"--preview", "60"}, {"--dry-run"}}) {
+        std::vector<std::string> options = {"--resolution", "32x32", "--spp", "4", "--seed", "9"};
+        options.insert(options.end(), look.begin(), look.end());
+        const Outcome other = render(options);
+        EXPECT_EQ(other.status, 0) << other.err;
+        EXPECT_THAT(other.err, HasSubstr("p.latent: holds the samples of another job, and stays as it is"));
+    }
+    EXPECT_EQ(latent::testing::read_text(folder_ / "p.latent"), samples);
 }
 
 // Its samples are in a hidden folder, which is gone with them.

@@ -201,5 +201,16 @@ TEST_F(Stage, EmissionOfBlenderIsInTheUnitOfItsLamps) {
     EXPECT_THAT(added, IsEmpty());
 }
 
+TEST_F(Stage, ASkyIsInTheUnitOfTheLampsOfBlender) {
+    testing::write_exr(folder_ / "sky.exr", 2, 1, std::vector<float>(6, 0.5f));
+    for (const auto& [generator, factor] : {std::pair{"Khronos glTF Blender I/O v4.2.70", 683.0}, std::pair{"another", 1.0}}) {
+        GltfFile file = with_cameras({"a"});
+        file.json["asset"]["generator"] = generator;
+        file.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+        const LoadedScene scene = load("a.glb", as_glb(file), {.sky = folder_ / "sky.exr"});
+        EXPECT_EQ(scene.description.lights.back().scale, factor);
+    }
+}
+
 }  // namespace
 }  // namespace latent::render

@@ -142,7 +142,9 @@ class GltfLoader {
         constexpr double kLumensPerWatt = 683;
         const GltfValue generator = root()["asset"]["generator"], lights = root().extension("KHR_lights_punctual")["lights"];
         const bool is_blender = generator.is_text() && generator.text().find("Blender I/O") != std::string::npos;
-        if (!is_blender || lights.size() == 0 || model_.scene.area_lights.empty()) return;
+        if (!is_blender || lights.size() == 0) return;
+        model_.sky_scale = kLumensPerWatt;
+        if (model_.scene.area_lights.empty()) return;
         for (AreaLightDescription& light : model_.scene.area_lights) light.scale *= kLumensPerWatt;
         for (double& radiance : model_.radiances) radiance *= kLumensPerWatt;
         model_.notes.push_back(fmt::format(

@@ -87,6 +87,10 @@ Result<std::vector<std::string>> complete(Model& model, std::vector<Model> addit
     if (!options.sky.empty()) {
         Result<LightDescription> sky = sky_of(options.sky, white, options);
         if (!sky) return sky.error();
+        sky->scale = model.sky_scale;
+        if (model.sky_scale != 1)
+            notes.emplace_back(
+                fmt::format("has lamps in lumens, as Blender writes them: the sky is multiplied by {:.0f}", model.sky_scale));
         model.scene.lights.push_back(std::move(*sky));
     } else if (!has_light) {
         const bool has_ground = options.stage && !model.has_camera && !box.is_empty();

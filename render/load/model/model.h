@@ -20,6 +20,7 @@ struct Model {
     std::vector<std::string> cameras{}, variants{};   // names of all in the scene
     bool has_camera = false, has_idle_cameras = false, has_variant = false;  // the one that was asked for
     bool has_animation = false;
+    double sky_scale = 1;              // of a picture of the sky, so that it is in the unit of the lamps
     bool has_integrator = false;       // the scene says which, and how deep
     std::vector<std::string> notes{};  // what was read in another way than it stands there
     std::vector<File> embedded{};      // pictures in the model's own file
