@@ -18,7 +18,7 @@ GltfFile triangle(const Json& material = Json::object()) {
     GltfFile file;
     const Json position = file.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3"), uv = file.add_floats({0, 0, 1, 0, 0, 1}, "VEC2");
     file.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}, {"TEXCOORD_0", uv}}}, {"material", 0}}}}}};
-    file.json["materials"] = {material};
+    file.json["materials"] = Json::array({material});
     file.json["nodes"] = {{{"mesh", 0}}};
     file.json["scenes"] = {{{"nodes", {0}}}};
     return file;
@@ -179,7 +179,7 @@ TEST_F(GltfExtensions, AWebpPictureGoesBeforeTheOneForOtherReaders) {
     const auto picture = [&](const Json& texture) {
         GltfFile file = triangle({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
         file.json["images"] = {{{"uri", "a.exr"}}, {{"uri", "b.exr"}}};
-        file.json["textures"] = {texture};
+        file.json["textures"] = Json::array({texture});
         return hash(file);
     };
     EXPECT_EQ(picture({{"source", 0}, {"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}}), picture({{"source", 1}}));

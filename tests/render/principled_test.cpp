@@ -23,7 +23,7 @@ class Principled : public ::testing::Test {
                    indices = file.add_indices({0, 1, 2, 0, 2, 3});
         file.json["meshes"] = {
             {{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}, {"material", 0}}}}}};
-        file.json["materials"] = {material};
+        file.json["materials"] = Json::array({material});
         file.json["nodes"] = {{{"mesh", 0}}};
         file.json["scenes"] = {{{"nodes", {0}}}};
         return surface(folder_.write("a.glb", testing::as_glb(file)), {.stage = false});
