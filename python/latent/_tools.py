@@ -142,7 +142,11 @@ def _develop(
 
 def _focus(value: Union[float, tuple[float, float], None]) -> str:
     """As latent-develop takes it."""
-    numbers = [] if value is None else value if isinstance(value, (tuple, list)) else [value]
+    if value is None:
+        return ""
+    numbers = value if isinstance(value, (tuple, list)) else [value]
+    if isinstance(value, (tuple, list)) and len(value) != 2:
+        raise ValueError(f"focus: {_arguments.shown(value)} is neither a distance nor (x, y)")
     return ",".join(repr(float(_arguments.real("focus", number))) for number in numbers)
 
 

@@ -56,6 +56,8 @@ DEVELOPING = {
     "filter": TEXT + ["nonesuch", "box:", "quartic:nan"], "observer": [path for path in PATHS if path not in ("", b"")] + ["nonesuch", "absent.csv"],
     "camera_xyz": FLAGS + [True], "raw_balance": FLAGS + [False], "lens_filter": TEXT + ["nonesuch"],
     "filter_factor": REAL + [0, -1, "automatic", 2.0], "lights": TEXTS + [["lamp=2"]], "dim_fireflies": FLAGS,
+    "aperture": TEXT + ["nonesuch", "2", "0.5"], "shutter": TEXT + ["nonesuch:", "0.2:0.5"], "exposure_follows": FLAGS,
+    "focus": [value for value in REAL if value is not None] + [0, -1, 2.0, (1.0,), (1.0, 2.0), (1, 2, 3), (0, None)],
     "image": TEXT + ["", "none", ["both"]], "estimator": TEXT + ["", "mean", "ratio"],
     "spectral_bins": [None, 1.5, 0, -1, NAN, 1j, [], Odd(), "x", "\0", 10**30, 7, "400:700:10"], "layers": TEXTS + [["nonesuch"], ["depth"], [""]],
     "halves": FLAGS, "samples": INTERVAL + [(10**9, 10**9 + 1)], **READING, "memory": COUNT + [0, 1], "threads": COUNT + [2**31, 2**40]}
@@ -92,7 +94,7 @@ class Arguments(unittest.TestCase):
                 self.assertGreater(len(message), 10)
                 self.assertLess(len(message), 400)
                 self.assertTrue(message.isprintable(), message)
-                message = re.sub(r"latent-develop --list-observers|render the scene with --[a-z-]+", "", message)  # of the tools
+                message = re.sub(r"latent-develop --list-observers|render the scene (?:again )?with --[a-z-]+", "", message)  # of the tools
                 for foreign in ("incompatible", "Invoked with", "pybind", "C++", "std::", "NoneType", "options.", "--"):
                     self.assertNotIn(foreign, message)
                 if not isinstance(error, latent.Error):
