@@ -36,6 +36,7 @@ class Wheel(unittest.TestCase):
                         data = wheel.read(file)
                         self.assertEqual(int(size), len(data), file)
                         self.assertEqual(digest, "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode())
+            subprocess.run([sys.executable, "-B", pathlib.Path(SOURCES).parent / "tests/packaging/check_elf.py", path], check=True)
             pip("install", "--target", folder / "site", "--no-deps", "--no-index", path)
             subprocess.run([INSPECT, "gen", "-o", folder / "a.latent", "--records", "4096", "--quiet"], check=True, capture_output=True)
             out = subprocess.run([sys.executable, "-B", "-c", "import latent, sys; print(latent.__file__, latent.develop(sys.argv[1], size=8).shape)",
