@@ -81,9 +81,10 @@ TEST(Forecast, WhatDoesNotFitOnTheDiskIsNotBegun) {
 // A picture takes as long as its file to reach the disk, too.
 TEST(Forecast, OfWritingTakesTimeAndLeavesNothing) {
     const testing::TemporaryFolder folder;
-    EXPECT_GT(seconds_to_write(1 << 20, folder.path()), 0);
-    EXPECT_EQ(seconds_to_write(0, folder.path()), 0);
-    EXPECT_EQ(seconds_to_write(1 << 20, folder / "missing"), 0);
+    EXPECT_GT(cost_to_write(1 << 20, folder.path()).wall, 0);
+    EXPECT_GT(cost_to_write(1 << 20, folder.path()).cpu, 0);
+    EXPECT_EQ(cost_to_write(0, folder.path()).wall, 0);
+    EXPECT_EQ(cost_to_write(1 << 20, folder / "missing").wall, 0);
     EXPECT_TRUE(folder.names().empty());
 }
 

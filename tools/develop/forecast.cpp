@@ -61,27 +61,30 @@ Status check_space(const std::filesystem::path& output, bool replace, std::uint6
                              output.string(), format_size(bytes), format_size(*free), folder_of(output).string())};
 }
 
-double seconds_to_write(std::uint64_t bytes, const std::filesystem::path& folder) {
+Cost cost_to_write(std::uint64_t bytes, const std::filesystem::path& folder) {
     constexpr double kSeconds = 0.3;
     constexpr std::uint64_t kAtOnce = 4 << 20;
     Result<File> file = File::create_unnamed(folder);
-    if (!file) return 0;
+    if (!file) return {};
     std::vector<std::byte> noise(std::min(bytes, kAtOnce));  // that no file system compresses
     std::mt19937 random;
     for (std::byte& byte : noise) byte = static_cast<std::byte>(random());
     std::vector<double> seconds_each;  // of whole blocks
+    const CostMeter meter;
     const Stopwatch stopwatch;
     double before = 0;
     std::uint64_t written = 0;
     while (written < bytes && (stopwatch.seconds() < kSeconds || seconds_each.empty())) {
         const std::uint64_t size = std::min(kAtOnce, bytes - written);
-        if (!file->write_all(written, std::span(noise).first(size)) || !file->sync_data()) return 0;
+        if (!file->write_all(written, std::span(noise).first(size)) || !file->sync_data()) return {};
         written += size;
         seconds_each.push_back(stopwatch.seconds() - std::exchange(before, stopwatch.seconds()));
     }
-    if (written == bytes) return before;
+    if (written == bytes) return {before, meter.so_far().cpu};
+    const double blocks = static_cast<double>(bytes) / static_cast<double>(kAtOnce);
+    const double cpu_each = meter.so_far().cpu / static_cast<double>(seconds_each.size());
     std::ranges::sort(seconds_each);  // the median: a disk that halts for a moment says nothing about the rest
-    return seconds_each[seconds_each.size() / 2] * static_cast<double>(bytes) / static_cast<double>(kAtOnce);
+    return Cost{seconds_each[seconds_each.size() / 2], cpu_each} * blocks;
 }
 
 namespace {

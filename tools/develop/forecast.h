@@ -31,9 +31,9 @@ std::optional<std::uint64_t> free_space(const std::filesystem::path& output, boo
 // Errors: kNoSpace, saying what to do.
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes);
 
-// Seconds that a file of `bytes` takes to reach the disk at `folder`, found out by writing a file without a name for a third of a
-// second. 0 if none can be written.
-double seconds_to_write(std::uint64_t bytes, const std::filesystem::path& folder);
+// What it costs to get a file of `bytes` onto the disk at `folder`, found out by writing a file without a name for a third of a
+// second. Nothing if none can be written.
+Cost cost_to_write(std::uint64_t bytes, const std::filesystem::path& folder);
 
 // A picture that is developed to see what that costs: `crop` of a picture of that size, from the first `runs` in random order.
 struct TrialPicture {

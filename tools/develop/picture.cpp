@@ -459,8 +459,9 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs};
     const Result<TrialOutcome> expected = extrapolate(picture, *decode_factor, trial);
     if (!expected) return expected.error();
-    forecast.seconds = expected->cost.wall + seconds_to_write(forecast.file_bytes, folder_of(asked.output));
-    forecast.cpu_seconds = expected->cost.cpu;
+    const Cost cost = expected->cost + cost_to_write(forecast.file_bytes, folder_of(asked.output));
+    forecast.seconds = cost.wall;
+    forecast.cpu_seconds = cost.cpu;
     forecast.temporary_bytes = expected->temporary_bytes;
     return forecast;
 }
