@@ -75,11 +75,10 @@ bool RangeAnswer::take_bytes(ByteSpan bytes) {
     received_ += bytes.size();
     if (status_ != 206) return status_ / 100 != 2 && received_ <= kMostErrorPage;
     const std::uint64_t surplus = received_ - std::min(received_, announced_);
-    too_long_ = surplus > 0 && length_ > 0;  // without a length, the range is where the answer ends
     if (!verdict_on_range(false)) return false;
     into_.insert(into_.end(), bytes.begin(),
                  bytes.end() - static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(surplus, bytes.size())));
-    return received_ < announced_ || length_ == announced_;
+    return received_ < announced_ || length_ > 0;  // without a length, the range is where the answer ends
 }
 
 Status RangeAnswer::verdict(bool whole) const {
@@ -112,8 +111,9 @@ Status RangeAnswer::verdict_on_range(bool whole) const {
     if (!version_) return io_error("the server does not say which bytes it sends, and of how many (Content-Range)");
     if (first_ != offset_ || announced_ > size_)
         return io_error("the server returned another range of bytes than the one requested");
-    if (too_long_ || (whole && received_ < announced_))
-        return io_error(fmt::format("the server announced {} bytes and sent {}", announced_, too_long_ ? "more" : "fewer"));
+    if (length_ > announced_) return io_error(fmt::format("the server announced {} bytes and sends {}", announced_, length_));
+    if (whole && received_ < announced_)
+        return io_error(fmt::format("the server announced {} bytes and sent {}", announced_, received_));
     return verdict_on_version();
 }
 

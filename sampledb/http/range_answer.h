@@ -54,7 +54,7 @@ class RangeAnswer {
     std::uint64_t length_ = 0;                 // Content-Length; 0: none
     std::optional<RemoteVersion> version_;     // from Content-Range
     std::string modified_;
-    bool encoded_ = false, too_long_ = false;
+    bool encoded_ = false;
 };
 
 }  // namespace latent::sampledb

@@ -158,8 +158,8 @@ TEST_F(HttpTest, AServerThatLiesIsAnErrorThatSaysHow) {
          {Lie{"impossible-size", "does not say which bytes it sends"}, Lie{"overflowing-size", "does not say which bytes it sends"},
           Lie{"negative-size", "does not say which bytes it sends"}, Lie{"unknown-size", "does not say which bytes it sends"},
           Lie{"no-range", "does not say which bytes it sends"}, Lie{"longer-range", "another range of bytes"},
-          Lie{"more", "announced 16384 bytes and sent more"}, Lie{"fewer", "announced 16384 bytes and sent fewer"},
-          Lie{"none", "announced 16384 bytes and sent fewer"}, Lie{"compressed", "sends compressed bytes"},
+          Lie{"more", "announced 16384 bytes and sends 21384"}, Lie{"fewer", "announced 16384 bytes and sent 100"},
+          Lie{"none", "announced 16384 bytes and sent 0"}, Lie{"compressed", "sends compressed bytes"},
           Lie{"status-204", "answers with status 204"}, Lie{"status-304", "answers with status 304"},
           Lie{"status-999", "answers with status 999 (tried 5 times)"}, Lie{"no-such-range", "refuses a range that it has"},
           Lie{"garbage", "cannot be read"}})

@@ -57,7 +57,7 @@ STREAMS = {
     "endless-continue": ("", b"HTTP/1.1 100 Continue\r\n\r\n" * 1000, 0),
     "endless-extension": (RANGE + "Transfer-Encoding: chunked\r\n\r\n5;", b"x" * 65536, 0),
     "endless-size": (RANGE + "Transfer-Encoding: chunked\r\n\r\n", b"f" * 64, 0),
-    "drip": (RANGE + "Content-Length: 99999999\r\n\r\n", b"x", 0.2),
+    "drip": (RANGE + "Content-Length: {length}\r\n\r\n", b"x", 0.2),
     "silent": ("", b"", 0.2),
     "garbage": ("no HTTP\r\n\r\n", bytes(64), 0),
 }
@@ -137,7 +137,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def stream(self, begin, piece, seconds, right):
         self.close_connection = True
-        self.wfile.write(begin.format(**right).encode())
+        self.wfile.write(begin.format(length=len(right["body"]), **right).encode())
         try:
             while True:
                 self.wfile.write(piece)
