@@ -25,10 +25,10 @@ TEST(Budget, AsManyRunsAsFitByTheTimeThatAFewTake) {
         for (const double each : {0.0001, 0.01, 0.3}) {
             for (const double budget : {2.0, 10.0, 60.0}) {
                 double spent = 0;
-                const Trial trial = [&](std::size_t runs) -> Result<Cost> {
-                    const double seconds = fixed + each * static_cast<double>(runs);
+                const Trial trial = [&](double amount) -> Result<Tried> {
+                    const double runs = std::floor(amount), seconds = fixed + each * runs;
                     spent += seconds;
-                    return Cost{seconds, 0};
+                    return Tried{runs, {seconds, 0}};
                 };
                 const Result<std::size_t> count = runs_within(budget, 100000, trial);
                 ASSERT_TRUE(count);
@@ -43,11 +43,11 @@ TEST(Budget, AsManyRunsAsFitByTheTimeThatAFewTake) {
 }
 
 TEST(Budget, OneRunIsDevelopedHoweverLongItTakes) {
-    const Trial slow = [](std::size_t) -> Result<Cost> { return Cost{100, 0}; };
+    const Trial slow = [](double runs) -> Result<Tried> { return Tried{runs, {100, 0}}; };
     EXPECT_EQ(*runs_within(1, 50, slow), 1u);
     EXPECT_EQ(*runs_within(-3, 50, slow), 1u);
-    EXPECT_EQ(*runs_within(1, 1, [](std::size_t) -> Result<Cost> { return Error{}; }), 1u);  // nothing to try
-    EXPECT_FALSE(runs_within(1, 50, [](std::size_t) -> Result<Cost> { return Error{}; }));
+    EXPECT_EQ(*runs_within(1, 1, [](double) -> Result<Tried> { return Error{}; }), 1u);  // nothing to try
+    EXPECT_FALSE(runs_within(1, 50, [](double) -> Result<Tried> { return Error{}; }));
 }
 
 TEST(Fraction, IsANumberAboveNoneAndUpToAll) {

@@ -85,10 +85,10 @@ class Engine {
         share_memory(sink);
     }
 
-    Result<double> decode_factor() const {
+    Result<double> planned_bytes() const {
         const Result<Plan> plan = make_plan();
         if (!plan) return plan.error();
-        return plan->decode_factor(std::max(slab_bytes_, plan->least_room()));
+        return static_cast<double>(plan->stored_bytes()) * plan->decode_factor(std::max(slab_bytes_, plan->least_room()));
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
@@ -447,11 +447,11 @@ Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channe
     return Engine(gathering, channels, settings, sink).run(progress);
 }
 
-Result<double> planned_decode_factor(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings) {
+Result<double> planned_bytes(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings) {
     class NoSink final : public TileSink {
         Status write(int, int, std::span<const float>) override { return {}; }
     } none;
-    return Engine(gathering, channels, settings, none).decode_factor();
+    return Engine(gathering, channels, settings, none).planned_bytes();
 }
 
 }  // namespace latent::develop

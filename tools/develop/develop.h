@@ -48,8 +48,8 @@ inline constexpr std::uint32_t kMaxSide = std::uint32_t{1} << 23;  // pixels
 Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
                               TileSink& sink, const Progress& progress = {});
 
-// How many times each page would be decoded on average: more than once if Settings::memory is too small for less. Errors: of
-// reading.
-Result<double> planned_decode_factor(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings);
+// Bytes of pages, on disk, that would be decoded: more than there are if Settings::memory is too small to decode each once. Errors:
+// of reading.
+Result<double> planned_bytes(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings);
 
 }  // namespace latent::develop

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <thread>
+#include <vector>
 
 namespace latent::develop {
 
@@ -22,37 +24,58 @@ Cost at_least(const Cost& a, const Cost& b) { return {std::max(a.wall, b.wall), 
 CostMeter::CostMeter() : begin_(now()) {}
 Cost CostMeter::so_far() const { return now() - begin_; }
 
-Result<RunCost> measure_runs(double seconds, std::size_t runs, const Trial& trial) {
+Result<LinearCost> measure(double seconds, double least, double most, const Trial& trial) {
     constexpr double kMaxGrowth = 8;
-    RunCost cost;
-    Cost first;
-    for (std::size_t tried = 1;;) {
-        const Result<Cost> taken = trial(tried);
-        if (!taken) return taken.error();
-        cost.spent = cost.spent + *taken;
-        const auto count = static_cast<double>(tried);
-        if (tried == 1) {
-            first = cost.run = *taken;
+    LinearCost cost;
+    Tried first;
+    for (double amount = std::min(least, most);;) {
+        const Result<Tried> tried = trial(amount);
+        if (!tried) return tried.error();
+        cost.spent = cost.spent + tried->cost;
+        if (tried->amount > first.amount && first.amount > 0) {
+            cost.each = at_least((tried->cost - first.cost) * (1 / (tried->amount - first.amount)), {});
+            cost.fixed = at_least(tried->cost - cost.each * tried->amount, {});
         } else {
-            cost.run = at_least((*taken - first) * (1 / (count - 1)), {});
-            cost.picture = at_least(*taken - cost.run * count, {});
+            first = *tried;
+            cost.each = tried->amount > 0 ? tried->cost * (1 / tried->amount) : Cost{};
+            cost.fixed = tried->amount > 0 ? Cost{} : tried->cost;
         }
         const double left = seconds - cost.spent.wall;
-        const double affordable = (left - cost.picture.wall) / std::max(cost.run.wall, 1e-12);
-        const double next = std::min({kMaxGrowth * count, affordable, static_cast<double>(runs)});
-        if (next < 2 * count) return cost;
-        tried = static_cast<std::size_t>(next);
+        const double affordable = (left - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
+        const double next = std::min({kMaxGrowth * amount, affordable, most});
+        if (next < 2 * amount) return cost;
+        amount = next;
     }
+}
+
+double processor_share(int threads) {
+    constexpr double kSeconds = 0.1;
+    const CostMeter meter;
+    std::vector<std::jthread> all;
+    for (int i = 0; i < threads; ++i) {
+        all.emplace_back([&meter] {
+            while (meter.so_far().wall < kSeconds) {
+            }
+        });
+    }
+    all.clear();
+    const Cost cost = meter.so_far();
+    return std::clamp(cost.cpu / (cost.wall * threads), 0.01, 1.0);
+}
+
+Cost with_share(const Cost& cost, int threads, double share) {
+    const double alone = cost.cpu / threads;  // seconds, if nothing else ran
+    return {alone / share + std::max(0.0, cost.wall * share - alone), cost.cpu};
 }
 
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial) {
     constexpr double kTrials = 0.25;  // of the time
     constexpr double kCaution = 0.8;  // runs differ, and so does a disk from one minute to the next
     if (runs <= 1) return runs;
-    const Result<RunCost> cost = measure_runs(kTrials * seconds, runs, trial);
+    const Result<LinearCost> cost = measure(kTrials * seconds, 1, static_cast<double>(runs), trial);
     if (!cost) return cost.error();
     const double left = kCaution * (seconds - cost->spent.wall);
-    const double count = (left - cost->picture.wall) / std::max(cost->run.wall, 1e-12);
+    const double count = (left - cost->fixed.wall) / std::max(cost->each.wall, 1e-12);
     return static_cast<std::size_t>(std::clamp(count, 1.0, static_cast<double>(runs)));
 }
 

@@ -29,22 +29,35 @@ class CostMeter {
     Cost begin_;
 };
 
-// A picture costs something by itself, and each run its share.
-struct RunCost {
-    Cost picture, run;
-    Cost spent;  // by all trials
+// Some work, in any unit, and what it cost.
+struct Tried {
+    double amount = 0;
+    Cost cost;
+};
+// Does about `amount` of the work, to see what it costs.
+using Trial = std::function<Result<Tried>(double amount)>;
 
-    Cost of(double runs) const { return picture + run * runs; }
+struct LinearCost {
+    Cost fixed, each;  // in any case; for each unit of the work
+    Cost spent;        // by all trials
+
+    Cost of(double amount) const { return fixed + each * amount; }
 };
 
-// What developing some of the runs costs; measured.
-using Trial = std::function<Result<Cost>(std::size_t runs)>;
+// Tries `least`, then up to eight times as much each time, at most `most`, for about `seconds` that pass; `least` in any case. If
+// there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
+Result<LinearCost> measure(double seconds, double least, double most, const Trial& trial);
 
-// Develops one run, then more, up to eight times as many each time, for about `seconds` in all, but at least one run. One trial
-// alone cannot tell the picture's cost from the run's: then all of it is taken for the run's. Errors: those of `trial`.
-Result<RunCost> measure_runs(double seconds, std::size_t runs, const Trial& trial);
+// The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
+// computing for a tenth of a second.
+double processor_share(int threads);
 
-// How many of `runs` can be developed within `seconds`, the trials included; at least one. Errors: those of `trial`.
+// What passes when `cost`, measured in short trials, is paid by so many threads with that share of a processor each. Short trials
+// wait for each other more often than long work does, so their wall time counts only where it is that of files, not of processors.
+Cost with_share(const Cost& cost, int threads, double share);
+
+// How many of `runs` can be developed within `seconds`, the trials included; at least one. The amount is that of runs. Errors:
+// those of `trial`.
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial);
 
 }  // namespace latent::develop

@@ -62,7 +62,7 @@ Status check_space(const std::filesystem::path& output, bool replace, std::uint6
 }
 
 Cost cost_to_write(std::uint64_t bytes, const std::filesystem::path& folder) {
-    constexpr double kSeconds = 0.3;
+    constexpr double kSeconds = 0.2;
     constexpr std::uint64_t kAtOnce = 4 << 20;
     Result<File> file = File::create_unnamed(folder);
     if (!file) return {};
@@ -121,42 +121,45 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 
 }  // namespace
 
-Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decode_factor, const PictureTrial& trial) {
-    constexpr double kRunSeconds = 0.9, kPixelSeconds = 0.5;
-    constexpr double kSmall = 1 << 18, kLeastPiece = 1 << 20;  // pixels
-    TrialOutcome last, first;
-    const auto with_runs = [&](TrialPicture small) {
-        return [&, small](std::size_t runs) mutable -> Result<Cost> {
-            small.runs = runs;
-            const Result<TrialOutcome> taken = trial(small);
-            if (!taken) return taken.error();
-            last = *taken;
-            if (runs == 1) first = *taken;
-            return taken->cost;
-        };
-    };
-    const auto all_runs = static_cast<double>(picture.runs);
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
+    constexpr double kDecodeSeconds = 0.5, kPixelSeconds = 0.4;
+    constexpr double kSmall = 1 << 16;  // pixels
+    constexpr double kLeastBytes = 1 << 20;
+    constexpr double kLeastPiece = 1 << 18, kMostPiece = 1 << 24;  // pixels
+    TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
-    const Result<RunCost> runs = measure_runs(kRunSeconds, picture.runs, with_runs(small));
-    if (!runs) return runs.error();
+    const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
+    const Trial decode = [&](double bytes) -> Result<Tried> {
+        TrialPicture some = small;
+        some.runs = static_cast<std::size_t>(std::clamp(bytes / run, 1.0, static_cast<double>(picture.runs)));
+        if (bytes < run) some.crop = piece_of(small.crop, area(small.crop) * bytes / run);
+        const Result<TrialOutcome> tried = trial(some);
+        if (!tried) return tried.error();
+        last = *tried;
+        return Tried{static_cast<double>(tried->decoded), tried->cost};
+    };
+    const double least = std::min(kLeastBytes, run);
+    if (const Result<Tried> once = decode(least); !once) return once.error();  // what is done once in a process is not counted
+    const Result<LinearCost> bytes = measure(kDecodeSeconds, least, decoded, decode);
+    if (!bytes) return bytes.error();
     TrialOutcome out = last;
-    out.cost = runs->picture + runs->run * (all_runs * decode_factor);
+    out.cost = bytes->of(decoded);
     if (small.width == picture.width) return out;
 
-    // Of the piece's cost, its run takes what its pages take; the rest is that of its pixels, beside what any picture costs.
     TrialPicture piece = picture;
     piece.runs = 1;
-    const double per_pixel = std::max(runs->picture.wall, 1e-4) / area(small.crop);
-    piece.crop = piece_of(picture.crop, std::clamp(kPixelSeconds / per_pixel, kLeastPiece, 16 * kLeastPiece));
-    const Result<TrialOutcome> taken = trial(piece);
-    if (!taken) return taken.error();
-    const double share =
-        std::min(1.0, static_cast<double>(taken->decoded) / static_cast<double>(std::max<std::uint64_t>(1, first.decoded)));
-    const double more = area(piece.crop) - area(small.crop);
-    const Cost pixel = at_least((taken->cost - runs->run * share - runs->picture) * (1 / more), {});
-    out.cost = out.cost + pixel * (area(picture.crop) - area(small.crop));
-    out.temporary_bytes =
-        static_cast<std::uint64_t>(static_cast<double>(taken->temporary_bytes) * area(picture.crop) / area(piece.crop));
+    const Result<LinearCost> pixels =
+        measure(kPixelSeconds, kLeastPiece, std::min(kMostPiece, area(picture.crop)), [&](double amount) -> Result<Tried> {
+            piece.crop = piece_of(picture.crop, amount);
+            const Result<TrialOutcome> tried = trial(piece);
+            if (!tried) return tried.error();
+            last = *tried;
+            return Tried{area(piece.crop), at_least(tried->cost - bytes->of(static_cast<double>(tried->decoded)), {})};
+        });
+    if (!pixels) return pixels.error();
+    const double times = area(picture.crop) / area(piece.crop);
+    out.cost = out.cost + pixels->of(area(picture.crop));
+    out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }
 

@@ -31,7 +31,7 @@ std::optional<std::uint64_t> free_space(const std::filesystem::path& output, boo
 // Errors: kNoSpace, saying what to do.
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes);
 
-// What it costs to get a file of `bytes` onto the disk at `folder`, found out by writing a file without a name for a third of a
+// What it costs to get a file of `bytes` onto the disk at `folder`, found out by writing a file without a name for a fifth of a
 // second. Nothing if none can be written.
 Cost cost_to_write(std::uint64_t bytes, const std::filesystem::path& folder);
 
@@ -43,14 +43,14 @@ struct TrialPicture {
 };
 struct TrialOutcome {
     Cost cost;
-    std::uint64_t decoded = 0;          // bytes of pages
+    std::uint64_t decoded = 0;          // bytes of pages, on disk
     std::uint64_t temporary_bytes = 0;  // on disk
 };
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
-// What `picture` will cost, from trials of about 1.5 seconds in all (more if one run alone takes longer). Its runs cost as much in
-// a picture of any size, so they are developed into a small one, first one run, then more; its pixels are developed as a piece of
-// the picture, from one run. `decode_factor`: how many times each page of all runs will be decoded. Errors: those of `trial`.
-Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decode_factor, const PictureTrial& trial);
+// What `picture` will cost, from trials of about a second in all. Bytes of pages cost as much in a picture of any size, so they
+// are decoded for a small one: a part of a run, then more. Pixels are developed as pieces of the picture, from one run. `decoded`:
+// bytes of pages that will be decoded for the picture, repeats included. Errors: those of `trial`.
+Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial);
 
 }  // namespace latent::develop

@@ -343,11 +343,12 @@ Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::Verify
     };
     Result<std::size_t> count = count_for(all, order, options.fraction);
     if (options.budget_seconds > 0) {
-        const Trial trial = [&](std::size_t runs) -> Result<Cost> {
+        const Trial trial = [&](double amount) -> Result<Tried> {
+            const auto runs = static_cast<std::size_t>(amount);
             const CostMeter meter;
             const Result<PictureReport> tried = develop_first(runs, false, {});
             if (!tried) return tried.error();
-            return meter.so_far();
+            return Tried{static_cast<double>(runs), meter.so_far()};
         };
         count = runs_within(options.budget_seconds - running.seconds(), order.size(), trial);
         if (!count) return count.error();
@@ -439,10 +440,9 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     forecast.memory_for_all = whole->report.memory_for_all;
     forecast.free_bytes = free_space(asked.output, asked.replace);
     if (!forecast.fits() && !asked.ignore_space) return forecast;
-    Result<double> decode_factor = 1.0;
-    if (forecast.memory < forecast.memory_for_all)
-        Threads(asked.threads).run([&] { decode_factor = planned_decode_factor(wanted, whole->channels, whole->settings); });
-    if (!decode_factor) return decode_factor.error();
+    Result<double> decoded = 0.0;
+    Threads(asked.threads).run([&] { decoded = planned_bytes(wanted, whole->channels, whole->settings); });
+    if (!decoded) return decoded.error();
 
     const PictureTrial trial = [&](const TrialPicture& picture) -> Result<TrialOutcome> {
         PictureOptions options = asked;
@@ -457,9 +457,11 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         return TrialOutcome{meter.so_far(), tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
     };
     const TrialPicture picture{whole->report.width, whole->report.height, whole->report.crop, runs};
-    const Result<TrialOutcome> expected = extrapolate(picture, *decode_factor, trial);
+    const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
     if (!expected) return expected.error();
-    const Cost cost = expected->cost + cost_to_write(forecast.file_bytes, folder_of(asked.output));
+    const int threads = Threads::count_of(asked.threads);
+    const Cost computed = with_share(expected->cost, threads, processor_share(threads));
+    const Cost cost = computed + cost_to_write(forecast.file_bytes, folder_of(asked.output));
     forecast.seconds = cost.wall;
     forecast.cpu_seconds = cost.cpu;
     forecast.temporary_bytes = expected->temporary_bytes;
