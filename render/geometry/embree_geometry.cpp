@@ -219,14 +219,6 @@ std::vector<SurfaceHit> EmbreeGeometry::surfaces_at(const Interaction& at, const
 
 SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { return coordinates_at(world_, hit); }
 
-bool EmbreeGeometry::occluded(const Ray& ray) const {
-    if (!is_traceable(ray.o, ray.d)) return true;
-    TraceContext context{.embree = new_context(), .world = &world_, .t_max = ray.t_max};
-    RTCRay shadow = embree_ray(ray);
-    embree_occluded(scene_.get(), context.embree, shadow, context.filter());
-    return shadow.tfar < 0;
-}
-
 float EmbreeGeometry::passed(const Ray& ray) const {
     if (!is_traceable(ray.o, ray.d)) return 0;
     float passed = 1;

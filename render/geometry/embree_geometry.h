@@ -28,7 +28,6 @@ class EmbreeGeometry final : public Geometry {
                                                          const Opacity* opacity);
     std::optional<SurfaceHit> intersect(const Ray& ray) const override;
     std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const override;
-    bool occluded(const Ray& ray) const override;
     float passed(const Ray& ray) const override;
     std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
                                         const PrimitivePoint* except) const override;

@@ -91,13 +91,12 @@ class Geometry {
     // Such as "4.3.3": of Embree, which records depend on.
     static std::string embree_version();
 
-    // A ray whose numbers are not finite, or beyond 10^18, meets nothing and is occluded.
+    // A ray whose numbers are not finite, or beyond 10^18, meets nothing, and no light passes along it.
     virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
     // The first surface that is whole, or an interface; `passed` is multiplied by the share of the light that passes what is there
     // in part, as in `passed` below, on its way and at that surface.
     virtual std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const = 0;
-    virtual bool occluded(const Ray& ray) const = 0;  // any surface, interfaces too
-    // The share of the light that passes all surfaces: the expectation of not being occluded, over all decisions.
+    // The share of the light that passes all surfaces, over all decisions; none passes an interface.
     virtual float passed(const Ray& ray) const = 0;
     // The surfaces that contain a point, but not that of `except`, where a line along unit d meets them; as if they had no holes.
     // None, if no surface is an interface or bounds a medium.

@@ -17,7 +17,7 @@ const color::Spectrum& choice_weight() {
 }  // namespace
 
 LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, const Textures& textures, const SceneBall& ball,
-                   SpectrumLibrary& library, LightChoice choice) {
+                   SpectrumLibrary& library) {
     // The lights of one source in the scene share its spectrum: a mesh may be a million lights.
     struct Source {
         std::uint32_t id, spectrum;  // of the library
@@ -115,7 +115,7 @@ LightSet::LightSet(const SceneDescription& scene, const Geometry& geometry, cons
     } else if (!power.empty()) {
         table_ = AliasTable(std::vector<double>(power.size(), 1));  // all of them black: any will do
     }
-    if (choice == LightChoice::kByPlace) plant(geometry.emitters(), power);
+    plant(geometry.emitters(), power);
 }
 
 // `power`: each light's share of that of its kind. What stays of it is that of infinite lights.

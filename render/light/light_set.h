@@ -19,7 +19,7 @@ class LightSet {
  public:
     // Geometry and textures outlive it.
     LightSet(const SceneDescription& scene, const Geometry& geometry, const Textures& textures, const SceneBall& ball,
-             SpectrumLibrary& library, LightChoice choice);
+             SpectrumLibrary& library);
 
     std::size_t size() const { return lights_.size(); }
     const Light& operator[](std::uint32_t i) const { return lights_[i]; }  // emitter i of the geometry is light i

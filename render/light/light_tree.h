@@ -7,11 +7,16 @@
 
 #include "render/bsdf/light_sample_context.h"
 #include "render/light/light_bounds.h"
-#include "render/light/light_choice.h"
 #include "render/math/vec.h"
 #include "render/sampling/uniform.h"
 
 namespace latent::render {
+
+// A light that was chosen, and with which probability; 0: none can shine there.
+struct ChosenLight {
+    std::uint32_t light = 0;
+    float probability = 0;
+};
 
 // A binary tree of bounds. From the root on, a half is chosen by its importance: a bound on the light that it sends to the point,
 // where distance counts from the middle. A light that can shine on a point has a probability there that is greater than 0.

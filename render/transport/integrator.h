@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/result.h"
-#include "render/light/light_choice.h"
 #include "render/scene/description.h"
 #include "render/scene/light_groups.h"
 #include "render/texture/textures.h"
@@ -30,7 +29,6 @@ struct IntegratorSettings {
     std::uint64_t seed = 0;
     std::string simd = "sse4.2";  // of Geometry; no record depends on it
     TextureSettings textures{};
-    LightChoice light_choice = LightChoice::kByPlace;  // kByPower: what tests and benches compare with
     LightGroups light_groups{};
     AovSettings aovs{};
 };

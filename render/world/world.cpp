@@ -25,8 +25,8 @@ Error refused(const SceneDescription& scene, const MediumDescription& medium, co
 
 }  // namespace
 
-Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const std::string& simd, const TextureSettings& settings,
-                                            LightChoice light_choice) {
+Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const std::string& simd,
+                                            const TextureSettings& settings) {
     const Result<Camera> camera = Camera::make(scene.camera);
     if (!camera) return camera.error();
     std::unique_ptr<World> world(new World(*camera, Footprint(scene.camera, settings.width > 0 ? settings.width : scene.film.width,
@@ -77,7 +77,7 @@ Result<std::unique_ptr<World>> World::build(const SceneDescription& scene, const
         radius = std::max(radius, length(camera_then.center() - geometry.center()) + 1e-3f * geometry.radius());
     }
     const SceneBall ball{geometry.center(), std::max(radius, 1e-6f)};
-    world->lights_ = std::make_unique<LightSet>(scene, geometry, world->textures_, ball, world->library_, light_choice);
+    world->lights_ = std::make_unique<LightSet>(scene, geometry, world->textures_, ball, world->library_);
     const bool glows =
         std::any_of(world->media_.begin(), world->media_.end(), [](const auto& medium) { return medium->is_emissive(); });
     if (world->lights_->size() == 0 && !glows)

@@ -29,8 +29,7 @@ class World {
  public:
     // `simd`: of Geometry. Errors: kUnsupported, kOutOfRange; those of Textures.
     static Result<std::unique_ptr<World>> build(const SceneDescription& scene, const std::string& simd,
-                                                const TextureSettings& textures = {},
-                                                LightChoice light_choice = LightChoice::kByPlace);
+                                                const TextureSettings& textures = {});
     const Textures& textures() const { return textures_; }
 
     const Geometry& geometry() const { return *geometry_; }

@@ -72,7 +72,7 @@ TEST(Geometry, TrianglesAreHitWhereBruteForceHitsThem) {
         const Ray ray{o, normalize(random.vector(1) - o)};
         const double expected = brute_force(mesh, {}, ray);
         const auto hit = scene.geometry->intersect(ray);
-        EXPECT_EQ(scene.geometry->occluded(ray), hit.has_value());
+        EXPECT_EQ(scene.geometry->passed(ray), hit ? 0 : 1);
         if (hit.has_value() != (expected < kInfinity)) {
             ++different;  // rays through edges may be decided otherwise in float
             continue;
@@ -88,7 +88,7 @@ TEST(Geometry, TrianglesAreHitWhereBruteForceHitsThem) {
         Ray shorter = ray;
         shorter.t_max = hit->t * 0.999f;
         EXPECT_FALSE(scene.geometry->intersect(shorter));
-        EXPECT_FALSE(scene.geometry->occluded(shorter));
+        EXPECT_EQ(scene.geometry->passed(shorter), 1);
     }
     EXPECT_GT(hits, 5000);
     EXPECT_LE(different, 4);
@@ -234,7 +234,7 @@ TEST(Geometry, RaysStartClearOfTheirSurface) {
             ++hits;
             const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
             const Vec3f out = random.about(hit->ng, cosine);
-            traps += g.occluded(spawn_ray(hit->interaction(), out)) ? 1 : 0;
+            traps += g.passed(spawn_ray(hit->interaction(), out)) < 1 ? 1 : 0;
             leaks += g.intersect(spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
         }
         EXPECT_GT(hits, 1000);
@@ -252,10 +252,10 @@ TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
         const auto floor = scene.geometry->intersect({{random(-40, 40), 4, random(-40, 40)}, {0, -1, 0}});
         const auto lamp = scene.geometry->intersect({{random(-.99f, .99f), 4, random(-.99f, .99f)}, {0, 1, 0}});
         ASSERT_TRUE(floor && lamp);
-        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(floor->interaction(), lamp->interaction())));
-        EXPECT_FALSE(scene.geometry->occluded(spawn_ray(lamp->interaction(), floor->interaction())));
+        EXPECT_EQ(scene.geometry->passed(spawn_ray(floor->interaction(), lamp->interaction())), 1);
+        EXPECT_EQ(scene.geometry->passed(spawn_ray(lamp->interaction(), floor->interaction())), 1);
         const Interaction above{lamp->p + Vec3f(0, 1, 0), 0, {}};
-        EXPECT_TRUE(scene.geometry->occluded(spawn_ray(Interaction{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)));
+        EXPECT_EQ(scene.geometry->passed(spawn_ray(Interaction{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)), 0);
     }
 }
 
@@ -277,7 +277,8 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
                 if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
                 ++connections;
                 grazing += cosine < 0.01f;
-                hidden += g.occluded(spawn_ray(camera, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), camera));
+                hidden +=
+                    g.passed(spawn_ray(camera, hit->interaction())) < 1 || g.passed(spawn_ray(hit->interaction(), camera)) < 1;
             }
             EXPECT_GT(connections, 3000) << distance;
             EXPECT_GT(grazing, 400) << distance;
@@ -294,8 +295,8 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
             ASSERT_TRUE(on_lamp);
             const Vec3f w = normalize(Vec3f{random(-1, 1), random(-1, 1), 1});
             const Interaction camera{on_lamp->p + w * distance, 0, {}};
-            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(camera, on_lamp->interaction()))) << distance;
-            EXPECT_TRUE(scene.geometry->occluded(spawn_ray(on_lamp->interaction(), camera))) << distance;
+            EXPECT_EQ(scene.geometry->passed(spawn_ray(camera, on_lamp->interaction())), 0) << distance;
+            EXPECT_EQ(scene.geometry->passed(spawn_ray(on_lamp->interaction(), camera)), 0) << distance;
         }
     }
 }
@@ -413,7 +414,7 @@ TEST(Geometry, RaysThatAreNoneMeetNothing) {
     for (const float bad : {std::nanf(""), kInfinity, -kInfinity, 1e30f}) {
         for (const Ray& ray : {Ray{{bad, 0, 0}, {0, 0, 1}}, Ray{{0, 0, -3}, {0, bad, 1}}}) {
             EXPECT_FALSE(scene.geometry->intersect(ray)) << bad;
-            EXPECT_TRUE(scene.geometry->occluded(ray)) << bad;
+            EXPECT_EQ(scene.geometry->passed(ray), 0) << bad;
         }
     }
 }
@@ -421,7 +422,7 @@ TEST(Geometry, RaysThatAreNoneMeetNothing) {
 TEST(Geometry, EmptySceneHasNoHits) {
     const Built scene = build("");
     EXPECT_FALSE(scene.geometry->intersect({{0, 0, 0}, {0, 0, 1}}));
-    EXPECT_FALSE(scene.geometry->occluded({{0, 0, 0}, {0, 0, 1}}));
+    EXPECT_EQ(scene.geometry->passed({{0, 0, 0}, {0, 0, 1}}), 1);
     EXPECT_EQ(scene.geometry->radius(), 0);
 }
 

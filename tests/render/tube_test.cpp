@@ -55,7 +55,7 @@ TEST(Tubes, AreMetByTheRaysThatComeCloserThanTheRadius) {
             if (std::abs(towards.d.x) > 0.7f) continue;  // through the open ends, it may be
             const double distance = distance_in_radii(mesh_of(scene), towards);
             const auto hit = scene.geometry->intersect(towards);
-            EXPECT_EQ(scene.geometry->occluded(towards), hit.has_value());
+            EXPECT_EQ(scene.geometry->passed(towards), hit ? 0 : 1);
             if (distance > 1.001) {
                 EXPECT_FALSE(hit) << distance;
                 ++passed;
@@ -101,7 +101,7 @@ TEST(Tubes, HaveNothingBesideThemWhateverUnitsTheyAreModelledIn) {
             const Ray ray{on + out * random(0, .05f) - d * 5.0f, d};
             if (distance_in_radii(mesh_of(direct), ray) < 1.03) continue;
             ++passed;
-            phantoms += scene.geometry->occluded(ray) ? 1 : 0;
+            phantoms += scene.geometry->passed(ray) < 1 ? 1 : 0;
         }
         EXPECT_GT(passed, 3000);
         EXPECT_EQ(phantoms, 0) << unit;
@@ -126,7 +126,7 @@ TEST(Tubes, RaysStartClearOfThem) {
             ++hits;
             const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
             const Vec3f out = random.about(on->ng, cosine);
-            traps += g.occluded(spawn_ray(on->interaction(), out)) ? 1 : 0;
+            traps += g.passed(spawn_ray(on->interaction(), out)) < 1 ? 1 : 0;
             // Not along the tube, whose ends are open.
             if (std::abs(out.x) < 0.5f) leaks += g.intersect(spawn_ray(on->interaction(), -out)) ? 0 : 1;
         }
@@ -150,7 +150,7 @@ TEST(Tubes, ConnectionsEndOnThem) {
             const Interaction camera{hit->p + random.about(hit->ng, cosine) * distance, 0, {}};
             if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
             ++connections;
-            hidden += g.occluded(spawn_ray(camera, hit->interaction())) || g.occluded(spawn_ray(hit->interaction(), camera));
+            hidden += g.passed(spawn_ray(camera, hit->interaction())) < 1 || g.passed(spawn_ray(hit->interaction(), camera)) < 1;
         }
         EXPECT_GT(connections, 3000) << distance;
         EXPECT_EQ(hidden, 0) << distance;
@@ -224,8 +224,8 @@ TEST(Tubes, OfOneSurfaceAreOneShape) {
     const Built scene = build("Material \"diffuse\"\n" + fibre + "Translate 0 1 0\n" + fibre + "Material \"diffuse\"\n" + fibre);
     ASSERT_EQ(scene.description.shapes.size(), 2u);
     EXPECT_EQ(mesh_of(scene).indices, (std::vector<std::uint32_t>{0, 4}));
-    for (const float y : {0.0f, 1.0f}) EXPECT_TRUE(scene.geometry->occluded({{1, y, 1}, {0, 0, -1}}));
-    EXPECT_FALSE(scene.geometry->occluded({{1, 2, 1}, {0, 0, -1}}));
+    for (const float y : {0.0f, 1.0f}) EXPECT_EQ(scene.geometry->passed({{1, y, 1}, {0, 0, -1}}), 0);
+    EXPECT_EQ(scene.geometry->passed({{1, 2, 1}, {0, 0, -1}}), 1);
 }
 
 // Stretched, a tube is not round any more, and points must be drawn on one that shines: both are meshes.
@@ -239,7 +239,7 @@ TEST(Tubes, ThatAreStretchedOrShineAreMeshes) {
 // Points that coincide give no direction; Embree would lose the ends.
 TEST(Tubes, WhoseEndsHaveNoDirectionAreWhole) {
     const Built scene = build("Shape \"curve\" \"point3 P\" [0 0 0  0 0 0  3 0 0  3 0 0] \"float width\" .1\n");
-    for (float x = 0.001f; x < 3; x += 0.0137f) EXPECT_TRUE(scene.geometry->occluded({{x, .01f, 1}, {0, 0, -1}})) << x;
+    for (float x = 0.001f; x < 3; x += 0.0137f) EXPECT_EQ(scene.geometry->passed({{x, .01f, 1}, {0, 0, -1}}), 0) << x;
     EXPECT_TRUE(testing::load_world("Shape \"curve\" \"point3 P\" [1 1 1 1 1 1 1 1 1 1 1 1]\n"));
 }
 

@@ -72,29 +72,6 @@ TEST(Alpha, OfATextureCutsHoles) {
     }
 }
 
-// One ray meets the same surfaces whether it is asked for the first or for any.
-TEST(Alpha, ARayIsBlockedIfItMeetsSomething) {
-    std::string shapes;
-    std::mt19937 random(3);
-    std::uniform_real_distribution<float> even(-1, 1);
-    for (int i = 0; i < 40; ++i) {
-        shapes += fmt::format("AttributeBegin\nTranslate {} {} {}\nRotate {} 1 2 3\n{}\"float alpha\" .3\nAttributeEnd\n",
-                              even(random), even(random), even(random), 180 * even(random),
-                              i % 2 == 0 ? "Shape \"sphere\" \"float radius\" .4 " : "Scale .3 .3 .3\n" + std::string(kQuad));
-    }
-    const Scene scene = scene_from("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n" + shapes);
-    const std::unique_ptr<World> world = scene.world();
-    int met = 0;
-    for (int i = 0; i < 5000; ++i) {
-        const Ray ray{{even(random), even(random), even(random)}, {even(random), even(random), even(random)}, 1.5f};
-        const bool blocked = world->geometry().occluded(ray);
-        EXPECT_EQ(world->geometry().intersect(ray).has_value(), blocked);
-        met += blocked;
-    }
-    EXPECT_GT(met, 500);
-    EXPECT_LT(met, 4500);
-}
-
 // A shadow ray is not stopped at random: it gathers what each surface lets pass, which is the mean of what a hash decides.
 TEST(Alpha, AShadowRayGathersWhatPasses) {
     const auto behind = [](const std::string& shapes) {
@@ -120,7 +97,7 @@ TEST(Alpha, AShadowRayGathersWhatPasses) {
     for (int i = 0; i < kCount; ++i) {
         const Ray ray{from + Vec3f{even(random), even(random), 0}, {even(random), even(random), 1}, 2};
         gathered += static_cast<double>(geometry.passed(ray)) / kCount;
-        decided += (geometry.occluded(ray) ? 0.0 : 1.0) / kCount;
+        decided += (geometry.intersect(ray) ? 0.0 : 1.0) / kCount;
     }
     EXPECT_NEAR(decided, gathered, 4.5 * 0.5 / std::sqrt(kCount));
 }

@@ -23,6 +23,19 @@ struct Blocks {
 struct Estimate {
     Blocks mean, error;
 };
+// Of pictures that are independent of each other.
+inline Estimate sum_of(const std::vector<Estimate>& estimates) {
+    Estimate sum = estimates[0];
+    for (std::size_t b = 0; b < sum.mean.xyz.size(); ++b) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t i = 1; i < estimates.size(); ++i) {
+                sum.mean.xyz[b][c] += estimates[i].mean.xyz[b][c];
+                sum.error.xyz[b][c] = std::hypot(sum.error.xyz[b][c], estimates[i].error.xyz[b][c]);
+            }
+        }
+    }
+    return sum;
+}
 inline Estimate mean_of(const std::vector<Blocks>& pictures) {
     Estimate e{pictures[0], pictures[0]};
     const double n = static_cast<double>(pictures.size());

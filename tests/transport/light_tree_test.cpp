@@ -225,15 +225,23 @@ TEST(LightTree, IsNotNeededForOneLamp) {
     EXPECT_TRUE(scene_from(three_lamps()).world()->lights().has_tree());
 }
 
-TEST(LightTree, ChangesTheNoiseAndNotThePicture) {
-    const std::string sky = "LightSource \"infinite\" \"float scale\" .1\n";
-    const std::string texts[] = {corridor(24) + sky, shining_ring(8) + sky, three_lamps(), points_of_light(4, true)};
-    for (const std::string& text : texts) {
-        const Scene scene = scene_from(text);
-        const Estimate by_power = picture_of(scene, {.light_choice = LightChoice::kByPower}, 24'576);
-        expect_equal(picture_of(scene, {}, 8192), by_power);
-        expect_equal(picture_of(scene, {.kind = IntegratorKind::kBdpt}, 4096), by_power);
+// A lamp alone needs no tree.
+TEST(LightTree, APictureOfLampsIsTheSumOfThePicturesOfEach) {
+    std::vector<Estimate> each;
+    for (const unsigned lamp : {1U, 2U, 4U}) {
+        const Scene alone = scene_from(three_lamps(lamp));
+        EXPECT_FALSE(alone.world()->lights().has_tree());
+        each.push_back(picture_of(alone, {}, 12'288));
     }
+    const Scene scene = scene_from(three_lamps());
+    expect_equal(picture_of(scene, {}, 12'288), sum_of(each));
+    expect_equal(picture_of(scene, {.kind = IntegratorKind::kBdpt}, 8192), sum_of(each));
+}
+
+TEST(LightTree, PathAndBdptAgreeOnThePicture) {
+    const std::string sky = "LightSource \"infinite\" \"float scale\" .1\n";
+    for (const std::string& text : {corridor(24) + sky, shining_ring(8) + sky, points_of_light(4, true)})
+        expect_path_and_bdpt_agree(scene_from(text), 8192, 4096);
 }
 
 }  // namespace

@@ -82,20 +82,25 @@ inline std::string points_of_light(int n, bool fog) {
 }
 
 // The corridor's first room alone, with three lamps of other sizes and kinds.
-inline std::string three_lamps() {
-    return "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nIntegrator \"path\" \"integer maxdepth\" 3\n"
-           "LookAt 0 -2.4 1.5  0 0 1.2  0 0 1\nCamera \"perspective\" \"float fov\" 80\nWorldBegin\n"
-           "Material \"diffuse\" \"spectrum reflectance\" [360 .6 830 .6]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [-2 -2.5 0  2 -2.5 0  -2 2.5 0  2 2.5 0]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [-2 -2.5 3  2 -2.5 3  -2 2.5 3  2 2.5 3]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [-2 -2.5 0  -2 2.5 0  -2 -2.5 3  -2 2.5 3]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [2 -2.5 0  2 2.5 0  2 -2.5 3  2 2.5 3]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [-2 2.5 0  2 2.5 0  -2 2.5 3  2 2.5 3]\n"
-           "AttributeBegin\nAreaLightSource \"diffuse\" \"float power\" 4\nTranslate -1.5 1.5 .7\nShape \"sphere\" \"float "
-           "radius\" .1\n"
-           "AttributeEnd\nAttributeBegin\nAreaLightSource \"diffuse\" \"float power\" 4\nTranslate 1.5 2 1.8\n"
-           "Shape \"sphere\" \"float radius\" .05\nAttributeEnd\n"
-           "LightSource \"spot\" \"float power\" 3 \"point3 from\" [1 -1 2.9] \"point3 to\" [.5 0 0]\n";
+// `lamps`: bit i says whether lamp i is lit.
+inline std::string three_lamps(unsigned lamps = 7) {
+    std::string text =
+        "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nIntegrator \"path\" \"integer maxdepth\" 3\n"
+        "LookAt 0 -2.4 1.5  0 0 1.2  0 0 1\nCamera \"perspective\" \"float fov\" 80\nWorldBegin\n"
+        "Material \"diffuse\" \"spectrum reflectance\" [360 .6 830 .6]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2.5 0  2 -2.5 0  -2 2.5 0  2 2.5 0]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2.5 3  2 -2.5 3  -2 2.5 3  2 2.5 3]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2.5 0  -2 2.5 0  -2 -2.5 3  -2 2.5 3]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [2 -2.5 0  2 2.5 0  2 -2.5 3  2 2.5 3]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [-2 2.5 0  2 2.5 0  -2 2.5 3  2 2.5 3]\n";
+    const char* const lights[] = {"AreaLightSource \"diffuse\" \"float power\" 4\n",
+                                  "AreaLightSource \"diffuse\" \"float power\" 4\n",
+                                  "LightSource \"spot\" \"float power\" 3 \"point3 from\" [1 -1 2.9] \"point3 to\" [.5 0 0]\n"};
+    const char* const bulbs[] = {"Translate -1.5 1.5 .7\nShape \"sphere\" \"float radius\" .1\n",
+                                 "Translate 1.5 2 1.8\nShape \"sphere\" \"float radius\" .05\n", ""};
+    for (unsigned i = 0; i < 3; ++i)
+        text += fmt::format("AttributeBegin\n{}{}AttributeEnd\n", (lamps >> i & 1) == 1 ? lights[i] : "", bulbs[i]);
+    return text;
 }
 
 }  // namespace latent::render::testing
