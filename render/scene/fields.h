@@ -2,9 +2,16 @@
 // content hash, goes through these lists.
 #pragma once
 
+#include <array>
 #include <concepts>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
 #include <tuple>
 #include <type_traits>
+#include <variant>
+#include <vector>
 
 #include "render/scene/description.h"
 
@@ -14,10 +21,11 @@ namespace latent::render {
 //   visit(a, b ...)                     a field that shapes the picture
 //   visit.label(a, b ...)               one that does not: names, places in files
 //   visit.template index<T>(i, j ...)   an index into the scene's table of T, or kNone
-// Each list begins by naming all fields of the struct, so a new field does not compile until it is named here as well. Then put it
-// into one of the three calls. A new struct needs a list of its own. Numbers, enums, strings, spectra, hashes, arrays, vectors,
-// maps, optional, variant and shared_ptr need nothing more. Data that stay in a file while the scene is rendered count by the
-// Hash128 of the file's bytes, in a field beside the name, and the name is a label.
+// A scene's hash is made of the places of the fields in these calls, so new fields go behind the others: then scenes that do not
+// use them keep their hash. Each list begins by naming all fields of the struct, so a new field does not compile until it is named
+// here as well. Then put it into one of the three calls. A new struct needs a list of its own. Numbers, enums, strings, spectra,
+// hashes, arrays, vectors, maps, optional, variant and shared_ptr need nothing more. Data that stay in a file while the scene is
+// rendered count by the Hash128 of the file's bytes, in a field beside the name, and the name is a label.
 template <class T, class U>
 concept Of = std::same_as<std::remove_const_t<T>, U>;
 
@@ -25,9 +33,7 @@ template <class Visit>
 void each_field(Of<CameraDescription> auto& camera, Visit&& visit) {
     auto& [kind, world_from_camera, end, x0, x1, y0, y1, lens_radius, focal_distance, focal_slope, mapping, medium, location] =
         camera;
-    visit(kind, world_from_camera, x0, x1, y0, y1, lens_radius, focal_distance, mapping);
-    if (camera.focal_slope != 0) visit(focal_slope);
-    if (camera.end) visit(end);
+    visit(kind, world_from_camera, end, x0, x1, y0, y1, lens_radius, focal_distance, focal_slope, mapping);
     visit.template index<MediumDescription>(medium);
     visit.label(location);
 }
@@ -72,8 +78,7 @@ template <class Visit>
 void each_field(Of<MaterialDescription> auto& material, Visit&& visit) {
     auto& [type, name, numbers, spectra, options, remap_roughness, measured, displacement, normal_map, normal_scale,
            normals_follow_v, mixed, location] = material;
-    visit(type, numbers, spectra, options, remap_roughness, displacement, normal_scale, normals_follow_v);
-    if (material.measured) visit(measured);
+    visit(type, numbers, spectra, options, remap_roughness, measured, displacement, normal_scale, normals_follow_v);
     visit.template index<TextureDescription>(normal_map);
     visit.template index<MaterialDescription>(mixed[0], mixed[1]);
     visit.label(name, location);
@@ -96,7 +101,7 @@ template <class Visit>
 void each_field(Of<MediumDescription> auto& medium, Visit&& visit) {
     auto& [name, sigma_a, sigma_s, scale, g, Le, Le_scale, volume, summed, world_from_medium, low, high, location] = medium;
     visit(sigma_a, sigma_s, scale, g, Le, Le_scale, volume, world_from_medium, low, high);
-    if (medium.summed[0] != kNone) visit.template index<MediumDescription>(summed[0], summed[1]);
+    visit.template index<MediumDescription>(summed[0], summed[1]);
     visit.label(name, location);
 }
 
@@ -124,8 +129,7 @@ void each_field(Of<SpectralVolume> auto& volume, Visit&& visit) {
 template <class Visit>
 void each_field(Of<SpectralVoxels> auto& voxels, Visit&& visit) {
     auto& [size, spectra, is_basis] = voxels;
-    visit(size, spectra);
-    if (is_basis) visit(is_basis);
+    visit(size, spectra, is_basis);
 }
 
 template <class Visit>
@@ -143,10 +147,8 @@ void each_field(Of<VoxelGrid> auto& grid, Visit&& visit) {
 template <class Visit>
 void each_field(Of<AreaLightDescription> auto& light, Visit&& visit) {
     auto& [spectrum, scale, power, two_sided, picture, mean_luminance, exponent, name, group, location] = light;
-    visit(spectrum, scale, power, two_sided, mean_luminance);
+    visit(spectrum, scale, power, two_sided, mean_luminance, exponent, group);
     visit.template index<TextureDescription>(picture);
-    if (light.exponent != 0) visit(exponent);  // a job without is what it was before there were any
-    if (light.group != 0) visit(group);
     visit.label(name, location);
 }
 
@@ -161,26 +163,22 @@ void each_field(Of<LightDescription> auto& light, Visit&& visit) {
     auto& [kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
            image, portal, medium, name, group, location] = light;
     visit(kind, spectrum, scale, power, illuminance, world_from_light, from, to, cone_degrees, cone_delta_degrees, fov_degrees,
-          image);
-    if (light.portal) visit(portal);
+          image, portal, group);
     visit.template index<MediumDescription>(medium);
-    if (light.group != 0) visit(group);
     visit.label(name, location);
 }
 
 template <class Visit>
 void each_field(Of<MeshDescription> auto& mesh, Visit&& visit) {
     auto& [positions, normals, uvs, more_uvs, colors, radii, indices] = mesh;
-    visit(positions, normals, uvs, more_uvs, colors, indices);
-    if (!mesh.radii.empty()) visit(radii);
+    visit(positions, normals, uvs, more_uvs, colors, radii, indices);
 }
 
 template <class Visit>
 void each_field(Of<ShapeDescription> auto& shape, Visit&& visit) {
     auto& [kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, ribbon, pairs, alpha,
            material, area_light, inside_medium, outside_medium, location] = shape;
-    visit(kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, pairs, alpha);
-    if (shape.ribbon) visit(ribbon);
+    visit(kind, mesh, to_world, radius, inner_radius, height, z_min, z_max, phi_max_degrees, flip_normal, ribbon, pairs, alpha);
     visit.template index<MaterialDescription>(material);
     visit.template index<AreaLightDescription>(area_light);
     visit.template index<MediumDescription>(inside_medium, outside_medium);
@@ -198,8 +196,7 @@ template <class Visit>
 void each_field(Of<InstanceDescription> auto& instance, Visit&& visit) {
     auto& [object, world_from_object, end, location] = instance;
     visit.template index<ObjectDescription>(object);
-    visit(world_from_object);
-    if (instance.end) visit(end);
+    visit(world_from_object, end);
     visit.label(location);
 }
 
@@ -215,9 +212,8 @@ template <class Visit>
 void each_field(Of<SceneDescription> auto& scene, Visit&& visit) {
     auto& [files, film, origin, camera, shutter, rgb_spectra, integrator, max_depth, textures, materials, media, lights,
            area_lights, shapes, objects, instances] = scene;
-    visit(origin, camera, lights, shapes, instances);
-    if (scene.rgb_spectra != color::RgbSpectra::kSmooth) visit(rgb_spectra);
-    if (has_motion(scene)) visit(shutter);
+    visit(origin, camera, lights, shapes, instances, rgb_spectra);
+    if (has_motion(scene)) visit(shutter);  // without, it makes no difference
     visit.label(files, film, integrator, max_depth);
 }
 
@@ -248,6 +244,60 @@ void each_field(A& map, Visit&& visit) { visit(map.x, map.y, map.z, map.t); }
 template <class T, class Visit>
 concept Listed = requires(T& x, Visit& visit) {
     each_field(x, visit);
+};
+
+// Goes through everything in a description that shapes the picture, in order to change it. `Self`, which is derived from this, has
+//   template <class T> void change_index(std::uint32_t& i)    as above
+//   void change_number(T& x)                                   float or double; not those in long lists
+// What is shared is shared between scenes too: it stays as it is, and holds no indices.
+template <class Self>
+class FieldWalk {
+ public:
+    template <class... T>
+    void operator()(T&... x) {
+        (go_into(x), ...);
+    }
+    template <class... T>
+    void label(const T&...) {}
+    template <class T, class... I>
+    void index(I&... i) {
+        (self().template change_index<T>(i), ...);
+    }
+    template <class T>
+    void go_into(T& x) {
+        if constexpr (std::is_floating_point_v<T>) {
+            self().change_number(x);
+        } else if constexpr (Listed<T, FieldWalk>) {
+            each_field(x, *this);
+        }
+    }
+    template <class T>
+    void go_into(std::vector<T>& items) {
+        if constexpr (Listed<T, FieldWalk>) {
+            for (T& x : items) go_into(x);
+        }
+    }
+    template <class T, std::size_t N>
+    void go_into(std::array<T, N>& items) {
+        for (T& x : items) go_into(x);
+    }
+    template <class T>
+    void go_into(std::map<std::string, T, std::less<>>& items) {
+        for (auto& [name, x] : items) go_into(x);
+    }
+    template <class T>
+    void go_into(std::optional<T>& x) {
+        if (x) go_into(*x);
+    }
+    template <class... T>
+    void go_into(std::variant<T...>& x) {
+        std::visit([this](auto& value) { this->go_into(value); }, x);
+    }
+    template <class T>
+    void go_into(std::shared_ptr<const T>&) {}
+
+ private:
+    Self& self() { return static_cast<Self&>(*this); }
 };
 
 }  // namespace latent::render

@@ -1,13 +1,9 @@
 #include "render/load/model/append.h"
 
-#include <array>
 #include <iterator>
 #include <limits>
-#include <map>
-#include <memory>
-#include <optional>
 #include <tuple>
-#include <variant>
+#include <vector>
 
 #include "render/scene/fields.h"
 
@@ -15,49 +11,17 @@ namespace latent::render {
 
 namespace {
 
-// Visits fields, and makes the indices among them count from where the tables of `to` end.
-class IndexShift {
+// Makes indices count from where the tables of `to` end.
+class IndexShift : public FieldWalk<IndexShift> {
  public:
     explicit IndexShift(SceneDescription& to) : to_(to) {}
 
-    template <class... T>
-    void operator()(T&... x) {
-        (go_into(x), ...);
-    }
-    template <class... T>
-    void label(const T&...) {}
-    template <class T, class... I>
-    void index(I&... i) {
-        ((i += i == kNone ? 0 : static_cast<std::uint32_t>(table<T>(to_).size())), ...);
+    template <class T>
+    void change_index(std::uint32_t& i) {
+        if (i != kNone) i += static_cast<std::uint32_t>(table<T>(to_).size());
     }
     template <class T>
-    void go_into(T& x) {
-        if constexpr (Listed<T, IndexShift>) each_field(x, *this);
-    }
-    template <class T>
-    void go_into(std::vector<T>& items) {
-        if constexpr (Listed<T, IndexShift>) {
-            for (T& x : items) go_into(x);
-        }
-    }
-    template <class T, std::size_t N>
-    void go_into(std::array<T, N>& items) {
-        for (T& x : items) go_into(x);
-    }
-    template <class T>
-    void go_into(std::map<std::string, T, std::less<>>& items) {
-        for (auto& [name, x] : items) go_into(x);
-    }
-    template <class T>
-    void go_into(std::optional<T>& x) {
-        if (x) go_into(*x);
-    }
-    template <class... T>
-    void go_into(std::variant<T...>& x) {
-        std::visit([this](auto& value) { this->go_into(value); }, x);
-    }
-    template <class T>
-    void go_into(std::shared_ptr<const T>&) {}  // holds no indices
+    void change_number(T&) {}
 
  private:
     SceneDescription& to_;
