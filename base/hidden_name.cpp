@@ -60,7 +60,7 @@ bool is_named(int fd, const fs::path& path) {
 
 bool lock_hidden(int fd) { return try_lock(fd) != EWOULDBLOCK; }
 
-void remove_abandoned(const fs::path& path, const std::function<void(const fs::path&)>& before) {
+void remove_abandoned(const fs::path& path) {
     std::vector<fs::path> found;
     std::error_code failed;
     for (fs::directory_iterator it(folder_of(path), failed); !failed && it != fs::directory_iterator(); it.increment(failed)) {
@@ -73,7 +73,6 @@ void remove_abandoned(const fs::path& path, const std::function<void(const fs::p
         if (fd < 0 && errno == EISDIR) fd = ::open(hidden.c_str(), O_RDONLY | kFlags);
         if (fd < 0) continue;
         if (try_lock(fd) == 0 && is_named(fd, hidden)) {
-            if (before) before(hidden);
             fs::remove_all(hidden, failed);
         }
         ::close(fd);

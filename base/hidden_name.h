@@ -2,13 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 
 namespace latent {
 
 // An output is made under a hidden name beside its own, ".NAME.<16 hexadecimal digits>.tmp"; a hash stands for NAME if that would
-// be too long. Its process holds a lock (flock) on
-// it, which ends with the process, however that ends: what can be locked is abandoned. On file systems without locks nothing can.
+// be too long. Its process holds a lock (flock) on it, which ends with the process, however that ends: what can be locked is
+// abandoned. On file systems without locks nothing can.
 std::filesystem::path hidden_name(const std::filesystem::path& path);
 
 // Locks what the open descriptor is, until that is closed. False if somebody else holds the lock; true on file systems without.
@@ -18,7 +17,7 @@ bool lock_hidden(int fd);
 // Whether `path` itself names what the open descriptor is.
 bool is_named(int fd, const std::filesystem::path& path);
 
-// Removes files and folders with hidden names of `path` that are abandoned. `before`: called with each, while it is locked.
-void remove_abandoned(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& before = {});
+// Removes files and folders with hidden names of `path` that are abandoned.
+void remove_abandoned(const std::filesystem::path& path);
 
 }  // namespace latent

@@ -10,9 +10,8 @@
 namespace latent {
 
 // Outputs of one folder: all get their names, or none does and what had these names stays. They are made in a hidden folder beside
-// them, `hidden_name` of the first. Wherever the process is killed, the next set of the same first name first removes what it
-// left, and takes back names that were given before the last one was. Sets that are made at the same time do not disturb each
-// other: the names are all of one or all of the other.
+// them, `hidden_name` of the first; the next set of the same first name removes what a killed process left there. The last item is
+// the one that refers to the others: it is named when they are, so if the process is killed in the midst of naming, it is missing.
 class OutputSet {
  public:
     struct Item {
