@@ -42,13 +42,18 @@ Status copy_classes(const latent_records& from, Records& to) {
     return {};
 }
 
+// Errors: kOutOfRange (numbers that do not fit together; a wavelength that is not positive).
 Status copy_pairs(const Job& job, const latent_records& from, Records& to) {
     if (Status s = copy(from.pairs, from.count, "pairs", to.pairs); !s) return s;
     if (std::accumulate(to.pairs.begin(), to.pairs.end(), std::size_t{0}) != from.pair_count) {
         return Error{ErrorCode::kOutOfRange, "records: pair_count is not the sum of pairs"};
     }
     if (Status s = copy(from.power, from.pair_count, "power", to.power); !s) return s;
-    if (job.density.empty()) return copy(from.lambda_nm, from.pair_count, "lambda_nm", to.lambda_nm);
+    if (job.density.empty()) {
+        if (Status s = copy(from.lambda_nm, from.pair_count, "lambda_nm", to.lambda_nm); !s) return s;
+        const bool all = std::ranges::all_of(to.lambda_nm, [](float lambda) { return lambda > 0 && std::isfinite(lambda); });
+        return all ? Status{} : Error{ErrorCode::kOutOfRange, "records: a wavelength that is not a positive number of nm"};
+    }
     if (Status s = copy(from.xi, from.count, "xi", to.xi); !s) return s;
     if (from.index != nullptr) return copy(from.index, from.count, "index", to.index);
     to.index.assign(from.count, kNoIndex);

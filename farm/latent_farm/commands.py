@@ -44,7 +44,7 @@ def survey(args):
 
 def to_text(report, free):
     each = units.format_duration(report["task_seconds"])
-    size = f"1 task ({each})" if report["tasks"] == 1 else f"{report['tasks']} tasks of {report['task_samples']} ({each} each)"
+    size = f"1 task ({each})" if report["tasks"] == 1 else f"{report['tasks']} tasks of up to {report['task_samples']} ({each} each)"
     text = f"{units.counted(report['samples'], 'sample')} in {size}, runs of {min(report['samples'], report['run_samples'])}\n"
     if report["missing_samples"]:
         text += (f"missing: {units.counted(report['missing_samples'], 'sample')} of {ranges.tasks_text(report['missing_tasks'])}; about "

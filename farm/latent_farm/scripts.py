@@ -33,6 +33,7 @@ MERGE = CHDIR + """
 "$program" "$@" --job "$job" --require "0:$samples" --skip-duplicates --force -o samples.latent
 status=$?
 [ $status -ne 3 ] || status=0  # what was left out is listed above; nothing that was asked for is missing
+[ $status -eq 0 ] || echo "merge: if a part is damaged, move it away; latent-farm resume then renders its samples again" >&2
 exit $status
 """
 

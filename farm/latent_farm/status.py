@@ -103,11 +103,13 @@ def status(whole, folders, stalled_after):
     last = state.last_stages(whole, plans[0], [(folder, report["steps_left"]) for folder, report in zip(folders, reports)])
     samples, committed, rate = (sum(report[key] for report in reports) for key in ("samples", "committed", "samples_per_second"))
     left = samples - committed
+    failed = [item for report in reports for item in report["failed"]]
+    failed += [item._asdict() for item in logs.failures(whole, [Stage(step) for step in LAST])]
     return {
         "folder": str(whole.path), "engine": plans[0].engine, "samples": samples, "committed": committed, "samples_per_second": rate,
         "seconds_left": 0 if not left else left / rate if rate else None, "complete": not left,
         "frames_done": sum(not report["steps_left"] for report in reports), "steps_left": [*dict.fromkeys(step for report in reports for step in report["steps_left"]), *(stage.name for stage in last)],
-        "failed": [failed._asdict() for failed in logs.failures(whole, [Stage("film"), Stage("done")])], "frames": reports}, now
+        "failed": failed, "frames": reports}, now
 
 
 def text_of_all(report, now):
@@ -117,7 +119,7 @@ def text_of_all(report, now):
         text = f"{report['frames_done']} of {len(texts)} frames are done; {report['committed']} of {report['samples']} samples committed ({done:.1f} %)"
         texts.append(text + (f", {units.format_duration(report['seconds_left'])} left" if report["seconds_left"] else "") + "\n")
     last = [step for step in report["steps_left"] if step in LAST]
-    last = [f"then:    {', '.join(last)}"] * bool(last) + failures_text(report["failed"])
+    last = [f"then:    {', '.join(last)}"] * bool(last) + failures_text([item for item in report["failed"] if item["step"] in LAST])
     return "\n".join(texts) + "".join(line + "\n" for line in last)
 
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kMostAnswers = 64;     // for one range, even if each brings some bytes
 constexpr double kLongestWait = 10;  // seconds between two tries, whatever the server asks for
-constexpr double kSlowest = 1024;    // bytes per second, which a range may lag behind for a time
+constexpr double kSlowest = 1024;    // bytes per second, which a connection may lag behind for a time
 constexpr long kMostRedirections = 10;
 
 // What another try would not mend.
@@ -121,7 +121,7 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
         const std::uint64_t before = got.bytes.size(), from = offset + before;
         Request request{.answer = RangeAnswer(from, size - before, known, got.bytes),
                         .since_first_try = watch,
-                        .seconds = patience_.lag_seconds + static_cast<double>(before) / kSlowest,
+                        .seconds = patience_.lag_seconds - lag_ + static_cast<double>(before) / kSlowest,
                         .stop = stop};
         const CURLcode code = handle_->perform(url, fmt::format("{}-{}", from, offset + size - 1), request);
         if (stop) return fail({ErrorCode::kStopped, "given up"});
@@ -131,7 +131,10 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
             got.version = *answer.version();
             if (known == nullptr) known = &got.version;
             size = std::min(size, got.version.size - std::min(offset, got.version.size));
-            if (got.bytes.size() >= size) return got;
+            if (got.bytes.size() >= size) {
+                lag_ = std::max(0.0, lag_ + watch.seconds() - static_cast<double>(size) / kSlowest);
+                return got;
+            }
         }
 
         std::string what = handle_->message[0] != '\0' ? handle_->message : curl_easy_strerror(code);
@@ -148,8 +151,8 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
         for (const Stopwatch waited; !stop && waited.seconds() < wait && !request.is_late();)
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         if (is_last || request.is_late()) {
-            return fail({ErrorCode::kIo,
-                         fmt::format("cannot be read at byte {}: {} (tried {} times)", offset + got.bytes.size(), what, answers)});
+            return fail({ErrorCode::kIo, fmt::format("cannot be read at byte {}: {} (tried {})", offset + got.bytes.size(), what,
+                                                     answers == 1 ? "once" : fmt::format("{} times", answers))});
         }
     }
 }

@@ -17,7 +17,7 @@ struct Patience {
     double first_wait = 0.25;  // seconds before the second try; twice as long before each that follows, or what the server asks for
     int connect_seconds = 15;
     int stalled_seconds = 30;  // without a byte, until the try ends
-    double lag_seconds = 50;   // how far a range, with all its tries, may fall behind 1 KiB/s
+    double lag_seconds = 50;   // how far a connection, with all its tries, may fall behind 1 KiB/s
 };
 
 struct Fetched {
@@ -41,6 +41,7 @@ class HttpConnection {
     struct Handle;
     std::unique_ptr<Handle> handle_;
     const Patience patience_;
+    double lag_ = 0;  // seconds that it is behind
 };
 
 }  // namespace latent::sampledb

@@ -626,6 +626,15 @@ TEST(CApi, WhatIsNotFiniteOrOfAnotherJobIsRefusedInWordsOfC) {
         EXPECT_EQ(latent_writer_submit(writer.get(), {0, 1024}, &records.c, &error), LATENT_OUT_OF_RANGE);
         EXPECT_EQ(std::string(error.message), "sample " + std::to_string(made.sample[5]) + ": a share that is not finite");
     }
+    Job stored = synthetic::make_job(sampledb::RecordKind::kSpectral);
+    stored.density = {};
+    const Writer of_wavelengths = open_writer(folder / "w.latent", CJob(stored), 1024);
+    for (const float bad : {std::nanf(""), INFINITY, 0.0F, -550.0F}) {
+        Records made = synthetic::make_records(stored, {0, 1024});
+        made.lambda_nm[5] = bad;
+        const CRecords records(made);
+        EXPECT_EQ(latent_writer_submit(of_wavelengths.get(), {0, 1024}, &records.c, &error), LATENT_OUT_OF_RANGE);
+    }
     // Names of any bytes and length: one line of UTF-8, cut between characters.
     for (const std::string& name : {std::string("\xff\n\x1b[2J"), "x" + std::string(1500, '\xc3'), [] {
                                         std::string text = "y";

@@ -34,6 +34,7 @@ class Failures(FarmTest):
         done = self.succeed("latent-farm", "resume", night, status=1)
         said = [line for line in done.stderr.splitlines() if line.startswith("latent-render: ")][-1]
         [failed] = self.status()["failed"]
+        self.assertEqual(json.loads(self.succeed("latent-farm", "status", night, "--json").stdout)["failed"], [failed])
         self.assertEqual(failed, {"step": "task", "task": 1, "host": os.uname().nodename, "status": 1, "reason": said, "log": "logs/task-00001.log"})
         text = self.succeed("latent-farm", "status", night).stdout
         self.assertIn(f"failed:  task 1 on {os.uname().nodename}: {said}\n         log: logs/task-00001.log\n", text)

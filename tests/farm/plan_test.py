@@ -297,7 +297,7 @@ class Plan(FarmTest):
         for _ in range(2):
             done = self.succeed("latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "night", "--engine", "shell", "--tasks", 1000,
                                 "--", "--resolution", "64x64")
-            self.assertRegex(done.stdout, r"4096 samples in 4 tasks of 1024 .*\nmissing: 4096 samples of tasks 0-3;")
+            self.assertRegex(done.stdout, r"4096 samples in 4 tasks of up to 1024 .*\nmissing: 4096 samples of tasks 0-3;")
         self.assertEqual(done.stderr, "")
         done = self.succeed("latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x", "--engine", "shell", "--tasks", 1000,
                             "--", "--resolution", "64x64")

@@ -99,6 +99,10 @@ TEST_F(InspectTest, WhatIsNoLatentFileIsSkippedInAFolderButNotWhereItIsNamed) {
         EXPECT_NE(outcome.err.find("notes.txt: not a Latent file, skipped\n"), std::string::npos) << outcome.err;
         EXPECT_EQ(inspect({command, parts / "a.latent", parts / "notes.txt"}).status, 1);
     }
+    fs::remove(parts / "a.latent");
+    const Outcome nothing = inspect({"verify", parts});
+    EXPECT_EQ(nothing.status, 1);
+    EXPECT_NE(nothing.err.find("holds no .latent file"), std::string::npos) << nothing.err;
 }
 
 TEST_F(InspectTest, ColumnsOfManyPagesAreEstimatedFromSome) {

@@ -24,10 +24,10 @@ class Thumbnail(unittest.TestCase):
         self.assertEqual(list((self.folder / "tmp").iterdir()), [], "nothing is left behind")
         return run
 
-    def gen(self, name):
+    def gen(self, name, *more):
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        subprocess.run([TOOLS / "latent-inspect", "gen", "-o", path, "--records", "10000", "--quiet"], check=True, capture_output=True)
+        subprocess.run([TOOLS / "latent-inspect", "gen", "-o", path, "--records", "10000", "--quiet", *more], check=True, capture_output=True)
 
     def test_a_file_of_any_name_has_a_thumbnail_of_the_size_asked_for(self):
         for name in ("a.latent", "-o.latent", "http:/b.latent", "a name\nof two lines.latent"):
@@ -43,6 +43,15 @@ class Thumbnail(unittest.TestCase):
         (self.folder / "a.latent").write_bytes(b"LATENT" * 1000)
         self.assertNotEqual(self.thumbnail("a.latent").returncode, 0)
         self.assertFalse((self.folder / "out.png").exists())
+
+    def test_a_file_of_which_a_part_is_lost_has_one(self):
+        self.gen("a.latent", "--run-samples", "1024")
+        bytes_of_file = bytearray((self.folder / "a.latent").read_bytes())
+        bytes_of_file[len(bytes_of_file) // 2] ^= 1
+        (self.folder / "a.latent").write_bytes(bytes_of_file)
+        run = self.thumbnail("a.latent")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertTrue((self.folder / "out.png").exists())
 
     def test_what_develops_it_has_little_time_memory_and_disk(self):
         self.gen("a.latent")

@@ -24,27 +24,34 @@ Cost at_least(const Cost& a, const Cost& b) { return {std::max(a.wall, b.wall), 
 CostMeter::CostMeter() : begin_(now()) {}
 Cost CostMeter::so_far() const { return now() - begin_; }
 
-Result<LinearCost> measure(double seconds, double least, double most, const Trial& trial) {
+Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial) {
     constexpr double kMaxGrowth = 8;
+    constexpr int kRepeats = 2;
     LinearCost cost;
-    Tried first;
+    Tried first, last;  // the cheapest with the last amount: what other programs do adds to the cost
+    int repeats = 0;
     for (double amount = std::min(least, most);;) {
         const Result<Tried> tried = trial(amount);
         if (!tried) return tried.error();
         cost.spent = cost.spent + tried->cost;
-        if (tried->amount > first.amount && first.amount > 0) {
-            cost.each = at_least((tried->cost - first.cost) * (1 / (tried->amount - first.amount)), {});
-            cost.fixed = at_least(tried->cost - cost.each * tried->amount, {});
+        if (repeats == 0 || tried->cost.cpu < last.cost.cpu) last = *tried;
+        if (last.amount > first.amount && first.amount > 0) {
+            cost.each = at_least((last.cost - first.cost) * (1 / (last.amount - first.amount)), {});
+            cost.fixed = at_least(last.cost - cost.each * last.amount, {});
         } else {
-            first = *tried;
-            cost.each = tried->amount > 0 ? tried->cost * (1 / tried->amount) : Cost{};
-            cost.fixed = tried->amount > 0 ? Cost{} : tried->cost;
+            first = last;
+            cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
+            cost.fixed = last.amount > 0 ? Cost{} : last.cost;
         }
         const double left = seconds - cost.spent.wall;
         const double affordable = (left - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
         const double next = std::min({kMaxGrowth * amount, affordable, most});
-        if (next < 2 * amount) return cost;
-        amount = next;
+        if (next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
+            amount = next;
+            repeats = 0;
+        } else if (repeats++ == kRepeats || left < last.cost.wall) {
+            return cost;
+        }
     }
 }
 
@@ -72,7 +79,7 @@ Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& t
     constexpr double kTrials = 0.25;  // of the time
     constexpr double kCaution = 0.8;  // runs differ, and so does a disk from one minute to the next
     if (runs <= 1) return runs;
-    const Result<LinearCost> cost = measure(kTrials * seconds, 1, static_cast<double>(runs), trial);
+    const Result<LinearCost> cost = measure(kTrials * seconds, 1, static_cast<double>(runs), kTrials * seconds, trial);
     if (!cost) return cost.error();
     const double left = kCaution * (seconds - cost->spent.wall);
     const double count = (left - cost->fixed.wall) / std::max(cost->each.wall, 1e-12);

@@ -44,9 +44,10 @@ struct LinearCost {
     Cost of(double amount) const { return fixed + each * amount; }
 };
 
-// Tries `least`, then up to eight times as much each time, at most `most`, for about `seconds` that pass; `least` in any case. If
-// there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
-Result<LinearCost> measure(double seconds, double least, double most, const Trial& trial);
+// Tries `least`, then up to eight times as much each time, at most `most`, until about `seconds` have passed, or a trial takes
+// `enough` seconds of CPU time more than the first; the last amount up to three times, of which the cheapest counts. `least` is
+// tried in any case; if there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
+Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
 // computing for a tenth of a second.

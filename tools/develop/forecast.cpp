@@ -122,10 +122,10 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 }  // namespace
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
-    constexpr double kDecodeSeconds = 0.5, kPixelSeconds = 0.4;
+    constexpr double kDecodeSeconds = 0.9, kPixelSeconds = 0.6, kEnough = 0.25;
     constexpr double kSmall = 1 << 16;  // pixels
-    constexpr double kLeastBytes = 1 << 20;
-    constexpr double kLeastPiece = 1 << 18, kMostPiece = 1 << 24;  // pixels
+    constexpr double kLeastBytes = 1 << 22;
+    constexpr double kLeastPiece = 1 << 19, kMostPiece = 1 << 24;  // pixels
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
     const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
@@ -139,8 +139,8 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
         return Tried{static_cast<double>(tried->decoded), tried->cost};
     };
     const double least = std::min(kLeastBytes, run);
-    if (const Result<Tried> once = decode(least); !once) return once.error();  // what is done once in a process is not counted
-    const Result<LinearCost> bytes = measure(kDecodeSeconds, least, decoded, decode);
+    if (const Result<Tried> once = decode(least / 16); !once) return once.error();  // what is done once in a process is not counted
+    const Result<LinearCost> bytes = measure(kDecodeSeconds, least, decoded, kEnough, decode);
     if (!bytes) return bytes.error();
     TrialOutcome out = last;
     out.cost = bytes->of(decoded);
@@ -148,8 +148,8 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
 
     TrialPicture piece = picture;
     piece.runs = 1;
-    const Result<LinearCost> pixels =
-        measure(kPixelSeconds, kLeastPiece, std::min(kMostPiece, area(picture.crop)), [&](double amount) -> Result<Tried> {
+    const Result<LinearCost> pixels = measure(
+        kPixelSeconds, kLeastPiece, std::min(kMostPiece, area(picture.crop) / 4), kEnough, [&](double amount) -> Result<Tried> {
             piece.crop = piece_of(picture.crop, amount);
             const Result<TrialOutcome> tried = trial(piece);
             if (!tried) return tried.error();

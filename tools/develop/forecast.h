@@ -48,9 +48,9 @@ struct TrialOutcome {
 };
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
-// What `picture` will cost, from trials of about a second in all. Bytes of pages cost as much in a picture of any size, so they
-// are decoded for a small one: a part of a run, then more. Pixels are developed as pieces of the picture, from one run. `decoded`:
-// bytes of pages that will be decoded for the picture, repeats included. Errors: those of `trial`.
+// What `picture` will cost, from trials of at most 1.5 seconds in all. Bytes of pages cost as much in a picture of any size, so
+// they are decoded for a small one: a part of a run, then more. Pixels are developed as pieces of the picture, from one run.
+// `decoded`: bytes of pages that will be decoded for the picture, repeats included. Errors: those of `trial`.
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial);
 
 }  // namespace latent::develop

@@ -237,7 +237,9 @@ std::string to_text(const FileInfo& info) {
             if (!group.spectrum.empty()) add(replaceable, printable_line(group.name));
         }
         line("lights", all);
-        line("", fmt::format("to change them: latent-develop --light {}=0.5", printable_line(groups.front().name)));
+        const auto lit = std::ranges::find_if(groups, [](const NamedLights& group) { return !group.spectrum.empty(); });
+        const NamedLights& example = lit == groups.end() ? groups.front() : *lit;
+        line("", fmt::format("to change them: latent-develop --light {}=0.5", printable_line(example.name)));
         line("", "can get a new spectrum (NAME=6500K): " + (replaceable.empty() ? "none" : replaceable));
     }
     line("samples",

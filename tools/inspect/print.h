@@ -56,11 +56,13 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
     const bool array = as_json && files.size() != 1;
     if (array) cli::print("[");
     bool is_first = true;
+    std::size_t skipped = 0;
     for (const Listed& listed : files) {
         const std::filesystem::path& path = listed.file.path;
         const auto report = listed.status ? look(path) : decltype(look(path))(listed.status.error());
         if (!report && !listed.file.named && report.error().code == ErrorCode::kForeign) {
             cli::note(report.error().message + ", skipped");
+            ++skipped;
             continue;
         }
         if (as_json && !std::exchange(is_first, false)) cli::print(",\n");
@@ -73,6 +75,7 @@ int print_each(const std::vector<std::filesystem::path>& named, bool as_json, co
         }
     }
     if (as_json) cli::print(array ? "]\n" : "\n");
+    if (skipped == files.size()) return cli::fail({ErrorCode::kNotFound, named[0].string() + ": holds no .latent file"});
     return gravest;
 }
 

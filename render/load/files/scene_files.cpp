@@ -16,7 +16,7 @@ namespace {
 bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 // What takes more than its files explain: beyond this, and this many times their size.
-constexpr std::uint64_t kIncludeRatio = 100, kAlwaysIncluded = std::uint64_t{16} << 20;
+constexpr std::uint64_t kIncludeRatio = 10, kAlwaysIncluded = std::uint64_t{16} << 20;
 constexpr std::uint64_t kLeastIncluded = 1024;  // bytes that an inclusion counts, for what it takes beside its text
 
 // Beyond this, and this many times its size, a gzip file is not unpacked: 3 to 10 times is usual, and 1000 times possible.
