@@ -89,14 +89,14 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     kept_ *= kept;
     film_shift_ = film_shift;
     if (film_shift == std::array<double, 2>{}) return;
-    constexpr std::size_t kRow = kLensCells + 1;
-    light_below_.assign(kRow * kRow, 0);
+    light_before_.reserve(kLensCells * (kLensCells + 1));
     for (std::size_t y = 0; y < kLensCells; ++y) {
         double row = 0;
+        light_before_.push_back(row);
         for (std::size_t x = 0; x < kLensCells; ++x) {
             const std::size_t cell = y * kLensCells + x;
             row += static_cast<double>(cells_[cell]) * static_cast<double>(cells.area[cell]);
-            light_below_[(y + 1) * kRow + x + 1] = light_below_[y * kRow + x + 1] + row;
+            light_before_.push_back(row);
         }
     }
 }
@@ -125,19 +125,37 @@ float LensWeights::lens_mean(float u, float v) const {
 // A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
 // light through these, over that through all.
 float LensWeights::share_on_film(float u, float v) const {
-    if (light_below_.empty()) return 1;
+    constexpr double kPerCell = kLensCells / 2.0;
     const auto cells = [](double position, double shift) {  // whose centres the film has
-        if (shift == 0) return std::array<std::size_t, 2>{0, kLensCells};
+        if (shift == 0) return std::array<double, 2>{0, kLensCells};
         const double a = (position - 1) / shift, b = position / shift;
-        const auto place = [](double x) { return std::clamp((x + 1) * (kLensCells / 2.0), 0.0, double{kLensCells}); };
-        return std::array{static_cast<std::size_t>(place(std::min(a, b)) + 0.5),
-                          static_cast<std::size_t>(place(std::max(a, b)) + 0.5)};
+        const auto place = [](double x) { return std::floor(std::clamp((x + 1) * kPerCell, 0.0, double{kLensCells}) + 0.5); };
+        return std::array{place(std::min(a, b)), place(std::max(a, b))};
     };
     const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
     const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
-    const auto below = [&](std::size_t x, std::size_t y) { return light_below_[y * (kLensCells + 1) + x]; };
-    const double share = (below(x1, y1) - below(x0, y1) - below(x1, y0) + below(x0, y0)) / light_below_.back();
-    return share > 0 ? static_cast<float>(share) : 1.0f;
+    if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
+    const double rim_x = static_cast<double>((u - 0.5f) * rim_u_), rim_y = static_cast<double>((v - 0.5f) * rim_v_);
+    double all = 0, seen = 0;
+    for (std::size_t y = 0; y < kLensCells; ++y) {
+        const auto before = [&](double x) {  // borders, and places between them
+            const double whole = std::floor(x);
+            const double* const at = &light_before_[y * (kLensCells + 1) + static_cast<std::size_t>(whole)];
+            return x == whole ? at[0] : at[0] + (x - whole) * (at[1] - at[0]);
+        };
+        double begin = 0, end = kLensCells;  // of what lies in the rear rim: between_rims()
+        if (rim_u_ != 0) {
+            const double from_rim = (static_cast<double>(y) + 0.5) / kPerCell - 1 - rim_y;
+            const double half = std::sqrt(std::max(0.0, 1 - from_rim * from_rim));
+            begin = std::clamp((rim_x - half + 1) * kPerCell, 0.0, double{kLensCells});
+            end = std::clamp((rim_x + half + 1) * kPerCell, 0.0, double{kLensCells});
+        }
+        all += before(end) - before(begin);
+        const double first = std::max(begin, x0), last = std::min(end, x1);
+        const auto row = static_cast<double>(y);
+        if (row >= y0 && row < y1 && first < last) seen += before(last) - before(first);
+    }
+    return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
 }
 
 void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
@@ -178,7 +196,8 @@ LensWeights::Factors LensWeights::operator()(const sampledb::Page& page, std::si
         weight *= rolling_ > 0 ? open(time, v) : open_[time];
         mean *= time_mean_;
     }
-    return factors_of(page.record_class, weight, mean, light_below_.empty() ? 1 : share_on_film(u, v));
+    const bool part_is_off_film = !light_before_.empty() && page.record_class == sampledb::RecordClass::kLight && weight > 0;
+    return factors_of(page.record_class, weight, mean, part_is_off_film ? share_on_film(u, v) : 1);
 }
 
 // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.

@@ -54,7 +54,7 @@ class LensWeights {
     float lens_mean(float u, float v) const;
     float share_on_film(float u, float v) const;
     float open(std::size_t time, float v) const;
-    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_below_.empty(); }
+    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_before_.empty(); }
     Factors factors_of(sampledb::RecordClass record_class, float weight, float mean, float share_on_film) const;
 
     bool follows_ = false;
@@ -66,7 +66,8 @@ class LensWeights {
     std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
 
     std::array<double, 2> film_shift_{};
-    std::vector<double> light_below_{};  // through all cells at a lower x and y than each corner of cells; if the film is shifted
+    std::vector<double>
+        light_before_{};  // through the cells of each row at a lower x than each border of cells; if the film is shifted
 
     std::optional<std::size_t> time_column_{};
     std::optional<ShutterCurve> curve_{};
