@@ -1,8 +1,10 @@
 // The glare of lenses and eyes: its pattern against optics, and prints that have it.
 #include "tools/convert/glare.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -56,7 +58,8 @@ TEST(Glare, ARoundAperturesLightLiesWithinRadiiAsRayleighFound) {
 
 TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
     for (const auto& [blades, rays] : {std::pair{6, 6}, {8, 8}, {5, 10}, {7, 14}}) {
-        const image::Kernel kernel = pattern_of("f:16,blades:" + std::to_string(blades), 4, 550);
+        constexpr double kTurned = 4;  // degrees, which no polygon here has as a symmetry
+        const image::Kernel kernel = pattern_of(fmt::format("f:16,blades:{}:{}", blades, kTurned), 4, 550);
         EXPECT_NEAR(total(kernel), 1, 4e-3);
         constexpr int kDirections = 720;
         std::vector<double> light(kDirections);
@@ -79,6 +82,12 @@ TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
             if (l < mean) inside = false;
         }
         EXPECT_EQ(found, rays) << blades;
+        // They are perpendicular to the blades; rows of the picture run downwards.
+        for (int blade = 0; blade < blades; ++blade) {
+            const double turn = 1.5 - (kTurned / 360 + (blade + 0.5) / blades);
+            const auto at = static_cast<std::size_t>(turn * kDirections);
+            EXPECT_GT(std::max({light[(at - 1) % kDirections], light[at % kDirections], light[(at + 1) % kDirections]}), 3 * mean);
+        }
     }
 }
 
@@ -205,14 +214,17 @@ TEST_F(GlarePrint, OfManyTilesIsOnePicture) {
 TEST_F(GlarePrint, ShapesAreRefusedWithWhatWouldDo) {
     for (const auto& [text, why] : {std::pair{"blades:2,f:8", "3 to 64 blades"},
                                     {"blades:6.5", "3 to 64 blades"},
+                                    {"blades:6:400", "a rotation"},
                                     {"f:0", "0.5 to 1000"},
-                                    {"f:x", "f needs a number"},
+                                    {"f:x", "not a kind of glare"},
+                                    {"f:8:9", "0.5 to 1000"},
                                     {"lens", "not a kind of glare"},
                                     {"", "not a kind of glare"},
                                     {"f:8,eye", "not a kind of glare"},
                                     {"eye,f:8", "age and field only"},
                                     {"f:8,age:50", "those of an eye"},
-                                    {"blades:6,f:8,colour:3", "colour is not known"},
+                                    {"eye,age:500", "0 to 100 years"},
+                                    {"blades:6,f:8,colour:3", "not part of a glare"},
                                     {"a.exr,blades:6", "needs no blades"}}) {
         const Result<Glare> glare = parse_glare(text);
         ASSERT_FALSE(glare) << text;
