@@ -43,10 +43,14 @@ Status RowFile::read(std::size_t channel, int x0, int y, std::span<float> row) c
     return file_.read_exact(place(channel, x0, y), std::as_writable_bytes(row));
 }
 
+std::size_t SpreadLight::bytes(const image::ExrImage& image, int radius, int threads) {
+    return image::Convolver::bytes(radius, image.data_window) + bytes_to_read(image, image.data_window, threads);
+}
+
 Result<std::unique_ptr<SpreadLight>> SpreadLight::make(const image::ExrReader& reader, image::Kernel kernel, const BandPlan& print,
                                                        const std::filesystem::path& folder, int threads) {
     const image::ExrImage& image = reader.image();
-    constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has more to hold than this one
+    constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has room for it: bytes()
     Result<BandPlan> input = plan_bands(image, image.data_window, {}, kEnough, threads);
     if (!input) return input.error();
     image::Convolver convolver(kernel, image.data_window);

@@ -35,6 +35,9 @@ class SpreadLight {
     static Result<std::unique_ptr<SpreadLight>> make(const image::ExrReader& reader, image::Kernel kernel, const BandPlan& print,
                                                      const std::filesystem::path& folder, int threads);
 
+    // What it holds, of a kernel of this radius.
+    static std::size_t bytes(const image::ExrImage& image, int radius, int threads);
+
     // Makes the rows of a band; bands come in their order. On any threads. Errors: of reading; kIo.
     Status prepare(const image::Rect& band);
     // Of the band that was prepared. From any thread.
