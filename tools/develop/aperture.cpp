@@ -1,6 +1,7 @@
 #include "tools/develop/aperture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -26,11 +27,11 @@ class Opening {
         if (a_.half == Aperture::Half::kLeft ? x > 0 : a_.half == Aperture::Half::kRight && x < 0) return false;
         return !has_rim_ || blades_.inside(a_.squeeze * x, y) >= 0;
     }
-    // Where it is open.
-    double transmission(double x, double y) const {
+    // Where it is open, in one direction: the product of both is the whole.
+    double transmission(double along, double squeeze) const {
         if (!a_.gaussian) return 1;
-        x *= a_.squeeze;
-        return color::power_of_e(-2 * (x * x + y * y) / (a_.radius * a_.radius));
+        along *= squeeze;
+        return color::power_of_e(-2 * along * along / (a_.radius * a_.radius));
     }
 
  private:
@@ -107,22 +108,39 @@ Result<Aperture> parse_aperture(std::string_view text) {
 LensCells cells_of(const Aperture& aperture) {
     const Opening opening(aperture);
     constexpr double kSide = 2.0 / kLensCells;
-    constexpr int kCorners = 4;
-    LensCells cells{std::vector<float>(kLensCells * kLensCells), std::vector<float>(kLensCells * kLensCells)};
-    for (std::size_t cell = 0; cell < cells.area.size(); ++cell) {
-        const double x = static_cast<double>(cell % kLensCells) * kSide - 1, y = static_cast<double>(cell / kLensCells) * kSide - 1;
-        int open = 0, in_disk = 0;
-        for (int i = 0; i < kCorners; ++i) {
-            const double px = x + kSide * (i % 2), py = y + kSide * (i / 2);
-            open += opening.is_open(px, py) ? 1 : 0;
-            in_disk += px * px + py * py <= 1 ? 1 : 0;
+    const auto place = [](std::size_t corner) { return static_cast<double>(corner) * kSide - 1; };
+    std::array<double, kLensCells> across{}, upwards{};
+    for (std::size_t i = 0; i < kLensCells; ++i) {
+        across[i] = opening.transmission(place(i) + kSide / 2, aperture.squeeze);
+        upwards[i] = opening.transmission(place(i) + kSide / 2, 1);
+    }
+    // Of a row of corners of cells: 1 where it is open, and where it lies in the disk.
+    struct Corners {
+        std::array<int, kLensCells + 1> open{}, in_disk{};
+    };
+    const auto corners_at = [&](double y) {
+        Corners corners;
+        for (std::size_t i = 0; i <= kLensCells; ++i) {
+            corners.open[i] = opening.is_open(place(i), y) ? 1 : 0;
+            corners.in_disk[i] = place(i) * place(i) + y * y <= 1 ? 1 : 0;
         }
-        const auto is_mixed = [](int corners) { return corners > 0 && corners < kCorners; };
-        const Shares shares = is_mixed(open) || is_mixed(in_disk) ? shares_of(opening, x, y, kSide)
-                                                                  : Shares{in_disk > 0 ? 1.0 : 0.0, open > 0 ? 1.0 : 0.0};
-        cells.area[cell] = static_cast<float>(shares.in_disk);
-        if (shares.open > 0)
-            cells.transmission[cell] = static_cast<float>(shares.open * opening.transmission(x + kSide / 2, y + kSide / 2));
+        return corners;
+    };
+    LensCells cells{std::vector<float>(kLensCells * kLensCells), std::vector<float>(kLensCells * kLensCells)};
+    Corners lower = corners_at(-1);
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        const Corners upper = corners_at(place(row + 1));
+        for (std::size_t i = 0; i < kLensCells; ++i) {
+            const int open = lower.open[i] + lower.open[i + 1] + upper.open[i] + upper.open[i + 1],
+                      in_disk = lower.in_disk[i] + lower.in_disk[i + 1] + upper.in_disk[i] + upper.in_disk[i + 1];
+            const auto is_mixed = [](int corners) { return corners > 0 && corners < 4; };
+            const Shares shares = is_mixed(open) || is_mixed(in_disk) ? shares_of(opening, place(i), place(row), kSide)
+                                                                      : Shares{in_disk > 0 ? 1.0 : 0.0, open > 0 ? 1.0 : 0.0};
+            const std::size_t cell = row * kLensCells + i;
+            cells.area[cell] = static_cast<float>(shares.in_disk);
+            cells.transmission[cell] = static_cast<float>(shares.open * across[i] * upwards[row]);
+        }
+        lower = upper;
     }
     return cells;
 }

@@ -64,8 +64,13 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     std::vector<std::size_t> passing;
     for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
         disk += static_cast<double>(cells.area[cell]);
-        if (cells_[cell] > 0 && cells.area[cell] > 0) passing.push_back(cell);
+        if (cells.area[cell] == 0) continue;
+        if (cells_[cell] > 0)
+            passing.push_back(cell);
+        else
+            leaves_out_ = true;
     }
+    leaves_out_ = leaves_out_ || aperture.cat_eye > 0;
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
@@ -164,8 +169,10 @@ void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
     Moments moments;
     for (std::size_t time = 0; time < kTimes; ++time) {
         open_[time] = open(time, 0.5f);
+        leaves_out_ = leaves_out_ || open_[time] == 0;
         moments.add(static_cast<double>(open_[time]), 1.0 / kTimes);
     }
+    leaves_out_ = leaves_out_ || rolling_ > 0;
     const double mean = curve_->all() * (1 - rolling_) / frames_;
     time_mean_ = static_cast<float>(mean);
     mean_ *= mean;

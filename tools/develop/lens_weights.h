@@ -43,6 +43,9 @@ class LensWeights {
     Factors operator()(const sampledb::Page& page, std::size_t row) const;
     void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, std::vector<Factors>& out) const;
 
+    // Whether there are weights of 0.
+    bool leaves_records_out() const { return leaves_out_; }
+
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
     double kept() const { return kept_; }
@@ -57,7 +60,7 @@ class LensWeights {
     bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_before_.empty(); }
     Factors factors_of(sampledb::RecordClass record_class, float weight, float mean, float share_on_film) const;
 
-    bool follows_ = false;
+    bool follows_ = false, leaves_out_ = false;
     double mean_ = 1, kept_ = 1;
 
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
