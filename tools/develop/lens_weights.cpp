@@ -24,6 +24,23 @@ struct Moments {
 
 }  // namespace
 
+RowSums::RowSums(const std::vector<double>& values) {
+    before_.reserve(kLensCells * (kLensCells + 1));
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        before_.push_back(0);
+        for (std::size_t x = 0; x < kLensCells; ++x) before_.push_back(before_.back() + values[row * kLensCells + x]);
+    }
+}
+
+double RowSums::between(std::size_t row, double begin, double end) const {
+    const auto before = [&](double x) {
+        const double border = std::floor(x);
+        const double* const at = &before_[row * (kLensCells + 1) + static_cast<std::size_t>(border)];
+        return x == border ? at[0] : at[0] + (x - border) * (at[1] - at[0]);
+    };
+    return before(end) - before(begin);
+}
+
 std::string LensChoice::text() const {
     std::string text;
     const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
@@ -61,15 +78,15 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     LensCells cells = cells_of(aperture);
     cells_ = std::move(cells.transmission);
     double disk = 0;
-    std::vector<std::size_t> passing;
+    std::vector<double> passing, squares;
     for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
-        disk += static_cast<double>(cells.area[cell]);
-        if (cells.area[cell] == 0) continue;
-        if (cells_[cell] > 0)
-            passing.push_back(cell);
-        else
-            leaves_out_ = true;
+        const auto area = static_cast<double>(cells.area[cell]), weight = static_cast<double>(cells_[cell]);
+        disk += area;
+        passing.push_back(weight * area);
+        squares.push_back(weight * weight * area);
+        leaves_out_ = leaves_out_ || (area > 0 && weight == 0);
     }
+    const RowSums light(passing), square_sums(squares);
     leaves_out_ = leaves_out_ || aperture.cat_eye > 0;
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
@@ -80,8 +97,11 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
         const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / (kMeansAcross - 1) : 0.5f; };
         const float u = place(i % across), v = place(i / across);
         Moments here;
-        for (const std::size_t cell : passing)
-            here.add(static_cast<double>(cells_[cell] * between_rims(cell, u, v)), static_cast<double>(cells.area[cell]) / disk);
+        for (std::size_t row = 0; row < kLensCells; ++row) {
+            const auto [begin, end] = in_rear_rim(row, u, v);
+            here.mean += light.between(row, begin, end) / disk;
+            here.square += square_sums.between(row, begin, end) / disk;
+        }
         means_.push_back(static_cast<float>(here.mean));
         const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
             return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / (kMeansAcross - 1);
@@ -93,17 +113,7 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     mean_ *= mean;
     kept_ *= kept;
     film_shift_ = film_shift;
-    if (film_shift == std::array<double, 2>{}) return;
-    light_before_.reserve(kLensCells * (kLensCells + 1));
-    for (std::size_t y = 0; y < kLensCells; ++y) {
-        double row = 0;
-        light_before_.push_back(row);
-        for (std::size_t x = 0; x < kLensCells; ++x) {
-            const std::size_t cell = y * kLensCells + x;
-            row += static_cast<double>(cells_[cell]) * static_cast<double>(cells.area[cell]);
-            light_before_.push_back(row);
-        }
-    }
+    if (film_shift != std::array<double, 2>{}) light_ = light;
 }
 
 // The share of a cell that lies in the rear rim, the unit circle moved towards the centre of the picture's other side; its edge
@@ -114,6 +124,17 @@ float LensWeights::between_rims(std::size_t cell, float u, float v) const {
     const float x = (static_cast<float>(cell % kLensCells) + 0.5f) / kPerCell - 1 - (u - 0.5f) * rim_u_,
                 y = (static_cast<float>(cell / kLensCells) + 0.5f) / kPerCell - 1 - (v - 0.5f) * rim_v_;
     return std::clamp((1 - std::sqrt(x * x + y * y)) * kPerCell + 0.5f, 0.0f, 1.0f);
+}
+
+// The same for a row of cells at once: from where to where the rim lets light pass.
+std::array<double, 2> LensWeights::in_rear_rim(std::size_t row, float u, float v) const {
+    if (rim_u_ == 0) return {0, kLensCells};
+    constexpr double kPerCell = kLensCells / 2.0;
+    const double x = static_cast<double>((u - 0.5f) * rim_u_),
+                 y = (static_cast<double>(row) + 0.5) / kPerCell - 1 - static_cast<double>((v - 0.5f) * rim_v_);
+    const double half = std::sqrt(std::max(0.0, 1 - y * y));
+    return {std::clamp((x - half + 1) * kPerCell, 0.0, double{kLensCells}),
+            std::clamp((x + half + 1) * kPerCell, 0.0, double{kLensCells})};
 }
 
 float LensWeights::lens_mean(float u, float v) const {
@@ -140,25 +161,12 @@ float LensWeights::share_on_film(float u, float v) const {
     const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
     const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
     if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
-    const double rim_x = static_cast<double>((u - 0.5f) * rim_u_), rim_y = static_cast<double>((v - 0.5f) * rim_v_);
     double all = 0, seen = 0;
-    for (std::size_t y = 0; y < kLensCells; ++y) {
-        const auto before = [&](double x) {  // borders, and places between them
-            const double whole = std::floor(x);
-            const double* const at = &light_before_[y * (kLensCells + 1) + static_cast<std::size_t>(whole)];
-            return x == whole ? at[0] : at[0] + (x - whole) * (at[1] - at[0]);
-        };
-        double begin = 0, end = kLensCells;  // of what lies in the rear rim: between_rims()
-        if (rim_u_ != 0) {
-            const double from_rim = (static_cast<double>(y) + 0.5) / kPerCell - 1 - rim_y;
-            const double half = std::sqrt(std::max(0.0, 1 - from_rim * from_rim));
-            begin = std::clamp((rim_x - half + 1) * kPerCell, 0.0, double{kLensCells});
-            end = std::clamp((rim_x + half + 1) * kPerCell, 0.0, double{kLensCells});
-        }
-        all += before(end) - before(begin);
-        const double first = std::max(begin, x0), last = std::min(end, x1);
-        const auto row = static_cast<double>(y);
-        if (row >= y0 && row < y1 && first < last) seen += before(last) - before(first);
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        const auto [begin, end] = in_rear_rim(row, u, v);
+        all += light_.between(row, begin, end);
+        const double first = std::max(begin, x0), last = std::min(end, x1), y = static_cast<double>(row);
+        if (y >= y0 && y < y1 && first < last) seen += light_.between(row, first, last);
     }
     return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
 }
@@ -203,7 +211,7 @@ LensWeights::Factors LensWeights::operator()(const sampledb::Page& page, std::si
         weight *= rolling_ > 0 ? open(time, v) : open_[time];
         mean *= time_mean_;
     }
-    const bool part_is_off_film = !light_before_.empty() && page.record_class == sampledb::RecordClass::kLight && weight > 0;
+    const bool part_is_off_film = !light_.empty() && page.record_class == sampledb::RecordClass::kLight && weight > 0;
     return factors_of(page.record_class, weight, mean, part_is_off_film ? share_on_film(u, v) : 1);
 }
 
