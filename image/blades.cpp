@@ -3,25 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/angle.h"
 #include "base/parse.h"
 
 namespace latent::image {
-
-namespace {
-
-// By their series: the bits of the library's functions depend on its version.
-std::array<double, 2> cos_sin_of_degrees(double degrees) {
-    const double turns = degrees / 360, x = (turns - std::round(turns)) * 6.283185307179586;
-    std::array<double, 2> sums{};
-    double term = 1;  // x^i / i!
-    for (int i = 0; i < 30; ++i) {
-        sums[static_cast<std::size_t>(i % 2)] += i % 4 < 2 ? term : -term;
-        term *= x / (i + 1);
-    }
-    return sums;
-}
-
-}  // namespace
 
 Result<Blades> parse_blades(const NamedNumbers& named, std::string_view text) {
     const std::vector<double>& n = named.numbers;

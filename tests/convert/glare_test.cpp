@@ -244,6 +244,41 @@ TEST_F(GlarePrint, ShapesAreRefusedWithWhatWouldDo) {
     EXPECT_THAT(refused("f:22", "4M"), HasSubstr("needs at least"));
 }
 
+// cos^4 at the centre of each pixel: (1 + x^2 + y^2)^-2 in a window at unit distance, of the whole picture.
+TEST_F(GlarePrint, AVignetteIsTheFourthPowerOfTheCosine) {
+    write_picture(folder_ / "a.exr", {}, [](int, int) { return std::array{1.0F, 2.0F, 3.0F}; });
+    write_picture(folder_ / "tiled.exr", {.tile = 32}, [](int, int) { return std::array{1.0F, 2.0F, 3.0F}; });
+    const std::vector<float> before = light("a.exr", "before.exr", {});
+    ConvertOptions options;
+    options.replace = true;
+    options.vignette = *parse_vignette("cos4:60");
+    const std::vector<float> whole = light("a.exr", "whole.exr", options);
+    const double half = std::tan(std::numbers::pi / 6);  // of 300 x 200 pixels
+    for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t y = 0; y < 200; ++y) {
+            for (std::size_t x = 0; x < 300; ++x) {
+                const double wx = (static_cast<double>(x) - 149.5) / 150 * half, wy = (static_cast<double>(y) - 99.5) / 150 * half;
+                const double cosine = 1 / std::sqrt(1 + wx * wx + wy * wy);
+                const std::size_t at = (c * 200 + y) * 300 + x;
+                const double expected = std::pow(cosine, 4) * static_cast<double>(before[at]);
+                ASSERT_NEAR(static_cast<double>(whole[at]), expected, 1e-6 * expected);
+            }
+        }
+    }
+    options.crop = image::Rect{33, 21, 133, 71};
+    const std::vector<float> crop = light("tiled.exr", "crop.exr", options);
+    for (std::size_t y = 0; y < 50; ++y) {
+        for (std::size_t x = 0; x < 100; ++x) ASSERT_EQ(crop[y * 100 + x], whole[(y + 21) * 300 + x + 33]);
+    }
+    // What glare spreads has fallen off already: it moves light from the bright middle, and loses none.
+    options.crop.reset();
+    options.glare = *parse_glare("f:64");
+    const std::vector<float> spread = light("a.exr", "spread.exr", options);
+    EXPECT_NEAR(std::accumulate(spread.begin(), spread.end(), 0.0) / std::accumulate(whole.begin(), whole.end(), 0.0), 1, 1e-5);
+    EXPECT_LT(spread[100 * 300 + 150], whole[100 * 300 + 150]);
+    for (const char* bad : {"", "cos3", "cos4:0", "cos4:151", "cos4:40:2", "cos4:x"}) EXPECT_FALSE(parse_vignette(bad)) << bad;
+}
+
 // A picture of a round hole is a round hole.
 TEST_F(GlarePrint, AnApertureMayBeAPicture) {
     write_picture(folder_ / "hole.exr", {.width = 400, .height = 400}, [](int x, int y) {

@@ -251,7 +251,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (!plan) return plan.error().at(options.input.string());
     if (*kernel) {
         Result<std::unique_ptr<SpreadLight>> spread =
-            SpreadLight::make(source->reader, **std::move(kernel), *plan, folder_of(options.outputs.front()), options.threads);
+            SpreadLight::make(*source, **std::move(kernel), *plan, folder_of(options.outputs.front()), options.threads);
         if (!spread) return spread.error();
         pass.spread = *std::move(spread);
     }
@@ -283,6 +283,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.proof = display->proof_name;
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
+    if (options.vignette) report.vignette = options.vignette->text;
     if (options.glare) report.glare = options.glare->text;
     if (*film) report.film = (*film)->description();
     report.warnings.insert(report.warnings.end(), source->warnings.begin(), source->warnings.end());
