@@ -74,6 +74,9 @@ class Plan:
         if self.samples > most and self.until != "render" and not self.compact:
             raise Misuse(f"{self.samples} samples in runs of {self.run_samples} do not fit into one merged file, which holds at most 2^20 "
                          "runs; use --until render, and develop the parts")
+        if any(word.split("=")[0] == "--frames" for word in self.develop):
+            raise Misuse("--frames of latent-develop makes several pictures, but the develop step makes one; use --until merge, and develop "
+                         "samples.latent")
         if self.strips == 1:
             return
         if not size_of(self.develop):

@@ -1,8 +1,10 @@
 // The glare of lenses and eyes: its pattern against optics, and prints that have it.
 #include "tools/convert/glare.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -56,7 +58,8 @@ TEST(Glare, ARoundAperturesLightLiesWithinRadiiAsRayleighFound) {
 
 TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
     for (const auto& [blades, rays] : {std::pair{6, 6}, {8, 8}, {5, 10}, {7, 14}}) {
-        const image::Kernel kernel = pattern_of("f:16,blades:" + std::to_string(blades), 4, 550);
+        constexpr double kTurned = 4;  // degrees, which no polygon here has as a symmetry
+        const image::Kernel kernel = pattern_of(fmt::format("f:16,blades:{}:{}", blades, kTurned), 4, 550);
         EXPECT_NEAR(total(kernel), 1, 4e-3);
         constexpr int kDirections = 720;
         std::vector<double> light(kDirections);
@@ -79,6 +82,12 @@ TEST(Glare, BladesMakeStarsOfAsManyRaysOrTwiceAsManyIfTheyAreOdd) {
             if (l < mean) inside = false;
         }
         EXPECT_EQ(found, rays) << blades;
+        // They are perpendicular to the blades; rows of the picture run downwards.
+        for (int blade = 0; blade < blades; ++blade) {
+            const double turn = 1.5 - (kTurned / 360 + (blade + 0.5) / blades);
+            const auto at = static_cast<std::size_t>(turn * kDirections);
+            EXPECT_GT(std::max({light[(at - 1) % kDirections], light[at % kDirections], light[(at + 1) % kDirections]}), 3 * mean);
+        }
     }
 }
 
@@ -205,14 +214,17 @@ TEST_F(GlarePrint, OfManyTilesIsOnePicture) {
 TEST_F(GlarePrint, ShapesAreRefusedWithWhatWouldDo) {
     for (const auto& [text, why] : {std::pair{"blades:2,f:8", "3 to 64 blades"},
                                     {"blades:6.5", "3 to 64 blades"},
+                                    {"blades:6:400", "a rotation"},
                                     {"f:0", "0.5 to 1000"},
-                                    {"f:x", "f needs a number"},
+                                    {"f:x", "not a kind of glare"},
+                                    {"f:8:9", "0.5 to 1000"},
                                     {"lens", "not a kind of glare"},
                                     {"", "not a kind of glare"},
                                     {"f:8,eye", "not a kind of glare"},
                                     {"eye,f:8", "age and field only"},
                                     {"f:8,age:50", "those of an eye"},
-                                    {"blades:6,f:8,colour:3", "colour is not known"},
+                                    {"eye,age:500", "0 to 100 years"},
+                                    {"blades:6,f:8,colour:3", "not part of a glare"},
                                     {"a.exr,blades:6", "needs no blades"}}) {
         const Result<Glare> glare = parse_glare(text);
         ASSERT_FALSE(glare) << text;
@@ -230,6 +242,41 @@ TEST_F(GlarePrint, ShapesAreRefusedWithWhatWouldDo) {
     EXPECT_THAT(refused(at("none.exr") + ",f:8"), HasSubstr("none.exr"));
     EXPECT_THAT(refused(at("black.exr") + ",f:8"), HasSubstr("no light passes"));
     EXPECT_THAT(refused("f:22", "4M"), HasSubstr("needs at least"));
+}
+
+// cos^4 at the centre of each pixel: (1 + x^2 + y^2)^-2 in a window at unit distance, of the whole picture.
+TEST_F(GlarePrint, AVignetteIsTheFourthPowerOfTheCosine) {
+    write_picture(folder_ / "a.exr", {}, [](int, int) { return std::array{1.0F, 2.0F, 3.0F}; });
+    write_picture(folder_ / "tiled.exr", {.tile = 32}, [](int, int) { return std::array{1.0F, 2.0F, 3.0F}; });
+    const std::vector<float> before = light("a.exr", "before.exr", {});
+    ConvertOptions options;
+    options.replace = true;
+    options.vignette = *parse_vignette("cos4:60");
+    const std::vector<float> whole = light("a.exr", "whole.exr", options);
+    const double half = std::tan(std::numbers::pi / 6);  // of 300 x 200 pixels
+    for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t y = 0; y < 200; ++y) {
+            for (std::size_t x = 0; x < 300; ++x) {
+                const double wx = (static_cast<double>(x) - 149.5) / 150 * half, wy = (static_cast<double>(y) - 99.5) / 150 * half;
+                const double cosine = 1 / std::sqrt(1 + wx * wx + wy * wy);
+                const std::size_t at = (c * 200 + y) * 300 + x;
+                const double expected = std::pow(cosine, 4) * static_cast<double>(before[at]);
+                ASSERT_NEAR(static_cast<double>(whole[at]), expected, 1e-6 * expected);
+            }
+        }
+    }
+    options.crop = image::Rect{33, 21, 133, 71};
+    const std::vector<float> crop = light("tiled.exr", "crop.exr", options);
+    for (std::size_t y = 0; y < 50; ++y) {
+        for (std::size_t x = 0; x < 100; ++x) ASSERT_EQ(crop[y * 100 + x], whole[(y + 21) * 300 + x + 33]);
+    }
+    // What glare spreads has fallen off already: it moves light from the bright middle, and loses none.
+    options.crop.reset();
+    options.glare = *parse_glare("f:64");
+    const std::vector<float> spread = light("a.exr", "spread.exr", options);
+    EXPECT_NEAR(std::accumulate(spread.begin(), spread.end(), 0.0) / std::accumulate(whole.begin(), whole.end(), 0.0), 1, 1e-5);
+    EXPECT_LT(spread[100 * 300 + 150], whole[100 * 300 + 150]);
+    for (const char* bad : {"", "cos3", "cos4:0", "cos4:151", "cos4:40:2", "cos4:x"}) EXPECT_FALSE(parse_vignette(bad)) << bad;
 }
 
 // A picture of a round hole is a round hole.

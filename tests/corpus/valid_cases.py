@@ -243,6 +243,7 @@ for name, extra in {"of-each-type": [("a", "u8"), ("b", "u16"), ("c", "u32"), ("
                     "seventeen": [("column %d" % i, "u8") for i in range(17)],
                     "most": [("column %d" % i, ("u8", "u16", "u32", "u64", "f32", "f64")[i % 6]) for i in range(128)],
                     "registered": REGISTERED,
+                    "lens-and-time": [("lens.x", "u8"), ("lens.y", "u8"), ("shutter", "u16")],
                     "names": [("x" * 64, "u8"), ("\N{GREEK SMALL LETTER LAMDA}", "u16"), ("studio:matte", "f32"),
                     ("sample", "u32")]}.items():
     for kind in ("xyz", "explicit"):

@@ -288,6 +288,40 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
     }
 }
 
+// In the strip at the border of a refocused picture, light records weigh 1 / M: of the cells that lie in both rims, and that the
+// rendered film has seen this place through.
+TEST(Focus, OfACatsEyeCountsWhatBothRimsAndTheFilmHaveInCommon) {
+    constexpr double kEye = 0.8, kSteps = 500;
+    LensChoice lens = choice("cat-eye:0.8");
+    lens.film_shift = {0.08, -0.12};
+    const Job job = job_with_lens();
+    const Result<LensWeights> weights = LensWeights::make(job, lens);
+    ASSERT_TRUE(weights);
+    const double to_corner = std::hypot(job.aspect_width, job.aspect_height) / 2;
+    sampledb::Page page;
+    page.record_class = RecordClass::kLight;
+    page.u = {0}, page.v = {0};
+    page.extra = sampledb::extra_columns(job);
+    for (sampledb::ExtraColumn& column : page.extra) column.values = {std::byte{128}};
+    for (const auto& [u, v] : {std::pair(0.02, 0.5), {0.5, 0.03}, {0.97, 0.96}, {0.01, 0.9}, {0.5, 0.5}}) {
+        double seen = 0, all = 0;
+        for (double i = 0.5; i < kSteps; ++i) {
+            for (double j = 0.5; j < kSteps; ++j) {
+                const double x = 2 * i / kSteps - 1, y = 2 * j / kSteps - 1;
+                if (x * x + y * y > 1) continue;
+                ++all;
+                const double from_u = u - lens.film_shift[0] * x, from_v = v - lens.film_shift[1] * y;
+                const double rear_x = x - (u - 0.5) * kEye * job.aspect_width / to_corner,
+                             rear_y = y + (v - 0.5) * kEye * job.aspect_height / to_corner;
+                if (rear_x * rear_x + rear_y * rear_y <= 1 && from_u >= 0 && from_u < 1 && from_v >= 0 && from_v < 1) ++seen;
+            }
+        }
+        page.u[0] = static_cast<std::uint32_t>(u * 0x1p32), page.v[0] = static_cast<std::uint32_t>(v * 0x1p32);
+        // A cell's width, 1/128, along the edge of what the film has seen, which is half of it too far at most; as above, rims.
+        EXPECT_NEAR(1 / static_cast<double>((*weights)(page, 0).value), seen / all, 6e-3) << u << ", " << v;
+    }
+}
+
 TEST(Focus, DependsOnNeitherMemoryNorThreads) {
     const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3}, 24, 16384);
     LensChoice lens = choice("0.8");

@@ -238,6 +238,11 @@ class Plan(FarmTest):
         self.fail_with('--develop="--size', *farm, status=2)
         self.fail_with("--mipmap", *farm, "--develop=--size 600x600 --mipmap", status=2)
 
+    def test_a_sequence_of_sub_frames_is_refused_before_anything_is_rendered(self):
+        self.fail_with("--until merge", "latent-farm", "plan", SCENE, "--spp", 1, "--out", self.folder / "x", "--engine", "shell",
+                       "--develop=--frames 8", status=2)
+        self.assertFalse((self.folder / "x").exists())
+
     def test_an_animation_has_a_chain_for_each_frame(self):
         for number in range(3):
             text = SCENE.read_text().replace("2856", str(2856 + number))

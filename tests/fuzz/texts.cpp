@@ -9,10 +9,15 @@
 #include "render/program/arguments.h"
 #include "sampledb/data/parse.h"
 #include "tests/fuzz/target.h"
+#include "tools/convert/glare.h"
+#include "tools/convert/vignette.h"
+#include "tools/develop/aperture.h"
 #include "tools/develop/channels.h"
 #include "tools/develop/filter.h"
+#include "tools/develop/focus.h"
 #include "tools/develop/layers.h"
 #include "tools/develop/light_setting.h"
+#include "tools/develop/shutter.h"
 
 namespace latent::fuzz {
 
@@ -68,6 +73,16 @@ bool run_render_options(std::string_view text) {
            sampledb::parse_job_id(text);
 }
 
+bool run_lens_options(std::string_view text) {
+    const Result<develop::Aperture> aperture = develop::parse_aperture(text);
+    if (aperture) require(aperture->radius > 0 && aperture->radius <= 1, "an aperture lies in the lens");
+    const Result<develop::Shutter> shutter = develop::parse_shutter(text);
+    if (shutter) require(shutter->rolling >= 0 && shutter->rolling < 1, "each row of a rolling shutter is exposed");
+    const Result<convert::Glare> glare = convert::parse_glare(text);
+    if (glare) require(glare->f_number > 0, "f-numbers are above 0");
+    return aperture || shutter || glare || convert::parse_vignette(text) || develop::parse_focus(text);
+}
+
 bool run_json(std::string_view text) {
     if (!check_json_object(text, 32)) return false;
     (void)member_of(text, "a");
@@ -78,7 +93,8 @@ bool run_json(std::string_view text) {
 // The first byte chooses who reads the others.
 bool run_expressions(ByteSpan bytes) {
     if (bytes.empty()) return false;
-    constexpr std::array kReaders = {run_filter, run_light, run_numbers, run_develop_options, run_render_options, run_json};
+    constexpr std::array kReaders = {run_filter,         run_light, run_numbers,     run_develop_options,
+                                     run_render_options, run_json,  run_lens_options};
     return kReaders[(std::to_integer<std::size_t>(bytes[0]) - '0') % kReaders.size()](text_of(bytes.subspan(1)));
 }
 

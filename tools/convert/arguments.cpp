@@ -144,6 +144,10 @@ void add_arguments(CLI::App& app, ConvertOptions& options) {
     app.add_option("--adapt", options.adapt, "chromatic adaptation from that white to the white of the display")
         ->check(CLI::IsMember({"bradford", "cat16"}))
         ->capture_default_str();
+    cli::add_parsed(app, "--vignette", options.vignette, parse_vignette,
+                    "darken the corners as a simple lens does, by the fourth power of the cosine; the longer side of the picture "
+                    "covers 40 degrees, or as many as given")
+        ->type_name("cos4[:DEGREES]");
     cli::add_parsed(
         app, "--glare", options.glare, parse_glare,
         "spread the light of lamps as the aperture of a lens does (f:16, or blades:6,f:8), or as an eye does; see below")

@@ -241,13 +241,17 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         }
     }
     if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
-    if (*kernel) need.bytes_held += image::Convolver::bytes((*kernel)->radius(), image.data_window);
+    image::ExrImage printed_from = image;
+    if (*kernel) {  // rows of a file without a name are printed
+        need.bytes_held += SpreadLight::bytes(image, (*kernel)->radius(), options.threads);
+        printed_from.block_width = image.data_window.width(), printed_from.block_height = 1;
+    }
     need.second_block = needs_second_block(*exposures, pass);
-    const Result<BandPlan> plan = plan_bands(image, source->area, need, options.memory, options.threads);
+    const Result<BandPlan> plan = plan_bands(printed_from, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
     if (*kernel) {
         Result<std::unique_ptr<SpreadLight>> spread =
-            SpreadLight::make(source->reader, **std::move(kernel), *plan, folder_of(options.outputs.front()), options.threads);
+            SpreadLight::make(*source, **std::move(kernel), *plan, folder_of(options.outputs.front()), options.threads);
         if (!spread) return spread.error();
         pass.spread = *std::move(spread);
     }
@@ -279,6 +283,7 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     report.proof = display->proof_name;
     if (display->gamut) report.rendering = options.rendering;
     report.observer = source->observer;
+    if (options.vignette) report.vignette = options.vignette->text;
     if (options.glare) report.glare = options.glare->text;
     if (*film) report.film = (*film)->description();
     report.warnings.insert(report.warnings.end(), source->warnings.begin(), source->warnings.end());

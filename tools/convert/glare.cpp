@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
 
+#include "base/option_parts.h"
 #include "base/parse.h"
 #include "color/observer.h"
 #include "image/fourier.h"
@@ -15,30 +18,6 @@ namespace latent::convert {
 namespace {
 
 constexpr int kPattern = 2048;  // cells along a side of an aperture and its pattern
-
-// Cosine and sine of 2 pi `turns`, by Taylor's series within an eighth of a turn: the same bits everywhere, to 1e-15.
-std::array<double, 2> unit_vector(double turns) {
-    turns -= std::floor(turns);
-    const double quarters = std::floor(4 * turns + 0.5);
-    const double x = 2 * std::numbers::pi * (turns - quarters / 4);
-    double cosine = 0, sine = 0, term = 1;
-    for (int i = 0; i < 20; i += 2) {
-        cosine += term;
-        term *= x / (i + 1);
-        sine += term;
-        term *= -x / (i + 2);
-    }
-    switch (static_cast<int>(quarters) & 3) {
-        case 1:
-            return {-sine, cosine};
-        case 2:
-            return {-cosine, -sine};
-        case 3:
-            return {sine, -cosine};
-        default:
-            return {cosine, sine};
-    }
-}
 
 using Plane = std::vector<float>;
 
@@ -54,23 +33,10 @@ Plane aperture_plane(const Open& open) {
     return plane;
 }
 
-// `diameter`: of a circle of the same area, in cells.
+// `diameter`: of the circle, on which the corners between blades lie, in cells.
 Plane blades_plane(const Glare& glare, double diameter) {
-    const double radius = diameter / 2;
-    const auto covered = [](double inside) { return std::clamp(inside + 0.5, 0.0, 1.0); };
-    if (glare.blades == 0)
-        return aperture_plane([&](int x, int y) { return covered(radius - std::sqrt(static_cast<double>(x * x + y * y))); });
-    // Area of n sides at distance h from the centre: n h^2 tan(pi / n).
-    std::vector<std::array<double, 2>> normals;
-    for (int i = 0; i < glare.blades; ++i)
-        normals.push_back(unit_vector(static_cast<double>(i) / glare.blades + glare.rotation / 360 + 0.25));
-    const std::array<double, 2> half = unit_vector(0.5 / glare.blades);
-    const double distance = radius * std::sqrt(std::numbers::pi * half[0] / (half[1] * glare.blades));
-    return aperture_plane([&](int x, int y) {
-        double inside = distance;
-        for (const auto& n : normals) inside = std::min(inside, distance - (n[0] * x + n[1] * y));
-        return covered(inside);
-    });
+    const image::BladeOpening opening(glare.blades, diameter / 2);
+    return aperture_plane([&](int x, int y) { return std::clamp(opening.inside(x, -y) + 0.5, 0.0, 1.0); });
 }
 
 // The longer side becomes `diameter`.
@@ -151,61 +117,45 @@ double eye_spread(double degrees, double age) {
 }  // namespace
 
 Result<Glare> parse_glare(std::string_view text) {
-    const std::string shown(text);
-    const auto refuse = [&](std::string_view why) {
-        return usage_error(fmt::format("'{}': {} (try blades:6,f:8, or f:16, eye, FILE.exr,f:8)", shown, why));
+    const auto refuse = [&](std::string_view what) {
+        return is_not(text, fmt::format("{} (try blades:6,f:8, or f:16, eye, FILE.exr,f:8)", what));
     };
     Glare glare;
-    glare.text = shown;
-    bool lens = false, field = false;
-    for (bool first = true; first || !text.empty(); first = false) {
-        const std::size_t comma = text.find(',');
-        const std::string_view word = text.substr(0, comma);
-        text = comma == std::string_view::npos ? std::string_view{} : text.substr(comma + 1);
-        const std::size_t colon = word.find(':');
-        const std::string_view name = word.substr(0, colon);
-        if (colon == std::string_view::npos) {
-            if (!first || word.empty()) return refuse("not a kind of glare");
-            if (word == "eye") {
-                glare.eye = true;
-            } else if (word.ends_with(".exr")) {
-                glare.aperture = word;
-            } else {
-                return refuse("not a kind of glare");
-            }
+    glare.text = text;
+    const std::vector<std::string_view> parts = parts_of(text, ',');
+    glare.eye = parts.front() == "eye";
+    const bool picture = parts.front().ends_with(".exr");
+    if (picture) glare.aperture = parts.front();
+    for (const std::string_view part : std::span(parts).subspan(glare.eye || picture ? 1 : 0)) {
+        const std::optional<NamedNumbers> named = named_numbers(part);
+        if (!named || named->numbers.empty()) return refuse("a kind of glare");
+        if (!glare.eye && !picture && named->name == "blades") {
+            const Result<image::Blades> blades = image::parse_blades(*named, part);
+            if (!blades) return blades.error();
+            glare.blades = *blades;
             continue;
         }
-        const Result<double> number = parse_number(word.substr(colon + 1));
-        if (!number) return refuse(fmt::format("{} needs a number", name));
-        const auto within = [&](double least, double most) { return *number >= least && *number <= most; };
-        if (name == "f" && within(0.5, 1000)) {
-            glare.f_number = *number;
-            lens = true;
-        } else if (name == "blades" && within(3, 64) && *number == std::floor(*number)) {
-            glare.blades = static_cast<int>(*number);
-            lens = true;
-        } else if (name == "rotation" && within(-360, 360)) {
-            glare.rotation = *number;
-            lens = true;
-        } else if (name == "age" && within(0, 100)) {
-            glare.age = *number;
-            field = true;
-        } else if (name == "field" && within(0.1, 150)) {
-            glare.field = *number;
-            field = true;
-        } else if (name == "f") {
-            return refuse("f-numbers are 0.5 to 1000");
-        } else if (name == "blades") {
-            return refuse("an aperture has 3 to 64 blades");
-        } else if (name == "rotation" || name == "age" || name == "field") {
-            return refuse(fmt::format("{} is out of range", name));
+        const double number = named->numbers.front();
+        const auto take = [&](double& to, double least, double most) {
+            to = number;
+            return named->numbers.size() == 1 && number >= least && number <= most;
+        };
+        if (!glare.eye && named->name == "f") {
+            if (!take(glare.f_number, 0.5, 1000)) return is_not(part, "an f-number, 0.5 to 1000 (try f:8)");
+        } else if (glare.eye && named->name == "age") {
+            if (!take(glare.age, 0, 100)) return is_not(part, "an age, 0 to 100 years (try age:70)");
+        } else if (glare.eye && named->name == "field") {
+            if (!take(glare.field, 0.1, 150)) return is_not(part, "a field of view, 0.1 to 150 degrees (try field:40)");
+        } else if (glare.eye) {
+            return refuse("a glare: an eye has age and field only");
+        } else if (named->name == "age" || named->name == "field") {
+            return refuse("a glare: age and field are those of an eye");
+        } else if (picture && named->name == "blades") {
+            return refuse("a glare: a picture of an aperture needs no blades");
         } else {
-            return refuse(fmt::format("{} is not known", name));
+            return is_not(part, "part of a glare (try blades:6, f:8)");
         }
     }
-    if (glare.eye && lens) return refuse("an eye has age and field only");
-    if (!glare.eye && field) return refuse("age and field are those of an eye");
-    if (!glare.aperture.empty() && glare.blades > 0) return refuse("a picture of an aperture needs no blades");
     return glare;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "image/blades.h"
 #include "image/kernel.h"
 
 namespace latent::convert {
@@ -18,16 +19,15 @@ struct Glare {
     std::string text;  // as it was asked for
     bool eye = false;
     // Of a lens:
-    double f_number = 8;
-    int blades = 0;                    // 0: a round aperture
-    double rotation = 0;               // degrees
+    double f_number = 8;  // of the circle, on which the corners between blades lie
+    image::Blades blades{};
     std::filesystem::path aperture{};  // a picture of it, how much light passes; "": blades
     // Of an eye:
     double field = 40;  // degrees that the longer side of the picture covers
     double age = 30;    // years
 };
 
-// "blades:6,f:8,rotation:15", "f:16", "eye", "eye,age:70,field:60", "FILE.exr,f:8". Errors: kUsage.
+// "blades:6,f:8", "blades:6:15:0.2,f:8", "f:16", "eye", "eye,age:70,field:60", "FILE.exr,f:8". Errors: kUsage.
 Result<Glare> parse_glare(std::string_view text);
 
 // A wavelength, and how much of it each channel of a picture gets.

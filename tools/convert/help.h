@@ -26,7 +26,8 @@ Film (pictures that latent-develop --film wrote; --list-papers shows all):
 
 Glare (of the light, before exposure and tone; --format is the frame's size):
   f:16                      a round aperture; f:22 spreads light farther
-  blades:6,f:8,rotation:15  stars of 6 rays; of 10 with 5 blades
+  blades:6,f:8              stars of 6 rays; of 10 with 5 blades
+  blades:6:15:0.2,f:8       turned by 15 degrees, with curved blades
   FILE.exr,f:8              a picture of the aperture, white where it is open
   eye, eye,age:70,field:60  an eye; field: degrees of the longer side
 

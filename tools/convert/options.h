@@ -18,6 +18,7 @@
 #include "tools/convert/device.h"
 #include "tools/convert/glare.h"
 #include "tools/convert/inspection.h"
+#include "tools/convert/vignette.h"
 #include "tools/convert/white.h"
 
 namespace latent::convert {
@@ -46,8 +47,9 @@ struct ConvertOptions {
     std::optional<White> white;      // printed neutral; unless given, the picture's own white
     std::string adapt = "bradford";  // from that white to the display's
 
-    std::optional<Glare> glare;  // that the light of the scene gets
-    DarkroomOptions darkroom;    // of pictures on film
+    std::optional<Vignette> vignette;  // that the light of the scene gets, and then
+    std::optional<Glare> glare;
+    DarkroomOptions darkroom;  // of pictures on film
 
     bool grey = false;                              // one channel, the luminance of the print
     Depth depth = Depth::kDefault;                  // 8 for display files, float for EXR; only what the format holds is accepted
@@ -102,7 +104,7 @@ struct ConvertReport : ExposureReport {  // of the first exposure
     std::string profile, gamut, tone, adapt;
     std::string observer;                // "": unknown
     std::string film;                    // the film and its print; "": none
-    std::string glare;                   // as --glare; "": none
+    std::string vignette, glare;         // as --vignette and --glare; "": none
     std::string shown;                   // shown_by()
     std::string proof;                   // name of the profile that is simulated; "": none
     std::optional<Rendering> rendering;  // of profiles of tables, and of proofs

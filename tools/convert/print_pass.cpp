@@ -63,7 +63,7 @@ void for_each_block(const Source& source, const SpreadLight* spread, const std::
         const Block block(blocks[i], bench.planes);
         const auto width = static_cast<std::size_t>(block.area.width());
         const Status read = spread != nullptr ? spread->read(block.area, block.planes, width)
-                                              : source.reader.read(block.area, block.planes, width, bench.scratch);
+                                              : source.read(block.area, block.planes, width, bench.scratch);
         if (!read) return error.set(read.error());
         use(block, bench);
     });

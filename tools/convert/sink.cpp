@@ -111,6 +111,7 @@ std::vector<std::pair<std::string, std::string>> texts(const PrintedPicture& pic
                                                          {"Adaptation", options.adapt}};
     if (!picture.observer.empty()) all.emplace_back("Observer", picture.observer);
     if (!picture.film.empty()) all.emplace_back("Film", picture.film);
+    if (options.vignette) all.emplace_back("Vignette", options.vignette->text);
     if (const auto& glare = options.glare)
         all.emplace_back("Glare", glare->aperture.empty() ? glare->text : fmt::format("f:{}", glare->f_number));
     if (options.contrast != 1) all.emplace_back("Contrast", fmt::format("{}", options.contrast));

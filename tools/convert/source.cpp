@@ -92,6 +92,17 @@ double pixel_um(const Source& source, double frame_mm) {
     return 1000 * frame_mm / std::max(whole.width(), whole.height());
 }
 
+Status Source::read(const image::Rect& from, const std::array<float*, 3>& planes, std::size_t row_stride,
+                    image::ExrReader::Scratch& scratch) const {
+    if (Status s = reader.read(from, planes, row_stride, scratch); !s || !fall_off) return s;
+    for (float* const plane : planes) {
+        for (int y = from.y0; y < from.y1; ++y)
+            fall_off->apply(from.x0, y,
+                            {plane + static_cast<std::size_t>(y - from.y0) * row_stride, static_cast<std::size_t>(from.width())});
+    }
+    return {};
+}
+
 Result<Source> open_source(const ConvertOptions& options) {
     if (is_url(options.input))
         return usage_error(shown_name(options.input) + ": a URL, but pictures are read from files; download it first");
@@ -123,8 +134,10 @@ Result<Source> open_source(const ConvertOptions& options) {
         }
         area = *options.crop;
     }
-    return Source{std::move(*reader),          area, meaning->xyz_from_file, meaning->white, std::move(meaning->observer),
-                  std::move(meaning->warnings)};
+    std::optional<FallOff> fall_off;
+    if (options.vignette) fall_off.emplace(*options.vignette, image.display_window);
+    return Source{std::move(*reader),           area,    meaning->xyz_from_file, meaning->white, std::move(meaning->observer),
+                  std::move(meaning->warnings), fall_off};
 }
 
 }  // namespace latent::convert

@@ -1,9 +1,15 @@
 // tools/convert/source.h: the developed picture that is printed: its pixels, what they mean, and the part that is wanted.
 #pragma once
 
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "color/tristimulus.h"
 #include "image/exr_reader.h"
 #include "tools/convert/options.h"
+#include "tools/convert/vignette.h"
 
 namespace latent::convert {
 
@@ -14,6 +20,11 @@ struct Source {
     color::Chromaticity white;     // what counts as white: the file's adopted neutral, else its white, else D65; or the observer's
     std::string observer{};        // that the pixels were made for; "": unknown
     std::vector<std::string> warnings{};
+    std::optional<FallOff> fall_off{};  // of the lens that the picture gets
+
+    // As ExrReader::read, and with the fall-off.
+    Status read(const image::Rect& area, const std::array<float*, 3>& planes, std::size_t row_stride,
+                image::ExrReader::Scratch& scratch) const;
 };
 
 // Size of a pixel on a frame whose longer side is `frame_mm`.

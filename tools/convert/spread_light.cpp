@@ -43,10 +43,14 @@ Status RowFile::read(std::size_t channel, int x0, int y, std::span<float> row) c
     return file_.read_exact(place(channel, x0, y), std::as_writable_bytes(row));
 }
 
-Result<std::unique_ptr<SpreadLight>> SpreadLight::make(const image::ExrReader& reader, image::Kernel kernel, const BandPlan& print,
+std::size_t SpreadLight::bytes(const image::ExrImage& image, int radius, int threads) {
+    return image::Convolver::bytes(radius, image.data_window) + bytes_to_read(image, image.data_window, threads);
+}
+
+Result<std::unique_ptr<SpreadLight>> SpreadLight::make(const Source& source, image::Kernel kernel, const BandPlan& print,
                                                        const std::filesystem::path& folder, int threads) {
-    const image::ExrImage& image = reader.image();
-    constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has more to hold than this one
+    const image::ExrImage& image = source.reader.image();
+    constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has room for it: bytes()
     Result<BandPlan> input = plan_bands(image, image.data_window, {}, kEnough, threads);
     if (!input) return input.error();
     image::Convolver convolver(kernel, image.data_window);
@@ -56,12 +60,12 @@ Result<std::unique_ptr<SpreadLight>> SpreadLight::make(const image::ExrReader& r
     Result<RowFile> after = RowFile::create(folder, print.area, convolver.step() + highest(print));
     if (!after) return after.error();
     return std::unique_ptr<SpreadLight>(
-        new SpreadLight(reader, std::move(convolver), print.area, std::move(*input), std::move(*before), std::move(*after)));
+        new SpreadLight(source, std::move(convolver), print.area, std::move(*input), std::move(*before), std::move(*after)));
 }
 
-SpreadLight::SpreadLight(const image::ExrReader& reader, image::Convolver convolver, const Rect& wanted, BandPlan input,
-                         RowFile before, RowFile after)
-    : reader_(reader),
+SpreadLight::SpreadLight(const Source& source, image::Convolver convolver, const Rect& wanted, BandPlan input, RowFile before,
+                         RowFile after)
+    : source_(source),
       convolver_(std::move(convolver)),
       wanted_(wanted),
       input_(std::move(input)),
@@ -101,7 +105,7 @@ Status SpreadLight::load(int y1) {
             std::array<float*, 3> planes{};
             for (std::size_t c = 0; c < 3; ++c) planes[c] = bench.pixels.data() + c * block.pixels();
             const auto width = static_cast<std::size_t>(block.width());
-            if (Status s = reader_.read(block, planes, width, bench.scratch); !s) return error.set(s.error());
+            if (Status s = source_.read(block, planes, width, bench.scratch); !s) return error.set(s.error());
             for (int y = block.y0; y < block.y1 && !error; ++y) {
                 for (std::size_t c = 0; c < 3; ++c)
                     error.keep(before_.write(c, block.x0, y, {planes[c] + static_cast<std::size_t>(y - block.y0) * width, width}));

@@ -9,6 +9,7 @@
 #include "image/convolver.h"
 #include "image/exr_reader.h"
 #include "tools/convert/bands.h"
+#include "tools/convert/source.h"
 
 namespace latent::convert {
 
@@ -30,10 +31,13 @@ class RowFile {
 
 class SpreadLight {
  public:
-    // Of the pixels that `reader` holds, which outlives it; `print`: the bands that will be prepared. The files are in `folder`.
+    // Of the pixels of `source`, which outlives it; `print`: the bands that will be prepared. The files are in `folder`.
     // Errors: kIo.
-    static Result<std::unique_ptr<SpreadLight>> make(const image::ExrReader& reader, image::Kernel kernel, const BandPlan& print,
+    static Result<std::unique_ptr<SpreadLight>> make(const Source& source, image::Kernel kernel, const BandPlan& print,
                                                      const std::filesystem::path& folder, int threads);
+
+    // What it holds, of a kernel of this radius.
+    static std::size_t bytes(const image::ExrImage& image, int radius, int threads);
 
     // Makes the rows of a band; bands come in their order. On any threads. Errors: of reading; kIo.
     Status prepare(const image::Rect& band);
@@ -41,12 +45,12 @@ class SpreadLight {
     Status read(const image::Rect& area, const std::array<float*, 3>& planes, std::size_t row_stride) const;
 
  private:
-    SpreadLight(const image::ExrReader& reader, image::Convolver convolver, const image::Rect& wanted, BandPlan input,
-                RowFile before, RowFile after);
+    SpreadLight(const Source& source, image::Convolver convolver, const image::Rect& wanted, BandPlan input, RowFile before,
+                RowFile after);
     Status load(int y1);
     Status make_tiles(int y0);
 
-    const image::ExrReader& reader_;
+    const Source& source_;
     image::Convolver convolver_;
     image::Rect wanted_;
     BandPlan input_;

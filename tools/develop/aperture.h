@@ -7,19 +7,18 @@
 #include <vector>
 
 #include "base/result.h"
+#include "image/blades.h"
 
 namespace latent::develop {
 
 // On the unit disk of the lens that was rendered; x to the right and y upwards, as the camera sees them.
 struct Aperture {
-    double radius = 1;            // of the circle, on which the corners between blades lie; 0 < radius <= 1
-    double f_number = 0;          // or, until it is known which was rendered: recorded_lens.h
-    std::uint32_t blades = 0;     // 0: a circle; else 3 or more
-    double rotation_degrees = 0;  // of the first corner, from the x axis towards the y axis
-    double curvature = 0;         // of the blades: 0 straight, 1 the circle
-    double squeeze = 1;           // the width is divided by this, at least 1
-    double cat_eye = 0;           // in the corners of the picture: distance between the rims of the lens, in rendered radii
-    bool gaussian = false;        // transmits e^(-2 r^2 / radius^2)
+    double radius = 1;    // of the circle, on which the corners between blades lie; 0 < radius <= 1
+    double f_number = 0;  // or, until it is known which was rendered: recorded_lens.h
+    image::Blades blades{};
+    double squeeze = 1;     // the width is divided by this, at least 1
+    double cat_eye = 0;     // in the corners of the picture: distance between the rims of the lens, in rendered radii
+    bool gaussian = false;  // transmits e^(-2 r^2 / radius^2)
     enum class Half : std::uint8_t { kBoth, kLeft, kRight } half = Half::kBoth;
 
     bool is_whole() const { return *this == Aperture{}; }

@@ -24,6 +24,23 @@ struct Moments {
 
 }  // namespace
 
+RowSums::RowSums(const std::vector<double>& values) {
+    before_.reserve(kLensCells * (kLensCells + 1));
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        before_.push_back(0);
+        for (std::size_t x = 0; x < kLensCells; ++x) before_.push_back(before_.back() + values[row * kLensCells + x]);
+    }
+}
+
+double RowSums::between(std::size_t row, double begin, double end) const {
+    const auto before = [&](double x) {
+        const double border = std::floor(x);
+        const double* const at = &before_[row * (kLensCells + 1) + static_cast<std::size_t>(border)];
+        return x == border ? at[0] : at[0] + (x - border) * (at[1] - at[0]);
+    };
+    return before(end) - before(begin);
+}
+
 std::string LensChoice::text() const {
     std::string text;
     const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
@@ -61,11 +78,16 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     LensCells cells = cells_of(aperture);
     cells_ = std::move(cells.transmission);
     double disk = 0;
-    std::vector<std::size_t> passing;
+    std::vector<double> passing, squares;
     for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
-        disk += static_cast<double>(cells.area[cell]);
-        if (cells_[cell] > 0 && cells.area[cell] > 0) passing.push_back(cell);
+        const auto area = static_cast<double>(cells.area[cell]), weight = static_cast<double>(cells_[cell]);
+        disk += area;
+        passing.push_back(weight * area);
+        squares.push_back(weight * weight * area);
+        leaves_out_ = leaves_out_ || (area > 0 && weight == 0);
     }
+    const RowSums light(passing), square_sums(squares);
+    leaves_out_ = leaves_out_ || aperture.cat_eye > 0;
     const double to_corner = std::sqrt(film_width * film_width + film_height * film_height) / 2;
     rim_u_ = static_cast<float>(aperture.cat_eye * film_width / to_corner);
     rim_v_ = static_cast<float>(-aperture.cat_eye * film_height / to_corner);
@@ -75,8 +97,11 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
         const auto place = [across](std::size_t k) { return across > 1 ? static_cast<float>(k) / (kMeansAcross - 1) : 0.5f; };
         const float u = place(i % across), v = place(i / across);
         Moments here;
-        for (const std::size_t cell : passing)
-            here.add(static_cast<double>(cells_[cell] * between_rims(cell, u, v)), static_cast<double>(cells.area[cell]) / disk);
+        for (std::size_t row = 0; row < kLensCells; ++row) {
+            const auto [begin, end] = in_rear_rim(row, u, v);
+            here.mean += light.between(row, begin, end) / disk;
+            here.square += square_sums.between(row, begin, end) / disk;
+        }
         means_.push_back(static_cast<float>(here.mean));
         const auto share = [across](std::size_t k) {  // of the film, by the trapezoidal rule
             return across == 1 ? 1.0 : (k == 0 || k + 1 == across ? 0.5 : 1.0) / (kMeansAcross - 1);
@@ -88,17 +113,7 @@ void LensWeights::set_aperture(const Aperture& aperture, double film_width, doub
     mean_ *= mean;
     kept_ *= kept;
     film_shift_ = film_shift;
-    if (film_shift == std::array<double, 2>{}) return;
-    constexpr std::size_t kRow = kLensCells + 1;
-    light_below_.assign(kRow * kRow, 0);
-    for (std::size_t y = 0; y < kLensCells; ++y) {
-        double row = 0;
-        for (std::size_t x = 0; x < kLensCells; ++x) {
-            const std::size_t cell = y * kLensCells + x;
-            row += static_cast<double>(cells_[cell]) * static_cast<double>(cells.area[cell]);
-            light_below_[(y + 1) * kRow + x + 1] = light_below_[y * kRow + x + 1] + row;
-        }
-    }
+    if (film_shift != std::array<double, 2>{}) light_ = light;
 }
 
 // The share of a cell that lies in the rear rim, the unit circle moved towards the centre of the picture's other side; its edge
@@ -109,6 +124,17 @@ float LensWeights::between_rims(std::size_t cell, float u, float v) const {
     const float x = (static_cast<float>(cell % kLensCells) + 0.5f) / kPerCell - 1 - (u - 0.5f) * rim_u_,
                 y = (static_cast<float>(cell / kLensCells) + 0.5f) / kPerCell - 1 - (v - 0.5f) * rim_v_;
     return std::clamp((1 - std::sqrt(x * x + y * y)) * kPerCell + 0.5f, 0.0f, 1.0f);
+}
+
+// The same for a row of cells at once: from where to where the rim lets light pass.
+std::array<double, 2> LensWeights::in_rear_rim(std::size_t row, float u, float v) const {
+    if (rim_u_ == 0) return {0, kLensCells};
+    constexpr double kPerCell = kLensCells / 2.0;
+    const double x = static_cast<double>((u - 0.5f) * rim_u_),
+                 y = (static_cast<double>(row) + 0.5) / kPerCell - 1 - static_cast<double>((v - 0.5f) * rim_v_);
+    const double half = std::sqrt(std::max(0.0, 1 - y * y));
+    return {std::clamp((x - half + 1) * kPerCell, 0.0, double{kLensCells}),
+            std::clamp((x + half + 1) * kPerCell, 0.0, double{kLensCells})};
 }
 
 float LensWeights::lens_mean(float u, float v) const {
@@ -125,19 +151,24 @@ float LensWeights::lens_mean(float u, float v) const {
 // A refocused picture has records at (u, v) of those points of the lens alone for which the film that was rendered has them: the
 // light through these, over that through all.
 float LensWeights::share_on_film(float u, float v) const {
-    if (light_below_.empty()) return 1;
+    constexpr double kPerCell = kLensCells / 2.0;
     const auto cells = [](double position, double shift) {  // whose centres the film has
-        if (shift == 0) return std::array<std::size_t, 2>{0, kLensCells};
+        if (shift == 0) return std::array<double, 2>{0, kLensCells};
         const double a = (position - 1) / shift, b = position / shift;
-        const auto place = [](double x) { return std::clamp((x + 1) * (kLensCells / 2.0), 0.0, double{kLensCells}); };
-        return std::array{static_cast<std::size_t>(place(std::min(a, b)) + 0.5),
-                          static_cast<std::size_t>(place(std::max(a, b)) + 0.5)};
+        const auto place = [](double x) { return std::floor(std::clamp((x + 1) * kPerCell, 0.0, double{kLensCells}) + 0.5); };
+        return std::array{place(std::min(a, b)), place(std::max(a, b))};
     };
     const auto [x0, x1] = cells(static_cast<double>(u), film_shift_[0]);
     const auto [y0, y1] = cells(static_cast<double>(v), film_shift_[1]);
-    const auto below = [&](std::size_t x, std::size_t y) { return light_below_[y * (kLensCells + 1) + x]; };
-    const double share = (below(x1, y1) - below(x0, y1) - below(x1, y0) + below(x0, y0)) / light_below_.back();
-    return share > 0 ? static_cast<float>(share) : 1.0f;
+    if (x0 == 0 && y0 == 0 && x1 == kLensCells && y1 == kLensCells) return 1;
+    double all = 0, seen = 0;
+    for (std::size_t row = 0; row < kLensCells; ++row) {
+        const auto [begin, end] = in_rear_rim(row, u, v);
+        all += light_.between(row, begin, end);
+        const double first = std::max(begin, x0), last = std::min(end, x1), y = static_cast<double>(row);
+        if (y >= y0 && y < y1 && first < last) seen += light_.between(row, first, last);
+    }
+    return seen > 0 ? static_cast<float>(seen / all) : 1.0f;
 }
 
 void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
@@ -146,8 +177,10 @@ void LensWeights::set_shutter(const Shutter& shutter, ShutterCurve curve) {
     Moments moments;
     for (std::size_t time = 0; time < kTimes; ++time) {
         open_[time] = open(time, 0.5f);
+        leaves_out_ = leaves_out_ || open_[time] == 0;
         moments.add(static_cast<double>(open_[time]), 1.0 / kTimes);
     }
+    leaves_out_ = leaves_out_ || rolling_ > 0;
     const double mean = curve_->all() * (1 - rolling_) / frames_;
     time_mean_ = static_cast<float>(mean);
     mean_ *= mean;
@@ -178,7 +211,8 @@ LensWeights::Factors LensWeights::operator()(const sampledb::Page& page, std::si
         weight *= rolling_ > 0 ? open(time, v) : open_[time];
         mean *= time_mean_;
     }
-    return factors_of(page.record_class, weight, mean, light_below_.empty() ? 1 : share_on_film(u, v));
+    const bool part_is_off_film = !light_.empty() && page.record_class == sampledb::RecordClass::kLight && weight > 0;
+    return factors_of(page.record_class, weight, mean, part_is_off_film ? share_on_film(u, v) : 1);
 }
 
 // A camera image is divided by the sum of shares, and so by the mean weight; a light image is not.

@@ -29,6 +29,19 @@ struct LensChoice {
     std::string text() const;  // "aperture 0.35; shutter 0.2:0.5"
 };
 
+// Sums of a value of each cell of the lens, along its rows.
+class RowSums {
+ public:
+    RowSums() = default;
+    explicit RowSums(const std::vector<double>& values);  // kLensCells * kLensCells
+    bool empty() const { return before_.empty(); }
+    // Of a row from one place to another, in cells; of a cell in part, that part.
+    double between(std::size_t row, double begin, double end) const;
+
+ private:
+    std::vector<double> before_{};  // each border of cells
+};
+
 // A record's weight is the transmission of the aperture in its cell of the lens, times that of the shutter in its 1/256 of the
 // exposure; both are means over the cell. Thread-safe.
 class LensWeights {
@@ -43,6 +56,9 @@ class LensWeights {
     Factors operator()(const sampledb::Page& page, std::size_t row) const;
     void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, std::vector<Factors>& out) const;
 
+    // Whether there are weights of 0.
+    bool leaves_records_out() const { return leaves_out_; }
+
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
     double kept() const { return kept_; }
@@ -53,11 +69,12 @@ class LensWeights {
     float between_rims(std::size_t cell, float u, float v) const;
     float lens_mean(float u, float v) const;
     float share_on_film(float u, float v) const;
+    std::array<double, 2> in_rear_rim(std::size_t row, float u, float v) const;
     float open(std::size_t time, float v) const;
-    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_below_.empty(); }
+    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_.empty(); }
     Factors factors_of(sampledb::RecordClass record_class, float weight, float mean, float share_on_film) const;
 
-    bool follows_ = false;
+    bool follows_ = false, leaves_out_ = false;
     double mean_ = 1, kept_ = 1;
 
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
@@ -66,7 +83,7 @@ class LensWeights {
     std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
 
     std::array<double, 2> film_shift_{};
-    std::vector<double> light_below_{};  // through all cells at a lower x and y than each corner of cells; if the film is shifted
+    RowSums light_{};  // through cells; if the film is shifted
 
     std::optional<std::size_t> time_column_{};
     std::optional<ShutterCurve> curve_{};

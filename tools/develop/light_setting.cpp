@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "base/option_parts.h"
 #include "base/parse.h"
 #include "color/light_name.h"
-#include "tools/develop/option_parts.h"
 
 namespace latent::develop {
 

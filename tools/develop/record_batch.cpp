@@ -223,7 +223,8 @@ std::uint32_t Loader::copy_rows(const sampledb::Page& page, const CellRows& rows
         const bool camera = page.record_class == sampledb::RecordClass::kCamera;
         (camera ? counts_.camera_not_finite : counts_.light_not_finite) += not_finite;
     }
-    return channels_.lens() ? drop_zeros(rows.count, filling.x + to, filling.y + to, filling.values + to * stride_) : rows.count;
+    if (!channels_.lens() || !channels_.lens()->leaves_records_out()) return rows.count;
+    return drop_zeros(rows.count, filling.x + to, filling.y + to, filling.values + to * stride_);
 }
 
 // Rows of zeros, which add nothing to any sum. Returns how many rows are left.

@@ -47,8 +47,8 @@ Status Refocused::read_page(std::size_t run, const PageInfo& info, const sampled
                             sampledb::PageDecoder& decoder, Page& page) const {
     const auto stored = all_.pages(run);
     if (!stored) return stored.error();
-    const auto its_own = std::ranges::find(**stored, info.offset, &PageInfo::offset);
-    assert(its_own != (*stored)->end());
+    const auto its_own = std::ranges::lower_bound(**stored, info.offset, {}, &PageInfo::offset);
+    assert(its_own != (*stored)->end() && its_own->offset == info.offset);
     sampledb::ColumnSet needed = columns;
     needed.positions = needed.extra = true;
     if (Status s = all_.read_page(run, *its_own, needed, decoder, page); !s) return s;

@@ -5,10 +5,10 @@
 #include <functional>
 #include <optional>
 
+#include "base/option_parts.h"
 #include "base/parse.h"
 #include "base/small_file.h"
 #include "color/csv.h"
-#include "tools/develop/option_parts.h"
 
 namespace latent::develop {
 

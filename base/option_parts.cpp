@@ -1,8 +1,8 @@
-#include "tools/develop/option_parts.h"
+#include "base/option_parts.h"
 
 #include "base/parse.h"
 
-namespace latent::develop {
+namespace latent {
 
 std::vector<std::string_view> parts_of(std::string_view text, char separator) {
     std::vector<std::string_view> parts;
@@ -25,4 +25,4 @@ std::optional<NamedNumbers> named_numbers(std::string_view text) {
     return named;
 }
 
-}  // namespace latent::develop
+}  // namespace latent

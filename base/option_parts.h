@@ -1,11 +1,11 @@
-// tools/develop/option_parts.h: options whose value has several parts, "0.35,blades:6:15,gaussian".
+// base/option_parts.h: options whose value has several parts, "0.35,blades:6:15,gaussian".
 #pragma once
 
 #include <optional>
 #include <string_view>
 #include <vector>
 
-namespace latent::develop {
+namespace latent {
 
 // The text between separators; one part at least, which may be empty.
 std::vector<std::string_view> parts_of(std::string_view text, char separator);
@@ -17,4 +17,4 @@ struct NamedNumbers {
 };
 std::optional<NamedNumbers> named_numbers(std::string_view text);
 
-}  // namespace latent::develop
+}  // namespace latent
