@@ -91,11 +91,11 @@ Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& optio
     return std::make_shared<const Emulsion>(Emulsion{film::GrainField(asked.seed, pixel_um, film->colour ? 3 : 1), *granularity});
 }
 
-Result<std::optional<FilmBlur>> blur_for(const ConvertOptions& options, const Source& source) {
+Result<FilmBlur> blur_for(const ConvertOptions& options, const Source& source) {
     const DarkroomOptions& asked = options.darkroom;
     const Halation halation = asked.halation.value_or(Halation::kNone);
     const bool mtf = asked.mtf.value_or(false);
-    if (!mtf && halation == Halation::kNone) return std::optional<FilmBlur>{};
+    if (!mtf && halation == Halation::kNone) return FilmBlur{};
     if (asked.paper.empty())
         return usage_error(fmt::format("{}: needs --paper; --list-papers shows all", mtf ? "--mtf" : "--halation"));
     const Result<film::Material> film = exposed_film(asked, source);
@@ -107,7 +107,7 @@ Result<std::optional<FilmBlur>> blur_for(const ConvertOptions& options, const So
         if (!half) return half.error().at("--mtf");
         blur.half = *half;
     }
-    return std::optional(blur);
+    return blur;
 }
 
 double grey_exposure(const Source& source) { return 10 / source.reader.image().film->exposure_index; }
