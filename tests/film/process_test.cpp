@@ -268,6 +268,29 @@ TEST(Process, AGreyCardPrintsAt18PercentWithEveryContrastFilter) {
     }
 }
 
+TEST(Process, AGreyCardPrintsAt10PercentOnPrintFilmInColourOrNot) {
+    for (const ProcessSettings& settings : all_kinds()) {
+        if (settings.paper != "2383" && settings.paper != "2302") continue;
+        const double h = 10 / settings.film.exposure_index;
+        EXPECT_NEAR((*Process::make(settings)).seen_by({h, h, h})[1], 0.10, 1e-6) << settings.paper;
+    }
+}
+
+TEST(Process, ALampIsWhiteOnPrintsOfEveryNegative) {
+    for (const ProcessSettings& settings : all_kinds()) {
+        if (settings.film.positive() || settings.paper == "scan") continue;
+        SCOPED_TRACE(settings.film.name);
+        const Process process = *Process::make(settings);
+        double before = 0;
+        for (int stops = -4; stops <= 12; ++stops) {  // the plots of some data sheets end three stops above the grey card
+            const double h = 10 / settings.film.exposure_index * std::exp2(stops), y = process({h, h, h})[1];
+            EXPECT_GE(y, before) << stops;
+            before = y;
+        }
+        EXPECT_GT(before, 0.8);
+    }
+}
+
 TEST(Process, PushingRaisesTheContrast) {
     for (ProcessSettings settings : {all_kinds()[0], all_kinds()[8]}) {
         settings.paper = "scan";
