@@ -81,11 +81,16 @@ TEST(Process, AgreesWithTheReference) {
         if (!p.pair.paper.empty()) {
             near(p.process.film_amounts(p.grey), triple(at_grey["negative_amounts"]), 0.0002);
             near(p.film.integral_density(p.process.film_amounts(p.grey)), triple(at_grey["negative_status_m"]), 0.0002);
+            const Stock paper = *Stock::make(*find_material(p.pair.paper, false));
+            const Triple print = p.process.printer()->exposures(paper, p.film.density(p.process.film_amounts(p.grey)));
+            near(paper.integral_density(paper.amounts(print)), triple(at_grey["print_status_a"]), 0.002);
             near(p.process.printer()->pack().ymc, triple(expected["print"]["pack_density_ymc"]), 0.0005);
             near(p.process.printer()->trim(), triple(expected["print"]["trim_rgb"]), 0.0005);
             EXPECT_NEAR(p.process.printer()->pack().log_time, expected["print"]["log10_time"], 0.0005);
         } else {
             near(p.process.shift(), triple(expected["neutral_shift"]), 0.0002);
+            const Triple h{color::log10_of(p.grey[0]), color::log10_of(p.grey[1]), color::log10_of(p.grey[2])};
+            near(p.film.integral_density(p.film.amounts(h)), triple(at_grey["status_a"]), 0.0002);
         }
         const Triple base = triple(expected["base_XYZ"]), white{base[0] / base[1], 1, base[2] / base[1]};
         const std::vector<Curve> patches = chart();
