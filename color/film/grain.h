@@ -38,7 +38,6 @@ class GrainField {
     // Means over the pixels x0 .. x0 + width - 1, y0 .. y0 + height - 1 (from the corner of the frame, 0 or more), into planes of
     // that size.
     void fill(int x0, int y0, int width, int height, const std::array<float*, 3>& planes, Scratch& scratch) const;
-    int layers() const { return layers_; }
     // Bytes of scratch that a block of this size takes.
     std::size_t scratch_bytes(int width, int height) const;
 
