@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "base/size.h"
 
@@ -30,7 +31,26 @@ std::vector<int> cuts(int begin, int end, int origin, int step) {
 // The multiple of `unit` nearest above `wanted`.
 int multiple(int unit, long long wanted) { return static_cast<int>(std::max<long long>(1, (wanted + unit - 1) / unit)) * unit; }
 
+std::size_t pixels(int width, int height) { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+
+bool is_tiled(const image::ExrImage& image) { return image.block_width < image.data_window.width(); }
+
+// Width and height of blocks.
+std::array<int, 2> block_steps(const image::ExrImage& image, const Rect& area) {
+    if (is_tiled(image)) return {multiple(image.block_width, 256), multiple(image.block_height, 256)};
+    const int rows = multiple(image.block_height, kBlockPixels / area.width());
+    return {area.width(), rows % 2 == 1 ? 2 * rows : rows};
+}
+
 }  // namespace
+
+// One block of floats, and up to three times the file's block while it is decompressed.
+std::size_t bytes_to_read(const image::ExrImage& image, const Rect& area, int threads) {
+    const auto [step_x, step_y] = block_steps(image, area);
+    return static_cast<std::size_t>(threads) * 12 *
+           (pixels(std::min(step_x, area.width()), std::min(step_y, area.height())) +
+            3 * pixels(image.block_width, image.block_height));
+}
 
 Rect BandPlan::band(std::size_t index) const {
     return {area.x0, index == 0 ? area.y0 : band_ends[index - 1], area.x1, band_ends[index]};
@@ -54,25 +74,19 @@ Result<BandPlan> plan_bands(const image::ExrImage& image, const Rect& area, cons
                             int threads) {
     BandPlan plan;
     plan.area = area;
-    plan.origin_x = image.data_window.x0;
+    const auto [step_x, step_y] = block_steps(image, area);
+    plan.block_step_x = step_x, plan.block_step_y = step_y;
+    plan.origin_x = is_tiled(image) ? image.data_window.x0 : area.x0;
     plan.origin_y = image.data_window.y0;
-    const bool tiled = image.block_width < image.data_window.width();
-    plan.block_step_x = tiled ? multiple(image.block_width, 256) : area.width();
-    plan.block_step_y = multiple(image.block_height, tiled ? 256 : kBlockPixels / area.width());
-    if (!tiled && plan.block_step_y % 2 == 1) plan.block_step_y *= 2;
-    if (!tiled) plan.origin_x = area.x0;
 
-    // Each thread holds one block of floats, and up to three times the file's block while it is decompressed.
-    const std::size_t block = (need.second_block ? 24 : 12) * static_cast<std::size_t>(std::min(plan.block_step_x, area.width())) *
-                              static_cast<std::size_t>(std::min(plan.block_step_y, area.height()));
-    const std::size_t beside =
-        need.beside_block ? need.beside_block(std::min(plan.block_step_x, area.width()), std::min(plan.block_step_y, area.height()))
-                          : 0;
-    const std::size_t file_block = 12 * static_cast<std::size_t>(image.block_width) * static_cast<std::size_t>(image.block_height);
-    const std::size_t fixed = need.bytes_held + static_cast<std::size_t>(threads) * (block + beside + 3 * file_block);
+    const int width = std::min(step_x, area.width()), rows = std::min(step_y, area.height());
+    const std::size_t second = need.second_block ? 12 * pixels(width, rows) : 0;
+    const std::size_t beside = need.beside_block ? need.beside_block(width, rows) : 0;
+    const std::size_t fixed =
+        need.bytes_held + static_cast<std::size_t>(threads) * (second + beside) + bytes_to_read(image, area, threads);
     int height = std::min(multiple(plan.block_step_y, kBandPixels / area.width()), multiple(2, area.height()));
-    const auto fits = [&](int rows, std::size_t bands) {
-        return fixed + bands * static_cast<std::size_t>(rows) * need.bytes_per_row <= memory;
+    const auto fits = [&](int band_rows, std::size_t bands) {
+        return fixed + bands * static_cast<std::size_t>(band_rows) * need.bytes_per_row <= memory;
     };
     plan.overlapped = threads > 1 && fits(height, 2);
     while (!fits(height, 1) && height > 2) height = multiple(2, height / 2);

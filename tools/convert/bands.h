@@ -30,6 +30,9 @@ struct MemoryNeed {
         beside_block{};  // bytes that each thread holds for a block of this size; or null
 };
 
+// What `threads` hold while they read the blocks of a picture side by side.
+std::size_t bytes_to_read(const image::ExrImage& image, const image::Rect& area, int threads);
+
 // Errors: kUsage if the smallest bands do not fit `memory`, with the amount that would do.
 Result<BandPlan> plan_bands(const image::ExrImage& image, const image::Rect& area, const MemoryNeed& need, std::uint64_t memory,
                             int threads);

@@ -245,9 +245,13 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
         }
     }
     if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
-    need.bytes_held += spread_bytes(*spread, image.data_window);
+    image::ExrImage printed_from = image;
+    if (*spread) {  // rows of a file without a name are printed
+        need.bytes_held += spread_bytes(*spread, image, options.threads);
+        printed_from.block_width = image.data_window.width(), printed_from.block_height = 1;
+    }
     need.second_block = needs_second_block(*exposures, pass);
-    const Result<BandPlan> plan = plan_bands(image, source->area, need, options.memory, options.threads);
+    const Result<BandPlan> plan = plan_bands(printed_from, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
     if (*spread) {
         Result<std::unique_ptr<Rows>> rows =

@@ -39,7 +39,7 @@ Status RowFile::read(std::size_t channel, int x0, int y, std::span<float> row) c
 Result<std::unique_ptr<Rows>> PictureRows::create(const image::ExrReader& reader, int first, int keep,
                                                   const std::filesystem::path& folder, int threads) {
     const image::ExrImage& image = reader.image();
-    constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has more to hold than this one
+    constexpr std::uint64_t kEnough = std::uint64_t{1} << 40;  // print's plan has room for it: spread_bytes()
     Result<BandPlan> plan = plan_bands(image, image.data_window, {}, kEnough, threads);
     if (!plan) return plan.error();
     Result<RowFile> file = RowFile::create(folder, image.data_window, keep + highest(*plan));

@@ -239,8 +239,9 @@ std::shared_ptr<const Convolver> convolver_for(std::optional<image::Kernel>& ker
 
 }  // namespace
 
-std::size_t spread_bytes(const Spread& spread, const Rect& picture) {
-    return (spread.near ? Convolver::bytes(spread.near->radius(), picture) : 0) +
+std::size_t spread_bytes(const Spread& spread, const image::ExrImage& image, int threads) {
+    const Rect& picture = image.data_window;
+    return bytes_to_read(image, picture, threads) + (spread.near ? Convolver::bytes(spread.near->radius(), picture) : 0) +
            (spread.far ? Convolver::bytes(spread.far->radius(), in_cells(picture, spread.cell)) : 0);
 }
 

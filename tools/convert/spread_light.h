@@ -20,7 +20,7 @@ struct Spread {
 };
 
 // Bytes of memory that light_rows() holds.
-std::size_t spread_bytes(const Spread& spread, const image::Rect& picture);
+std::size_t spread_bytes(const Spread& spread, const image::ExrImage& image, int threads);
 
 // Of the pixels that `reader` holds, which outlives the result; `print`: the bands that will be made and read, in their order. The
 // files are in `folder`. Errors: kIo.
