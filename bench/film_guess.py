@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """What guessing spectra from colours costs a film: beside spectral_film_lut, which has the same data of the same films.
 
-    python3 -m venv v && v/bin/pip install spectral-film-lut colour-science && v/bin/python bench/film_guess.py [TOOLS]
+    scripts/install peers && .peers/bin/python bench/film_guess.py [TOOLS [patches]]
 
 TOOLS: the folder of latent-convert [build/bin]; needs oiiotool too. The 24 patches of the ColorChecker lie under D55. Their exposures of
 the film's layers are added up from the true spectra, and guessed by spectral_film_lut from X, Y, Z; both relative to the grey card. Both are
-then printed by the same latent-convert. Prints, for each film, the guess's error in stops and the difference of the prints (CIEDE2000)."""
+then printed by the same latent-convert. Prints, for each film, the guess's error in stops and the difference of the prints (CIEDE2000);
+with `patches`, for each patch too."""
 import pathlib
 import subprocess
 import sys
@@ -77,6 +78,10 @@ def main():
                 differences = colour.difference.delta_E_CIE2000(*lab)
                 print(f"{film:<16}{method:<18}{f'{stops.mean():.3f}, {stops.max():.3f}':<32}"
                       f"{f'{differences.mean():.2f}, {differences.max():.2f}':<32}{differences.argmax() + 1}")
+                if "patches" in sys.argv[2:]:
+                    signed = np.log2(guessed / true)
+                    for i, (layers, difference) in enumerate(zip(signed, differences)):
+                        print(f"    {i + 1:>2}  stops: {layers[0]:+.2f} {layers[1]:+.2f} {layers[2]:+.2f}  dE2000 {difference:.2f}")
 
 
 main()

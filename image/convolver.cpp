@@ -113,11 +113,6 @@ void Convolver::spread(Planes& planes, const Take& take) const {
     take(2, planes[2].data());
 }
 
-float Convolver::usable(float value) {
-    constexpr float kMost = 1e30F;
-    return value >= -kMost && value <= kMost ? value : 0.0F;
-}
-
 float Convolver::given_away(std::size_t channel, int x, int y) const {
     const std::size_t side = 2 * static_cast<std::size_t>(radius_) + 2;
     const auto end = [&](int distance) {

@@ -33,15 +33,20 @@ class Convolver {
     using Planes = std::array<std::vector<float>, 3>;
     using Take = std::function<void(std::size_t channel, const float* gained)>;
     void spread(Planes& planes, const Take& take) const;
-    static float usable(float value);  // or 0
+    static float usable(float value) {  // or 0
+        constexpr float kMost = 1e30F;
+        return value >= -kMost && value <= kMost ? value : 0.0F;
+    }
 
+    // Whether anything leaves a pixel, and how much of its light a pixel gives away.
+    bool spreads(std::size_t channel) const { return all_[channel] != 0; }
+    float given_away(std::size_t channel, int x, int y) const;
     // What pixels x0, x0 + 1, ... of row y have become: what they keep of their light, and gain.
     void join(std::size_t channel, int x0, int y, std::span<const float> light, const float* gained, float* out) const;
 
  private:
     static int size_for(int radius, const Rect& picture);
     void multiply(std::vector<float>& re, std::vector<float>& im, std::size_t first, std::size_t second) const;
-    float given_away(std::size_t channel, int x, int y) const;
 
     Rect picture_;
     int radius_, size_;

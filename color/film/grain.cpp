@@ -48,17 +48,17 @@ std::uint64_t mixed(std::uint64_t z) {  // [SplitMix64]
     return z ^ (z >> 31);
 }
 
-// Four numbers of mean 0 and variance 1, nearly normal: of each 16 bits, how many are set.
-struct Four {
-    float n[4];
+// Numbers of mean 8 and variance 4, nearly normal: of each 16 bits, how many are set.
+struct Counts {
+    std::int32_t n[4];
 };
-Four normals(std::uint64_t key, std::int64_t x, std::int64_t y) {
+Counts counts(std::uint64_t key, std::int64_t x, std::int64_t y) {
     std::uint64_t b = mixed(key ^ (static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15 + (static_cast<std::uint64_t>(y) << 32)));
     b -= (b >> 1) & 0x5555555555555555;
     b = (b & 0x3333333333333333) + ((b >> 2) & 0x3333333333333333);
     b = (b + (b >> 4)) & 0x0f0f0f0f0f0f0f0f;
     b = (b + (b >> 8)) & 0x00ff00ff00ff00ff;
-    const auto one = [&](int shift) { return (static_cast<float>(static_cast<std::int32_t>((b >> shift) & 0xff)) - 8) * 0.5F; };
+    const auto one = [&](int shift) { return static_cast<std::int32_t>((b >> shift) & 0xff); };
     return {{one(0), one(16), one(32), one(48)}};
 }
 
@@ -127,108 +127,105 @@ GrainField::GrainField(std::uint64_t seed, double pixel_um, int layers) : seed_(
     strength_ = std::sqrt(variance(pixel_um) / variance(kAperture));
 }
 
-GrainField::Span1 GrainField::seen_by(std::int64_t pixel) const {
-    const double a = static_cast<double>(pixel) * pixel_um_, b = a + pixel_um_;
-    Span1 span;
-    span.first = static_cast<std::int64_t>(std::floor((a - kCloud) / cell_um_));
-    const auto last = static_cast<std::int64_t>(std::floor((b + kCloud) / cell_um_));
-    double squares = 0;
-    for (std::int64_t i = span.first; i <= last; ++i) {
-        const double seen = part(a, b, static_cast<double>(i) * cell_um_, static_cast<double>(i + 1) * cell_um_);
-        squares += seen * seen;
-        span.weights.push_back(static_cast<float>(seen));
+void GrainField::see(int begin, int pixels, Taps& taps) const {
+    if (taps.begin == begin && taps.pixels == pixels) return;
+    taps = {begin, pixels, static_cast<int>((pixel_um_ + 2 * kCloud) / cell_um_) + 2, {}, {}};
+    for (int i = 0; i < pixels; ++i) {
+        const double a = (begin + i) * pixel_um_, b = a + pixel_um_;
+        const auto first = static_cast<std::int64_t>(std::floor((a - kCloud) / cell_um_));
+        std::vector<double> seen;
+        double squares = 0;
+        for (int t = 0; t < taps.each; ++t) {
+            const auto cell = static_cast<double>(first + t);
+            seen.push_back(part(a, b, cell * cell_um_, (cell + 1) * cell_um_));
+            squares += seen.back() * seen.back();
+        }
+        // The cells are not infinitely small, so what a pixel sees depends a little on where it lies between them: made up for.
+        const double factor = strength_ / std::sqrt(squares);
+        taps.first.push_back(first);
+        for (const double s : seen) taps.weights.push_back(static_cast<float>(s * factor));
     }
-    // The cells are not infinitely small, so what a pixel sees depends a little on where it lies between them: made up for.
-    const double factor = strength_ / std::sqrt(squares);
-    for (float& w : span.weights) w = static_cast<float>(static_cast<double>(w) * factor);
-    return span;
 }
 
 // Haar refinement: four children are their parent plus independent details, and their mean is their parent. Values have variance 1:
-// those of a level are twice as strong as their parents', in proportion to the reciprocal of their width.
-void GrainField::cells(std::uint64_t layer, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1,
-                       Scratch& scratch) const {
-    struct Area {
-        std::int64_t x0, y0, x1, y1;  // inclusive
-    };
-    std::array<Area, kFinest + 1> areas;
-    areas[static_cast<std::size_t>(level_)] = {x0, y0, x1, y1};
+// those of a level are twice as strong as their parents', in proportion to the reciprocal of their width. Fills `fine` with the
+// cells that are wanted, and some around them: returns which.
+GrainField::Cells GrainField::fill_cells(std::uint64_t layer, const Cells& wanted, Scratch& scratch) const {
+    std::array<Cells, kFinest + 1> areas;
+    areas[static_cast<std::size_t>(level_)] = wanted;
     for (int level = level_; level-- > 0;) {
-        const Area& below = areas[static_cast<std::size_t>(level) + 1];
+        const Cells& below = areas[static_cast<std::size_t>(level) + 1];
         areas[static_cast<std::size_t>(level)] = {floor_half(below.x0), floor_half(below.y0), floor_half(below.x1),
                                                   floor_half(below.y1)};
     }
-    const auto width_of = [](const Area& a) { return static_cast<std::size_t>(a.x1 - a.x0 + 1); };
-    scratch.coarse.resize(width_of(areas[0]) * static_cast<std::size_t>(areas[0].y1 - areas[0].y0 + 1));
-    for (std::int64_t y = areas[0].y0; y <= areas[0].y1; ++y) {
-        for (std::int64_t x = areas[0].x0; x <= areas[0].x1; ++x)
-            scratch.coarse[static_cast<std::size_t>(y - areas[0].y0) * width_of(areas[0]) +
-                           static_cast<std::size_t>(x - areas[0].x0)] = normals(key_of(seed_, layer, 0), x, y).n[0];
+    Cells from = areas[0];
+    scratch.fine.resize(from.width() * from.height());
+    for (std::int64_t y = from.y0; y <= from.y1; ++y) {
+        for (std::int64_t x = from.x0; x <= from.x1; ++x)
+            scratch.fine[static_cast<std::size_t>(y - from.y0) * from.width() + static_cast<std::size_t>(x - from.x0)] =
+                static_cast<float>(counts(key_of(seed_, layer, 0), x, y).n[0] - 8) * 0.5F;
     }
     for (int level = 0; level < level_; ++level) {
-        const Area& from = areas[static_cast<std::size_t>(level)];
-        const Area& to = areas[static_cast<std::size_t>(level) + 1];
+        const Cells& used = areas[static_cast<std::size_t>(level)];
+        const Cells to{2 * used.x0, 2 * used.y0, 2 * used.x1 + 1, 2 * used.y1 + 1};  // all children
         const std::uint64_t key = key_of(seed_, layer, level + 1);
-        const std::size_t width = width_of(to);
-        scratch.fine.resize(width * static_cast<std::size_t>(to.y1 - to.y0 + 1));
-        for (std::int64_t y = from.y0; y <= from.y1; ++y) {
-            const float* parents = &scratch.coarse[static_cast<std::size_t>(y - from.y0) * width_of(from)];
-            for (std::int64_t x = from.x0; x <= from.x1; ++x) {
+        std::swap(scratch.coarse, scratch.fine);
+        scratch.fine.resize(to.width() * to.height());
+        for (std::int64_t y = used.y0; y <= used.y1; ++y) {
+            const float* parents =
+                &scratch.coarse[static_cast<std::size_t>(y - from.y0) * from.width() + static_cast<std::size_t>(used.x0 - from.x0)];
+            float* upper = &scratch.fine[static_cast<std::size_t>(2 * y - to.y0) * to.width()];
+            float* lower = upper + to.width();
+            for (std::int64_t x = used.x0; x <= used.x1; ++x) {
                 // Of variance 1 as children; the sum of four independent halves.
-                const Four d = normals(key, x, y);
-                const float p = parents[x - from.x0];
-                const float child[4] = {0.5F * (p + d.n[0] + d.n[1] + d.n[2]), 0.5F * (p + d.n[0] - d.n[1] - d.n[2]),
-                                        0.5F * (p - d.n[0] + d.n[1] - d.n[2]), 0.5F * (p - d.n[0] - d.n[1] + d.n[2])};
-                for (int i = 0; i < 4; ++i) {
-                    const std::int64_t cx = 2 * x + (i & 1), cy = 2 * y + (i >> 1);
-                    if (cx < to.x0 || cx > to.x1 || cy < to.y0 || cy > to.y1) continue;
-                    scratch.fine[static_cast<std::size_t>(cy - to.y0) * width + static_cast<std::size_t>(cx - to.x0)] = child[i];
-                }
+                const auto [a, b, c, unused] = counts(key, x, y).n;
+                const float half = 0.5F * parents[x - used.x0];
+                std::int64_t i = 2 * (x - used.x0);
+                upper[i] = half + 0.25F * static_cast<float>(a + b + c - 24);
+                lower[i] = half + 0.25F * static_cast<float>(b - a - c + 8);
+                ++i;
+                upper[i] = half + 0.25F * static_cast<float>(a - b - c + 8);
+                lower[i] = half + 0.25F * static_cast<float>(c - a - b + 8);
             }
         }
-        std::swap(scratch.coarse, scratch.fine);
+        from = to;
     }
-    std::swap(scratch.coarse, scratch.fine);  // in any case `fine`
+    return from;
 }
 
 void GrainField::fill(int x0, int y0, int width, int height, const std::array<float*, 3>& planes, Scratch& scratch) const {
-    std::vector<Span1> columns, rows;
-    for (int x = 0; x < width; ++x) columns.push_back(seen_by(x0 + x));
-    for (int y = 0; y < height; ++y) rows.push_back(seen_by(y0 + y));
-    const auto last_of = [](const Span1& span) { return span.first + static_cast<std::int64_t>(span.weights.size()) - 1; };
-    const std::int64_t cx0 = columns.front().first, cx1 = last_of(columns.back()), cy0 = rows.front().first,
-                       cy1 = last_of(rows.back());
-    const auto pixels = static_cast<std::size_t>(width);
-    const auto cell_columns = static_cast<std::size_t>(cx1 - cx0 + 1), cell_rows = static_cast<std::size_t>(cy1 - cy0 + 1);
+    see(x0, width, scratch.columns);
+    see(y0, height, scratch.rows);
+    const Taps &columns = scratch.columns, &rows = scratch.rows;
+    const auto each = static_cast<std::size_t>(columns.each);
+    const Cells wanted{columns.first.front(), rows.first.front(), columns.first.back() + columns.each - 1,
+                       rows.first.back() + rows.each - 1};
     for (int layer = 0; layer < layers_; ++layer) {
-        cells(static_cast<std::uint64_t>(layer), cx0, cy0, cx1, cy1, scratch);
-        scratch.sums.resize(pixels * cell_rows);
-        for (std::size_t r = 0; r < cell_rows; ++r) {
-            const float* cell = &scratch.fine[r * cell_columns];
-            for (std::size_t x = 0; x < pixels; ++x) {
-                const Span1& span = columns[x];
-                const float* seen = cell + (span.first - cx0);
-                float sum = 0;
-                for (std::size_t i = 0; i < span.weights.size(); ++i) sum += span.weights[i] * seen[i];
-                scratch.sums[r * pixels + x] = sum;
-            }
-        }
+        const Cells cells = fill_cells(static_cast<std::uint64_t>(layer), wanted, scratch);
+        scratch.sums.resize(cells.width());
+        float* out = planes[static_cast<std::size_t>(layer)];
         for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y) {
-            float* out = planes[static_cast<std::size_t>(layer)] + y * pixels;
-            std::fill_n(out, pixels, 0.0F);
-            for (std::size_t i = 0; i < rows[y].weights.size(); ++i) {
-                const float weight = rows[y].weights[i];
-                const float* row = &scratch.sums[(static_cast<std::size_t>(rows[y].first - cy0) + i) * pixels];
-                for (std::size_t x = 0; x < pixels; ++x) out[x] += weight * row[x];
+            std::ranges::fill(scratch.sums, 0.0F);
+            for (std::size_t i = 0; i < each; ++i) {
+                const float weight = rows.weights[y * each + i];
+                const float* row = &scratch.fine[(static_cast<std::size_t>(rows.first[y] - cells.y0) + i) * cells.width()];
+                for (std::size_t x = 0; x < scratch.sums.size(); ++x) scratch.sums[x] += weight * row[x];
+            }
+            const float* weights = columns.weights.data();
+            for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x, weights += each) {
+                const float* seen = &scratch.sums[static_cast<std::size_t>(columns.first[x] - cells.x0)];
+                float sum = 0;
+                for (std::size_t i = 0; i < each; ++i) sum += weights[i] * seen[i];
+                *out++ = sum;
             }
         }
     }
 }
 
 std::size_t GrainField::scratch_bytes(int width, int height) const {
-    const auto along = [&](int n) { return static_cast<std::size_t>((n * pixel_um_ + 2 * kCloud) / cell_um_) + 4; };
-    const std::size_t spans = static_cast<std::size_t>(width + height) * (sizeof(Span1) + 16 + 4 * along(1));
-    return 4 * (2 * along(width) * along(height) + static_cast<std::size_t>(width) * along(height)) + spans;
+    const auto along = [&](int n) { return static_cast<std::size_t>((n * pixel_um_ + 2 * kCloud) / cell_um_) + 6; };
+    const std::size_t taps = static_cast<std::size_t>(width + height) * (sizeof(std::int64_t) + 4 * along(1));
+    return 4 * (2 * along(width) * along(height) + along(width)) + 2 * taps;  // vectors may hold twice what they need
 }
 
 }  // namespace latent::film

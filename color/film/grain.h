@@ -24,25 +24,31 @@ class GrainField {
     // Pixels of this size on the film. `layers`: 1 (black and white) or 3.
     GrainField(std::uint64_t seed, double pixel_um, int layers);
 
+    // Cells that pixels see along an axis, and how much of each: `each` weights a pixel.
+    struct Taps {
+        int begin = 0, pixels = 0, each = 0;
+        std::vector<std::int64_t> first;  // cell, by pixel
+        std::vector<float> weights;
+    };
     // Buffers of one thread, kept from call to call.
     struct Scratch {
         std::vector<float> coarse, fine, sums;
+        Taps columns, rows;
     };
     // Means over the pixels x0 .. x0 + width - 1, y0 .. y0 + height - 1 (from the corner of the frame, 0 or more), into planes of
     // that size.
     void fill(int x0, int y0, int width, int height, const std::array<float*, 3>& planes, Scratch& scratch) const;
-    int layers() const { return layers_; }
     // Bytes of scratch that a block of this size takes.
     std::size_t scratch_bytes(int width, int height) const;
 
  private:
-    // Cells that a pixel sees along an axis, and how much of each.
-    struct Span1 {
-        std::int64_t first = 0;
-        std::vector<float> weights;
+    struct Cells {
+        std::int64_t x0, y0, x1, y1;  // inclusive
+        std::size_t width() const { return static_cast<std::size_t>(x1 - x0 + 1); }
+        std::size_t height() const { return static_cast<std::size_t>(y1 - y0 + 1); }
     };
-    Span1 seen_by(std::int64_t pixel) const;
-    void cells(std::uint64_t layer, std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1, Scratch& scratch) const;
+    void see(int begin, int pixels, Taps& taps) const;
+    Cells fill_cells(std::uint64_t layer, const Cells& wanted, Scratch& scratch) const;
 
     std::uint64_t seed_;
     double pixel_um_, cell_um_ = 0;

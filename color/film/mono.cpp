@@ -7,6 +7,7 @@
 
 #include "color/film/push.h"
 #include "color/film/spectra.h"
+#include "color/film/stock.h"
 
 namespace latent::film {
 namespace {
@@ -36,6 +37,14 @@ Result<MonoCurve> mono_film(const Material& film, double push) {
     const double base = std::ranges::min(curves->values[best]);
     for (const double at : h)
         out.density.push_back(base + push_contrast(push) * (interpolated(at + push_speed(push), h, curves->values[best]) - base));
+    constexpr double kStep = 0.05, kDecades = 4;
+    constexpr std::size_t kEnd = 8;
+    const double from = h.back(), most = out.density.back(),
+                 contrast = (most - out.density[h.size() - 1 - kEnd]) / (from - h[h.size() - 1 - kEnd]);
+    for (double beyond = kStep; beyond < kDecades; beyond += kStep) {
+        out.log_exposure.push_back(from + beyond);
+        out.density.push_back(most + shoulder(beyond, contrast));
+    }
     return out;
 }
 

@@ -191,9 +191,8 @@ Status Process::make_black_and_white(const ProcessSettings& settings) {
     paper_density_ = paper->density;
     description_ = fmt::format("{} on {}", material.name, found->name);
     if (!settings.contrast_filter.empty()) description_ += ", contrast filter " + settings.contrast_filter;
-    // A grey card prints at 18 % of the light.
     const double least = std::ranges::min(paper_density_);
-    paper_offset_ = inverted(paper_h_, paper_density_, -color::log10_of(0.18)) + grey + print_log_;
+    paper_offset_ = inverted(paper_h_, paper_density_, -color::log10_of(viewing_of(found->kind).aim)) + grey + print_log_;
     base_luminance_ = color::power_of_ten(-least);
     fill_tables();
     return {};

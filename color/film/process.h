@@ -45,9 +45,7 @@ class Process {
     void row(float scale, const std::array<std::span<const float>, 3>& exposures, const std::array<std::span<float>, 3>& xyz,
              const GrainRow* grain = nullptr) const;
 
-    bool is_scan() const { return scan_; }
-    color::Chromaticity white() const { return white_; }       // what the print's neutrals look like
-    double base_luminance() const { return base_luminance_; }  // Y of the print's white, relative to the viewing light
+    color::Chromaticity white() const { return white_; }  // what the print's neutrals look like
     const std::optional<Printer>& printer() const { return printer_; }
     const Triple& shift() const { return shift_; }
     // For the report: "portra-400 on endura, filters 54Y 46M 0C".

@@ -109,6 +109,8 @@ Triple unmixed(const Triple& target, const Curve& base, const Curves& dyes, cons
     return a;
 }
 
+double shoulder(double beyond, double contrast) { return kShoulder * (1 - color::power_of_e(-beyond * contrast / kShoulder)); }
+
 double inverted(std::span<const double> h, std::span<const double> y, double at) {
     const double sign = y.back() > y.front() ? 1 : -1;
     std::vector<double> rising_y;
@@ -175,7 +177,7 @@ double Stock::amount(std::size_t layer, double h) const {
     h += push_speed(push_);
     double a = interpolated(h, h_, amount_[layer]);
     if (material_.kind == Kind::kNegative && h > shoulder_from_[layer])
-        a += kShoulder * (1 - color::power_of_e(-(h - shoulder_from_[layer]) * shoulder_slope_[layer] / kShoulder));
+        a += shoulder(h - shoulder_from_[layer], shoulder_slope_[layer]);
     return push_contrast(push_) * a;
 }
 

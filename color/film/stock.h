@@ -62,6 +62,9 @@ class Stock {
 // Amounts whose integral densities by `weights` (each adds up to 1) are `target`: Newton, from `start`.
 Triple unmixed(const Triple& target, const Curve& base, const Curves& dyes, const Curves& weights, Triple start = {});
 
+// What a negative still gains beyond the end of its plot, `beyond` in log exposure, of this contrast there: up to 0.5.
+double shoulder(double beyond, double contrast);
+
 // h where the monotone y(h) is `at`; its ends go on.
 double inverted(std::span<const double> h, std::span<const double> y, double at);
 

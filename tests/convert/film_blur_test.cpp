@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "image/convolver.h"
 #include "tests/convert/test_picture.h"
 #include "tools/convert/film_kernel.h"
+#include "tools/convert/spread_light.h"
 
 namespace latent::convert {
 namespace {
@@ -27,7 +29,7 @@ double response(const image::Kernel& kernel, std::size_t channel, double cycles_
 TEST(FilmKernel, KeepsAsMuchContrastAsTheFilm) {
     const film::Triple half{35, 50, 65};
     for (const double pixel_um : {1.5, 3.0}) {
-        const image::Kernel kernel = film_kernel({half, {}}, pixel_um, image::Convolver::kMostRadius);
+        const image::Kernel kernel = sharpness_kernel(half, pixel_um, image::Convolver::kMostRadius);
         for (std::size_t c = 0; c < 3; ++c) {
             for (const double cycles_per_mm : {10.0, 30.0, 60.0}) {
                 // Pixels that wide lose a few per cent themselves.
@@ -46,7 +48,7 @@ TEST(FilmKernel, KeepsAsMuchContrastAsTheFilm) {
 TEST(FilmKernel, ReturnsItsShareOfTheLightWithinAMillimetre) {
     const film::Triple share{0.1, 0.04, 0};
     for (const double pixel_um : {5.0, 36.0}) {
-        const image::Kernel kernel = film_kernel({std::nullopt, share}, pixel_um, image::Convolver::kMostRadius);
+        const image::Kernel kernel = returned_kernel(share, pixel_um, image::Convolver::kMostRadius);
         for (std::size_t c = 0; c < 3; ++c) {
             double returned = 0;
             for (int y = -kernel.radius(); y <= kernel.radius(); ++y) {
@@ -83,25 +85,76 @@ class FilmBlurPrint : public PrintTest {
 };
 
 TEST_F(FilmBlurPrint, IsTheSameForAnyThreadsMemoryAndCrop) {
-    ConvertOptions options;
-    options.darkroom.paper = "endura";
-    options.darkroom.frame_mm = 8;
-    const Bytes sharp = pixels("sharp.png", options);
-    options.darkroom.halation = Halation::kBare;
-    options.darkroom.mtf = true;
-    options.darkroom.grain = true;
-    options.glare = *parse_glare("f:11");
-    options.threads = 1;
-    const Bytes whole = pixels("a.png", options);
-    EXPECT_NE(whole, sharp);
-    options.threads = 3;
-    options.memory = 160 << 20;
-    EXPECT_EQ(pixels("b.png", options), whole);
-    options.crop = image::Rect{33, 21, 133, 71};
-    const Bytes crop = pixels("c.png", options);
-    for (std::size_t y = 0; y < 50; ++y) {
-        for (std::size_t i = 0; i < 300; ++i) ASSERT_EQ(crop[y * 300 + i], whole[(y + 21) * 900 + 99 + i]);
+    for (const double frame_mm : {8.0, 1.0}) {  // light returns from pixel to pixel, and in cells of 3 x 3
+        ConvertOptions options;
+        options.replace = true;
+        options.darkroom.paper = "endura";
+        options.darkroom.frame_mm = frame_mm;
+        const Bytes sharp = pixels("sharp.png", options);
+        options.darkroom.halation = Halation::kBare;
+        options.darkroom.mtf = true;
+        options.darkroom.grain = true;
+        if (frame_mm > 1) options.glare = *parse_glare("f:11");
+        options.threads = 1;
+        const Bytes whole = pixels("a.png", options);
+        EXPECT_NE(whole, sharp);
+        options.threads = 3;
+        options.memory = 160 << 20;
+        EXPECT_EQ(pixels("b.png", options), whole);
+        options.crop = image::Rect{33, 21, 133, 71};
+        const Bytes crop = pixels("c.png", options);
+        for (std::size_t y = 0; y < 50; ++y) {
+            for (std::size_t i = 0; i < 300; ++i) ASSERT_EQ(crop[y * 300 + i], whole[(y + 21) * 900 + 99 + i]);
+        }
     }
+}
+
+// Pixels of 5 um, after light has returned in cells of `cell` pixels: of the layer that sees red.
+class ReturnedLight : public PrintTest {
+ protected:
+    static constexpr int kSide = 421;  // pixels, and no multiple of a cell
+    std::vector<float> pixels(const Light& light, int cell) const {
+        write_picture(folder_ / "film.exr", {.width = kSide, .height = kSide}, light);
+        const auto reader = image::ExrReader::open(folder_ / "film.exr");
+        EXPECT_TRUE(reader);
+        const image::Rect picture{0, 0, kSide, kSide};
+        const auto plan = plan_bands(reader->image(), picture, {}, 1 << 30, 1);
+        const auto rows =
+            light_rows(*reader, {.near = std::nullopt, .far = returned_kernel({0.1, 0, 0}, 5.0 * cell, 1024), .cell = cell}, *plan,
+                       folder_.path(), 1);
+        EXPECT_TRUE(rows && (*rows)->make(kSide));
+        std::vector<float> out(picture.pixels());
+        for (int y = 0; y < kSide; ++y)
+            EXPECT_TRUE((*rows)->read(0, 0, y, std::span(out).subspan(static_cast<std::size_t>(y) * kSide, kSide)));
+        return out;
+    }
+};
+
+TEST_F(ReturnedLight, OfALampIsTheSameInCellsButForAFiftiethOfIt) {
+    constexpr int kLamp = 207;
+    const auto lamp = [](int x, int y) { return std::array<float, 3>{x == kLamp && y == kLamp ? 1.0F : 0.0F, 0, 0}; };
+    const std::vector<float> exact = pixels(lamp, 1), in_cells = pixels(lamp, 2);
+    double moved = 0, sum = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+        sum += static_cast<double>(in_cells[i]);
+        if (i != kLamp * kSide + kLamp) moved += std::abs(static_cast<double>(in_cells[i] - exact[i])) / 2;
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+    // Integrals of the ring, blurred by cells of 10 um whose middle is 3.5 um from the lamp, give 0.015.
+    EXPECT_LT(moved, 0.02 * 0.1);
+    EXPECT_GT(moved, 0);
+}
+
+TEST_F(ReturnedLight, LeavesAnEvenPictureEvenToItsEdges) {
+    for (const float value : pixels([](int, int) { return std::array<float, 3>{0.7F, 0, 0}; }, 2)) ASSERT_NEAR(value, 0.7, 1e-6);
+}
+
+TEST_F(ReturnedLight, OfAPixelThatIsNoNumberIsNone) {
+    const auto broken = [](int x, int y) {
+        return std::array<float, 3>{x == 100 && y == 100 ? std::numeric_limits<float>::quiet_NaN() : 0.5F, 0, 0};
+    };
+    const std::vector<float> out = pixels(broken, 2);
+    for (std::size_t i = 0; i < out.size(); ++i) ASSERT_EQ(std::isnan(out[i]), i == 100 * kSide + 100);
 }
 
 TEST_F(FilmBlurPrint, NeedsAFilmWhoseSharpnessIsKnown) {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "color/catalogue.h"
 #include "color/film/spectra.h"
 #include "color/power_of_ten.h"
 #include "tests/film/reference.h"
@@ -48,6 +50,20 @@ TEST(FilmExposure, DaylightFilmSeesLampsOrangeAndTungstenFilmSeesDaylightBlue) {
     EXPECT_GT(daylight_film[0] / daylight_film[2], 3);
     const auto tungsten_film = exposures_of_white(*film_observer(*find_material("vision3-500t", true), 500), "D55");
     EXPECT_LT(tungsten_film[0] / tungsten_film[2], 0.5);
+}
+
+// Wratten 80A turns light of 3200 K into 5500 K; the ideal filter of 131 mired does the reverse.
+TEST(FilmExposure, ConversionFiltersMakeLightNeutralForTheFilmWithinAThirdOfAStop) {
+    const auto stops_from_neutral = [](const char* name, const char* light, const char* filter) {
+        const Material material = *find_material(name, true);
+        const color::Observer film = *film_observer(material, material.exposure_index);
+        const auto h = exposures_of_white(*filter == 0 ? film : film.behind(*color::lens_filter(filter), filter, 1), light);
+        return std::max({std::abs(std::log2(h[0] / h[1])), std::abs(std::log2(h[2] / h[1])), std::abs(std::log2(h[0] / h[2]))});
+    };
+    EXPECT_GT(stops_from_neutral("portra-400", "3200K", ""), 1);
+    EXPECT_LT(stops_from_neutral("portra-400", "3200K", "wratten-80A"), 1.0 / 3);
+    EXPECT_GT(stops_from_neutral("vision3-500t", "D55", ""), 1);
+    EXPECT_LT(stops_from_neutral("vision3-500t", "D55", "mired:131"), 1.0 / 3);
 }
 
 TEST(FilmExposure, LogarithmsInvertPowers) {

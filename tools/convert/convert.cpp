@@ -149,21 +149,25 @@ std::string coarse_print(int width, double paper_width_mm, int dpi) {
         paper_width_mm, width, dpi, std::ceil(paper_width_mm / 25.4 * kFineDpi / 100) * 100, kFineDpi);
 }
 
-// Where the light of a pixel goes; nothing if it stays. A film sees what the lens has spread.
-Result<std::optional<image::Kernel>> kernel_for(const ConvertOptions& options, const Source& source) {
-    const Result<std::optional<FilmBlur>> blur = blur_for(options, source);
+// Where the light of a pixel goes. A film sees what the lens has spread.
+Result<Spread> spread_for(const ConvertOptions& options, const Source& source) {
+    const Result<FilmBlur> blur = blur_for(options, source);
     if (!blur) return blur.error();
-    const int most = image::Convolver::kMostRadius / (*blur && options.glare ? 2 : 1);
-    const double frame_mm = options.darkroom.frame();
-    std::optional<image::Kernel> film, lens;
-    if (*blur) film = film_kernel(**blur, pixel_um(source, frame_mm), most);
+    const double frame_mm = options.darkroom.frame(), um = pixel_um(source, frame_mm);
+    constexpr int kMost = image::Convolver::kMostRadius;
+    Spread spread;
+    if (blur->half) spread.near = sharpness_kernel(*blur->half, um, kMost / 2);
     if (options.glare) {
-        Result<image::Kernel> glare = glare_kernel(*options.glare, source, frame_mm, most);
-        if (!glare) return glare.error().at("--glare");
-        lens = *std::move(glare);
+        const int left = kMost - (spread.near ? spread.near->radius() : 0);
+        Result<image::Kernel> lens = glare_kernel(*options.glare, source, frame_mm, left);
+        if (!lens) return lens.error().at("--glare");
+        spread.near = spread.near ? image::in_turn(*lens, *spread.near) : *std::move(lens);
     }
-    if (lens && film) return std::optional(image::in_turn(*lens, *film));
-    return lens ? std::move(lens) : std::move(film);
+    if (blur->returns_light()) {
+        spread.cell = returned_cell(um);
+        spread.far = returned_kernel(blur->returned, um * spread.cell, kMost);
+    }
+    return spread;
 }
 
 Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& progress) {
@@ -199,8 +203,8 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     if (!film) return film.error();
     const Result<std::shared_ptr<const Emulsion>> emulsion = emulsion_for(options, *source);
     if (!emulsion) return emulsion.error();
-    Result<std::optional<image::Kernel>> kernel = kernel_for(options, *source);
-    if (!kernel) return kernel.error();
+    Result<Spread> spread = spread_for(options, *source);
+    if (!spread) return spread.error();
     const Result<ToneChoice> tone = tone_of(options);
     if (options.paper_decides_tone()) options.tone = "paper";
     if (!tone) return tone.error();
@@ -242,18 +246,18 @@ Result<ConvertReport> convert_in_arena(ConvertOptions options, const Progress& p
     }
     if (*emulsion) need.beside_block = [&pass](int width, int height) { return emulsion_bytes(pass, width, height); };
     image::ExrImage printed_from = image;
-    if (*kernel) {  // rows of a file without a name are printed
-        need.bytes_held += SpreadLight::bytes(image, (*kernel)->radius(), options.threads);
+    if (*spread) {  // rows of a file without a name are printed
+        need.bytes_held += spread_bytes(*spread, image, options.threads);
         printed_from.block_width = image.data_window.width(), printed_from.block_height = 1;
     }
     need.second_block = needs_second_block(*exposures, pass);
     const Result<BandPlan> plan = plan_bands(printed_from, source->area, need, options.memory, options.threads);
     if (!plan) return plan.error().at(options.input.string());
-    if (*kernel) {
-        Result<std::unique_ptr<SpreadLight>> spread =
-            SpreadLight::make(*source, **std::move(kernel), *plan, folder_of(options.outputs.front()), options.threads);
-        if (!spread) return spread.error();
-        pass.spread = *std::move(spread);
+    if (*spread) {
+        Result<std::unique_ptr<Rows>> rows =
+            light_rows(*source, *std::move(spread), *plan, folder_of(options.outputs.front()), options.threads);
+        if (!rows) return rows.error();
+        pass.light = *std::move(rows);
     }
     Result<PassReport> printed = print_all(*source, *plan, *exposures, pass, progress);
     if (!printed) return printed.error();

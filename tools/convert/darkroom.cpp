@@ -23,11 +23,14 @@ std::string_view plain_option(const ConvertOptions& options) {
 
 Status check_plain(const ConvertOptions& options) {
     const DarkroomOptions& d = options.darkroom;
-    const char* given = !d.film.empty()              ? "--film"
-                        : d.filters                  ? "--enlarger"
-                        : d.print_stops != 0         ? "--print-exposure"
-                        : !d.contrast_filter.empty() ? "--contrast-filter"
-                                                     : nullptr;
+    const char* given = !d.film.empty()                                           ? "--film"
+                        : d.filters                                               ? "--enlarger"
+                        : d.print_stops != 0                                      ? "--print-exposure"
+                        : !d.contrast_filter.empty()                              ? "--contrast-filter"
+                        : d.grain.value_or(false)                                 ? "--grain"
+                        : d.mtf.value_or(false)                                   ? "--mtf"
+                        : d.halation.value_or(Halation::kNone) != Halation::kNone ? "--halation"
+                                                                                  : nullptr;
     if (given != nullptr) return usage_error(fmt::format("{}: needs --paper; --list-papers shows all", given));
     return {};
 }
@@ -81,23 +84,19 @@ Result<double> parse_format(std::string_view text) {
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source) {
     const DarkroomOptions& asked = options.darkroom;
     if (!asked.grain.value_or(false)) return std::shared_ptr<const Emulsion>{};
-    if (asked.paper.empty()) return usage_error("--grain: needs --paper; --list-papers shows all");
     const Result<film::Material> film = exposed_film(asked, source);
     if (!film) return film.error();
     const auto granularity = film::granularity(*film, source.reader.image().film->push);
     if (!granularity) return granularity.error().at("--grain");
-    const image::Rect& whole = source.reader.image().display_window;
-    const double pixel_um = 1000 * asked.frame() / std::max(whole.width(), whole.height());
-    return std::make_shared<const Emulsion>(Emulsion{film::GrainField(asked.seed, pixel_um, film->colour ? 3 : 1), *granularity});
+    return std::make_shared<const Emulsion>(
+        Emulsion{film::GrainField(asked.seed, pixel_um(source, asked.frame()), film->colour ? 3 : 1), *granularity});
 }
 
-Result<std::optional<FilmBlur>> blur_for(const ConvertOptions& options, const Source& source) {
+Result<FilmBlur> blur_for(const ConvertOptions& options, const Source& source) {
     const DarkroomOptions& asked = options.darkroom;
     const Halation halation = asked.halation.value_or(Halation::kNone);
     const bool mtf = asked.mtf.value_or(false);
-    if (!mtf && halation == Halation::kNone) return std::optional<FilmBlur>{};
-    if (asked.paper.empty())
-        return usage_error(fmt::format("{}: needs --paper; --list-papers shows all", mtf ? "--mtf" : "--halation"));
+    if (!mtf && halation == Halation::kNone) return FilmBlur{};
     const Result<film::Material> film = exposed_film(asked, source);
     if (!film) return film.error();
     FilmBlur blur;
@@ -107,7 +106,7 @@ Result<std::optional<FilmBlur>> blur_for(const ConvertOptions& options, const So
         if (!half) return half.error().at("--mtf");
         blur.half = *half;
     }
-    return std::optional(blur);
+    return blur;
 }
 
 double grey_exposure(const Source& source) { return 10 / source.reader.image().film->exposure_index; }
@@ -135,7 +134,7 @@ Result<std::shared_ptr<const film::Process>> darkroom_for(const ConvertOptions& 
             fmt::format("{}: does not go with --paper, where the film and the paper decide; use --stops, --print-exposure "
                         "or --enlarger",
                         given));
-    const Result<film::Material> film = film::find_material(asked.film.empty() ? exposed->name : asked.film, true);
+    const Result<film::Material> film = exposed_film(asked, source);
     if (!film && asked.film.empty() && film.error().code == ErrorCode::kUsage)
         return Error{film.error().code, film.error().message + "; if it is your own film, add --film FOLDER/NAME"}.at(input);
     if (!film) return film.error().at("--film");

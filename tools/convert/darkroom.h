@@ -50,8 +50,8 @@ struct Emulsion {
 // Null if nothing of that was asked for. Errors: kUnsupported, if the film's granularity is not known.
 Result<std::shared_ptr<const Emulsion>> emulsion_for(const ConvertOptions& options, const Source& source);
 
-// How the film spreads light; nothing if that was not asked for. Errors: kUsage, kUnsupported.
-Result<std::optional<FilmBlur>> blur_for(const ConvertOptions& options, const Source& source);
+// How the film spreads light; not at all if that was not asked for. Errors: kUsage, kUnsupported.
+Result<FilmBlur> blur_for(const ConvertOptions& options, const Source& source);
 
 // "auto", or densities times 100 as on the dials of an enlarger, "54,46,0". Errors: kUsage.
 Result<std::optional<std::array<double, 3>>> parse_filters(std::string_view text);

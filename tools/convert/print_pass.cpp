@@ -53,17 +53,26 @@ struct Workbench {
 };
 using Workbenches = tbb::enumerable_thread_specific<Workbench>;
 
+Status read_block(const Rows& rows, const Block& block) {
+    for (int y = block.area.y0; y < block.area.y1; ++y) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            if (Status s = rows.read(c, block.area.x0, y, block.row(c, y)); !s) return s;
+        }
+    }
+    return {};
+}
+
 // Reads the blocks of a band side by side, of the source or of what has become of its light, and hands each to `use`.
 template <class Use>
-void for_each_block(const Source& source, const SpreadLight* spread, const std::vector<Rect>& blocks, Workbenches& benches,
+void for_each_block(const Source& source, const Rows* light, const std::vector<Rect>& blocks, Workbenches& benches,
                     FirstError& error, const Use& use) {
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         if (error) return;
         Workbench& bench = benches.local();
         const Block block(blocks[i], bench.planes);
         const auto width = static_cast<std::size_t>(block.area.width());
-        const Status read = spread != nullptr ? spread->read(block.area, block.planes, width)
-                                              : source.read(block.area, block.planes, width, bench.scratch);
+        const Status read =
+            light != nullptr ? read_block(*light, block) : source.read(block.area, block.planes, width, bench.scratch);
         if (!read) return error.set(read.error());
         use(block, bench);
     });
@@ -158,12 +167,12 @@ Result<PassReport> print_all(const Source& source, const BandPlan& plan, const s
             return nullptr;
         }
         const Rect area = plan.band(next++);
-        if (settings.spread) error.keep(settings.spread->prepare(area));
+        if (settings.light) error.keep(settings.light->make(area.y1));
         auto bands = std::make_shared<Bands>(exposures.size());
         for (std::size_t e = 0; e < exposures.size(); ++e) {
             for (const auto& sink : exposures[e].sinks) (*bands)[e].push_back(sink->new_band(area));
         }
-        for_each_block(source, settings.spread.get(), plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
+        for_each_block(source, settings.light.get(), plan.blocks(area), benches, error, [&](const Block& block, Workbench& bench) {
             bench.outcomes.resize(exposures.size());
             if (settings.emulsion) fill_grain(*settings.emulsion, settings, block.area, bench);
             const Block to = apart ? Block(block.area, bench.printed) : block;

@@ -8,9 +8,9 @@
 #include "base/progress.h"
 #include "tools/convert/bands.h"
 #include "tools/convert/options.h"
+#include "tools/convert/rows.h"
 #include "tools/convert/sink.h"
 #include "tools/convert/source.h"
-#include "tools/convert/spread_light.h"
 
 namespace latent::convert {
 
@@ -33,7 +33,7 @@ struct PassSettings {
     bool show_clipped = false, gamut_report = false;
     std::shared_ptr<const Emulsion> emulsion{};  // of film; null: none
     int frame_x0 = 0, frame_y0 = 0;              // corner of the picture's frame
-    std::shared_ptr<SpreadLight> spread{};       // what the picture's light becomes before it is printed; null: it stays
+    std::shared_ptr<Rows> light{};               // what the picture's light becomes before it is printed; null: it stays
 };
 
 // True if blocks are printed beside the picture's pixels, which takes memory for another block per thread.
