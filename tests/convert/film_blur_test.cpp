@@ -115,12 +115,14 @@ class ReturnedLight : public PrintTest {
     static constexpr int kSide = 421;  // pixels, and no multiple of a cell
     std::vector<float> pixels(const Light& light, int cell) const {
         write_picture(folder_ / "film.exr", {.width = kSide, .height = kSide}, light);
-        const auto reader = image::ExrReader::open(folder_ / "film.exr");
-        EXPECT_TRUE(reader);
+        ConvertOptions options;
+        options.input = folder_ / "film.exr";
+        const auto source = open_source(options);
+        EXPECT_TRUE(source);
         const image::Rect picture{0, 0, kSide, kSide};
-        const auto plan = plan_bands(reader->image(), picture, {}, 1 << 30, 1);
+        const auto plan = plan_bands(source->reader.image(), picture, {}, 1 << 30, 1);
         const auto rows =
-            light_rows(*reader, {.near = std::nullopt, .far = returned_kernel({0.1, 0, 0}, 5.0 * cell, 1024), .cell = cell}, *plan,
+            light_rows(*source, {.near = std::nullopt, .far = returned_kernel({0.1, 0, 0}, 5.0 * cell, 1024), .cell = cell}, *plan,
                        folder_.path(), 1);
         EXPECT_TRUE(rows && (*rows)->make(kSide));
         std::vector<float> out(picture.pixels());

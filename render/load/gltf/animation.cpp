@@ -109,7 +109,7 @@ std::vector<GltfNodePose> poses_at(const GltfDocument& document, double seconds)
         } else if (is_rotation) {
             pose.rotation = {value[0], value[1], value[2], value[3]};
         } else {
-            (path == "scale" ? pose.scale : pose.translation) = {value[0], value[1], value[2]};
+            (path == "scale" ? pose.scale : pose.translation) = std::array{value[0], value[1], value[2]};
         }
     }
     return poses;
