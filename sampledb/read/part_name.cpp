@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <climits>
 
 #include "base/json.h"
+#include "base/size.h"
 #include "sampledb/read/provenance.h"
 
 namespace latent::sampledb {
@@ -31,6 +33,13 @@ std::string made_by(const FileContents& file) {
 bool is_attempt(const fs::path& path) { return path.filename().string().find(std::string(".latent") + kPart) != std::string::npos; }
 
 fs::path new_attempt(const fs::path& name) { return name.string() + kPart + make_nonce(); }
+
+Status check_length(const fs::path& name) {
+    const std::size_t length = new_attempt(name).filename().string().size();
+    if (length <= NAME_MAX) return {};
+    return usage_error(fmt::format("{}: the name is too long by {}: until it is finished, the file is called NAME{}<nonce>",
+                                   name.string(), counted(length - NAME_MAX, "byte"), kPart));
+}
 
 Status check_same_job(const FoundFile& file, const Job& job) {
     const Status same = same_job(file.contents.header.job, job);

@@ -17,6 +17,8 @@ bool is_attempt(const std::filesystem::path& path);
 
 // A name for a new attempt at `name` (NAME.latent).
 std::filesystem::path new_attempt(const std::filesystem::path& name);
+// Errors: kUsage: the name leaves no room for that of an attempt.
+Status check_length(const std::filesystem::path& name);
 
 // The attempts under `name` (NAME.latent), in the order of their names.
 std::vector<std::filesystem::path> attempts_of(const std::filesystem::path& name);

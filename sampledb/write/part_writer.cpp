@@ -35,6 +35,7 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
         return usage_error(fmt::format("samples {}:{}: more than {} runs of {} samples, the maximum of a part; write several parts",
                                        options.range.first, options.range.end, kMaxRunsPerFile, job.run_samples));
     }
+    if (Status s = check_length(options.path); !s) return s.error();
     if (options.force) {
         if (Status s = remove_everything(options.path); !s) return s.error();
     }
@@ -61,6 +62,7 @@ Result<std::unique_ptr<PartWriter>> PartWriter::open(const PartOptions& options,
 }
 
 Result<Coverage> PartWriter::find_missing(const PartOptions& options, const Job& job) {
+    if (Status s = check_length(options.path); !s) return s.error();
     Coverage missing(options.range);
     if (options.force) return missing;
     const Result<Published> published = look_at_published(options.path, job, options.range);

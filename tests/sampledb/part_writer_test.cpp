@@ -277,6 +277,22 @@ TEST_F(PartWriterTest, ANameThatAnotherJobTakesMeanwhileIsLeftToIt) {
     EXPECT_EQ(attempts_of(name_).size(), 1u);  // nothing is lost
 }
 
+TEST_F(PartWriterTest, ANameWithoutRoomForThatOfAnAttemptIsRefused) {
+    const Job job = make_short_job();
+    const std::size_t most = 255 - (new_attempt("").string().size() + std::string(".latent").size());
+    for (const std::size_t length : {most, most + 1}) {
+        const PartOptions options{folder_ / (std::string(length, 'a') + ".latent"), {0, 4096}, 1000, "{}", false};
+        const auto missing = PartWriter::find_missing(options, job);
+        const auto writer = PartWriter::open(options, job);
+        EXPECT_EQ(missing.has_value(), length == most);
+        EXPECT_EQ(writer.has_value(), length == most);
+        if (!writer) {
+            EXPECT_EQ(writer.error().code, ErrorCode::kUsage);
+            EXPECT_NE(writer.error().message.find("too long"), std::string::npos) << writer.error().message;
+        }
+    }
+}
+
 TEST_F(PartWriterTest, WhatIsPublishedIsNotRenderedAgain) {
     const Job job = make_short_job();
     const SampleRange range{0, 10000};
