@@ -59,7 +59,7 @@ class ContentWriter {
             store_le(bytes, canonical(x));
             bytes_.insert(bytes_.end(), std::begin(bytes), std::end(bytes));
         } else if constexpr (kIsPlace<T>) {
-            each_field(x, [this](const auto&... coordinates) { (put(coordinates), ...); });
+            each_field(x, [this](const auto&... coordinates) { (this->put(coordinates), ...); });
         } else {
             put_fields(x);
         }
