@@ -122,7 +122,7 @@ JOB = """#!/bin/bash
 """
 ARRAY_USAGE = " --array=INDICES FILE OFFSET: index I is {step} OFFSET + I"
 REQUEUE = "export LATENT_REQUEUE=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID  # SLURM_JOB_ID may be that of the whole array\n"
-NUMBER = " $((${1:-0} + ${SLURM_ARRAY_TASK_ID:?is set by Slurm; without Slurm, use run}))"
+NUMBER = " $((${1:-0} + ${SLURM_ARRAY_TASK_ID:?is set by Slurm; without it, use ./run}))"
 
 
 def script(usage, body, tool="latent-farm", options=(), **values):

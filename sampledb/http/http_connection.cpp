@@ -143,7 +143,8 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
         if (code == CURLE_OUT_OF_MEMORY) what = "a line of the answer is too long, or memory has run out";
         if (answer.status() >= 400) what = fmt::format("the server answers with status {}", answer.status());
         if (code == CURLE_ABORTED_BY_CALLBACK)
-            what = fmt::format("too slow, {} bytes in {:.0f} s", got.bytes.size(), watch.seconds());
+            what = fmt::format("the server is too slow: the connection has fallen {:.0f} s behind 1 KiB/s",
+                               lag_ + watch.seconds() - static_cast<double>(got.bytes.size()) / kSlowest);
         if (is_final(code)) return fail({ErrorCode::kIo, "cannot be read: " + what});
         if (got.bytes.size() > before) tries = 0, pause = patience_.first_wait;
         const bool is_last = tries >= patience_.tries || answers >= kMostAnswers;

@@ -92,7 +92,9 @@ Result<std::string> SceneFiles::include(const std::filesystem::path& path) {
     Result<std::string> text = read_text(path);
     if (!text) return text;
     const std::uint64_t size = std::max<std::uint64_t>(text->size(), kLeastIncluded);
-    if (included_.insert(path).second) distinct_bytes_ += size;
+    std::error_code failed;
+    const std::filesystem::path same = std::filesystem::canonical(path, failed);  // whichever link leads to it
+    if (included_.insert(failed ? path : same).second) distinct_bytes_ += size;
     included_bytes_ += size;
     if (included_bytes_ > std::max(kAlwaysIncluded, kIncludeRatio * distinct_bytes_))
         return Error{ErrorCode::kOutOfRange,
