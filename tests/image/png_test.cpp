@@ -1,6 +1,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+
 #include "image/png_writer.h"
 #include "tests/image/decode.h"
 #include "tests/image/test_image.h"
@@ -56,7 +58,9 @@ TEST_F(PngTest, ColourIsTaggedAsAsked) {
     EXPECT_TRUE(plain.srgb);
     EXPECT_TRUE(plain.icc.empty());
     EXPECT_EQ(plain.texts, srgb.texts);
-    EXPECT_EQ(plain.chunks, (std::vector<std::string>{"IHDR", "gAMA", "sRGB", "cHRM", "tEXt", "tEXt", "IDAT", "IEND"}));
+    std::vector<std::string> chunks = plain.chunks;
+    std::sort(chunks.begin() + 1, chunks.begin() + 4);  // releases of libpng order these differently
+    EXPECT_EQ(chunks, (std::vector<std::string>{"IHDR", "cHRM", "gAMA", "sRGB", "tEXt", "tEXt", "IDAT", "IEND"}));
 
     ImageTags wide = srgb;
     wide.srgb = false;

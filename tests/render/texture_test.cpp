@@ -22,6 +22,7 @@
 namespace latent::render {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using testing::Folder;
 using ::testing::HasSubstr;
@@ -410,20 +411,22 @@ TEST_F(TextureTest, PicturesThatClaimToBeHugeAreRefusedBeforeThereIsRoomForThem)
         return latent::testing::in_tree(std::string("tests/fuzz/seeds/picture/once-broken-huge.") + name);
     };
     folder_.write("a.pfm", "PF\n1000000 1000000\n-1.0\nabcd");
+    // In our words, or in those of the library, where its release looks first.
+    const auto is_refusal = AnyOf(HasSubstr("pixels do not fit into a file of its size"), HasSubstr("resolution may not exceed"));
     for (const std::string& file : {(folder_ / "a.pfm").string(), seed("jpg"), seed("exr"), seed("tga"), seed("gif")}) {
         const auto scene = [&](const std::string& format) {
             return load_scene(folder_.write("room.pbrt", "WorldBegin\n" + fmt::format(fmt::runtime(format), file)));
         };
         const Result<LoadedScene> sky = scene("LightSource \"infinite\" \"string filename\" \"{}\"\nShape \"sphere\"\n");
         ASSERT_FALSE(sky) << file;
-        EXPECT_THAT(sky.error().message, HasSubstr("pixels do not fit into a file of its size"));
+        EXPECT_THAT(sky.error().message, is_refusal);
         const Result<LoadedScene> texture = scene(
             "Texture \"s\" \"spectrum\" \"imagemap\" \"string filename\" \"{}\"\n"
             "Material \"diffuse\" \"texture reflectance\" \"s\"\nShape \"sphere\"\n");
         ASSERT_TRUE(texture) << texture.error().message;
         const Result<Textures> textures = Textures::build(texture->description, 1 << 20, library_);
         ASSERT_FALSE(textures) << file;
-        EXPECT_THAT(textures.error().message, HasSubstr("pixels do not fit into a file of its size"));
+        EXPECT_THAT(textures.error().message, is_refusal);
     }
 }
 
@@ -438,7 +441,7 @@ TEST_F(TextureTest, HeadersThatMisleadLibrariesAreRefused) {
         return info ? "" : info.error().message;
     };
     EXPECT_THAT(open("once-broken-attribute.exr"), HasSubstr("an attribute is longer than the file"));
-    EXPECT_THAT(open("once-broken-empty.tga"), HasSubstr("has no pixels"));
+    EXPECT_THAT(open("once-broken-empty.tga"), AnyOf(HasSubstr("has no pixels"), HasSubstr("must be at least 1x1")));
     EXPECT_THAT(open("once-broken-tile.tif"), HasSubstr("does not say how many bits"));
     EXPECT_THAT(open("once-broken-large-tile.tif"),
                 HasSubstr("a tile of 40968 x 16 pixels takes more than 1/16 of --texture-cache"));
