@@ -72,9 +72,7 @@ void remove_abandoned(const fs::path& path) {
         int fd = ::open(hidden.c_str(), O_RDWR | kFlags);  // NFS locks nothing else
         if (fd < 0 && errno == EISDIR) fd = ::open(hidden.c_str(), O_RDONLY | kFlags);
         if (fd < 0) continue;
-        if (try_lock(fd) == 0 && is_named(fd, hidden)) {
-            fs::remove_all(hidden, failed);
-        }
+        if (try_lock(fd) == 0 && is_named(fd, hidden)) fs::remove_all(hidden, failed);
         ::close(fd);
     }
 }
