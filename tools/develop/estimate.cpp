@@ -26,15 +26,17 @@ Cost CostMeter::so_far() const { return now() - begin_; }
 
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial) {
     constexpr double kMaxGrowth = 8;
-    constexpr int kRepeats = 2;
+    constexpr std::size_t kRepeats = 3;
     LinearCost cost;
-    Tried first, last;  // the cheapest with the last amount: what other programs do adds to the cost
-    int repeats = 0;
+    Tried first, last;
+    std::vector<Tried> repeated;  // the last amount, cheapest first
     for (double amount = std::min(least, most);;) {
         const Result<Tried> tried = trial(amount);
         if (!tried) return tried.error();
         cost.spent = cost.spent + tried->cost;
-        if (repeats == 0 || tried->cost.cpu < last.cost.cpu) last = *tried;
+        repeated.push_back(*tried);
+        std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
+        last = repeated[repeated.size() / 2];
         if (last.amount > first.amount && first.amount > 0) {
             cost.each = at_least((last.cost - first.cost) * (1 / (last.amount - first.amount)), {});
             cost.fixed = at_least(last.cost - cost.each * last.amount, {});
@@ -48,8 +50,8 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         const double next = std::min({kMaxGrowth * amount, affordable, most});
         if (next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
-            repeats = 0;
-        } else if (repeats++ == kRepeats || left < last.cost.wall) {
+            repeated.clear();
+        } else if (repeated.size() == kRepeats || left < last.cost.wall) {
             return cost;
         }
     }
@@ -71,8 +73,8 @@ double processor_share(int threads) {
 }
 
 Cost with_share(const Cost& cost, int threads, double share) {
-    const double alone = cost.cpu / threads;  // seconds, if nothing else ran
-    return {alone / share + std::max(0.0, cost.wall * share - alone), cost.cpu};
+    const double waiting = std::max(0.0, cost.wall - cost.cpu / share);
+    return {cost.cpu / (threads * share) + waiting, cost.cpu};
 }
 
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial) {

@@ -45,7 +45,7 @@ struct LinearCost {
 };
 
 // Tries `least`, then up to eight times as much each time, at most `most`, until about `seconds` have passed, or a trial takes
-// `enough` seconds of CPU time more than the first; the last amount up to three times, of which the cheapest counts. `least` is
+// `enough` seconds of CPU time more than the first; the last amount up to three times, of which the median counts. `least` is
 // tried in any case; if there was no time for more, all of its cost is taken to be that of its amount. Errors: those of `trial`.
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
@@ -53,8 +53,8 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
 // computing for a tenth of a second.
 double processor_share(int threads);
 
-// What passes when `cost`, measured in short trials, is paid by so many threads with that share of a processor each. Short trials
-// wait for each other more often than long work does, so their wall time counts only where it is that of files, not of processors.
+// What passes when so many threads, with that share of a processor each, do what cost one thread `cost`. What it did not spend
+// computing, nor waiting for a processor, it waited for files, and will again.
 Cost with_share(const Cost& cost, int threads, double share);
 
 // How many of `runs` can be developed within `seconds`, the trials included; at least one. The amount is that of runs. Errors:

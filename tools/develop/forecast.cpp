@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "base/file.h"
@@ -61,30 +60,28 @@ Status check_space(const std::filesystem::path& output, bool replace, std::uint6
                              output.string(), format_size(bytes), format_size(*free), folder_of(output).string())};
 }
 
-Cost cost_to_write(std::uint64_t bytes, const std::filesystem::path& folder) {
+double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& folder) {
     constexpr double kSeconds = 0.2;
     constexpr std::uint64_t kAtOnce = 4 << 20;
     Result<File> file = File::create_unnamed(folder);
-    if (!file) return {};
+    if (!file) return 0;
     std::vector<std::byte> noise(std::min(bytes, kAtOnce));  // that no file system compresses
     std::mt19937 random;
     for (std::byte& byte : noise) byte = static_cast<std::byte>(random());
-    std::vector<double> seconds_each;  // of whole blocks
-    const CostMeter meter;
+    std::vector<double> waited;  // for a block
     const Stopwatch stopwatch;
-    double before = 0;
     std::uint64_t written = 0;
-    while (written < bytes && (stopwatch.seconds() < kSeconds || seconds_each.empty())) {
+    while (written < bytes && (stopwatch.seconds() < kSeconds || waited.empty())) {
         const std::uint64_t size = std::min(kAtOnce, bytes - written);
-        if (!file->write_all(written, std::span(noise).first(size)) || !file->sync_data()) return {};
+        if (!file->write_all(written, std::span(noise).first(size))) return 0;
+        const CostMeter meter;
+        if (!file->sync_data()) return 0;
         written += size;
-        seconds_each.push_back(stopwatch.seconds() - std::exchange(before, stopwatch.seconds()));
+        waited.push_back(std::max(0.0, meter.so_far().wall - meter.so_far().cpu));
     }
-    if (written == bytes) return {before, meter.so_far().cpu};
-    const double blocks = static_cast<double>(bytes) / static_cast<double>(kAtOnce);
-    const double cpu_each = meter.so_far().cpu / static_cast<double>(seconds_each.size());
-    std::ranges::sort(seconds_each);  // the median: a disk that halts for a moment says nothing about the rest
-    return Cost{seconds_each[seconds_each.size() / 2], cpu_each} * blocks;
+    if (waited.empty()) return 0;
+    std::ranges::sort(waited);  // the median: a disk that halts for a moment says nothing about the rest
+    return waited[waited.size() / 2] * std::ceil(static_cast<double>(bytes) / static_cast<double>(kAtOnce));
 }
 
 namespace {
@@ -122,9 +119,9 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 }  // namespace
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
-    constexpr double kDecodeSeconds = 0.9, kPixelSeconds = 0.6, kEnough = 0.25;
-    constexpr double kSmall = 1 << 16;  // pixels
-    constexpr double kLeastBytes = 1 << 22;
+    constexpr double kSeconds = 1.5, kDecodeSeconds = 0.9, kEnough = 0.25;
+    constexpr double kSmall = 1 << 16;                             // pixels
+    constexpr double kLeastBytes = 1 << 22, kPage = 1 << 16;       // the usual size of a page
     constexpr double kLeastPiece = 1 << 19, kMostPiece = 1 << 24;  // pixels
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
@@ -146,19 +143,24 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     out.cost = bytes->of(decoded);
     if (small.width == picture.width) return out;
 
+    const double affordable = kEnough / std::max(bytes->each.cpu, 1e-12);  // bytes, in a piece
     TrialPicture piece = picture;
-    piece.runs = 1;
-    const Result<LinearCost> pixels = measure(
-        kPixelSeconds, kLeastPiece, std::min(kMostPiece, area(picture.crop) / 4), kEnough, [&](double amount) -> Result<Tried> {
+    piece.runs = static_cast<std::size_t>(std::clamp(affordable / kPage, 1.0, static_cast<double>(picture.runs)));
+    const double bytes_of_pixel = run * static_cast<double>(piece.runs) / area(picture.crop);
+    const double most = std::min(kMostPiece, area(picture.crop) / 4);
+    const double least_piece = std::clamp(affordable / 4 / bytes_of_pixel, 1.0, kLeastPiece);
+    const Result<LinearCost> pixels =
+        measure(kSeconds - bytes->spent.wall, least_piece, most, kEnough, [&](double amount) -> Result<Tried> {
             piece.crop = piece_of(picture.crop, amount);
             const Result<TrialOutcome> tried = trial(piece);
             if (!tried) return tried.error();
             last = *tried;
-            return Tried{area(piece.crop), at_least(tried->cost - bytes->of(static_cast<double>(tried->decoded)), {})};
+            return Tried{area(piece.crop), tried->cost};
         });
     if (!pixels) return pixels.error();
     const double times = area(picture.crop) / area(piece.crop);
-    out.cost = out.cost + pixels->of(area(picture.crop));
+    const double beyond = decoded - static_cast<double>(last.decoded) * times;  // bytes that pieces had no share in, or had twice
+    out.cost = at_least(pixels->of(area(picture.crop)) + bytes->each * beyond, {});
     out.temporary_bytes = static_cast<std::uint64_t>(static_cast<double>(last.temporary_bytes) * times);
     return out;
 }

@@ -31,9 +31,9 @@ std::optional<std::uint64_t> free_space(const std::filesystem::path& output, boo
 // Errors: kNoSpace, saying what to do.
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes);
 
-// What it costs to get a file of `bytes` onto the disk at `folder`, found out by writing a file without a name for a fifth of a
-// second. Nothing if none can be written.
-Cost cost_to_write(std::uint64_t bytes, const std::filesystem::path& folder);
+// How long a file of `bytes` at `folder` makes its writer wait for the disk, found out by writing a file without a name for a fifth
+// of a second. 0 if none can be written.
+double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& folder);
 
 // A picture that is developed to see what that costs: `crop` of a picture of that size, from the first `runs` in random order.
 struct TrialPicture {
@@ -48,9 +48,8 @@ struct TrialOutcome {
 };
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
-// What `picture` will cost, from trials of at most 1.5 seconds in all. Bytes of pages cost as much in a picture of any size, so
-// they are decoded for a small one: a part of a run, then more. Pixels are developed as pieces of the picture, from one run.
-// `decoded`: bytes of pages that will be decoded for the picture, repeats included. Errors: those of `trial`.
+// What `picture` will cost, from trials of about 1.5 seconds in all: small pictures for the cost of a byte of pages, then pieces
+// of the picture itself. `decoded`: bytes of pages that will be decoded for it, repeats included. Errors: those of `trial`.
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial);
 
 }  // namespace latent::develop

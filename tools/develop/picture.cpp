@@ -448,6 +448,7 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         PictureOptions options = asked;
         options.size = fmt::format("{}x{}", picture.width, picture.height);
         options.crop = picture.crop;
+        options.threads = 1;                  // several would wait for each other, more often than in long work
         ExrPicture sink(asked.output, true);  // never finished
         const Subset some = first_of(all, order, picture.runs);
         const CostMeter meter;
@@ -460,9 +461,8 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
     if (!expected) return expected.error();
     const int threads = Threads::count_of(asked.threads);
-    const Cost computed = with_share(expected->cost, threads, processor_share(threads));
-    const Cost cost = computed + cost_to_write(forecast.file_bytes, folder_of(asked.output));
-    forecast.seconds = cost.wall;
+    const Cost cost = with_share(expected->cost, threads, processor_share(threads));
+    forecast.seconds = cost.wall + seconds_to_reach_disk(forecast.file_bytes, folder_of(asked.output));
     forecast.cpu_seconds = cost.cpu;
     forecast.temporary_bytes = expected->temporary_bytes;
     return forecast;
