@@ -120,8 +120,9 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
     constexpr double kSeconds = 1.5, kDecodeSeconds = 0.9, kEnough = 0.25;
-    constexpr double kSmall = 1 << 16;                             // pixels
-    constexpr double kLeastBytes = 1 << 22, kPage = 1 << 16;       // the usual size of a page
+    constexpr double kSmall = 1 << 16;  // pixels
+    constexpr double kLeastBytes = 1 << 22;
+    constexpr double kPages = 36.0 * (1 << 16);                    // bytes of so many pages that few of them reach beyond a piece
     constexpr double kLeastPiece = 1 << 19, kMostPiece = 1 << 24;  // pixels
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
@@ -143,12 +144,12 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     out.cost = bytes->of(decoded);
     if (small.width == picture.width) return out;
 
-    const double affordable = kEnough / std::max(bytes->each.cpu, 1e-12);  // bytes, in a piece
+    const double affordable = kEnough / 4 / std::max(bytes->each.cpu, 1e-12);  // bytes, in the least piece
     TrialPicture piece = picture;
-    piece.runs = static_cast<std::size_t>(std::clamp(affordable / kPage, 1.0, static_cast<double>(picture.runs)));
+    piece.runs = static_cast<std::size_t>(std::clamp(affordable / kPages, 1.0, static_cast<double>(picture.runs)));
     const double bytes_of_pixel = run * static_cast<double>(piece.runs) / area(picture.crop);
     const double most = std::min(kMostPiece, area(picture.crop) / 4);
-    const double least_piece = std::clamp(affordable / 4 / bytes_of_pixel, 1.0, kLeastPiece);
+    const double least_piece = std::clamp(affordable / bytes_of_pixel, 1.0, kLeastPiece);
     const Result<LinearCost> pixels =
         measure(kSeconds - bytes->spent.wall, least_piece, most, kEnough, [&](double amount) -> Result<Tried> {
             piece.crop = piece_of(picture.crop, amount);
