@@ -36,11 +36,11 @@ TEST(Forecast, CostFollowsFromWhatALittleWorkTakes) {
 
 // What one thread did, that many do together; for a processor they wait as their share says, and for files as long as it did.
 TEST(Forecast, OnABusyMachineTimeIsThatOfTheProcessorsShareAndOfFiles) {
-    EXPECT_DOUBLE_EQ(with_share({10, 10}, 2, 1).wall, 5);  // nothing else runs
-    EXPECT_DOUBLE_EQ(with_share({14, 10}, 2, 1).wall, 9);  // 4 s of waiting for files
-    EXPECT_DOUBLE_EQ(with_share({40, 10}, 2, 0.25).wall, 20);
-    EXPECT_DOUBLE_EQ(with_share({44, 10}, 2, 0.25).wall, 24);
-    EXPECT_DOUBLE_EQ(with_share({12, 10}, 2, 0.25).wall, 20);  // less busy during the trials
+    EXPECT_DOUBLE_EQ(seconds_with({10, 10, 0}, 2, 1), 5);  // nothing else runs
+    EXPECT_DOUBLE_EQ(seconds_with({14, 10, 0}, 2, 1), 9);  // 4 s of waiting for files
+    EXPECT_DOUBLE_EQ(seconds_with({40, 10, 30}, 2, 0.25), 20);
+    EXPECT_DOUBLE_EQ(seconds_with({44, 10, 30}, 2, 0.25), 24);
+    EXPECT_DOUBLE_EQ(seconds_with({12, 10, 2.5}, 2, 0.25), 20);  // less busy during the trials
     const double share = processor_share(2);
     EXPECT_GT(share, 0);
     EXPECT_LE(share, 1);
@@ -62,7 +62,7 @@ TEST(Forecast, OfAPictureOfAnySizeTakesNoLonger) {
                 const double bytes = kRun * static_cast<double>(p.runs) * pixels(p.crop) / (double{1} * p.width * p.height);
                 const double seconds = machine.setup + machine.pixel * pixels(p.crop) + machine.byte * bytes;
                 spent += seconds;
-                return TrialOutcome{{seconds, seconds}, static_cast<std::uint64_t>(bytes), 0};
+                return TrialOutcome{{seconds, seconds, 0}, static_cast<std::uint64_t>(bytes), 0};
             };
             const PixelRect whole{0, 0, side, side};
             const double decoded = 1.5 * kRuns * kRun;

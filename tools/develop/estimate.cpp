@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <fstream>
 #include <thread>
 #include <vector>
 
@@ -10,16 +11,29 @@ namespace latent::develop {
 
 namespace {
 
+// /proc/thread-self/schedstat: nanoseconds on a processor, nanoseconds ready for one, and a count (proc(5)).
+double seconds_queued() {
+    std::ifstream file("/proc/thread-self/schedstat");
+    double computed = 0, queued = 0;
+    return file >> computed >> queued ? 1e-9 * queued : 0;
+}
+
 Cost now() {
     const auto wall = std::chrono::steady_clock::now().time_since_epoch();
     timespec cpu{};
     ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
-    return {std::chrono::duration<double>(wall).count(), static_cast<double>(cpu.tv_sec) + 1e-9 * static_cast<double>(cpu.tv_nsec)};
+    return {std::chrono::duration<double>(wall).count(), static_cast<double>(cpu.tv_sec) + 1e-9 * static_cast<double>(cpu.tv_nsec),
+            seconds_queued()};
 }
 
 }  // namespace
 
-Cost at_least(const Cost& a, const Cost& b) { return {std::max(a.wall, b.wall), std::max(a.cpu, b.cpu)}; }
+Cost at_least(const Cost& a, const Cost& b) {
+    return {std::max(a.wall, b.wall), std::max(a.cpu, b.cpu), std::max(a.queued, b.queued)};
+}
+Cost at_most(const Cost& a, const Cost& b) {
+    return {std::min(a.wall, b.wall), std::min(a.cpu, b.cpu), std::min(a.queued, b.queued)};
+}
 
 CostMeter::CostMeter() : begin_(now()) {}
 Cost CostMeter::so_far() const { return now() - begin_; }
@@ -37,14 +51,14 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         repeated.push_back(*tried);
         std::ranges::sort(repeated, {}, [](const Tried& t) { return t.cost.cpu; });
         last = repeated[repeated.size() / 2];
+        cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
         if (last.amount > first.amount && first.amount > 0) {
-            cost.each = at_least((last.cost - first.cost) * (1 / (last.amount - first.amount)), {});
-            cost.fixed = at_least(last.cost - cost.each * last.amount, {});
+            const Cost slope = (last.cost - first.cost) * (1 / (last.amount - first.amount));
+            cost.each = at_least(at_most(slope, cost.each), {});
         } else {
             first = last;
-            cost.each = last.amount > 0 ? last.cost * (1 / last.amount) : Cost{};
-            cost.fixed = last.amount > 0 ? Cost{} : last.cost;
         }
+        cost.fixed = at_least(last.cost - cost.each * last.amount, {});
         const double left = seconds - cost.spent.wall;
         const double affordable = (left - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
         const double next = std::min({kMaxGrowth * amount, affordable, most});
@@ -58,7 +72,7 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
 }
 
 double processor_share(int threads) {
-    constexpr double kSeconds = 0.1;
+    constexpr double kSeconds = 0.2;
     const CostMeter meter;
     std::vector<std::jthread> all;
     for (int i = 0; i < threads; ++i) {
@@ -72,10 +86,7 @@ double processor_share(int threads) {
     return std::clamp(cost.cpu / (cost.wall * threads), 0.01, 1.0);
 }
 
-Cost with_share(const Cost& cost, int threads, double share) {
-    const double waiting = std::max(0.0, cost.wall - cost.cpu / share);
-    return {cost.cpu / (threads * share) + waiting, cost.cpu};
-}
+double seconds_with(const Cost& cost, int threads, double share) { return cost.cpu / (threads * share) + cost.waiting(); }
 
 Result<std::size_t> runs_within(double seconds, std::size_t runs, const Trial& trial) {
     constexpr double kTrials = 0.25;  // of the time

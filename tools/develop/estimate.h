@@ -1,6 +1,7 @@
 // tools/develop/estimate.h: what developing costs, found out by developing some of the runs. docs/developing.md, "Forecast".
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 
@@ -8,18 +9,23 @@
 
 namespace latent::develop {
 
-// Seconds that pass, and seconds that all threads compute.
+// Seconds that pass, seconds that all threads compute, and seconds that the measuring thread is ready to compute while other
+// programs do.
 struct Cost {
-    double wall = 0, cpu = 0;
+    double wall = 0, cpu = 0, queued = 0;
 
-    Cost operator+(const Cost& other) const { return {wall + other.wall, cpu + other.cpu}; }
-    Cost operator-(const Cost& other) const { return {wall - other.wall, cpu - other.cpu}; }
-    Cost operator*(double factor) const { return {wall * factor, cpu * factor}; }
+    Cost operator+(const Cost& other) const { return {wall + other.wall, cpu + other.cpu, queued + other.queued}; }
+    Cost operator-(const Cost& other) const { return {wall - other.wall, cpu - other.cpu, queued - other.queued}; }
+    Cost operator*(double factor) const { return {wall * factor, cpu * factor, queued * factor}; }
+
+    // What one thread has waited for anything but a processor: for files.
+    double waiting() const { return std::max(0.0, wall - cpu - queued); }
 };
-// The larger of both, each by itself.
+// The larger, or smaller, of each.
 Cost at_least(const Cost& a, const Cost& b);
+Cost at_most(const Cost& a, const Cost& b);
 
-// Counts both from its creation.
+// Counts from its creation, in one thread. Where the system does not say how long threads were queued, nothing counts as that.
 class CostMeter {
  public:
     CostMeter();
@@ -50,12 +56,11 @@ struct LinearCost {
 Result<LinearCost> measure(double seconds, double least, double most, double enough, const Trial& trial);
 
 // The share of a processor that each of so many threads gets beside the other programs on this machine (0..1], found out by
-// computing for a tenth of a second.
+// computing for a fifth of a second.
 double processor_share(int threads);
 
-// What passes when so many threads, with that share of a processor each, do what cost one thread `cost`. What it did not spend
-// computing, nor waiting for a processor, it waited for files, and will again.
-Cost with_share(const Cost& cost, int threads, double share);
+// Seconds that pass when so many threads, with that share of a processor each, do what cost one thread `cost`.
+double seconds_with(const Cost& cost, int threads, double share);
 
 // How many of `runs` can be developed within `seconds`, the trials included; at least one. The amount is that of runs. Errors:
 // those of `trial`.

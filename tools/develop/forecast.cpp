@@ -77,7 +77,7 @@ double seconds_to_reach_disk(std::uint64_t bytes, const std::filesystem::path& f
         const CostMeter meter;
         if (!file->sync_data()) return 0;
         written += size;
-        waited.push_back(std::max(0.0, meter.so_far().wall - meter.so_far().cpu));
+        waited.push_back(meter.so_far().waiting());
     }
     if (waited.empty()) return 0;
     std::ranges::sort(waited);  // the median: a disk that halts for a moment says nothing about the rest
@@ -119,7 +119,7 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 }  // namespace
 
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
-    constexpr double kSeconds = 1.5, kDecodeSeconds = 0.9, kEnough = 0.25;
+    constexpr double kSeconds = 1.4, kDecodeSeconds = 0.8, kEnough = 0.25;
     constexpr double kSmall = 1 << 16;  // pixels
     constexpr double kLeastBytes = 1 << 22;
     constexpr double kPages = 36.0 * (1 << 16);                    // bytes of so many pages that few of them reach beyond a piece

@@ -48,7 +48,7 @@ struct TrialOutcome {
 };
 using PictureTrial = std::function<Result<TrialOutcome>(const TrialPicture&)>;
 
-// What `picture` will cost, from trials of about 1.5 seconds in all: small pictures for the cost of a byte of pages, then pieces
+// What `picture` will cost, from trials of about 1.4 seconds in all: small pictures for the cost of a byte of pages, then pieces
 // of the picture itself. `decoded`: bytes of pages that will be decoded for it, repeats included. Errors: those of `trial`.
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial);
 

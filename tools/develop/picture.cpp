@@ -461,9 +461,9 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
     const Result<TrialOutcome> expected = extrapolate(picture, *decoded, trial);
     if (!expected) return expected.error();
     const int threads = Threads::count_of(asked.threads);
-    const Cost cost = with_share(expected->cost, threads, processor_share(threads));
-    forecast.seconds = cost.wall + seconds_to_reach_disk(forecast.file_bytes, folder_of(asked.output));
-    forecast.cpu_seconds = cost.cpu;
+    const double developing = seconds_with(expected->cost, threads, processor_share(threads));
+    forecast.seconds = developing + seconds_to_reach_disk(forecast.file_bytes, folder_of(asked.output));
+    forecast.cpu_seconds = expected->cost.cpu;
     forecast.temporary_bytes = expected->temporary_bytes;
     return forecast;
 }
