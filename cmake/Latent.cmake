@@ -90,11 +90,12 @@ function(latent_library name)
   endforeach()
 endfunction()
 
-# latent_tool(VERB LINK latent_merge ...): the executable latent-VERB from main.cpp, which is not worth much of the compiler's time.
+# latent_tool(VERB [SOURCES arguments.cpp ...] LINK latent_merge ...): the executable latent-VERB from main.cpp and SOURCES. They are not
+# worth much of the compiler's time, and are compiled together, for each source that reads CLI11 takes seconds.
 function(latent_tool verb)
-  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
-  add_executable(latent-${verb} main.cpp)
-  set_target_properties(latent-${verb} PROPERTIES UNITY_BUILD OFF)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(latent-${verb} main.cpp ${ARG_SOURCES})
+  latent_unity(latent-${verb})
   target_link_libraries(latent-${verb} PRIVATE latent_options latent_cli ${ARG_LINK})
   target_compile_options(latent-${verb} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()

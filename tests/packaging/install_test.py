@@ -1,4 +1,4 @@
-"""What is built and what is installed loads nothing from the folder in which the user is, and is hardened.
+"""What is built and what is installed loads nothing from the folder in which the user is, and is hardened; installed scenes render.
 
 Usage: install_test.py BUILD"""
 import os
@@ -44,6 +44,15 @@ class Install(unittest.TestCase):
         for tool in tools:
             run = subprocess.run([tool, "--version"], cwd=current, env=env, capture_output=True, text=True)
             self.assertEqual(run.returncode, 0, f"{tool}: {run.stderr}")
+
+    def test_every_installed_scene_renders(self):
+        scenes = sorted((self.stage / "share/latent/scenes").glob("*.pbrt"))
+        self.assertGreater(len(scenes), 20)
+        for scene in scenes:
+            part = self.folder / (scene.stem + ".latent")
+            command = [self.stage / "bin/latent-render", scene, "--resolution", "4x4", "--spp", "1", "--quiet", "-o", part]
+            run = subprocess.run(command, capture_output=True, text=True)
+            self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_faults_are_found(self):
         source = self.folder / "a.c"
