@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "render/geometry/coordinates.h"
 #include "render/geometry/embree_shapes.h"
 #include "render/geometry/emitters.h"
-#include "render/geometry/holes.h"
+#include "render/geometry/line.h"
 #include "render/geometry/surface.h"
 #include "render/scene/hair.h"
 #include "render/scene/quadric.h"
@@ -51,7 +52,7 @@ void EmbreeGeometry::keep_fault(void* self, RTCError code, const char* message) 
 
 SceneHandle EmbreeGeometry::new_scene(std::vector<PlacedShape>& shapes) const {
     SceneHandle scene(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene.get(), bounds_media_ ? RTC_SCENE_FLAG_ROBUST | kRayFilter : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         if (shapes[i].is_invisible()) continue;
         RTCGeometry geometry = new_geometry(device_.get(), shapes[i]);
@@ -143,52 +144,66 @@ void EmbreeGeometry::find_interfaces() {
         for (std::vector<PlacedShape>& shapes : world_.objects) std::ranges::for_each(shapes, f);
     };
     each([&](const PlacedShape& placed) {
-        const bool is_interface = placed.shape.material == kNone;
-        has_interfaces_ = has_interfaces_ || is_interface || (placed.has_holes() && placed.parts_media());
-        bounds_media_ = bounds_media_ || is_interface || placed.parts_media();
+        has_interfaces_ = has_interfaces_ || (placed.parts_media() && (is_interface(placed.shape.material) || placed.has_holes()));
     });
-    each([&](PlacedShape& placed) {
-        // Embree may find a crossing of a tube more than once, which is noticed only while rays pass its holes (settle_hit).
-        const bool can_pass = placed.shape.kind == ShapeKind::kTube && !placed.parts_media() && placed.shape.material != kNone;
-        placed.meets_holes = has_interfaces_ && placed.has_holes() && !can_pass;
-    });
+    each([&](PlacedShape& placed) { placed.is_watched = has_interfaces_ || placed.has_holes() || placed.hollow; });
 }
 
-std::optional<SurfaceHit> EmbreeGeometry::intersect(const Ray& ray) const {
-    std::optional<SurfaceHit> hit = intersect_any(ray, nullptr);
-    if (hit) open_hole(*hit, ray.d, nullptr);
-    return hit;
-}
-
-std::optional<SurfaceHit> EmbreeGeometry::intersect_whole(const Ray& ray, float& passed) const {
-    std::vector<PassedSurface> each;
-    std::optional<SurfaceHit> hit = intersect_any(ray, &each);
-    for (const PassedSurface& surface : each) {
-        if (!hit || surface.t < hit->t) passed *= surface.share;
+Line EmbreeGeometry::trace(const Ray& ray, Stop stop) const {
+    Line line;
+    if (!is_traceable(ray.o, ray.d)) {
+        if (stop == Stop::kAnySolid) line.passed = 0;
+        return line;
     }
-    if (hit) open_hole(*hit, ray.d, &passed);
-    return hit;
+    if (stop == Stop::kNothing && !has_interfaces_) return line;
+    TraceContext context{.embree = new_context(), .world = &world_, .stop = stop, .t_max = ray.t_max};
+    if (stop == Stop::kFirstSolid) {
+        if (has_interfaces_) context.behind = 0x1p-16f * radius_ / length(ray.d);
+        RTCRayHit rayhit{embree_ray(ray), {}};
+        rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        embree_intersect(scene_.get(), context.embree, rayhit);
+        const RTCHit& found = rayhit.hit;
+        if (found.geomID != RTC_INVALID_GEOMETRY_ID) {
+            const float t = std::min(rayhit.ray.tfar, static_cast<float>(context.hit_t));
+            line.hit = surface_on({found.instID[0], found.geomID, found.primID, {found.u, found.v}, ray.time}, ray, t);
+        }
+    } else {
+        RTCRay shadow = embree_ray(ray);
+        embree_occluded(scene_.get(), context.embree, shadow);
+        line.passed = shadow.tfar < 0 ? 0 : context.passed;
+    }
+    if (!context.met.empty() && line.passed > 0) add_media(context, ray, line);
+    if (line.hit && ray.may_start_on_surface && contains(*line.hit, {ray.o, 0, {}})) {
+        // A lamp, a lens or a vertex in a medium may have been put on a surface, which then is not in the way.
+        Ray rest = ray;
+        rest.o = spawn_ray(line.hit->interaction(), ray.d).o;
+        return trace(rest, stop);
+    }
+    return line;
 }
 
-void EmbreeGeometry::open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const {
-    if (!world_.shape(hit.on).meets_holes || hit.material == kNone) return;
-    const float opacity = opacity_at(world_, hit);
-    if (passed == nullptr ? !is_hole_at(hit.on, hit.p, d, opacity) : opacity >= 1) return;
-    if (passed != nullptr) *passed *= 1 - std::max(0.0f, opacity);
-    hit.material = hit.emitter = kNone;
-}
-
-std::optional<SurfaceHit> EmbreeGeometry::intersect_any(const Ray& ray, std::vector<PassedSurface>* passed) const {
-    if (!is_traceable(ray.o, ray.d)) return std::nullopt;
-    TraceContext context{.embree = new_context(), .world = &world_, .t_max = ray.t_max, .passed_each = passed};
-    RTCRayHit rayhit{embree_ray(ray), {}};
-    rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    embree_intersect(scene_.get(), context.embree, rayhit);
-    const RTCHit& found = rayhit.hit;
-    if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-
-    return surface_on({found.instID[0], found.geomID, found.primID, {found.u, found.v}, ray.time}, ray, rayhit.ray.tfar);
+void EmbreeGeometry::add_media(TraceContext& context, const Ray& ray, Line& line) const {
+    std::erase_if(context.met, [&](const MetSurface& met) { return line.hit && met.t > line.hit->t + context.behind; });
+    const auto order = [](const MetSurface& met) { return std::tuple(met.t, met.on.instance, met.on.shape, met.on.primitive); };
+    std::ranges::sort(context.met, {}, order);
+    std::vector<SurfaceHit> surfaces;
+    surfaces.reserve(context.met.size());
+    for (const MetSurface& met : context.met) {
+        SurfaceHit surface = surface_on(met.on, ray, met.t);
+        // On the edge of two primitives a ray may hit both: they are one surface.
+        const auto is_same = [&](const SurfaceHit& other) {
+            return met.on.instance == other.on.instance && met.on.shape == other.on.shape &&
+                   leads_out(surface, ray.d) == leads_out(other, ray.d) && contains(other, surface.interaction());
+        };
+        if (std::ranges::any_of(surfaces, is_same)) continue;
+        if (met.passed > 0) {
+            surface.material = kNone;
+            line.passed *= met.passed;
+        }
+        surfaces.push_back(surface);
+    }
+    render::add_media(std::move(surfaces), ray.d, line);
 }
 
 SurfaceHit EmbreeGeometry::surface_on(const PrimitivePoint& on, const Ray& ray, float t) const {
@@ -199,33 +214,6 @@ SurfaceHit EmbreeGeometry::surface_on(const PrimitivePoint& on, const Ray& ray, 
     return hit;
 }
 
-std::vector<SurfaceHit> EmbreeGeometry::surfaces_at(const Interaction& at, const Vec3f& d, float time,
-                                                    const PrimitivePoint* except) const {
-    std::vector<SurfaceHit> surfaces;
-    // From a little before the point to a little behind: from the point itself a ray meets a surface or not, as it rounds.
-    const float reach = 0x1p-18f * radius_;
-    const Ray around{at.p - d * reach, d, 2 * reach, time};
-    if (!bounds_media_ || !(reach > 0) || !is_traceable(around.o, around.d)) return surfaces;
-    std::vector<MetSurface> met;
-    TraceContext context{.embree = new_context(), .world = &world_, .t_max = around.t_max, .met = &met, .met_but = except};
-    RTCRay shadow = embree_ray(around);
-    embree_occluded(scene_.get(), context.embree, shadow, context.filter());
-    for (const MetSurface& surface : met) {
-        const SurfaceHit hit = surface_on(surface.on, around, surface.t);
-        if (contains(hit, at)) surfaces.push_back(hit);
-    }
-    return surfaces;
-}
-
 SurfaceCoordinates EmbreeGeometry::coordinates(const SurfaceHit& hit) const { return coordinates_at(world_, hit); }
-
-float EmbreeGeometry::passed(const Ray& ray) const {
-    if (!is_traceable(ray.o, ray.d)) return 0;
-    float passed = 1;
-    TraceContext context{.embree = new_context(), .world = &world_, .t_max = ray.t_max, .passed = &passed};
-    RTCRay shadow = embree_ray(ray);
-    embree_occluded(scene_.get(), context.embree, shadow, context.filter());
-    return shadow.tfar < 0 ? 0 : passed;
-}
 
 }  // namespace latent::render

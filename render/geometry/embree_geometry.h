@@ -18,25 +18,20 @@ struct DeviceRelease {
 struct SceneRelease {
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
-struct PassedSurface;
 using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
+
+struct TraceContext;
 
 class EmbreeGeometry final : public Geometry {
  public:
     static Result<std::unique_ptr<EmbreeGeometry>> build(const SceneDescription& scene, const std::string& simd,
                                                          const Opacity* opacity);
-    std::optional<SurfaceHit> intersect(const Ray& ray) const override;
-    std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const override;
-    float passed(const Ray& ray) const override;
-    std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
-                                        const PrimitivePoint* except) const override;
-    void open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const override;
+    Line trace(const Ray& ray, Stop stop) const override;
     SurfaceCoordinates coordinates(const SurfaceHit& hit) const override;
 
  private:
-    // Whatever is met in a hole: as the surface that it is.
-    std::optional<SurfaceHit> intersect_any(const Ray& ray, std::vector<PassedSurface>* passed) const;
+    void add_media(TraceContext& context, const Ray& ray, Line& line) const;
     SurfaceHit surface_on(const PrimitivePoint& on, const Ray& ray, float t) const;
     static void keep_fault(void* self, RTCError code, const char* message);
     SceneHandle new_scene(std::vector<PlacedShape>& shapes) const;  // not committed
@@ -51,7 +46,7 @@ class EmbreeGeometry final : public Geometry {
     std::vector<SceneHandle> object_scenes_;
     std::vector<MovingGeometry> moving_;  // Embree points to them
     SceneHandle scene_;
-    bool bounds_media_ = false;  // some surface; else surfaces_at finds none, and Embree's rays are faster
+    bool has_interfaces_ = false;  // that part media; holes between media count
 };
 
 }  // namespace latent::render

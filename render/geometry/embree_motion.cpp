@@ -70,7 +70,7 @@ void occluded(const RTCOccludedFunctionNArguments* args) {
     RTCRay inside = ray;
     if (!enter(moving, inside)) return;
     args->context->instID[0] = args->geomID;
-    embree_occluded(moving.object, *args->context, inside, trace_context(args->context).filter());
+    embree_occluded(moving.object, *args->context, inside);
     args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
     if (inside.tfar < 0) ray.tfar = -kInfinity;
 }

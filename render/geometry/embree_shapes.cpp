@@ -13,33 +13,36 @@ namespace {
 Vec3f direction_of(const RTCRay& ray) { return {ray.dir_x, ray.dir_y, ray.dir_z}; }
 Vec3d point_on(const RTCRay& ray, double t) { return Vec3d(ray.org_x, ray.org_y, ray.org_z) + Vec3d(direction_of(ray)) * t; }
 
-// Whether the ray passes the surface at t (`ray`: in the space of its object) through a hole.
-bool is_hole(const TraceContext& context, const PrimitivePoint& on, const RTCRay& ray, double t) {
-    const PlacedWorld& world = *context.world;
-    const PlacedShape& placed = world.shape(on);
-    if (placed.hollow && dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0) return true;
-    if (!placed.has_open_holes()) return false;
-    if (context.met != nullptr) return true;
-    const SurfaceHit hit = surface_at(world, on, point_on(ray, t));
-    const float opacity = opacity_at(world, hit);
-    if (opacity >= 1) return false;
-    if (!(opacity > 0)) return true;
-    if (context.passed != nullptr) {
-        *context.passed *= 1 - opacity;
-        return true;
-    }
-    if (context.passed_each != nullptr) {
-        context.passed_each->push_back({static_cast<float>(t), 1 - opacity});
-        return true;
-    }
-    return is_hole_at(on, hit.p, direction_of(ray), opacity);
+// The share of the light that passes the surface at t (`ray`: in the space of its object): of a ray to the first solid all or
+// nothing, as a hash decides.
+float share_passed(const TraceContext& context, const PlacedShape& placed, const PrimitivePoint& on, const RTCRay& ray, double t) {
+    if (is_interface(placed.shape.material)) return 1;
+    if (!placed.has_holes()) return 0;
+    const SurfaceHit hit = surface_at(*context.world, on, point_on(ray, t));
+    const float opacity = opacity_at(*context.world, hit);
+    if (context.stop == Stop::kFirstSolid) return is_hole_at(on, hit.p, direction_of(ray), opacity) ? 1 : 0;
+    return 1 - std::clamp(opacity, 0.0f, 1.0f);
 }
 
-void meet(const TraceContext& context, const PrimitivePoint& on, double t) {
-    const PrimitivePoint* const but = context.met_but;
-    if (but != nullptr && on.instance == but->instance && on.shape == but->shape && on.primitive == but->primitive) return;
-    context.met->push_back({on, static_cast<float>(t)});
+// Whether the ray ends on a watched shape, at t. If the shape parts media, `met` gets it, too.
+bool stops(TraceContext& context, const PlacedShape& placed, const PrimitivePoint& on, const RTCRay& ray, double t) {
+    if (placed.hollow && placed.shape.kind != ShapeKind::kTube &&
+        dot(surface_at(placed, on.primitive, on.uv, point_on(ray, t)).ng, direction_of(ray)) > 0)
+        return false;
+    if (context.stop == Stop::kNothing && !is_interface(placed.shape.material)) return false;
+    const float passed = share_passed(context, placed, on, ray, t);
+    if (placed.parts_media()) {
+        context.met.push_back({on, static_cast<float>(t), passed});
+    } else if (passed > 0) {
+        context.passed *= passed;
+    }
+    if (passed > 0 || t >= context.hit_t) return false;
+    if (context.stop == Stop::kFirstSolid) context.hit_t = t;
+    return true;
 }
+
+// How far Embree is to look for more, after a hit at t.
+float reach_after(const TraceContext& context, float t) { return std::min(t + context.behind, context.t_max); }
 
 // The box of a primitive of user geometry, in floats that contain it.
 void bounds_of(const RTCBoundsFunctionArguments* args) {
@@ -68,15 +71,15 @@ std::optional<ExactHit> intersect_exact(const PlacedShape& placed, std::uint32_t
     return intersect_disk(local_o, local_d, shape.height, shape.inner_radius, shape.radius, placed.part, ray.tnear, ray.tfar);
 }
 
-// The first hit that is not in a hole.
-std::optional<ExactHit> first_solid(const PlacedShape& placed, EmbreeContext* context, unsigned shape, std::uint32_t primitive,
-                                    RTCRay ray) {
+// The first hit that stops the ray.
+std::optional<ExactHit> first_stop(const PlacedShape& placed, EmbreeContext* context, unsigned shape, std::uint32_t primitive,
+                                   RTCRay ray) {
     while (true) {
         const std::optional<ExactHit> hit = intersect_exact(placed, primitive, ray);
         if (!hit) return hit;
         const Vec2f uv{static_cast<float>(hit->u), static_cast<float>(hit->v)};
         const PrimitivePoint on{context->instID[0], shape, primitive, uv, ray.time};
-        if (!is_hole(trace_context(context), on, ray, hit->t)) return hit;
+        if (stops(trace_context(context), placed, on, ray, hit->t)) return hit;
         ray.tnear = next_up(static_cast<float>(hit->t));
     }
 }
@@ -84,7 +87,7 @@ std::optional<ExactHit> first_solid(const PlacedShape& placed, EmbreeContext* co
 // For every ray that comes near: inlined, or the hit would be passed on through memory.
 [[gnu::always_inline]] inline std::optional<ExactHit> first_hit(const PlacedShape& placed, EmbreeContext* context, unsigned shape,
                                                                 std::uint32_t primitive, const RTCRay& ray) {
-    return placed.is_always_met() ? intersect_exact(placed, primitive, ray) : first_solid(placed, context, shape, primitive, ray);
+    return placed.is_watched ? first_stop(placed, context, shape, primitive, ray) : intersect_exact(placed, primitive, ray);
 }
 
 void intersect_user(const RTCIntersectFunctionNArguments* args) {
@@ -93,7 +96,7 @@ void intersect_user(const RTCIntersectFunctionNArguments* args) {
     const std::optional<ExactHit> hit =
         first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, rayhit.ray);
     if (!hit) return;
-    rayhit.ray.tfar = static_cast<float>(hit->t);
+    rayhit.ray.tfar = reach_after(trace_context(args->context), static_cast<float>(hit->t));
     rayhit.hit.u = static_cast<float>(hit->u);
     rayhit.hit.v = static_cast<float>(hit->v);
     rayhit.hit.primID = args->primID;
@@ -104,25 +107,21 @@ void intersect_user(const RTCIntersectFunctionNArguments* args) {
 void occluded_user(const RTCOccludedFunctionNArguments* args) {
     if (args->N != 1 || args->valid[0] == 0) return;
     RTCRay& ray = *reinterpret_cast<RTCRay*>(args->ray);
-    const std::optional<ExactHit> hit =
-        first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, ray);
-    if (!hit) return;
-    TraceContext& context = trace_context(args->context);
-    if (context.met == nullptr) {
+    if (first_hit(*static_cast<const PlacedShape*>(args->geometryUserPtr), args->context, args->geomID, args->primID, ray))
         ray.tfar = -kInfinity;
-        return;
-    }
-    const Vec2f uv{static_cast<float>(hit->u), static_cast<float>(hit->v)};
-    meet(context, {context.embree.instID[0], args->geomID, args->primID, uv, ray.time}, hit->t);
 }
 
-// Of a mesh or tube with holes: lets a ray through them.
+// Embree's filter of watched meshes and tubes: rejects the hits that do not stop the ray.
 void filter(const RTCFilterFunctionNArguments* args) {
     if (args->N != 1 || args->valid[0] == 0) return;
-    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
+    TraceContext& context = trace_context(args->context);
+    RTCRay& ray = *reinterpret_cast<RTCRay*>(args->ray);
     const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
     const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}, ray.time};
-    if (is_hole(trace_context(args->context), on, ray, ray.tfar)) args->valid[0] = 0;
+    if (stops(context, *static_cast<const PlacedShape*>(args->geometryUserPtr), on, ray, static_cast<double>(ray.tfar)))
+        ray.tfar = reach_after(context, ray.tfar);
+    else
+        args->valid[0] = 0;
 }
 
 // Whether the ray has passed this crossing of a tube before: of the same segment, or of its neighbour at their common end.
@@ -151,7 +150,7 @@ void settle_hit(const RTCFilterFunctionNArguments* args) {
         return;
     }
     hit.u = static_cast<float>(settled->u);
-    if (!placed.has_open_holes()) return;
+    if (!placed.is_watched) return;
     TraceContext& context = trace_context(args->context);
     const PassedTube crossing{context.embree.instID[0], hit.geomID, hit.primID, settled->leaves, settled->t * length(d),
                               tube.radius(settled->u)};
@@ -190,7 +189,7 @@ RTCGeometry new_mesh(RTCDevice device, PlacedShape& placed) {
     }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(), 0,
                                3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
-    if (!placed.is_always_met()) {
+    if (placed.is_watched) {
         rtcSetGeometryUserData(geometry, &placed);
         rtcSetGeometryIntersectFilterFunction(geometry, filter);
         rtcSetGeometryOccludedFilterFunction(geometry, filter);
@@ -210,15 +209,6 @@ RTCGeometry new_user_geometry(RTCDevice device, PlacedShape& placed) {
 }
 
 }  // namespace
-
-void gather_met(const RTCFilterFunctionNArguments* args) {
-    if (args->N != 1 || args->valid[0] == 0) return;
-    const RTCRay& ray = *reinterpret_cast<const RTCRay*>(args->ray);
-    const RTCHit& hit = *reinterpret_cast<const RTCHit*>(args->hit);
-    const PrimitivePoint on{args->context->instID[0], hit.geomID, hit.primID, {hit.u, hit.v}, ray.time};
-    meet(trace_context(args->context), on, ray.tfar);
-    args->valid[0] = 0;
-}
 
 RTCGeometry new_geometry(RTCDevice device, PlacedShape& placed) {
     switch (placed.shape.kind) {

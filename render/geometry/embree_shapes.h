@@ -7,14 +7,11 @@
 
 namespace latent::render {
 
-// A surface that is there in part, and the share of the light that passes it.
-struct PassedSurface {
-    float t, share;
-};
-// A surface that a ray meets, in no order.
+// A surface between media on a ray's way.
 struct MetSurface {
     PrimitivePoint on;
     float t;
+    float passed;  // share of the light; 0: it is solid
 };
 // Where a ray passes a tube through a hole. In the space of the tube: the distance from the ray's origin, and the radius.
 struct PassedTube {
@@ -23,24 +20,17 @@ struct PassedTube {
     double distance, radius;
 };
 
-// Embree's filter of rays that gather `met`.
-void gather_met(const RTCFilterFunctionNArguments* args);
-
-// Of every ray.
+// A ray on its way through Embree.
 struct TraceContext {
     EmbreeContext embree;  // the first member, which Embree passes on
     const PlacedWorld* world;
-    float t_max;  // of the ray: Embree's own shrinks to the hits that it finds
-    // Surfaces that are there in part let every ray pass, and this gathers what they let pass: the product, or each by itself,
-    // in any order. Neither: a hash decides.
-    float* passed = nullptr;
-    std::vector<PassedSurface>* passed_each = nullptr;
-    // Of a shadow ray, which then nothing stops: all surfaces on its way, but not this primitive, nor those with open holes.
-    std::vector<MetSurface>* met = nullptr;
-    const PrimitivePoint* met_but = nullptr;
+    Stop stop;
+    float t_max;                             // of the ray: Embree's own shrinks to the hits that it finds
+    float behind = 0;                        // in t: surfaces this far behind the hit may lie on it, and are looked for
+    double hit_t = kInfinity;                // of kFirstSolid: the first hit so far on a watched shape
+    float passed = 1;                        // Line's
+    std::vector<MetSurface> met{};           // surfaces between media, in no order, also a little behind the hit
     std::vector<PassedTube> passed_tubes{};  // Embree may find a crossing of a tube more than once; it counts once
-
-    RTCFilterFunctionN filter() const { return met == nullptr ? nullptr : gather_met; }
 };
 inline TraceContext& trace_context(EmbreeContext* context) { return *reinterpret_cast<TraceContext*>(context); }
 

@@ -35,7 +35,7 @@ struct SurfaceHit {
     Vec3f dpdu;  // never parallel to ng, of any length: orients anisotropic materials
     std::uint32_t material;                       // index into SceneDescription::materials; kNone: interface
     std::uint32_t emitter;                        // index into Geometry::emitters(), or kNone
-    std::uint32_t inside_medium, outside_medium;  // equal: crossing changes nothing, the ray's medium goes on
+    std::uint32_t inside_medium, outside_medium;  // equal: the surface does not change the ray's medium
     bool ribbon;                                  // ShapeDescription::ribbon
     float across;                                 // of it, if it was asked for: -1 to 1 along ns x dpdu
     PrimitivePoint on;
@@ -68,6 +68,12 @@ struct Emitter {
     std::uint32_t inside_medium = kNone, outside_medium = kNone;
 };
 
+// The material of surfaces that scatter nothing: where media meet.
+inline bool is_interface(std::uint32_t material) { return material == kNone; }
+
+// Whether a line along d passes the surface from inside.
+inline bool leads_out(const SurfaceHit& hit, const Vec3f& d) { return dot(d, hit.ng) > 0; }
+
 // Whether the surface, as a plane at the hit, contains a point to within what is known of both.
 inline bool contains(const SurfaceHit& hit, const Interaction& at) {
     const Vec3f to = at.p - hit.p;
@@ -75,11 +81,33 @@ inline bool contains(const SurfaceHit& hit, const Interaction& at) {
     return std::abs(dot(hit.ng, to)) <= (hit.error + at.error) * size + kRayError * length(to);
 }
 
+// Where a line ends.
+enum class Stop : std::uint8_t {
+    kFirstSolid,  // on the first surface that scatters; if that is there in part, a hash of place and direction decides
+    kAnySolid,    // on any surface that scatters and is whole: for shadow rays
+    kNothing,     // nowhere: surfaces that scatter are not met
+};
+
+// Where a line leaves one medium and enters another.
+struct Crossing {
+    float t;
+    std::uint32_t left, entered;
+};
+
+// What a ray meets. Surfaces that lie on one another are met as one: a count of the media entered less those left does not depend
+// on their order.
+struct Line {
+    std::vector<Crossing> crossings;  // before the hit, in order of t; interfaces, and holes between media
+    std::optional<SurfaceHit> hit;    // kFirstSolid alone; its media are those before and behind all surfaces that lie on it
+    float passed = 1;                 // kAnySolid alone: the share of the light that passes; 0: something whole is in the way
+
+    // The medium that a ray along d begins in, if the first surface that it meets parts media.
+    std::optional<std::uint32_t> medium_before(const Vec3f& d) const;
+};
+
 class Opacity;
 
-// A surface of alpha a is met with probability a, which a hash of the place and of the ray's direction decides. So light passes it
-// as it passes fine holes: straight on, as it is. In a scene with interfaces, a ray that meets a hole hits an interface there, but
-// not in a tube.
+// A surface of alpha a is met with probability a. Light passes it as it passes fine holes: straight on, as it is.
 class Geometry {
  public:
     // `simd` is an Embree isa name (render/program/simd.h chooses). `opacity` outlives the geometry; null: surfaces whose alpha is
@@ -92,24 +120,10 @@ class Geometry {
     static std::string embree_version();
 
     // A ray whose numbers are not finite, or beyond 10^18, meets nothing, and no light passes along it.
-    virtual std::optional<SurfaceHit> intersect(const Ray& ray) const = 0;
-    // The first surface that is whole, or an interface; `passed` is multiplied by the share of the light that passes what is there
-    // in part, as in `passed` below, on its way and at that surface.
-    virtual std::optional<SurfaceHit> intersect_whole(const Ray& ray, float& passed) const = 0;
-    // The share of the light that passes all surfaces, over all decisions; none passes an interface.
-    virtual float passed(const Ray& ray) const = 0;
-    // The surfaces that contain a point, but not that of `except`, where a line along unit d meets them; as if they had no holes.
-    // None, if no surface is an interface or bounds a medium.
-    virtual std::vector<SurfaceHit> surfaces_at(const Interaction& at, const Vec3f& d, float time,
-                                                const PrimitivePoint* except = nullptr) const = 0;
-    // Turns a hit on a surface with holes into one on an interface, if a ray in direction d passes it there: as the hash decides
-    // or, if `passed` is given, wherever it is there in part; then `passed` is multiplied by the share that passes.
-    virtual void open_hole(SurfaceHit& hit, const Vec3f& d, float* passed) const = 0;
-    // At a hit that `intersect` returned.
+    virtual Line trace(const Ray& ray, Stop stop) const = 0;
+    // At a hit of `trace`.
     virtual SurfaceCoordinates coordinates(const SurfaceHit& hit) const = 0;
 
-    // Whether rays meet any; holes between media count.
-    bool has_interfaces() const { return has_interfaces_; }
     const std::vector<Emitter>& emitters() const { return emitters_; }
     // A ball about everything.
     const Vec3f& center() const { return center_; }
@@ -119,7 +133,6 @@ class Geometry {
     std::vector<Emitter> emitters_;
     Vec3f center_;
     float radius_ = 0;
-    bool has_interfaces_ = false;
 };
 
 }  // namespace latent::render

@@ -17,14 +17,12 @@ struct PlacedShape {
     QuadricPart part{};                   // of them
     std::uint32_t first_emitter = kNone;  // of its primitives
 
-    bool hollow = false;       // hair: rays pass it from inside, and the normals of a tube point outwards
-    bool meets_holes = false;  // where it has a hole rays meet an interface; else they pass unmet
+    bool hollow = false;      // hair: rays pass it from inside, and the normals of a tube point outwards
+    bool is_watched = false;  // a hit need not end the ray, or is to be noted: Embree asks about each
 
     bool has_holes() const { return shape.alpha.is_textured() || shape.alpha.value < 1; }
     bool parts_media() const { return shape.inside_medium != shape.outside_medium; }
-    bool has_open_holes() const { return has_holes() && !meets_holes; }
-    bool is_always_met() const { return !has_open_holes() && !hollow; }
-    bool is_invisible() const { return is_nowhere(shape.alpha) && !parts_media(); }
+    bool is_invisible() const { return (is_interface(shape.material) || is_nowhere(shape.alpha)) && !parts_media(); }
 };
 
 struct PlacedInstance {

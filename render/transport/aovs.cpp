@@ -6,7 +6,6 @@
 #include "base/bytes.h"
 #include "color/named_spectra.h"
 #include "color/observer.h"
-#include "render/medium/march.h"
 
 namespace latent::render {
 
@@ -84,10 +83,9 @@ Seen Aovs::look(SampleState& sample, const Camera& camera, double u, double v) c
     SampledSpectrum passed(1.0f);  // of the light that comes by mirrors and glass
     bool dispersed = false;
     for (std::uint32_t i = 0;; ++i) {
-        March march(world_.geometry(), spawn_ray(at, d).at_time(sample.time), kNone);
-        while (march.meets_interface()) march.cross();
-        if (!march.hit()) return seen;
-        const SurfaceHit& hit = *march.hit();
+        const Line line = world_.geometry().trace(spawn_ray(at, d).at_time(sample.time), Stop::kFirstSolid);
+        if (!line.hit) return seen;
+        const SurfaceHit& hit = *line.hit;
         if (i == 0) {
             const Vec3d in_file = world_.in_file(hit.p);
             seen.depth = static_cast<float>(length(Vec3d(hit.p) - Vec3d(origin)));

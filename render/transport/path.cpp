@@ -27,7 +27,7 @@ class Path {
         Vec3f origin;
         camera.ray(film.x, film.y, camera.lens_point(sample_.numbers), origin, d_);
         at_ = {origin, 0, {}};
-        medium_ = world_.medium_at_start(at_, d_, camera.medium(), sample_);
+        medium_ = world_.medium_at_start(at_.p, d_, camera.medium(), sample_);
         Scattering scattering;
         for (; find_vertex(scattering) && depth_ < max_depth_; ++depth_) {
             if (!scattering.is_delta()) sample_light(scattering);
@@ -44,40 +44,40 @@ class Path {
     // Follows the ray (at_, d_) to where it scatters next, and gathers what shines on the way. False: nowhere.
     bool find_vertex(Scattering& scattering) {
         transmittance_ = 1;
-        for (March march(world_.geometry(), spawn_ray(at_, d_).at_time(sample_.time), medium_);; march.cross()) {
+        const Ray ray = spawn_ray(at_, d_).at_time(sample_.time);
+        const Line line = world_.geometry().trace(ray, Stop::kFirstSolid);
+        March march(line, ray, kFar, medium_);
+        do {
             const Segment& segment = march.segment();
-            const std::optional<SurfaceHit>& hit = march.hit();
             medium_ = segment.medium;
-            if (medium_ != kNone) {
-                const Medium& medium = world_.medium(medium_);
-                segment_ = segment;
-                if (depth_ < max_depth_) sample_point_light(medium);
-                SampledSpectrum emitted(0.0f);
-                step_ = medium.sample_step(segment, number_on(segment, Dimension::kDistanceChannel),
-                                           number_on(segment, Dimension::kDistance), sample_, beta_,
-                                           medium.is_emissive() ? &emitted : nullptr);
-                if (medium.is_emissive()) seen_.add(emitted, dispersed_, kNone);
-                if (step_.scattered) {
-                    at_ = {segment.o + d_ * step_.t, 0, {}};
-                    scattering = medium.phase(at_.p, sample_);
-                    in_tracked_ = medium.is_tracked();
-                    return true;
-                }
-                transmittance_ *= step_.density;
-            }
-            if (!hit) {
-                for (const std::uint32_t i : lights_.infinite()) see_light(i, {d_, at_.p});
-                return false;
-            }
-            if (hit->emitter != kNone) see_light(hit->emitter, {d_, hit->p, hit->ng, hit->on.uv});
-            if (!is_interface(hit->material)) {
-                at_ = hit->interaction();
-                interface_ = media_at(*hit);
-                in_tracked_ = false;
-                if (depth_ < max_depth_) scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
+            if (medium_ == kNone) continue;
+            const Medium& medium = world_.medium(medium_);
+            segment_ = segment;
+            if (depth_ < max_depth_) sample_point_light(medium);
+            SampledSpectrum emitted(0.0f);
+            step_ = medium.sample_step(segment, number_on(segment, Dimension::kDistanceChannel),
+                                       number_on(segment, Dimension::kDistance), sample_, beta_,
+                                       medium.is_emissive() ? &emitted : nullptr);
+            if (medium.is_emissive()) seen_.add(emitted, dispersed_, kNone);
+            if (step_.scattered) {
+                at_ = {segment.o + d_ * step_.t, 0, {}};
+                scattering = medium.phase(at_.p, sample_);
+                in_tracked_ = medium.is_tracked();
                 return true;
             }
+            transmittance_ *= step_.density;
+        } while (march.next());
+        if (!line.hit) {
+            for (const std::uint32_t i : lights_.infinite()) see_light(i, {d_, at_.p});
+            return false;
         }
+        const SurfaceHit& hit = *line.hit;
+        if (hit.emitter != kNone) see_light(hit.emitter, {d_, hit.p, hit.ng, hit.on.uv});
+        at_ = hit.interaction();
+        interface_ = media_at(hit);
+        in_tracked_ = false;
+        if (depth_ < max_depth_) scattering = world_.bsdf(hit, sample_.spectra, sample_.kept);
+        return true;
     }
 
     // Light that comes from everywhere alike is found by scattering as well as by a sample of it; in a medium that varies in space

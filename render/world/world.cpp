@@ -107,7 +107,7 @@ Bsdf World::textured_bsdf(SurfaceHit hit, TexturePoint& point, std::uint32_t kep
 }
 
 // What the first surfaces that are met from outside have on that side: preferably a medium that light comes through. If they say
-// nothing, for their sides are equal: where a straight line from the camera, through everything, ends.
+// nothing, for their sides are equal: where a straight line from the camera, through all interfaces, ends.
 std::uint32_t World::find_medium_at_infinity() const {
     constexpr int kLines = 4096;
     const SceneBall ball{geometry_->center(), 1.001f * geometry_->radius()};
@@ -116,16 +116,14 @@ std::uint32_t World::find_medium_at_infinity() const {
     for (int i = 0; i < kLines && ball.radius > 0; ++i) {
         const Uniform u = random(), v = random(), x = random(), y = random();
         const LightRay line = ball.sample_ray(sample_sphere(u, v), 1, x, y);
-        const std::optional<std::uint32_t> outside = March(*geometry_, {line.at.p, line.d}, kNone).medium_before_hit();
+        const std::optional<std::uint32_t> outside = geometry_->trace({line.at.p, line.d}, Stop::kFirstSolid).medium_before(line.d);
         if (outside && !is_endless(*outside)) return *outside;
         if (outside) endless = outside;
     }
     if (endless) return *endless;
     const Ray ray{camera_.center(), camera_.axis()};
-    Interaction start{ray.o, 0, {}};
-    March march(*geometry_, ray, render::medium_at_start(*geometry_, start, ray.d, ray.time, camera_.medium()));
-    while (march.hit()) march.cross();
-    return march.segment().medium;
+    const Line line = geometry_->trace(ray, Stop::kNothing);
+    return line.crossings.empty() ? camera_.medium() : line.crossings.back().entered;
 }
 
 bool World::connect(const Interaction& from, const Interaction& to, std::uint32_t medium, SampleState& sample,
@@ -141,25 +139,20 @@ bool World::connect_infinite(const Interaction& from, const Vec3f& w, std::uint3
 bool World::connect(const Ray& ray, float length, std::uint32_t medium, SampleState& sample, SampledSpectrum& value,
                     LineOfSight& line) const {
     ++sample.shadow_rays;
-    const auto pass = [&](const Segment& segment) {
-        if (segment.medium == kNone) return line.add(segment, 1, segment.length);
-        const MediumStep step = media_[segment.medium]->multiply_transmittance(segment, sample, value);
-        line.add(segment, step.transmittance, step.column);
-    };
-    if (!geometry_->has_interfaces()) {
-        const float passed = geometry_->passed(ray);
-        if (passed == 0) return false;
-        if (passed < 1) value *= passed;
-        if (medium != kNone) pass({ray.o, ray.d, length, medium});  // else all is as it was: nothing is on the line
-        return true;
-    }
-    float passed = 1;
-    for (March march(*geometry_, ray, length, medium, passed);; march.cross()) {
-        if (march.hit() && !march.meets_interface()) return false;
-        pass(march.segment());
-        if (!march.hit()) break;
-    }
-    if (passed < 1) value *= passed;
+    const Line sight = geometry_->trace(ray, Stop::kAnySolid);
+    if (sight.passed == 0) return false;
+    if (sight.passed < 1) value *= sight.passed;
+    if (medium == kNone && sight.crossings.empty()) return true;  // all is as it was
+    March march(sight, ray, length, medium);
+    do {
+        const Segment& segment = march.segment();
+        if (segment.medium == kNone) {
+            line.add(segment, 1, segment.length);
+        } else {
+            const MediumStep step = media_[segment.medium]->multiply_transmittance(segment, sample, value);
+            line.add(segment, step.transmittance, step.column);
+        }
+    } while (march.next());
     return true;
 }
 

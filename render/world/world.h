@@ -59,10 +59,10 @@ class World {
         return material.is_textured() ? textured_bsdf(hit, point, kept) : material.bsdf(hit, point, kept);
     }
 
-    // The medium in which the sample's line along unit d begins that leaves a light source or a lens, which was said to be in
-    // `given`; render::medium_at_start.
-    std::uint32_t medium_at_start(Interaction& at, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
-        return has_media() ? render::medium_at_start(*geometry_, at, d, sample.time, given) : kNone;
+    // The medium in which the sample's line along unit d begins at a light source or a lens, which was said to be in `given`;
+    // render::medium_at_start.
+    std::uint32_t medium_at_start(const Vec3f& p, const Vec3f& d, std::uint32_t given, const SampleState& sample) const {
+        return has_media() ? render::medium_at_start(*geometry_, p, d, sample.time, given) : kNone;
     }
 
     // Light along a straight line that starts in `medium`: value *= transmittance, through interfaces and media.

@@ -5,6 +5,7 @@
 
 #include "render/geometry/geometry.h"
 #include "render/program/simd.h"
+#include "tests/render/rays.h"
 #include "tests/render/scenes.h"
 
 namespace latent::render::testing {

@@ -13,9 +13,11 @@ namespace {
 
 using testing::build;
 using testing::Built;
+using testing::first_hit;
 using testing::in_world;
 using testing::load_world;
 using testing::Random;
+using testing::share_passed;
 
 std::string number(float x) { return std::to_string(x) + " "; }
 
@@ -71,8 +73,8 @@ TEST(Geometry, TrianglesAreHitWhereBruteForceHitsThem) {
         const Vec3f o = random.vector(2);
         const Ray ray{o, normalize(random.vector(1) - o)};
         const double expected = brute_force(mesh, {}, ray);
-        const auto hit = scene.geometry->intersect(ray);
-        EXPECT_EQ(scene.geometry->passed(ray), hit ? 0 : 1);
+        const auto hit = first_hit(*scene.geometry, ray);
+        EXPECT_EQ(share_passed(*scene.geometry, ray), hit ? 0 : 1);
         if (hit.has_value() != (expected < kInfinity)) {
             ++different;  // rays through edges may be decided otherwise in float
             continue;
@@ -87,8 +89,8 @@ TEST(Geometry, TrianglesAreHitWhereBruteForceHitsThem) {
         EXPECT_NEAR(length(hit->ng), 1, 1e-5);
         Ray shorter = ray;
         shorter.t_max = hit->t * 0.999f;
-        EXPECT_FALSE(scene.geometry->intersect(shorter));
-        EXPECT_EQ(scene.geometry->passed(shorter), 1);
+        EXPECT_FALSE(first_hit(*scene.geometry, shorter));
+        EXPECT_EQ(share_passed(*scene.geometry, shorter), 1);
     }
     EXPECT_GT(hits, 5000);
     EXPECT_LE(different, 4);
@@ -111,7 +113,7 @@ TEST(Geometry, InstancesAreTheirShapesMoved) {
         double expected = kInfinity;
         for (const InstanceDescription& instance : scene.description.instances)
             expected = std::min(expected, brute_force(mesh, instance.world_from_object, ray));
-        const auto hit = scene.geometry->intersect(ray);
+        const auto hit = first_hit(*scene.geometry, ray);
         if (hit.has_value() != (expected < kInfinity) || (hit && std::abs(hit->t - expected) > 1e-4)) {
             ++different;
             continue;
@@ -136,7 +138,7 @@ TEST(Geometry, OrientationSurvivesInstancingAndMirroring) {
             const Vec3f target(m.point({0.25, 0.25, 0})), normal(normalize(m.normal(Vec3d(0, 0, reverse.empty() ? 1 : -1))));
             const Ray ray{target + normal * 2.0f, -normal};
             for (const Built* scene : {&flat, &instanced}) {
-                const auto hit = scene->geometry->intersect(ray);
+                const auto hit = first_hit(*scene->geometry, ray);
                 ASSERT_TRUE(hit);
                 EXPECT_LT(length(hit->ng - normal), 1e-5f);
                 EXPECT_LT(length(hit->ns - normal), 1e-5f);
@@ -155,7 +157,7 @@ TEST(Geometry, SphereNormalsPointOutUnlessReversed) {
         for (int i = 0; i < 1000; ++i) {
             const Vec3d local = Vec3d(random.direction()) * 1.5;
             const Vec3f p(m.point(local)), inside(m.point(local * 0.5));
-            const auto hit = scene.geometry->intersect({inside, p - inside});
+            const auto hit = first_hit(*scene.geometry, {inside, p - inside});
             ASSERT_TRUE(hit);
             EXPECT_LT(length(hit->p - p), 1e-5f);
             const Vec3f outward(normalize(m.normal(local)));
@@ -175,7 +177,7 @@ TEST(Geometry, PatchesAndPairsOfTrianglesAgree) {
     int hits = 0, different = 0;
     for (int i = 0; i < 5000; ++i) {
         const Ray ray{{random(0, 2.5f), random(0, 2), 3}, {random(-.1f, .1f), random(-.1f, .1f), -1}};
-        const auto a = flat.geometry->intersect(ray), b = bent.geometry->intersect(ray);
+        const auto a = first_hit(*flat.geometry, ray), b = first_hit(*bent.geometry, ray);
         if (a.has_value() != b.has_value()) {
             ++different;
             continue;
@@ -194,7 +196,7 @@ TEST(Geometry, ShadingNormalsInterpolateAndOrient) {
     const Built scene = build(
         "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  0 1 0 ] \"normal N\" [ 0 0 -1  .6 0 -.8  0 0 -2 ] \"point2 uv\" [ 0 0 "
         " 0 1  1 0 ]\n");
-    const auto hit = scene.geometry->intersect({{0.5f, 0.25f, 1}, {0, 0, -1}});
+    const auto hit = first_hit(*scene.geometry, {{0.5f, 0.25f, 1}, {0, 0, -1}});
     ASSERT_TRUE(hit);
     EXPECT_LT(length(hit->ng - Vec3f(0, 0, -1)), 1e-6f);  // the mesh's normals say where out is
     const Vec3d expected = normalize(Vec3d(0, 0, -1) * 0.25 + Vec3d(.6, 0, -.8) * 0.5 + Vec3d(0, 0, -1) * 0.25);
@@ -229,13 +231,13 @@ TEST(Geometry, RaysStartClearOfTheirSurface) {
         int leaks = 0, traps = 0, hits = 0;
         for (int i = 0; i < 4000; ++i) {
             const Vec3f start = g.center() + random.direction() * (g.radius() * 2);
-            const auto hit = g.intersect({start, normalize(g.center() - start + random.direction() * (g.radius() * 0.3f))});
+            const auto hit = first_hit(g, {start, normalize(g.center() - start + random.direction() * (g.radius() * 0.3f))});
             if (!hit) continue;
             ++hits;
             const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
             const Vec3f out = random.about(hit->ng, cosine);
-            traps += g.passed(spawn_ray(hit->interaction(), out)) < 1 ? 1 : 0;
-            leaks += g.intersect(spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
+            traps += share_passed(g, spawn_ray(hit->interaction(), out)) < 1 ? 1 : 0;
+            leaks += first_hit(g, spawn_ray(hit->interaction(), -out)) ? 0 : 1;  // closed: every inward ray ends
         }
         EXPECT_GT(hits, 1000);
         EXPECT_EQ(traps, 0);
@@ -249,13 +251,13 @@ TEST(Geometry, ConnectionsSeeEachOtherAndNothingElse) {
         "Shape \"trianglemesh\" \"point3 P\" [ -1 5 -1  1 5 -1  1 5 1  -1 5 1 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n");
     Random random;
     for (int i = 0; i < 20000; ++i) {
-        const auto floor = scene.geometry->intersect({{random(-40, 40), 4, random(-40, 40)}, {0, -1, 0}});
-        const auto lamp = scene.geometry->intersect({{random(-.99f, .99f), 4, random(-.99f, .99f)}, {0, 1, 0}});
+        const auto floor = first_hit(*scene.geometry, {{random(-40, 40), 4, random(-40, 40)}, {0, -1, 0}});
+        const auto lamp = first_hit(*scene.geometry, {{random(-.99f, .99f), 4, random(-.99f, .99f)}, {0, 1, 0}});
         ASSERT_TRUE(floor && lamp);
-        EXPECT_EQ(scene.geometry->passed(spawn_ray(floor->interaction(), lamp->interaction())), 1);
-        EXPECT_EQ(scene.geometry->passed(spawn_ray(lamp->interaction(), floor->interaction())), 1);
+        EXPECT_EQ(share_passed(*scene.geometry, spawn_ray(floor->interaction(), lamp->interaction())), 1);
+        EXPECT_EQ(share_passed(*scene.geometry, spawn_ray(lamp->interaction(), floor->interaction())), 1);
         const Interaction above{lamp->p + Vec3f(0, 1, 0), 0, {}};
-        EXPECT_EQ(scene.geometry->passed(spawn_ray(Interaction{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)), 0);
+        EXPECT_EQ(share_passed(*scene.geometry, spawn_ray(Interaction{{lamp->p.x, 1, lamp->p.z}, 0, {}}, above)), 0);
     }
 }
 
@@ -268,7 +270,7 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
             int connections = 0, hidden = 0, grazing = 0;
             for (int i = 0; i < 4000; ++i) {
                 const Vec3f inside = g.center() + random.direction() * (g.radius() * 0.01f), out = random.direction();
-                const auto hit = g.intersect({inside, out});
+                const auto hit = first_hit(g, {inside, out});
                 ASSERT_TRUE(hit);
                 // Half of the points look along the surface.
                 const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
@@ -277,8 +279,8 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
                 if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
                 ++connections;
                 grazing += cosine < 0.01f;
-                hidden +=
-                    g.passed(spawn_ray(camera, hit->interaction())) < 1 || g.passed(spawn_ray(hit->interaction(), camera)) < 1;
+                hidden += share_passed(g, spawn_ray(camera, hit->interaction())) < 1 ||
+                          share_passed(g, spawn_ray(hit->interaction(), camera)) < 1;
             }
             EXPECT_GT(connections, 3000) << distance;
             EXPECT_GT(grazing, 400) << distance;
@@ -291,12 +293,12 @@ TEST(Geometry, ConnectionsEndOnTheSurfaceThatTheyLeadTo) {
         const Built scene = build("Scale 0.1 0.1 1\n" + lamp + "Translate 0 0 " + std::to_string(gap) + "\nScale 2 2 2\n" + lamp);
         for (int i = 0; i < 1000; ++i) {
             const float r = random(-0.02f, 0.02f), s = random(-0.02f, 0.02f);
-            const auto on_lamp = scene.geometry->intersect({{r, s, -1}, {0, 0, 1}});
+            const auto on_lamp = first_hit(*scene.geometry, {{r, s, -1}, {0, 0, 1}});
             ASSERT_TRUE(on_lamp);
             const Vec3f w = normalize(Vec3f{random(-1, 1), random(-1, 1), 1});
             const Interaction camera{on_lamp->p + w * distance, 0, {}};
-            EXPECT_EQ(scene.geometry->passed(spawn_ray(camera, on_lamp->interaction())), 0) << distance;
-            EXPECT_EQ(scene.geometry->passed(spawn_ray(on_lamp->interaction(), camera)), 0) << distance;
+            EXPECT_EQ(share_passed(*scene.geometry, spawn_ray(camera, on_lamp->interaction())), 0) << distance;
+            EXPECT_EQ(share_passed(*scene.geometry, spawn_ray(on_lamp->interaction(), camera)), 0) << distance;
         }
     }
 }
@@ -324,12 +326,12 @@ TEST(Emitters, HoldAreaAndNormal) {
     Random random;
     for (std::uint32_t i = 1; i < e.size(); ++i) {
         const Vec3f center = e[i].p + (e[i].e1 + e[i].e2) * (1 / 3.0f);
-        const auto hit = scene.geometry->intersect({center + e[i].n * 0.5f, -e[i].n});
+        const auto hit = first_hit(*scene.geometry, {center + e[i].n * 0.5f, -e[i].n});
         ASSERT_TRUE(hit);
         EXPECT_EQ(hit->emitter, i);
         EXPECT_LT(length(hit->ng - e[i].n), 1e-6f);
     }
-    EXPECT_EQ(scene.geometry->intersect({{0, 3, 5}, {0, 0, -1}})->emitter, 0u);
+    EXPECT_EQ(first_hit(*scene.geometry, {{0, 3, 5}, {0, 0, -1}})->emitter, 0u);
 }
 
 // The loader has told it before; a description may come from elsewhere.
@@ -373,7 +375,7 @@ TEST(Coordinates, OfQuadricsRunFromNoughtToOneOverTheirPart) {
                 const Vec3d du = (c.point(u + h, v) - c.point(u - h, v)) / (2 * h),
                             dv = (c.point(u, v + h) - c.point(u, v - h)) / (2 * h);
                 const Vec3d n = normalize(cross(du, dv));
-                const auto hit = scene.geometry->intersect({Vec3f(p + n * 0.01), Vec3f(-n)});
+                const auto hit = first_hit(*scene.geometry, {Vec3f(p + n * 0.01), Vec3f(-n)});
                 ASSERT_TRUE(hit);
                 EXPECT_NEAR(hit->t, 0.01, 1e-5);
                 const SurfaceCoordinates at_hit = scene.geometry->coordinates(*hit);
@@ -399,7 +401,7 @@ TEST(Geometry, RebuildingGivesTheSameBits) {
     const Built a = build(text, "sse4.2"), b = build(text, "sse4.2");
     for (int i = 0; i < 5000; ++i) {
         const Ray ray{rays.vector(2), rays.direction()};
-        const auto x = a.geometry->intersect(ray), y = b.geometry->intersect(ray);
+        const auto x = first_hit(*a.geometry, ray), y = first_hit(*b.geometry, ray);
         ASSERT_EQ(x.has_value(), y.has_value());
         if (!x) continue;
         EXPECT_EQ(x->t, y->t);
@@ -413,16 +415,16 @@ TEST(Geometry, RaysThatAreNoneMeetNothing) {
     const Built scene = build("Shape \"sphere\"\n");
     for (const float bad : {std::nanf(""), kInfinity, -kInfinity, 1e30f}) {
         for (const Ray& ray : {Ray{{bad, 0, 0}, {0, 0, 1}}, Ray{{0, 0, -3}, {0, bad, 1}}}) {
-            EXPECT_FALSE(scene.geometry->intersect(ray)) << bad;
-            EXPECT_EQ(scene.geometry->passed(ray), 0) << bad;
+            EXPECT_FALSE(first_hit(*scene.geometry, ray)) << bad;
+            EXPECT_EQ(share_passed(*scene.geometry, ray), 0) << bad;
         }
     }
 }
 
 TEST(Geometry, EmptySceneHasNoHits) {
     const Built scene = build("");
-    EXPECT_FALSE(scene.geometry->intersect({{0, 0, 0}, {0, 0, 1}}));
-    EXPECT_EQ(scene.geometry->passed({{0, 0, 0}, {0, 0, 1}}), 1);
+    EXPECT_FALSE(first_hit(*scene.geometry, {{0, 0, 0}, {0, 0, 1}}));
+    EXPECT_EQ(share_passed(*scene.geometry, {{0, 0, 0}, {0, 0, 1}}), 1);
     EXPECT_EQ(scene.geometry->radius(), 0);
 }
 

@@ -8,12 +8,14 @@
 
 #include "color/named_spectra.h"
 #include "render/material/material.h"
+#include "tests/render/rays.h"
 #include "tests/render/scenes.h"
 #include "tests/transport/picture_mean.h"
 
 namespace latent::render {
 namespace {
 
+using testing::first_hit;
 using testing::Folder;
 using ::testing::HasSubstr;
 using testing::load_world;
@@ -29,7 +31,7 @@ Vec3f normal_at(const testing::Scene& scene, float x, float y) {
     const Textures textures = Textures::build(scene.description, 1 << 20, library).value();
     const Vec3f origin = Vec3f(Vec3d(x, y, -5) - scene.description.origin);
     const std::unique_ptr<World> world = scene.world();
-    std::optional<SurfaceHit> hit = world->geometry().intersect({origin, {0, 0, 1}});
+    std::optional<SurfaceHit> hit = first_hit(world->geometry(), {origin, {0, 0, 1}});
     EXPECT_TRUE(hit);
     const Relief relief(scene.description.materials[hit->material], textures);
     const SurfaceCoordinates c = world->geometry().coordinates(*hit);

@@ -6,6 +6,7 @@
 
 #include "render/material/relief.h"
 #include "render/texture/textures.h"
+#include "tests/render/rays.h"
 #include "tests/render/scenes.h"
 #include "tests/transport/world_builder.h"
 
@@ -61,7 +62,7 @@ class SeenValues {
     }
     const MaterialDescription& look(double x, double y) {
         const Vec3f origin(Vec3d(x, y, 100) - scene_.description.origin);
-        const std::optional<SurfaceHit> hit = world_->geometry().intersect({origin, {0, 0, -1}});
+        const std::optional<SurfaceHit> hit = first_hit(world_->geometry(), {origin, {0, 0, -1}});
         EXPECT_TRUE(hit) << x << " " << y;
         if (!hit) return scene_.description.materials.at(0);
         hit_ = *hit;

@@ -11,7 +11,9 @@ namespace {
 
 using testing::build;
 using testing::Built;
+using testing::first_hit;
 using testing::Random;
+using testing::share_passed;
 
 constexpr const char* kBent =
     "Shape \"curve\" \"string type\" \"cylinder\" \"string basis\" \"bspline\" "
@@ -54,8 +56,8 @@ TEST(Tubes, AreMetByTheRaysThatComeCloserThanTheRadius) {
             const Ray towards{from, normalize(to - from)};
             if (std::abs(towards.d.x) > 0.7f) continue;  // through the open ends, it may be
             const double distance = distance_in_radii(mesh_of(scene), towards);
-            const auto hit = scene.geometry->intersect(towards);
-            EXPECT_EQ(scene.geometry->passed(towards), hit ? 0 : 1);
+            const auto hit = first_hit(*scene.geometry, towards);
+            EXPECT_EQ(share_passed(*scene.geometry, towards), hit ? 0 : 1);
             if (distance > 1.001) {
                 EXPECT_FALSE(hit) << distance;
                 ++passed;
@@ -101,7 +103,7 @@ TEST(Tubes, HaveNothingBesideThemWhateverUnitsTheyAreModelledIn) {
             const Ray ray{on + out * random(0, .05f) - d * 5.0f, d};
             if (distance_in_radii(mesh_of(direct), ray) < 1.03) continue;
             ++passed;
-            phantoms += scene.geometry->passed(ray) < 1 ? 1 : 0;
+            phantoms += share_passed(*scene.geometry, ray) < 1 ? 1 : 0;
         }
         EXPECT_GT(passed, 3000);
         EXPECT_EQ(phantoms, 0) << unit;
@@ -121,14 +123,14 @@ TEST(Tubes, RaysStartClearOfThem) {
         for (int i = 0; i < 6000; ++i) {
             const Vec3f middle = g.center() + Vec3f{random(-1, 1) * size, 0, 0};
             const Vec3f start = middle + normalize(Vec3f{0, random(-1, 1), random(-1, 1)}) * (2 * size);
-            const auto on = g.intersect({start, normalize(middle - start + random.vector(.1f * size))});
+            const auto on = first_hit(g, {start, normalize(middle - start + random.vector(.1f * size))});
             if (!on) continue;
             ++hits;
             const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
             const Vec3f out = random.about(on->ng, cosine);
-            traps += g.passed(spawn_ray(on->interaction(), out)) < 1 ? 1 : 0;
+            traps += share_passed(g, spawn_ray(on->interaction(), out)) < 1 ? 1 : 0;
             // Not along the tube, whose ends are open.
-            if (std::abs(out.x) < 0.5f) leaks += g.intersect(spawn_ray(on->interaction(), -out)) ? 0 : 1;
+            if (std::abs(out.x) < 0.5f) leaks += first_hit(g, spawn_ray(on->interaction(), -out)) ? 0 : 1;
         }
         EXPECT_GT(hits, 4000);
         EXPECT_EQ(traps, 0);
@@ -144,13 +146,14 @@ TEST(Tubes, ConnectionsEndOnThem) {
         int connections = 0, hidden = 0;
         for (int i = 0; i < 4000; ++i) {
             const Vec3f inside = g.center() + Vec3f{random(-1, 1), 0, 0};
-            const auto hit = g.intersect({inside, normalize(Vec3f{0, random(-1, 1), random(-1, 1)})});
+            const auto hit = first_hit(g, {inside, normalize(Vec3f{0, random(-1, 1), random(-1, 1)})});
             ASSERT_TRUE(hit);
             const float cosine = i % 2 == 0 ? random(0.01f, 1) : std::exp(random(-9, 0));
             const Interaction camera{hit->p + random.about(hit->ng, cosine) * distance, 0, {}};
             if (dot(normalize(camera.p - hit->p), hit->ng) < 1e-4f) continue;
             ++connections;
-            hidden += g.passed(spawn_ray(camera, hit->interaction())) < 1 || g.passed(spawn_ray(hit->interaction(), camera)) < 1;
+            hidden += share_passed(g, spawn_ray(camera, hit->interaction())) < 1 ||
+                      share_passed(g, spawn_ray(hit->interaction(), camera)) < 1;
         }
         EXPECT_GT(connections, 3000) << distance;
         EXPECT_EQ(hidden, 0) << distance;
@@ -168,10 +171,10 @@ TEST(Tubes, WithHolesLetTheirShareOfTheLightPassAtEachCrossing) {
                 const Vec3f to{random(-2.5f, 2.5f), random(-.4f, .4f), random(-.4f, .4f)}, d = random.direction();
                 const Ray ray{to - d * distance, d};
                 double share = 1;
-                auto hit = whole.geometry->intersect(ray);
-                for (; hit; hit = whole.geometry->intersect(spawn_ray(hit->interaction(), d))) share /= 2;
+                auto hit = first_hit(*whole.geometry, ray);
+                for (; hit; hit = first_hit(*whole.geometry, spawn_ray(hit->interaction(), d))) share /= 2;
                 crossed += share < 1 ? 1 : 0;
-                wrong += half.geometry->passed(ray) == static_cast<float>(share) ? 0 : 1;
+                wrong += share_passed(*half.geometry, ray) == static_cast<float>(share) ? 0 : 1;
             }
             EXPECT_GT(crossed, 2000) << distance;
             EXPECT_EQ(wrong, 0) << distance;
@@ -192,7 +195,7 @@ TEST(Tubes, CoordinatesRunAlongAndAround) {
             const auto around = [&](double x, double y) { return (point_at(tube, x, y + h) - point_at(tube, x, y - h)) / (2 * h); };
             const auto normal = [&](double x, double y) { return normalize(cross(around(x, y), along(x, y))); };
             const Vec3d p = point_at(tube, u, v), n = normal(u, v);
-            const auto hit = scene.geometry->intersect({Vec3f(p + n * 0.02), Vec3f(-n)});
+            const auto hit = first_hit(*scene.geometry, {Vec3f(p + n * 0.02), Vec3f(-n)});
             ASSERT_TRUE(hit);
             EXPECT_NEAR(hit->t, 0.02, 1e-6);
             EXPECT_LT(length(Vec3d(hit->ng) - n), 1e-5);
@@ -224,8 +227,8 @@ TEST(Tubes, OfOneSurfaceAreOneShape) {
     const Built scene = build("Material \"diffuse\"\n" + fibre + "Translate 0 1 0\n" + fibre + "Material \"diffuse\"\n" + fibre);
     ASSERT_EQ(scene.description.shapes.size(), 2u);
     EXPECT_EQ(mesh_of(scene).indices, (std::vector<std::uint32_t>{0, 4}));
-    for (const float y : {0.0f, 1.0f}) EXPECT_EQ(scene.geometry->passed({{1, y, 1}, {0, 0, -1}}), 0);
-    EXPECT_EQ(scene.geometry->passed({{1, 2, 1}, {0, 0, -1}}), 1);
+    for (const float y : {0.0f, 1.0f}) EXPECT_EQ(share_passed(*scene.geometry, {{1, y, 1}, {0, 0, -1}}), 0);
+    EXPECT_EQ(share_passed(*scene.geometry, {{1, 2, 1}, {0, 0, -1}}), 1);
 }
 
 // Stretched, a tube is not round any more, and points must be drawn on one that shines: both are meshes.
@@ -239,7 +242,7 @@ TEST(Tubes, ThatAreStretchedOrShineAreMeshes) {
 // Points that coincide give no direction; Embree would lose the ends.
 TEST(Tubes, WhoseEndsHaveNoDirectionAreWhole) {
     const Built scene = build("Shape \"curve\" \"point3 P\" [0 0 0  0 0 0  3 0 0  3 0 0] \"float width\" .1\n");
-    for (float x = 0.001f; x < 3; x += 0.0137f) EXPECT_EQ(scene.geometry->passed({{x, .01f, 1}, {0, 0, -1}}), 0) << x;
+    for (float x = 0.001f; x < 3; x += 0.0137f) EXPECT_EQ(share_passed(*scene.geometry, {{x, .01f, 1}, {0, 0, -1}}), 0) << x;
     EXPECT_TRUE(testing::load_world("Shape \"curve\" \"point3 P\" [1 1 1 1 1 1 1 1 1 1 1 1]\n"));
 }
 

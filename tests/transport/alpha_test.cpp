@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "render/medium/march.h"
+#include "tests/render/rays.h"
 #include "tests/transport/lit_floor.h"
 #include "tests/transport/picture_mean.h"
 #include "tests/transport/pictures.h"
@@ -65,7 +65,7 @@ TEST(Alpha, OfATextureCutsHoles) {
     for (int x = 0; x < 4; ++x) {
         for (int y = 0; y < 4; ++y) {
             const Vec3f p = Vec3f{static_cast<float>(x) - 1.5f, static_cast<float>(y) - 1.5f, -1} - origin;
-            const auto hit = world->geometry().intersect({p, {0, 0, 1}});
+            const auto hit = first_hit(world->geometry(), {p, {0, 0, 1}});
             ASSERT_TRUE(hit);
             EXPECT_NEAR(hit->t, (x + y) % 2 == 0 ? 1 : 3, 1e-5) << x << ", " << y;
         }
@@ -86,18 +86,18 @@ TEST(Alpha, AShadowRayGathersWhatPasses) {
     const Geometry& geometry = world->geometry();
     const Vec3f origin(scene_from("Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\n" + quad).description.origin);
     const Vec3f from = Vec3f{0.07f, 0.03f, -1} - origin, up{0, 0, 1};
-    EXPECT_EQ(geometry.passed({from, up, 1.2f}), 0.625f);
-    EXPECT_EQ(geometry.passed({from, up, 2}), 0.625f * 0.625f);
-    EXPECT_EQ(geometry.passed({from, up, 4.8f}), 0.625f * 0.625f * 0.25f * 0.75f);
-    EXPECT_EQ(geometry.passed({from, up, 8}), 0);  // the disk is whole
+    EXPECT_EQ(share_passed(geometry, {from, up, 1.2f}), 0.625f);
+    EXPECT_EQ(share_passed(geometry, {from, up, 2}), 0.625f * 0.625f);
+    EXPECT_EQ(share_passed(geometry, {from, up, 4.8f}), 0.625f * 0.625f * 0.25f * 0.75f);
+    EXPECT_EQ(share_passed(geometry, {from, up, 8}), 0);  // the disk is whole
     double gathered = 0, decided = 0;
     std::mt19937 random(4);
     std::uniform_real_distribution<float> even(-0.2f, 0.2f);
     constexpr int kCount = 40'000;
     for (int i = 0; i < kCount; ++i) {
         const Ray ray{from + Vec3f{even(random), even(random), 0}, {even(random), even(random), 1}, 2};
-        gathered += static_cast<double>(geometry.passed(ray)) / kCount;
-        decided += (geometry.intersect(ray) ? 0.0 : 1.0) / kCount;
+        gathered += static_cast<double>(share_passed(geometry, ray)) / kCount;
+        decided += (first_hit(geometry, ray) ? 0.0 : 1.0) / kCount;
     }
     EXPECT_NEAR(decided, gathered, 4.5 * 0.5 / std::sqrt(kCount));
 }
@@ -115,22 +115,12 @@ TEST(Alpha, AShadowRayGathersThroughInterfacesToo) {
         "Translate 0 0 9\nShape \"disk\" \"float radius\" 1\n");
     const std::unique_ptr<World> world = scene.world();
     const Vec3f from = Vec3f{0.07f, 0.03f, -5} - Vec3f(scene.description.origin);
-    float passed = 1, total = 0;
-    std::vector<std::uint32_t> media;
-    for (March march(world->geometry(), {from, {0, 0, 10}, 1}, 10, kNone, passed);; march.cross()) {
-        total += march.segment().length;
-        if (media.empty() || media.back() != march.segment().medium) media.push_back(march.segment().medium);
-        if (!march.hit()) break;
-        ASSERT_TRUE(march.meets_interface());
-    }
-    EXPECT_EQ(passed, 0.75f * 0.5f * 0.25f * 0.625f);
-    EXPECT_NEAR(total, 10, 1e-5);
-    EXPECT_EQ(media, (std::vector<std::uint32_t>{kNone, 0, kNone}));
-    passed = 1;
-    March blocked(world->geometry(), {from, {0, 0, 20}, 1}, 20, kNone, passed);
-    while (blocked.meets_interface()) blocked.cross();
-    ASSERT_TRUE(blocked.hit());  // the disk is whole
-    EXPECT_NEAR(blocked.segment().o.z + blocked.segment().length, from.z + 14, 1e-4);
+    const Line line = world->geometry().trace({from, {0, 0, 10}, 1}, Stop::kAnySolid);
+    EXPECT_EQ(line.passed, 0.75f * 0.5f * 0.25f * 0.625f);
+    ASSERT_EQ(line.crossings.size(), 2u);
+    EXPECT_EQ(line.crossings[0].entered, 0u);
+    EXPECT_EQ(line.crossings[1].entered, kNone);
+    EXPECT_EQ(world->geometry().trace({from, {0, 0, 20}, 1}, Stop::kAnySolid).passed, 0);  // the disk is whole
 }
 
 const char* const kFog =
@@ -154,16 +144,14 @@ TEST(Alpha, BetweenMediaAHoleIsAnInterface) {
         constexpr int kCount = 4096;
         int open = 0;
         for (int i = 0; i < kCount; ++i) {
-            float passed = 1;
             const Vec3f o = from + Vec3f{static_cast<float>(i % 64 - 32) / 40, static_cast<float>(i / 64 - 32) / 40, 0};
-            March shadow(world->geometry(), {o, {0, 0, -1}, 2}, 2, kNone, passed);
-            EXPECT_TRUE(shadow.meets_interface());
-            EXPECT_EQ(passed, c.passed);
-            shadow.cross();
-            EXPECT_EQ(shadow.segment().medium, 0u);
-            const March march(world->geometry(), {o, {0, 0, -1}}, kNone);
-            ASSERT_TRUE(march.hit());
-            open += march.meets_interface();
+            const Line shadow = world->geometry().trace({o, {0, 0, -1}, 2}, Stop::kAnySolid);
+            EXPECT_EQ(shadow.passed, c.passed);
+            ASSERT_EQ(shadow.crossings.size(), 1u);
+            EXPECT_EQ(shadow.crossings[0].entered, 0u);
+            const Line line = world->geometry().trace({o, {0, 0, -1}}, Stop::kFirstSolid);
+            EXPECT_EQ(line.crossings.size(), line.hit ? 0u : 1u);
+            open += line.hit ? 0 : 1;
         }
         EXPECT_NEAR(open, c.open * kCount, 4.5 * std::sqrt(kCount * c.open * (1 - c.open)));
     }

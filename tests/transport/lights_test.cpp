@@ -4,6 +4,7 @@
 #include "color/named_spectra.h"
 #include "color/observer.h"
 #include "render/light/light_set.h"
+#include "tests/render/rays.h"
 #include "tests/transport/chi_square.h"
 #include "tests/transport/lit_floor.h"
 #include "tests/transport/numbers.h"
@@ -75,7 +76,7 @@ TEST(Lights, PointsOfAreaLightsFollowTheirDensity) {
                                           return p.wi;
                                       },
                                       .pdf_omega = [&](const Vec3f& w) -> double {
-                                          const auto hit = world->geometry().intersect({from, w});
+                                          const auto hit = first_hit(world->geometry(), {from, w});
                                           if (!hit || hit->emitter == kNone) return 0;
                                           if (!(light.pdf_direction(hit->ng, -w) > 0)) return 0;
                                           return static_cast<double>(light.pdf_omega(from, {}, {w, hit->p, hit->ng}));

@@ -1,9 +1,8 @@
-// Laws of the walk along a line: its segments follow one another from interface to interface, each in the medium behind the last
-// one, and reach as far as the line does.
+// Laws of the segments of a line: they follow one another from interface to interface, each in the medium behind the last one, and
+// reach as far as the line does.
 #include "render/medium/march.h"
 
 #include <functional>
-#include <random>
 
 #include "tests/transport/picture_mean.h"
 #include "tests/transport/world_builder.h"
@@ -30,9 +29,11 @@ class Nested : public ::testing::Test {
 };
 
 TEST_F(Nested, SegmentsLieEndToEndUpToTheFirstSurface) {
-    March march(world_->geometry(), {{0.1f, 0.2f, -5}, {0, 0, 1}}, kNone);
+    const Ray ray{{0.1f, 0.2f, -5}, {0, 0, 1}};
+    const Line line = world_->geometry().trace(ray, Stop::kFirstSolid);
+    March march(line, ray, kFar, kNone);
     float from = 0;
-    for (std::uint32_t i = 0; i < media_.size(); ++i, march.cross()) {
+    for (std::uint32_t i = 0; i < media_.size(); ++i) {
         SCOPED_TRACE(i);
         const Segment& s = march.segment();
         EXPECT_EQ(s.index, i);
@@ -40,11 +41,14 @@ TEST_F(Nested, SegmentsLieEndToEndUpToTheFirstSurface) {
         EXPECT_NEAR(s.o.z + 5, from, 1e-5);
         EXPECT_NEAR(s.length, ends_[i] - from, 0.06);  // spheres are met off their axis
         from = s.o.z + 5 + s.length;
-        ASSERT_TRUE(march.hit());
-        EXPECT_EQ(march.meets_interface(), i + 1 < media_.size());
+        EXPECT_EQ(march.next(), i + 1 < media_.size());
     }
-    EXPECT_FALSE(march.hit());  // behind the wall
-    EXPECT_EQ(march.segment().length, kFar);
+    ASSERT_TRUE(line.hit);
+    EXPECT_NEAR(line.hit->t, 15, 1e-5);
+    const Ray away{{0.1f, 0.2f, 11}, {0, 0, 1}};  // from behind the wall
+    const Line empty = world_->geometry().trace(away, Stop::kFirstSolid);
+    EXPECT_FALSE(empty.hit);
+    EXPECT_EQ(March(empty, away, kFar, kNone).segment().length, kFar);
 }
 
 // Whatever the ray's own unit is, and wherever between the surfaces the line ends.
@@ -53,22 +57,22 @@ TEST_F(Nested, ALineToAPointIsAsLongAsThePointIsFar) {
         SCOPED_TRACE(end);
         const Vec3f from{0.1f, 0.2f, -5}, to{-0.1f, 0.1f, -5 + end};
         const Ray ray = spawn_ray(Interaction{from, 0, {}}, Interaction{to, 0, {}});
-        float total = 0, passed = 1;
-        for (March march(world_->geometry(), ray, length(to - from), kNone, passed);; march.cross()) {
+        const Line line = world_->geometry().trace(ray, Stop::kAnySolid);
+        EXPECT_EQ(line.passed, 1);
+        float total = 0;
+        March march(line, ray, length(to - from), kNone);
+        do {
             EXPECT_EQ(march.segment().medium, media_[march.segment().index]);
             total += march.segment().length;
-            if (!march.hit()) break;
-            ASSERT_TRUE(march.meets_interface());
-        }
+        } while (march.next());
         EXPECT_NEAR(total, length(to - from), 1e-5);
-        EXPECT_EQ(passed, 1);
     }
 }
 
 // Boxes of media on a floor, beside one another and in one another, in a place where no coordinate is exact.
 class Touching : public ::testing::Test {
  protected:
-    static constexpr std::uint32_t kA = 0, kB = 1, kC = 2, kFloor = 3;
+    static constexpr std::uint32_t kA = 0, kB = 1, kC = 2;
 
     static Vec3d at(double x, double y, double z) {
         static const Vec3d ex = normalize(Vec3d{3, 1, -2}), ez = normalize(cross(ex, Vec3d{1, 5, 2})), ey = cross(ez, ex);
@@ -87,22 +91,6 @@ class Touching : public ::testing::Test {
             points({at(l.x, l.y, l.z), at(l.x, l.y, h.z), at(h.x, l.y, h.z), at(h.x, l.y, l.z), at(l.x, h.y, l.z),
                     at(l.x, h.y, h.z), at(h.x, h.y, h.z), at(h.x, h.y, l.z)}));
     }
-    // Those that a line from `from` to `to` passes, from `medium` on, and kFloor where it ends on that.
-    std::vector<std::uint32_t> media_between(const Vec3d& from, const Vec3d& to, std::uint32_t medium) const {
-        const Vec3f o(from - scene_.description.origin), d(to - from);
-        std::vector<std::uint32_t> media;
-        float passed = 1;
-        for (March march(world_->geometry(), {o, d, 1}, length(d), medium, passed);; march.cross()) {
-            if (march.segment().length > 1e-3f) media.push_back(march.segment().medium);
-            if (!march.hit()) break;
-            if (!march.meets_interface()) {
-                media.push_back(kFloor);
-                break;
-            }
-        }
-        return media;
-    }
-
     const Scene scene_ = scene_from(
         "Camera \"perspective\"\nWorldBegin\nLightSource \"point\"\nMakeNamedMedium \"a\" \"string type\" \"homogeneous\"\n"
         "MakeNamedMedium \"b\" \"string type\" \"homogeneous\"\nMakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n"
@@ -113,26 +101,6 @@ class Touching : public ::testing::Test {
     const std::unique_ptr<World> world_ = scene_.world();
 };
 
-// Neither the floor nor the medium behind the next wall is missed, whichever of the surfaces a ray meets first.
-TEST_F(Touching, SurfacesAreAllMet) {
-    using Media = std::vector<std::uint32_t>;
-    std::mt19937 random(1);
-    const auto between = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-    for (int i = 0; i < 2000; ++i) {
-        SCOPED_TRACE(i);
-        const Vec3d in_a = at(between(-0.9, -0.8), between(0.1, 0.9), between(-0.5, 0.6)),
-                    in_b = at(between(-0.6, -0.1), between(0.1, 0.9), between(-0.5, 0.6)),
-                    in_c = at(between(0.1, 1.6), between(0.1, 0.9), between(-0.5, 0.6)),
-                    under_b = at(between(-0.6, -0.1), -0.5, between(-0.5, 0.6)),
-                    above_b = at(between(-0.6, -0.1), 2, between(-0.5, 0.6));
-        EXPECT_EQ(media_between(in_a, in_c, kA), (Media{kA, kB, kC}));
-        EXPECT_EQ(media_between(in_c, in_a, kC), (Media{kC, kB, kA}));
-        EXPECT_EQ(media_between(in_b, under_b, kB), (Media{kB, kFloor}));
-        EXPECT_EQ(media_between(under_b, in_b, kNone), (Media{kNone, kFloor}));
-        EXPECT_EQ(media_between(above_b, under_b, kNone), (Media{kNone, kA, kB, kFloor}));
-    }
-}
-
 // From where two boxes touch, or one stands on the floor, whatever medium it is said to begin in.
 TEST_F(Touching, ALineBeginsInTheMediumThatItLeadsInto) {
     struct Case {
@@ -142,11 +110,8 @@ TEST_F(Touching, ALineBeginsInTheMediumThatItLeadsInto) {
     for (const Case& c : {Case{at(0, 0.5, 0.1), at(1, 0.7, 0.2), kC}, Case{at(0, 0.5, 0.1), at(-0.5, 0.7, 0.2), kB},
                           Case{at(-0.3, 0, 0.1), at(-0.2, 0.5, 0.2), kB}, Case{at(0.3, 0, 0.1), at(0.2, 0.5, 0.2), kC}}) {
         for (const std::uint32_t given : {kNone, kA, kB, kC}) {
-            Interaction start{Vec3f(c.from - scene_.description.origin), 0, {}};
-            const Vec3f d(normalize(c.towards - c.from));
-            const std::uint32_t medium = medium_at_start(world_->geometry(), start, d, 0, given);
-            EXPECT_EQ(medium, c.medium);
-            EXPECT_EQ(March(world_->geometry(), spawn_ray(start, d), medium).segment().medium, c.medium);
+            const Vec3f start(c.from - scene_.description.origin), d(normalize(c.towards - c.from));
+            EXPECT_EQ(medium_at_start(world_->geometry(), start, d, 0, given), c.medium);
         }
     }
 }

@@ -1,6 +1,7 @@
 // What moves while the shutter is open: how maps vary with time, and what that does to pictures. docs/scenes.md, "Motion".
 #include "render/math/motion.h"
 
+#include "tests/render/rays.h"
 #include "tests/transport/numbers.h"
 #include "tests/transport/one_picture.h"
 #include "tests/transport/world_builder.h"
@@ -390,18 +391,18 @@ TEST(ObjectMotion, RaysMeetWhatTurnsWhereItThenIs) {
             const Vec3d place = there.description.instances[static_cast<std::size_t>(j % 2)].world_from_object.t;
             const Vec3f o = Vec3f(place) + vector(12);
             const Ray ray{o, normalize(Vec3f(place) + vector(1) - o), kInfinity, time};
-            const auto a = (*turning)->intersect({ray.o + shift, ray.d, kInfinity, time}), b = (*still)->intersect(ray);
+            const auto a = first_hit(**turning, {ray.o + shift, ray.d, kInfinity, time}), b = first_hit(**still, ray);
             if (a.has_value() != b.has_value() || (a && std::abs(a->t - b->t) > 1e-3f)) ++unequal;
             if (!a) continue;
             ++hits;
-            EXPECT_EQ((*turning)->passed({ray.o + shift, ray.d, a->t * 1.001f, time}), 0);
-            EXPECT_EQ((*turning)->passed({ray.o + shift, ray.d, a->t * 1.001f, time}), 0);
+            EXPECT_EQ(share_passed(**turning, {ray.o + shift, ray.d, a->t * 1.001f, time}), 0);
+            EXPECT_EQ(share_passed(**turning, {ray.o + shift, ray.d, a->t * 1.001f, time}), 0);
             // Of the ellipsoid, whose outside is empty and whose inside has no way out.
             if (moving.description.objects[moving.description.instances[a->on.instance].object].shapes[0].kind !=
                 ShapeKind::kSphere)
                 continue;
-            const auto out = (*turning)->intersect(spawn_ray(a->interaction(), a->ng).at_time(time));
-            const auto in = (*turning)->intersect(spawn_ray(a->interaction(), -a->ng).at_time(time));
+            const auto out = first_hit(**turning, spawn_ray(a->interaction(), a->ng).at_time(time));
+            const auto in = first_hit(**turning, spawn_ray(a->interaction(), -a->ng).at_time(time));
             wrong_side += (out && out->on.instance == a->on.instance) || !in ? 1 : 0;
         }
     }

@@ -20,7 +20,7 @@ void SubpathWalk::trace_camera(Vec2d film) {
     step.pdf = camera.jacobian(step.d);
     step.parallel = camera.parallel();
     step.mis_shorter = x.mis.end;
-    step.medium = world_.medium_at_start(x.at, step.d, camera.medium(), sample_);
+    step.medium = world_.medium_at_start(x.at.p, step.d, camera.medium(), sample_);
     step.beta = SampledSpectrum(1.0f);
     walk(subpaths_.camera, true, step);
 }
@@ -47,7 +47,7 @@ void SubpathWalk::trace_light() {
     step.parallel = light.is_infinite();
     step.mis_shorter = x.mis.end;
     step.medium = light.is_infinite() ? world_.medium_at_infinity() : ray.medium;
-    if (!light.is_infinite()) step.medium = world_.medium_at_start(x.at, ray.d, step.medium, sample_);
+    if (!light.is_infinite()) step.medium = world_.medium_at_start(x.at.p, ray.d, step.medium, sample_);
     if (!(ray.pdf_direction > 0)) return;
     step.beta = SampledSpectrum(ray.cosine * ray.profile / (probability * ray.pdf_position * ray.pdf_direction));
     if (!light.multiply_emission(ray.point(), ray.d, sample_.spectra, step.beta) || step.beta.is_black()) return;
@@ -93,15 +93,16 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
     const std::size_t i = path.size();
     const bool from_infinity = !from_camera && i == 1 && step.parallel;
     const Ray ray = (from_infinity ? Ray{path[0].at.p, step.d} : spawn_ray(path[i - 1].at, step.d)).at_time(sample_.time);
-    LineOfSight line;
-    March march(world_.geometry(), ray, step.medium);
+    const Line sight = world_.geometry().trace(ray, Stop::kFirstSolid);
     if (from_infinity) {
-        march.begin_in_medium_before_hit();
-        if (world_.is_endless(march.segment().medium)) return false;  // no light comes through
+        step.medium = sight.medium_before(step.d).value_or(step.medium);
+        if (world_.is_endless(step.medium)) return false;  // no light comes through
     }
-    for (;; march.cross()) {
+    LineOfSight line;
+    March march(sight, ray, kFar, step.medium);
+    float density = 1;
+    do {
         const Segment& segment = march.segment();
-        const std::optional<SurfaceHit>& hit = march.hit();
         step.medium = segment.medium;
         MediumStep medium_step{false, segment.length, 1, 1, segment.length};
         SampledSpectrum weight(1.0f);
@@ -119,7 +120,7 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
         }
         step.beta *= weight;
         step.throughput *= weight;
-        const float density = line.transmittance * medium_step.density;
+        density = line.transmittance * medium_step.density;
         line.add(segment, medium_step.transmittance, medium_step.column);
         if (medium_step.scattered) {
             SubpathVertex x;
@@ -128,21 +129,20 @@ bool SubpathWalk::find_vertex(Subpath& path, bool from_camera, Step& step) {
             x.scattering = world_.medium(step.medium).phase(x.at.p, sample_);
             return append(path, from_camera, x, step, line, density);
         }
-        if (!hit) {
-            if (from_camera) see_infinite_lights(step, line);
-            return false;
-        }
-        if (from_camera && hit->emitter != kNone) see_light(*hit, step, line);
-        if (!is_interface(hit->material)) {
-            if (i + 2 > max_vertices_) return false;
-            SubpathVertex x;
-            x.at = hit->interaction();
-            x.normal = hit->ng;
-            x.scattering = world_.bsdf(*hit, sample_.spectra, sample_.kept);
-            x.media = media_at(*hit);
-            return append(path, from_camera, x, step, line, density);
-        }
+    } while (march.next());
+    if (!sight.hit) {
+        if (from_camera) see_infinite_lights(step, line);
+        return false;
     }
+    const SurfaceHit& hit = *sight.hit;
+    if (from_camera && hit.emitter != kNone) see_light(hit, step, line);
+    if (i + 2 > max_vertices_) return false;
+    SubpathVertex x;
+    x.at = hit.interaction();
+    x.normal = hit.ng;
+    x.scattering = world_.bsdf(hit, sample_.spectra, sample_.kept);
+    x.media = media_at(hit);
+    return append(path, from_camera, x, step, line, density);
 }
 
 bool SubpathWalk::append(Subpath& path, bool from_camera, SubpathVertex& x, const Step& step, const LineOfSight& line,
