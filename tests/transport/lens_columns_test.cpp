@@ -37,7 +37,7 @@ Shape "sphere" "float radius" .3
 using develop::LensChoice;
 using develop::LensWeights;
 
-// As develop::Refocused moves records. False: off the film.
+// As LensWeights moves records. False: off the film.
 bool move_on_film(const std::array<double, 2>& shift, sampledb::Page& page, std::size_t row) {
     const std::array<double, 2> lens = develop::lens_point(page, {0, 1}, row);
     const double u = page.u[row] * 0x1p-32 + shift[0] * lens[0], v = page.v[row] * 0x1p-32 + shift[1] * lens[1];
@@ -62,6 +62,7 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
         RadianceFaults faults;
         sampledb::Records records;
         sampledb::Page page;
+        LensWeights::Factors factors;
         for (std::uint64_t n = 0; n < samples; ++n) {
             records.clear();
             integrator->trace(n, records, faults);
@@ -73,9 +74,9 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
                     continue;
                 }
                 records.u[i] = page.u[i], records.v[i] = page.v[i];
-                const LensWeights::Factors factors = (*weights)(page, i);
-                for (auto* values : {&records.x, &records.y, &records.z}) (*values)[i] *= factors.value;
-                records.share[i] *= factors.share;
+                weights->factors(page, i, i + 1, factors);
+                for (auto* values : {&records.x, &records.y, &records.z}) (*values)[i] *= factors.value[0];
+                records.share[i] *= factors.share[0];
             }
             sums.add(records);
         }
