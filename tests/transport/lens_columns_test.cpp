@@ -53,6 +53,7 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
     settings.aovs = {.lens = true, .time = true};
     sampledb::Job job;
     job.extra = aov_columns(settings.aovs);
+    job.light_paths_per_sample = 1;
     const Result<LensWeights> weights = LensWeights::make(job, lens);
     EXPECT_TRUE(weights);
     std::vector<Blocks> pictures;

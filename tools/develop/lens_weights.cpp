@@ -24,6 +24,15 @@ struct Moments {
 
 float fraction_of(std::uint32_t position) { return static_cast<float>(position) * 0x1p-32f; }
 
+// The share of a cell, whose middle has this square of the distance from the middle of a rim, that lies within; the edge counts as
+// straight within a cell.
+float within_rim(float square) {
+    constexpr float kPerCell = kLensCells / 2.0f, kInside = 1 - 0.5f / kPerCell, kOutside = 1 + 0.5f / kPerCell;
+    if (square <= kInside * kInside) return 1;
+    if (square >= kOutside * kOutside) return 0;
+    return std::clamp((1 - std::sqrt(square)) * kPerCell + 0.5f, 0.0f, 1.0f);
+}
+
 }  // namespace
 
 RowSums::RowSums(const std::vector<double>& values) {
@@ -60,7 +69,8 @@ Result<LensWeights> LensWeights::make(const sampledb::Job& job, const LensChoice
     if (!choice.aperture.is_whole() || choice.is_refocused()) {
         if (Status s = check_lens_columns(job, "--aperture"); !s) return s.error();
         weights.lens_columns_ = lens_columns(job);
-        weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height);
+        if (!choice.aperture.is_whole() || job.light_paths_per_sample > 0)
+            weights.set_aperture(choice.aperture, job.aspect_width, job.aspect_height);
         weights.set_focus(choice.film_shift);
         if (!(weights.mean_ > 0)) return usage_error("--aperture: no light passes");
     }
@@ -147,19 +157,8 @@ void LensWeights::move(sampledb::Page& page, std::vector<std::uint32_t>& rows) c
     rows.resize(kept);
 }
 
-// The share of a cell that lies in the rear rim, the unit circle moved towards the centre of the picture's other side; its edge
-// counts as straight within a cell.
-float LensWeights::between_rims(std::size_t x, std::size_t y, float u, float v) const {
-    constexpr float kPerCell = kLensCells / 2.0f, kInside = 1 - 0.5f / kPerCell, kOutside = 1 + 0.5f / kPerCell;
-    const float dx = (static_cast<float>(static_cast<int>(x)) + 0.5f) / kPerCell - 1 - (u - 0.5f) * rim_u_,
-                dy = (static_cast<float>(static_cast<int>(y)) + 0.5f) / kPerCell - 1 - (v - 0.5f) * rim_v_;
-    const float square = dx * dx + dy * dy;
-    if (square <= kInside * kInside) return 1;
-    if (square >= kOutside * kOutside) return 0;
-    return std::clamp((1 - std::sqrt(square)) * kPerCell + 0.5f, 0.0f, 1.0f);
-}
-
-// The same for a row of cells at once: half of the rear rim's chord, and from where to where it lets light pass.
+// Of a row of cells: half of the rear rim's chord, and from where to where it lets light pass. That rim is the unit circle moved
+// towards the centre of the picture's other side.
 double LensWeights::half_chord(std::size_t row, float v) const {
     if (rim_v_ == 0) return 2;  // as wide as the lens everywhere
     const double y = middle_of_cell(row) - static_cast<double>((v - 0.5f) * rim_v_);
@@ -233,11 +232,20 @@ float LensWeights::open(std::size_t time, double v) const {
 }
 
 void LensWeights::through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
-    const LeadingBytes x(page.extra[(*lens_columns_)[0]]), y(page.extra[(*lens_columns_)[1]]);
-    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = cells_[y[begin + i] * kLensCells + x[begin + i]];
-    if (rim_u_ == 0) return;
-    for (std::size_t i = 0; i < weights.size(); ++i)
-        weights[i] *= between_rims(x[begin + i], y[begin + i], fraction_of(page.u[begin + i]), fraction_of(page.v[begin + i]));
+    const LeadingBytes columns(page.extra[(*lens_columns_)[0]]), rows(page.extra[(*lens_columns_)[1]]);
+    const bool has_rims = rim_u_ != 0;
+    // Of the middle of the first cell, from that of the rear rim in records at (0, 0); and how far that rim moves.
+    constexpr float kCell = 2.0f / kLensCells;
+    const float from_x = kCell / 2 - 1 + rim_u_ / 2, from_y = kCell / 2 - 1 + rim_v_ / 2, per_u = rim_u_ * 0x1p-32f,
+                per_v = rim_v_ * 0x1p-32f;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const std::size_t x = columns[begin + i], y = rows[begin + i];
+        weights[i] = cells_[y * kLensCells + x];
+        if (!has_rims) continue;
+        const float dx = static_cast<float>(static_cast<int>(x)) * kCell + from_x - static_cast<float>(page.u[begin + i]) * per_u,
+                    dy = static_cast<float>(static_cast<int>(y)) * kCell + from_y - static_cast<float>(page.v[begin + i]) * per_v;
+        weights[i] *= within_rim(dx * dx + dy * dy);
+    }
 }
 
 void LensWeights::through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const {
@@ -266,7 +274,7 @@ void LensWeights::factors(const sampledb::Page& page, std::size_t begin, std::si
     }
     std::ranges::fill(out.share, 0.0f);
     if (!follows_) scale([this](float u, float v) { return 1 / mean_at(u, v); });
-    if (moves_records()) scale([this](float u, float v) { return 1 / share_on_film(u, v); });
+    if (moves_records() && !light_.empty()) scale([this](float u, float v) { return 1 / share_on_film(u, v); });
 }
 
 }  // namespace latent::develop

@@ -36,6 +36,7 @@ class RowSums {
  public:
     RowSums() = default;
     explicit RowSums(const std::vector<double>& values);  // kLensCells * kLensCells
+    bool empty() const { return before_.empty(); }
     // Of a row from one place to another, in cells; of a cell in part, that part.
     double between(std::size_t row, double begin, double end) const;
 
@@ -76,7 +77,6 @@ class LensWeights {
     void set_means(const RowSums& square_sums, double disk);
     void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
     void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
-    float between_rims(std::size_t x, std::size_t y, float u, float v) const;
     float mean_at(float u, float v) const;
     float share_on_film(float u, float v) const;
     double half_chord(std::size_t row, float v) const;
@@ -91,7 +91,7 @@ class LensWeights {
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
     std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
 
-    RowSums light_{};  // through cells
+    RowSums light_{};  // through cells; none: of the whole lens, in jobs without light records
 
     std::array<double, 2> film_shift_{};
     std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
