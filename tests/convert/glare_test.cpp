@@ -199,7 +199,7 @@ TEST_F(GlarePrint, OfManyTilesIsOnePicture) {
     const std::vector<float> whole = light("a.exr", "whole.exr", options);
     EXPECT_NEAR(std::accumulate(whole.begin(), whole.end(), 0.0) / std::accumulate(before.begin(), before.end(), 0.0), 1, 1e-5);
     options.threads = 3;
-    options.memory = 16 << 20;
+    options.memory = 64 << 20;
     EXPECT_EQ(light("tiled.exr", "b.exr", options), whole);
     options.crop = image::Rect{133, 421, 733, 671};
     const std::vector<float> crop = light("a.exr", "c.exr", options);

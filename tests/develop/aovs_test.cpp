@@ -100,13 +100,16 @@ Records records_of(const Job& job, sampledb::SampleRange range) {
     return records;
 }
 
+MemoryGathering gather_with_aovs(const Job& job, int runs, std::uint64_t per_run) {
+    return gather(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range); });
+}
+
 TEST(AovLayers, AreWhatTheirDefinitionsSay) {
     const int width = 30, height = 20;
     for (const bool wide : {false, true}) {
         const Job job = job_with_aovs(wide);
-        MemoryGathering gathering(job);
+        const MemoryGathering gathering = gather_with_aovs(job, 1, 16384);
         const Records records = records_of(job, {0, 16384});
-        gathering.add(Coverage({0, 16384}), records);
         for (const char* name : {"quartic", "gaussian", "box", "quartic:-5,2"}) {
             SCOPED_TRACE(name);
             const Settings settings = settings_for(width, height, name);
@@ -147,9 +150,7 @@ TEST(AovLayers, AreWhatTheirDefinitionsSay) {
 
 TEST(AovLayers, AreTheSameBitsHoweverTheyAreDeveloped) {
     const Job job = job_with_aovs(false);
-    MemoryGathering gathering(job);
-    for (std::uint64_t i = 0; i < 24; ++i)
-        gathering.add(Coverage({i * 4096, (i + 1) * 4096}), records_of(job, {i * 4096, (i + 1) * 4096}));
+    const MemoryGathering gathering = gather_with_aovs(job, 24, 4096);
     for (const char* filter : {"quartic", "quartic:-6,2", "box"}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(330, 220, filter);
@@ -169,8 +170,7 @@ TEST(AovLayers, AreTheSameBitsHoweverTheyAreDeveloped) {
 
 TEST(AovLayers, ChangeNoBitOfThePictureAndOfOtherLayers) {
     const Job job = job_with_aovs(false);
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({0, 16384}), records_of(job, {0, 16384}));
+    const MemoryGathering gathering = gather_with_aovs(job, 1, 16384);
     const Layers others{.variance = true, .weight = true, .count = true, .halves = true};
     Layers all = kAovs;
     all.variance = all.weight = all.count = all.halves = true;

@@ -12,13 +12,18 @@ Status MemoryGathering::read_page(std::size_t run, const sampledb::PageInfo& inf
     return decoder.decode(job_, info, ByteSpan(bytes_[run]).subspan(info.offset, info.stored_size), columns, page);
 }
 
-MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {
+MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const MakeRecords& make) {
     MemoryGathering gathering(job);
     for (int i = 0; i < runs; ++i) {
         const sampledb::SampleRange range{i * per_run, (i + 1) * per_run};
-        gathering.add(sampledb::Coverage(range), synthetic::make_records(job, range, scene));
+        gathering.add(sampledb::Coverage(range), make(range));
     }
     return gathering;
+}
+
+MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {
+    return gather(job, runs, per_run,
+                  [&](const sampledb::SampleRange& range) { return synthetic::make_records(job, range, scene); });
 }
 
 Status MemoryPicture::write(int x, int y, std::span<const float> pixels) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -60,7 +61,9 @@ class MemoryGathering : public sampledb::Gathering {
     sampledb::GatherReport report_;
 };
 
-// `runs` runs of `per_run` samples each.
+// `runs` runs of `per_run` samples each, of records that `make` makes, or of a scene.
+using MakeRecords = std::function<sampledb::Records(sampledb::SampleRange)>;
+MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const MakeRecords& make);
 MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene);
 
 // A picture that tiles are written to; each pixel exactly once.

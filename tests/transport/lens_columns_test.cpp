@@ -37,7 +37,7 @@ Shape "sphere" "float radius" .3
 using develop::LensChoice;
 using develop::LensWeights;
 
-// As develop::Refocused moves records. False: off the film.
+// As LensWeights moves records. False: off the film.
 bool move_on_film(const std::array<double, 2>& shift, sampledb::Page& page, std::size_t row) {
     const std::array<double, 2> lens = develop::lens_point(page, {0, 1}, row);
     const double u = page.u[row] * 0x1p-32 + shift[0] * lens[0], v = page.v[row] * 0x1p-32 + shift[1] * lens[1];
@@ -53,6 +53,7 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
     settings.aovs = {.lens = true, .time = true};
     sampledb::Job job;
     job.extra = aov_columns(settings.aovs);
+    job.light_paths_per_sample = 1;
     const Result<LensWeights> weights = LensWeights::make(job, lens);
     EXPECT_TRUE(weights);
     std::vector<Blocks> pictures;
@@ -62,6 +63,7 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
         RadianceFaults faults;
         sampledb::Records records;
         sampledb::Page page;
+        LensWeights::Factors factors;
         for (std::uint64_t n = 0; n < samples; ++n) {
             records.clear();
             integrator->trace(n, records, faults);
@@ -73,9 +75,9 @@ Estimate picture_of_part(const Scene& scene, IntegratorSettings settings, std::u
                     continue;
                 }
                 records.u[i] = page.u[i], records.v[i] = page.v[i];
-                const LensWeights::Factors factors = (*weights)(page, i);
-                for (auto* values : {&records.x, &records.y, &records.z}) (*values)[i] *= factors.value;
-                records.share[i] *= factors.share;
+                weights->factors(page, i, i + 1, factors);
+                for (auto* values : {&records.x, &records.y, &records.z}) (*values)[i] *= factors.value[0];
+                records.share[i] *= factors.share[0];
             }
             sums.add(records);
         }

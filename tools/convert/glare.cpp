@@ -145,7 +145,9 @@ Result<Glare> parse_glare(std::string_view text) {
         } else if (glare.eye && named->name == "age") {
             if (!take(glare.age, 0, 100)) return is_not(part, "an age, 0 to 100 years (try age:70)");
         } else if (glare.eye && named->name == "field") {
-            if (!take(glare.field, 0.1, 150)) return is_not(part, "a field of view, 0.1 to 150 degrees (try field:40)");
+            if (!take(glare.field.degrees, FieldOfView::kLeast, FieldOfView::kMost))
+                return is_not(part, fmt::format("a field of view, {:g} to {:g} degrees (try field:40)", FieldOfView::kLeast,
+                                                FieldOfView::kMost));
         } else if (glare.eye) {
             return refuse("a glare: an eye has age and field only");
         } else if (named->name == "age" || named->name == "field") {
@@ -227,7 +229,7 @@ image::Kernel eye_kernel(const Glare& glare, double pixel_degrees, int radius) {
 Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm, int most_radius) {
     const image::Rect& whole = source.reader.image().display_window;
     const int longer = std::max(whole.width(), whole.height());
-    if (glare.eye) return eye_kernel(glare, glare.field / longer, std::min(most_radius, longer));
+    if (glare.eye) return eye_kernel(glare, glare.field.degrees / longer, std::min(most_radius, longer));
     return lens_kernel(glare, pixel_um(source, frame_mm), wavelengths_of(source), most_radius);
 }
 

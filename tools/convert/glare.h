@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "image/blades.h"
 #include "image/kernel.h"
+#include "tools/convert/field_of_view.h"
 
 namespace latent::convert {
 
@@ -23,8 +24,8 @@ struct Glare {
     image::Blades blades{};
     std::filesystem::path aperture{};  // a picture of it, how much light passes; "": blades
     // Of an eye:
-    double field = 40;  // degrees that the longer side of the picture covers
-    double age = 30;    // years
+    FieldOfView field{};
+    double age = 30;  // years
 };
 
 // "blades:6,f:8", "blades:6:15:0.2,f:8", "f:16", "eye", "eye,age:70,field:60", "FILE.exr,f:8". Errors: kUsage.

@@ -240,8 +240,10 @@ std::shared_ptr<const Convolver> convolver_for(std::optional<image::Kernel>& ker
 }  // namespace
 
 std::size_t spread_bytes(const Spread& spread, const image::ExrImage& image, int threads) {
+    // The program itself, and the pattern of an aperture: made first, but the allocator may keep its memory.
+    constexpr std::size_t kBeside = 44 << 20;
     const Rect& picture = image.data_window;
-    return bytes_to_read(image, picture, threads) + (spread.near ? Convolver::bytes(spread.near->radius(), picture) : 0) +
+    return kBeside + bytes_to_read(image, picture, threads) + (spread.near ? Convolver::bytes(spread.near->radius(), picture) : 0) +
            (spread.far ? Convolver::bytes(spread.far->radius(), in_cells(picture, spread.cell)) : 0);
 }
 

@@ -1,5 +1,7 @@
 #include "tools/convert/vignette.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/angle.h"
@@ -12,15 +14,16 @@ Result<Vignette> parse_vignette(std::string_view text) {
     Vignette vignette{.text = std::string(text)};
     const auto named = named_numbers(text);
     const bool right = named && named->name == "cos4" && named->numbers.size() <= 1;
-    if (right && !named->numbers.empty()) vignette.field = named->numbers.front();
-    if (right && vignette.field >= 0.1 && vignette.field <= 150) return vignette;
-    return is_not(text,
-                  "a vignette (try cos4, or cos4:54 with the degrees that the longer side of the picture covers, 0.1 to 150)");
+    if (right && !named->numbers.empty()) vignette.field.degrees = named->numbers.front();
+    if (right && vignette.field.is_possible()) return vignette;
+    return is_not(text, fmt::format("a vignette (try cos4, or cos4:54 with the degrees that the longer side of the picture covers, "
+                                    "{:g} to {:g})",
+                                    FieldOfView::kLeast, FieldOfView::kMost));
 }
 
 FallOff::FallOff(const Vignette& vignette, const image::Rect& whole)
     : centre_x_((whole.x0 + whole.x1 - 1) / 2.0), centre_y_((whole.y0 + whole.y1 - 1) / 2.0) {
-    const auto [cosine, sine] = cos_sin_of_degrees(vignette.field / 2);
+    const auto [cosine, sine] = cos_sin_of_degrees(vignette.field.degrees / 2);
     per_pixel_ = sine / cosine / (std::max(whole.width(), whole.height()) / 2.0);
 }
 

@@ -7,12 +7,13 @@
 
 #include "base/result.h"
 #include "image/rect.h"
+#include "tools/convert/field_of_view.h"
 
 namespace latent::convert {
 
 struct Vignette {
-    std::string text;   // as it was asked for
-    double field = 40;  // degrees that the longer side of the picture covers
+    std::string text;  // as it was asked for
+    FieldOfView field{};
 };
 // "cos4", "cos4:54". Errors: kUsage.
 Result<Vignette> parse_vignette(std::string_view text);

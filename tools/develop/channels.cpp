@@ -196,23 +196,19 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
     const bool camera = page.record_class == sampledb::RecordClass::kCamera;
     const int step = stride(), n = count();
     float* const rows = out;
-    thread_local std::vector<LensWeights::Factors> factors;
+    thread_local LensWeights::Factors factors;
     if (lens_) lens_->factors(page, begin, end, factors);
     if (step == 4 && !layout_.layers.samples && !group_column_ && kind_ == sampledb::RecordKind::kXyz &&
         (!camera || page.unit_share) &&
-        interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f, out)) {
-        for (std::size_t i = 0; lens_ && i < end - begin; ++i) {
-            for (int c = 0; c < 3; ++c) out[4 * i + static_cast<std::size_t>(c)] *= factors[i].value;
-            out[4 * i + 3] *= factors[i].share;
-        }
+        interleave_rows(std::span(page.x).subspan(begin, end - begin), &page.y[begin], &page.z[begin], camera ? 1.0f : 0.0f,
+                        lens_ ? RowFactors{factors.value.data(), factors.share.data()} : RowFactors{}, out))
         return 0;
-    }
     std::uint64_t not_finite = 0;
     for (std::size_t row = begin; row < end; ++row, out += step) {
         std::fill(out, out + step, 0.0f);
-        const LensWeights::Factors lens = lens_ ? factors[row - begin] : LensWeights::Factors{1, 1};
-        if (lens.value == 0) continue;
-        float share = sampledb::share_of(page, row) * lens.share;
+        const float lens_value = lens_ ? factors.value[row - begin] : 1;
+        if (lens_value == 0) continue;
+        float share = sampledb::share_of(page, row) * (lens_ ? factors.share[row - begin] : 1);
         const GroupLight& light = light_of(page, row);
         if (kind_ == sampledb::RecordKind::kXyz) {
             out[0] = page.x[row];
@@ -221,7 +217,7 @@ std::uint64_t Channels::values(const sampledb::Page& page, std::size_t begin, st
         } else {
             spectral_row(light, page, row, out);
         }
-        if (const float factor = light.factor * lens.value; factor != 1)
+        if (const float factor = light.factor * lens_value; factor != 1)
             std::for_each(out, out + n, [&](float& value) { value *= factor; });
         float check = share;  // times zero: 0 if all are finite, else NaN
         for (int c = 0; c < n; ++c) check += out[c] * 0.0f;

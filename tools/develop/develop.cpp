@@ -154,7 +154,7 @@ class Engine {
         const std::uint64_t waiting = settings_.memory / 16;
         const std::uint64_t tile_bytes =
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.layout().outputs());
-        own_bytes_ = threads * (kThreadBytes + kPiecesPerThread * tile_bytes);
+        own_bytes_ = threads * (kThreadBytes + loader_.thread_bytes() + kPiecesPerThread * tile_bytes);
         slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
         slab_bytes_ = std::min(slab_bytes_, kMostSlab);
         assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, normalisation_, settings_.temporary_folder,

@@ -56,11 +56,10 @@ class LeadingBytes {
 };
 inline std::size_t leading_byte(const sampledb::ExtraColumn& column, std::size_t row) { return LeadingBytes(column)[row]; }
 
-// The middle of the cell of the lens, on the unit disk.
+// The middle of a cell of the lens, along x or y of the unit disk.
+inline double middle_of_cell(std::size_t cell) { return (static_cast<double>(cell) + 0.5) / 128 - 1; }
 inline std::array<double, 2> lens_point(const sampledb::Page& page, const std::array<std::size_t, 2>& columns, std::size_t row) {
-    const auto along = [&](std::size_t column) {
-        return (static_cast<double>(leading_byte(page.extra[column], row)) + 0.5) / 128 - 1;
-    };
+    const auto along = [&](std::size_t column) { return middle_of_cell(leading_byte(page.extra[column], row)); };
     return {along(columns[0]), along(columns[1])};
 }
 

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,41 +51,50 @@ class LensWeights {
     // Errors: kUsage: the job lacks the columns, or the choice lets no light through; of the shutter's file.
     static Result<LensWeights> make(const sampledb::Job& job, const LensChoice& choice);
 
-    // What the value and the share of a record are multiplied by; the share of a light record is 0.
+    // What the values and the shares of rows are multiplied by; the share of a light record is 0.
     struct Factors {
-        float value, share;
+        std::vector<float> value, share;
     };
-    Factors operator()(const sampledb::Page& page, std::size_t row) const;
-    void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, std::vector<Factors>& out) const;
+    void factors(const sampledb::Page& page, std::size_t begin, std::size_t end, Factors& out) const;
 
     // Whether there are weights of 0.
     bool leaves_records_out() const { return leaves_out_; }
+
+    // Whether the lens is focused elsewhere.
+    bool moves_records() const { return film_shift_ != std::array<double, 2>{}; }
+    // Moves each record to (u, v) + the film's shift x its point of the lens. `rows`: those that are still on the film; the others
+    // stay where they are.
+    void move(sampledb::Page& page, std::vector<std::uint32_t>& rows) const;
 
     double mean() const { return mean_; }  // of the weights of camera records
     // (sum w)^2 / (n sum w^2): a picture from this fraction of the samples, all with the same weight, would be as noisy.
     double kept() const { return kept_; }
 
  private:
-    void set_aperture(const Aperture& aperture, double film_width, double film_height, const std::array<double, 2>& film_shift);
+    void set_aperture(const Aperture& aperture, double film_width, double film_height);
+    void set_focus(const std::array<double, 2>& film_shift);
     void set_shutter(const Shutter& shutter, ShutterCurve curve);
-    float between_rims(std::size_t cell, float u, float v) const;
-    float lens_mean(float u, float v) const;
+    void set_means(const RowSums& square_sums, double disk);
+    void through_lens(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
+    void through_shutter(const sampledb::Page& page, std::size_t begin, std::span<float> weights) const;
+    float mean_at(float u, float v) const;
     float share_on_film(float u, float v) const;
-    std::array<double, 2> in_rear_rim(std::size_t row, float u, float v) const;
-    float open(std::size_t time, float v) const;
-    bool is_same_all_over_the_film() const { return rim_u_ == 0 && rolling_ == 0 && light_.empty(); }
-    Factors factors_of(sampledb::RecordClass record_class, float weight, float mean, float share_on_film) const;
+    double half_chord(std::size_t row, float v) const;
+    std::array<double, 2> in_rear_rim(double half_chord, float u) const;
+    float open(std::size_t time, double v) const;
 
     bool follows_ = false, leaves_out_ = false;
     double mean_ = 1, kept_ = 1;
 
     std::optional<std::array<std::size_t, 2>> lens_columns_{};  // among the extra columns
-    std::vector<float> cells_{};                                // transmission
+    std::vector<float> cells_{};                                // transmission; none: of the whole lens
     float rim_u_ = 0, rim_v_ = 0;                               // distance of the rims, in radii per unit of u and of v
     std::vector<float> means_{};                                // over the lens, on a grid over the film; one if all are equal
 
+    RowSums light_{};  // through cells; none: of the whole lens, in jobs without light records
+
     std::array<double, 2> film_shift_{};
-    RowSums light_{};  // through cells; if the film is shifted
+    std::array<std::array<std::int64_t, kLensCells>, 2> moves_{};  // of (u, v), in units of 2^-32, at each cell's x and y
 
     std::optional<std::size_t> time_column_{};
     std::optional<ShutterCurve> curve_{};

@@ -5,7 +5,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <numeric>
+#include <utility>
 
 #include "base/first_error.h"
 #include "tools/develop/rows.h"
@@ -19,6 +22,7 @@ constexpr std::uint64_t kAlignment = 64;        // of arrays
 constexpr std::size_t kPagesPerThread = 4;      // in work at once
 constexpr std::uint64_t kReadAhead = 8 << 20;   // bytes of pages that are on their way from disk
 constexpr std::uint64_t kReadAtOnce = 1 << 20;  // neighbours are announced together
+constexpr int kRowBits = 16;                    // of the number of a row in its page
 constexpr std::uint64_t kPageBytes = 96;        // of a page's reference and of what is kept of it while a batch is loaded
 
 // Takes an array off the front of memory.
@@ -85,6 +89,12 @@ std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const Pixel
     if (common.empty()) return 0;
     if (grid_.level() > kSortedLevels) return page.record_count;
     return std::min<std::uint64_t>(page.record_count, static_cast<std::uint64_t>(common.width() * common.height()));
+}
+
+std::uint64_t Loader::thread_bytes() const {
+    if (!channels_.lens() || !channels_.lens()->moves_records()) return 0;
+    return sampledb::max_page_records(gathering_.job()) *
+           (sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t) + stride_ * sizeof(float));
 }
 
 std::uint64_t Loader::index_bytes(const PixelRect& cells) {
@@ -213,30 +223,74 @@ void Loader::find_cells(const sampledb::Page& page, std::vector<CellRows>& cells
     cells.push_back(current);
 }
 
-// Returns how many rows it made: those that have no weight are left out.
-std::uint32_t Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
+// Moves the rows of a page, whose cells are then in any order: `cells` are ranges of `moved.keys`. A radix sort, which keeps the
+// order of rows within a cell.
+void Loader::move_rows(sampledb::Page& page, const PixelRect& wanted, MovedRows& moved, std::vector<CellRows>& cells) const {
+    cells.clear();
+    channels_.lens()->move(page, moved.on_film);
+    if (wanted.empty()) return;
+    const auto x0 = static_cast<std::uint32_t>(wanted.x0), y0 = static_cast<std::uint32_t>(wanted.y0);
+    const auto width = static_cast<std::uint64_t>(wanted.width()), height = static_cast<std::uint64_t>(wanted.height());
+    moved.keys.resize(moved.on_film.size());
+    std::size_t count = 0;
+    for (const std::uint32_t row : moved.on_film) {
+        const std::uint32_t x = grid_.cell_of(page.u[row]) - x0, y = grid_.cell_of(page.v[row]) - y0;
+        if (x < width && y < height) moved.keys[count++] = (y * width + x) << kRowBits | row;
+    }
+    moved.keys.resize(count);
+    constexpr int kDigitBits = 8;
+    for (int shift = kRowBits; (width * height - 1) >> (shift - kRowBits) != 0; shift += kDigitBits) {
+        const auto digit = [shift](std::uint64_t key) { return key >> shift & ((1 << kDigitBits) - 1); };
+        std::array<std::uint32_t, (1 << kDigitBits) + 1> begin{};
+        for (const std::uint64_t key : moved.keys) ++begin[digit(key) + 1];
+        std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        moved.other_keys.resize(moved.keys.size());
+        for (const std::uint64_t key : moved.keys) moved.other_keys[begin[digit(key)]++] = key;
+        std::swap(moved.keys, moved.other_keys);
+    }
+    for (std::size_t first = 0, next = 0; first < moved.keys.size(); first = next) {
+        const std::uint64_t cell = moved.keys[first] >> kRowBits;
+        while (next < moved.keys.size() && moved.keys[next] >> kRowBits == cell) ++next;
+        cells.push_back({x0 + static_cast<std::uint32_t>(cell % width), y0 + static_cast<std::uint32_t>(cell / width),
+                         static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(next - first)});
+    }
+}
+
+void Loader::copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to) {
     place_rows(grid_.place_x(rows.cell_x), std::span(page.u).subspan(rows.first, rows.count), filling.x + to);
     place_rows(grid_.place_y(rows.cell_y), std::span(page.v).subspan(rows.first, rows.count), filling.y + to);
-    const std::uint64_t not_finite =
-        channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * stride_);
-    if (not_finite > 0 && filling.counting) {
-        const bool camera = page.record_class == sampledb::RecordClass::kCamera;
-        (camera ? counts_.camera_not_finite : counts_.light_not_finite) += not_finite;
+    count_not_finite(channels_.values(page, rows.first, std::size_t{rows.first} + rows.count, filling.values + to * stride_), page,
+                     filling);
+}
+
+template <std::size_t kStride>
+void Loader::copy_moved_rows(const sampledb::Page& page, const MovedRows& moved, const CellRows& rows, const Filling& filling,
+                             std::uint32_t to) const {
+    const std::size_t stride = kStride > 0 ? kStride : stride_;
+    const FilmGrid::Place place_x = grid_.place_x(rows.cell_x), place_y = grid_.place_y(rows.cell_y);
+    for (const std::uint64_t key : std::span(moved.keys).subspan(rows.first, rows.count)) {
+        const std::size_t row = key & ((1 << kRowBits) - 1);
+        filling.x[to] = place_x(page.u[row]), filling.y[to] = place_y(page.v[row]);
+        std::copy_n(moved.values.data() + row * stride, stride, filling.values + to * stride);
+        ++to;
     }
-    if (!channels_.lens() || !channels_.lens()->leaves_records_out()) return rows.count;
-    return drop_zeros(rows.count, filling.x + to, filling.y + to, filling.values + to * stride_);
+}
+
+void Loader::count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling) {
+    if (count == 0 || !filling.counting) return;
+    (page.record_class == sampledb::RecordClass::kCamera ? counts_.camera_not_finite : counts_.light_not_finite) += count;
 }
 
 // Rows of zeros, which add nothing to any sum. Returns how many rows are left.
+template <std::size_t kStride>
 std::uint32_t Loader::drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const {
+    const std::size_t stride = kStride > 0 ? kStride : stride_;
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const float* const row = values + i * stride_;
-        if (std::all_of(row, row + stride_, [](float value) { return value == 0; })) continue;
-        if (kept < i) {
-            x[kept] = x[i], y[kept] = y[i];
-            std::copy_n(row, stride_, values + kept * stride_);
-        }
+        const float* const row = values + i * stride;
+        if (std::all_of(row, row + stride, [](float value) { return value == 0; })) continue;
+        x[kept] = x[i], y[kept] = y[i];
+        std::copy_n(row, stride, values + kept * stride);
         ++kept;
     }
     return kept;
@@ -249,8 +303,16 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     if (Status s = gathering_.read_page(ref.run, ref.info, channels_.columns(), worker.decoder, page); !s) return s;
     ++counts_.pages;
     counts_.bytes += ref.info.stored_size;
-    find_cells(page, cells);
-    std::erase_if(cells, [&](const CellRows& rows) { return !contains(filling.cells, rows.cell_x, rows.cell_y); });
+    const LensWeights* const lens = channels_.lens() ? &*channels_.lens() : nullptr;
+    const bool moves = lens != nullptr && lens->moves_records();
+    if (moves) {
+        move_rows(page, intersection(grid_.cells_of(ref.info.node, ref.info.part), filling.cells), worker.moved, cells);
+        worker.moved.values.resize(page.count * stride_);
+        count_not_finite(channels_.values(page, 0, page.count, worker.moved.values.data()), page, filling);
+    } else {
+        find_cells(page, cells);
+        std::erase_if(cells, [&](const CellRows& rows) { return !contains(filling.cells, rows.cell_x, rows.cell_y); });
+    }
     if (cells.size() > pieces_at_most(ref.info, filling.cells)) {
         return Error{ErrorCode::kCorrupt, fmt::format("run {}: the records of a page are not in order", ref.run)};
     }
@@ -262,8 +324,20 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     SlotRows* const pieces = filling.pieces + filling.piece_count.fetch_add(static_cast<std::uint32_t>(cells.size()));
     for (std::size_t i = 0; i < cells.size(); ++i) {
         const CellRows& rows = cells[i];
-        pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to,
-                     copy_rows(page, rows, filling, to)};
+        if (moves && stride_ == 4) {
+            copy_moved_rows<4>(page, worker.moved, rows, filling, to);
+        } else if (moves) {
+            copy_moved_rows<0>(page, worker.moved, rows, filling, to);
+        } else {
+            copy_rows(page, rows, filling, to);
+        }
+        std::uint32_t left = rows.count;
+        if (lens != nullptr && lens->leaves_records_out()) {
+            float* const values = filling.values + to * stride_;
+            left = stride_ == 4 ? drop_zeros<4>(rows.count, filling.x + to, filling.y + to, values)
+                                : drop_zeros<0>(rows.count, filling.x + to, filling.y + to, values);
+        }
+        pieces[i] = {static_cast<std::uint32_t>(slot_of(filling.cells, rows.cell_x, rows.cell_y, page.record_class)), to, left};
         to += rows.count;
     }
     kept = {pieces, cells.size()};

@@ -63,6 +63,8 @@ class Loader {
     // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     static std::uint64_t index_bytes(const PixelRect& cells);
+    // Bytes that each thread needs beside a decoded page.
+    std::uint64_t thread_bytes() const;
 
     // Takes as many pages as fit off the front of `pages` (there must be room for one), and what their records need off the front
     // of `memory`. `counting`: their records have not been counted before.
@@ -78,17 +80,30 @@ class Loader {
         std::uint32_t slot, first, count;
     };
     struct Filling;
+    // Rows of a page that a lens has moved, out of order: which lie in cells that are wanted, cell by cell; and all its values.
+    struct MovedRows {
+        std::vector<std::uint32_t> on_film;
+        std::vector<std::uint64_t> keys, other_keys;  // number of the cell << 16 | row
+        std::vector<float> values;
+    };
     struct Worker {  // what a thread keeps from page to page
         sampledb::PageDecoder decoder;
         sampledb::Page page;
         std::vector<CellRows> cells;
+        MovedRows moved;
     };
 
     std::uint64_t pieces_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
     Status load_pages(std::span<const PageRef> pages, Filling& filling, std::vector<std::span<const SlotRows>>& kept);
     Status load_page(const PageRef& page, Filling& filling, std::span<const SlotRows>& kept);
     void find_cells(const sampledb::Page& page, std::vector<CellRows>& cells) const;
-    std::uint32_t copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
+    void move_rows(sampledb::Page& page, const PixelRect& wanted, MovedRows& moved, std::vector<CellRows>& cells) const;
+    void copy_rows(const sampledb::Page& page, const CellRows& rows, const Filling& filling, std::uint32_t to);
+    void count_not_finite(std::uint64_t count, const sampledb::Page& page, const Filling& filling);
+    template <std::size_t kStride>  // if it is known; else 0
+    void copy_moved_rows(const sampledb::Page& page, const MovedRows& moved, const CellRows& rows, const Filling& filling,
+                         std::uint32_t to) const;
+    template <std::size_t kStride>
     std::uint32_t drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const;
     std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + stride_ * sizeof(float); }
 

@@ -4,18 +4,11 @@
 #include <cassert>
 #include <cmath>
 
-#include "sampledb/codec/page_filter.h"
-#include "sampledb/data/z_order.h"
-#include "tools/develop/lens_columns.h"
-
 namespace latent::develop {
 
 using sampledb::FilmNode;
 using sampledb::Page;
 using sampledb::PageInfo;
-
-Refocused::Refocused(const sampledb::Gathering& all, const std::array<double, 2>& shift)
-    : all_(all), shift_(shift), columns_(*lens_columns(all.job())) {}
 
 // The smallest node that holds what the records of a node may be moved to.
 FilmNode Refocused::reached_from(const FilmNode& node) const {
@@ -49,24 +42,7 @@ Status Refocused::read_page(std::size_t run, const PageInfo& info, const sampled
     if (!stored) return stored.error();
     const auto its_own = std::ranges::lower_bound(**stored, info.offset, {}, &PageInfo::offset);
     assert(its_own != (*stored)->end() && its_own->offset == info.offset);
-    sampledb::ColumnSet needed = columns;
-    needed.positions = needed.extra = true;
-    if (Status s = all_.read_page(run, *its_own, needed, decoder, page); !s) return s;
-    move(page);
-    return {};
-}
-
-void Refocused::move(Page& page) const {
-    std::vector<std::size_t> rows;
-    for (std::size_t row = 0; row < page.count; ++row) {
-        const std::array<double, 2> lens = lens_point(page, columns_, row);
-        const double u = page.u[row] * 0x1p-32 + shift_[0] * lens[0], v = page.v[row] * 0x1p-32 + shift_[1] * lens[1];
-        if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) continue;
-        page.u[row] = static_cast<std::uint32_t>(u * 0x1p32), page.v[row] = static_cast<std::uint32_t>(v * 0x1p32);
-        rows.push_back(row);
-    }
-    std::ranges::stable_sort(rows, {}, [&page](std::size_t row) { return sampledb::z_prefix(page.u[row], page.v[row]); });
-    sampledb::keep_rows(rows, page);
+    return all_.read_page(run, *its_own, columns, decoder, page);
 }
 
 }  // namespace latent::develop

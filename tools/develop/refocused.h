@@ -1,4 +1,4 @@
-// tools/develop/refocused.h: the records of a gathering as a lens focused elsewhere would have put them on the film.
+// tools/develop/refocused.h: the pages of a gathering where a lens that is focused elsewhere would have put their records.
 // docs/developing.md, "Focus".
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace latent::develop {
 
-// Each record lies at (u, v) + shift x its point of the lens; those off the film are left out. Pages may lie in larger nodes than
-// those of the files; in a page, records are sorted along the Z curve.
+// Pages lie in larger nodes than those of the files: in the smallest that hold what their records may be moved to, by
+// LensWeights::move.
 class Refocused final : public sampledb::Gathering {
  public:
-    // `all`, whose job has the columns of the lens, must outlive it.
-    Refocused(const sampledb::Gathering& all, const std::array<double, 2>& shift);
+    // `all` must outlive it.
+    Refocused(const sampledb::Gathering& all, const std::array<double, 2>& shift) : all_(all), shift_(shift) {}
 
     const sampledb::Job& job() const override { return all_.job(); }
     const std::vector<std::filesystem::path>& files() const override { return all_.files(); }
@@ -35,11 +35,9 @@ class Refocused final : public sampledb::Gathering {
 
  private:
     sampledb::FilmNode reached_from(const sampledb::FilmNode& node) const;
-    void move(sampledb::Page& page) const;
 
     const sampledb::Gathering& all_;
     std::array<double, 2> shift_;
-    std::array<std::size_t, 2> columns_;  // of the lens
 };
 
 }  // namespace latent::develop

@@ -25,20 +25,28 @@ void PlaceRows(const FilmGrid::Place& place, std::span<const std::uint32_t> posi
     for (; i < positions.size(); ++i) places[i] = place(positions[i]);
 }
 
-bool InterleaveRows(std::span<const float> x, const float* y, const float* z, float share, float* rows) {
+bool InterleaveRows(std::span<const float> x, const float* y, const float* z, float share, const RowFactors& factors, float* rows) {
     const hn::ScalableTag<float> d;
-    const auto zero = hn::Zero(d), shares = hn::Set(d, share);
+    const auto zero = hn::Zero(d), all_shares = hn::Set(d, share);
     auto check = zero;  // times zero: 0 if finite, else NaN
     std::size_t i = 0;
     for (; i + hn::Lanes(d) <= x.size(); i += hn::Lanes(d)) {
-        const auto a = hn::LoadU(d, &x[i]), b = hn::LoadU(d, y + i), c = hn::LoadU(d, z + i);
+        auto a = hn::LoadU(d, &x[i]), b = hn::LoadU(d, y + i), c = hn::LoadU(d, z + i);
         check = hn::Add(check, hn::Add(hn::Mul(a, zero), hn::Add(hn::Mul(b, zero), hn::Mul(c, zero))));
+        auto shares = all_shares;
+        if (factors.value != nullptr) {
+            const auto factor = hn::LoadU(d, factors.value + i);
+            a = hn::Mul(a, factor), b = hn::Mul(b, factor), c = hn::Mul(c, factor);
+            shares = hn::Mul(shares, hn::LoadU(d, factors.share + i));
+        }
         hn::StoreInterleaved4(a, b, c, shares, d, rows + 4 * i);
     }
     float rest = 0;
     for (; i < x.size(); ++i) {
+        const float factor = factors.value != nullptr ? factors.value[i] : 1;
         rest += x[i] * 0.0f + y[i] * 0.0f + z[i] * 0.0f;
-        rows[4 * i] = x[i], rows[4 * i + 1] = y[i], rows[4 * i + 2] = z[i], rows[4 * i + 3] = share;
+        rows[4 * i] = x[i] * factor, rows[4 * i + 1] = y[i] * factor, rows[4 * i + 2] = z[i] * factor;
+        rows[4 * i + 3] = share * (factors.share != nullptr ? factors.share[i] : 1);
     }
     return hn::AllTrue(d, hn::Eq(check, zero)) && rest == 0;
 }
@@ -58,8 +66,9 @@ void place_rows(const FilmGrid::Place& place, std::span<const std::uint32_t> pos
     LATENT_SIMD_CALL(PlaceRows)(place, positions, places);
 }
 
-bool interleave_rows(std::span<const float> x, const float* y, const float* z, float share, float* rows) {
-    return LATENT_SIMD_CALL(InterleaveRows)(x, y, z, share, rows);
+bool interleave_rows(std::span<const float> x, const float* y, const float* z, float share, const RowFactors& factors,
+                     float* rows) {
+    return LATENT_SIMD_CALL(InterleaveRows)(x, y, z, share, factors, rows);
 }
 
 }  // namespace latent::develop

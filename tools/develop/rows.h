@@ -11,7 +11,12 @@ namespace latent::develop {
 // Where positions along one axis lie in the window of their cell.
 void place_rows(const FilmGrid::Place& place, std::span<const std::uint32_t> positions, std::uint32_t* places);
 
-// Rows of X, Y, Z and `share`; false if one of them is not finite.
-bool interleave_rows(std::span<const float> x, const float* y, const float* z, float share, float* rows);
+// What the values and the shares of rows are multiplied by. Null, both: 1.
+struct RowFactors {
+    const float* value = nullptr;
+    const float* share = nullptr;
+};
+// Rows of X, Y, Z and `share`, times `factors`; false if X, Y or Z is not finite.
+bool interleave_rows(std::span<const float> x, const float* y, const float* z, float share, const RowFactors& factors, float* rows);
 
 }  // namespace latent::develop

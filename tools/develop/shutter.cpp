@@ -14,7 +14,6 @@ namespace latent::develop {
 
 namespace {
 
-constexpr std::size_t kSteps = 4096;
 constexpr std::uint64_t kMaxShutterFile = 1 << 20;
 
 // From 0 to 1 with level ends.
@@ -80,8 +79,8 @@ Result<ShutterCurve> ShutterCurve::make(const Shutter& shutter) {
     if (intervals.empty()) intervals.push_back({0, 1});
     ShutterCurve curve;
     curve.passed_.push_back(0);
-    for (std::size_t i = 0; i < kSteps; ++i) {
-        const double from = static_cast<double>(i) / kSteps, to = static_cast<double>(i + 1) / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+        const double from = 1.0 * i / kSteps, to = 1.0 * (i + 1) / kSteps;
         double passed = 0;
         for (const auto& [begin, end] : intervals) {
             const double first = std::max(begin, from), last = std::min(end, to);
@@ -89,14 +88,9 @@ Result<ShutterCurve> ShutterCurve::make(const Shutter& shutter) {
         }
         curve.passed_.push_back(curve.passed_.back() + passed);
     }
+    curve.passed_.push_back(curve.passed_.back());
     if (!(curve.all() > 0)) return usage_error("--shutter: it never opens");
     return curve;
-}
-
-double ShutterCurve::until(double time) const {
-    const double at = std::clamp(time, 0.0, 1.0) * kSteps;
-    const std::size_t i = std::min(static_cast<std::size_t>(at), kSteps - 1);
-    return passed_[i] + (at - static_cast<double>(i)) * (passed_[i + 1] - passed_[i]);
 }
 
 }  // namespace latent::develop

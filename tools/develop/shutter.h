@@ -1,6 +1,7 @@
 // tools/develop/shutter.h: when a shutter is open, as --shutter describes it. docs/developing.md, "Shutter".
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -31,11 +32,18 @@ class ShutterCurve {
     // Errors: of the curve's file; kUsage: it never opens.
     static Result<ShutterCurve> make(const Shutter& shutter);
 
-    double until(double time) const;  // until(0) = 0; rising
+    // until(0) = 0; rising.
+    double until(double time) const {
+        const double at = std::clamp(time, 0.0, 1.0) * kSteps;
+        const int step = static_cast<int>(at);
+        const double* const passed = passed_.data() + step;
+        return passed[0] + (at - step) * (passed[1] - passed[0]);
+    }
     double all() const { return passed_.back(); }
 
  private:
-    std::vector<double> passed_;  // at equally spaced times
+    static constexpr int kSteps = 4096;
+    std::vector<double> passed_;  // at equally spaced times; the last one twice
 };
 
 }  // namespace latent::develop
