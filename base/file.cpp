@@ -247,6 +247,14 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
     return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
+std::optional<std::uint64_t> free_space(const std::filesystem::path& path, bool replace) {
+    std::error_code error;
+    const std::filesystem::space_info space = std::filesystem::space(folder_of(path), error);
+    if (error) return std::nullopt;
+    const std::uint64_t replaced = replace ? std::filesystem::file_size(path, error) : 0;
+    return error ? space.available : space.available + replaced;
+}
+
 std::string make_nonce() {
     std::uint64_t bits = 0;
     while (::getrandom(&bits, sizeof bits, 0) != sizeof bits) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -96,6 +97,9 @@ Status sync_folder(const std::filesystem::path& folder);
 
 // The folder that holds `path`: "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& path);
+
+// Bytes that a file of this name may take, those of the file that it replaces included; none if the system does not say.
+std::optional<std::uint64_t> free_space(const std::filesystem::path& path, bool replace);
 
 // 16 hexadecimal digits that no other process or call will come up with.
 std::string make_nonce();

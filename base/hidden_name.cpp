@@ -23,12 +23,12 @@ namespace {
 constexpr std::string_view kSuffix = ".tmp";
 constexpr std::size_t kNonceDigits = 16;
 
-constexpr std::size_t kMostNameBytes = 255;  // NAME_MAX, of every file system that Linux writes to
+constexpr std::size_t kMaxNameBytes = 255;  // NAME_MAX, of every file system that Linux writes to
 
 // A hash stands for a name so long that nothing can be added to it.
 std::string prefix_of(const fs::path& path) {
     const std::string name = path.filename().string();
-    const bool fits = name.size() + 2 + kNonceDigits + kSuffix.size() <= kMostNameBytes;
+    const bool fits = name.size() + 2 + kNonceDigits + kSuffix.size() <= kMaxNameBytes;
     return fmt::format(".{}.", fits ? name : to_hex(hash128(std::as_bytes(std::span(name)))));
 }
 

@@ -119,12 +119,12 @@ std::string with_member(std::string object, std::string_view name, const std::fu
     return object;
 }
 
-Status check_json_object(std::string_view text, std::size_t most_depth) {
+Status check_json_object(std::string_view text, std::size_t max_depth) {
     const auto first = std::ranges::find_if_not(text, is_space);
     if (first == text.end() || *first != '{') return Error{ErrorCode::kCorrupt, "is not a JSON object"};
-    DepthCheck check(most_depth);
+    DepthCheck check(max_depth);
     if (nlohmann::json::sax_parse(text.begin(), text.end(), &check)) return {};
-    if (check.too_deep()) return Error{ErrorCode::kCorrupt, fmt::format("is nested more than {} levels deep", most_depth)};
+    if (check.too_deep()) return Error{ErrorCode::kCorrupt, fmt::format("is nested more than {} levels deep", max_depth)};
     return Error{ErrorCode::kCorrupt, "is not valid JSON"};
 }
 

@@ -21,9 +21,9 @@ void append_escaped(std::string& text, std::string_view json);
 // `object`, as json_text writes it with an indent, with one more member; `put_value` appends its value, JSON text of any length.
 std::string with_member(std::string object, std::string_view name, const std::function<void(std::string&)>& put_value);
 
-// Whether `text` is a JSON object nested at most `most_depth` deep; takes memory for its longest string only.
+// Whether `text` is a JSON object nested at most `max_depth` deep; takes memory for its longest string only.
 // Errors: kCorrupt, saying why.
-Status check_json_object(std::string_view text, std::size_t most_depth);
+Status check_json_object(std::string_view text, std::size_t max_depth);
 
 // Parts of a text that check_json_object accepts, as they stand there: the value of a member of the outermost object, empty if
 // there is none; all its members, none if it is no object, names without quotation marks; the elements of an array, none if it is

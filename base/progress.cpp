@@ -67,10 +67,10 @@ std::optional<double> Pace::seconds_left() const {
 
 std::string progress_line(const std::string& verb, double done, const std::string& left, const std::string& detail,
                           std::size_t columns) {
-    constexpr std::size_t kLeastBar = 8, kMostBar = 24;
+    constexpr std::size_t kMinBar = 8, kMaxBar = 24;
     const std::string percent = fmt::format("{:3.0f}%", std::clamp(done, 0.0, 1.0) * 100);
     std::string after = "  " + percent;
-    std::size_t room = verb.size() + std::string_view(" []").size() + after.size() + kLeastBar;
+    std::size_t room = verb.size() + std::string_view(" []").size() + after.size() + kMinBar;
     for (const std::string& part : {left, detail}) {
         if (part.empty()) continue;
         if (room + 2 + part.size() > columns) break;  // the time left is worth more than what comes behind it
@@ -78,7 +78,7 @@ std::string progress_line(const std::string& verb, double done, const std::strin
         room += 2 + part.size();
     }
     if (room <= columns) {
-        const std::size_t bar = std::min(kMostBar, kLeastBar + columns - room);
+        const std::size_t bar = std::min(kMaxBar, kMinBar + columns - room);
         const auto filled = static_cast<std::size_t>(std::clamp(done, 0.0, 1.0) * static_cast<double>(bar));
         return fmt::format("{} [{}{}]{}", verb, std::string(filled, '#'), std::string(bar - filled, '.'), after);
     }

@@ -7,13 +7,13 @@
 namespace latent {
 
 namespace {
-constexpr std::uint64_t kMostMemorySlots = 1 << 20;  // their places are made at once
+constexpr std::uint64_t kMaxMemorySlots = 1 << 20;  // their places are made at once
 }
 
 SlotFile::SlotFile(std::filesystem::path folder, std::size_t record_bytes, std::uint64_t memory)
     : folder_(std::move(folder)),
       record_bytes_(record_bytes),
-      memory_slots_(record_bytes == 0 ? 0 : std::min(memory / record_bytes, kMostMemorySlots)),
+      memory_slots_(record_bytes == 0 ? 0 : std::min(memory / record_bytes, kMaxMemorySlots)),
       memory_(memory_slots_) {}
 
 Status SlotFile::put(std::uint64_t key, ByteSpan record) {

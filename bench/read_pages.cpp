@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 #include "sampledb/codec/page_decoder.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 using namespace latent;
 
@@ -28,17 +28,17 @@ int give_up(const std::string& why) {
 
 int main(int argc, char** argv) {
     if (argc != 3) return give_up("usage: read_pages FILE.latent THREADS");
-    sampledb::GatherOptions options;
+    sampledb::RunSetOptions options;
     options.inputs = {argv[1]};
-    const auto opened = sampledb::Gathering::open(options);
+    const auto opened = sampledb::RunSet::open(options);
     if (!opened) return give_up(opened.error().message);
-    const sampledb::Gathering& gathering = **opened;
+    const sampledb::RunSet& run_set = **opened;
 
     std::uint64_t promised = 0;
     std::vector<std::pair<std::size_t, sampledb::PageInfo>> pages;
-    for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
-        promised += gathering.runs()[run].header.camera_records + gathering.runs()[run].header.light_records;
-        const auto index = gathering.pages(run);
+    for (std::size_t run = 0; run < run_set.runs().size(); ++run) {
+        promised += run_set.runs()[run].header.camera_records + run_set.runs()[run].header.light_records;
+        const auto index = run_set.pages(run);
         if (!index) return give_up(index.error().message);
         for (const sampledb::PageInfo& page : **index) pages.emplace_back(run, page);
     }
@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     Threads(std::atoi(argv[2])).run([&] {
         tbb::parallel_for(std::size_t{0}, pages.size(), [&](std::size_t i) {
             Worker& worker = workers.local();
-            if (gathering.read_page(pages[i].first, pages[i].second, columns, worker.decoder, worker.page)) {
+            if (run_set.read_page(pages[i].first, pages[i].second, columns, worker.decoder, worker.page)) {
                 decoded += worker.page.count;
             } else {
                 ++failed;

@@ -16,7 +16,7 @@
 #include "color/observer.h"
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/codec/rounding.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 using namespace latent;
 using namespace latent::sampledb;
@@ -56,24 +56,24 @@ std::vector<double> luminances(const Job& job, const Page& page) {
 }
 
 Result<Samples> read(const char* name) {
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {name};
-    const auto opened = Gathering::open(options);
+    const auto opened = RunSet::open(options);
     if (!opened) return opened.error();
-    const Gathering& gathering = **opened;
-    Job job = gathering.job();
+    const RunSet& run_set = **opened;
+    Job job = run_set.job();
     if (job.precision != kFullPrecision)
         return usage_error(fmt::format("{}: values of {} bits; render with --precision 23", name, job.precision));
     Samples samples;
     samples.job = job.id;
     PageDecoder decoder;
     Page page;
-    for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
-        const auto pages = gathering.pages(run);
+    for (std::size_t run = 0; run < run_set.runs().size(); ++run) {
+        const auto pages = run_set.pages(run);
         if (!pages) return pages.error();
         for (const PageInfo& info : **pages) {
             if (info.record_class != RecordClass::kCamera) continue;
-            if (Status s = gathering.read_page(run, info, ColumnSet{}, decoder, page); !s) return s.error();
+            if (Status s = run_set.read_page(run, info, ColumnSet{}, decoder, page); !s) return s.error();
             samples.u.insert(samples.u.end(), page.u.begin(), page.u.begin() + static_cast<std::ptrdiff_t>(page.count));
             samples.v.insert(samples.v.end(), page.v.begin(), page.v.begin() + static_cast<std::ptrdiff_t>(page.count));
             for (std::size_t i = 0; i < page.count; ++i) samples.share.push_back(page.unit_share ? 1 : page.share[i]);

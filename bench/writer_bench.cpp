@@ -12,7 +12,7 @@
 
 #include "base/file.h"
 #include "base/stopwatch.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "sampledb/write/part_writer.h"
 #include "sampledb/write/run_assembler.h"
 #include "tests/support/synthetic.h"
@@ -60,12 +60,12 @@ bool bench(RecordKind kind, std::uint64_t samples, std::uint8_t precision, const
                    kind == RecordKind::kXyz ? "XYZ" : "28 pairs", static_cast<double>(records) * 1e-6, seconds, wall.seconds(),
                    rates.back(), static_cast<double>(std::filesystem::file_size(name)) / static_cast<double>(records));
     }
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {name};
-    const auto gathering = Gathering::open(options);
+    const auto run_set = RunSet::open(options);
     std::uint64_t stored = 0;
-    if (gathering) {
-        for (const SelectedRun& run : (*gathering)->runs()) stored += run.header.camera_records + run.header.light_records;
+    if (run_set) {
+        for (const SelectedRun& run : (*run_set)->runs()) stored += run.header.camera_records + run.header.light_records;
     }
     std::sort(rates.begin(), rates.end());
     fmt::print("{:<9} median {:.1f} M records/s and core (range {:.1f} .. {:.1f})\n", "", rates[2], rates.front(), rates.back());

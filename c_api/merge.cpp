@@ -61,7 +61,7 @@ latent_status latent_merge(const char* const* paths, size_t count, const char* o
         if (given.progress != nullptr) progress = [&](double done, const std::string&) { given.progress(given.context, done); };
         const Result<merge::MergeReport> report = merge::merge(*merge, progress);
         if (!report) return report.error();
-        for (const sampledb::LeftOut& item : report->gathering.left_out) {
+        for (const sampledb::LeftOut& item : report->run_set.left_out) {
             if (given.left_out != nullptr) given.left_out(given.context, printable_line(item.place + ": " + item.reason).c_str());
         }
         if (info == nullptr) return {};
@@ -71,7 +71,7 @@ latent_status latent_merge(const char* const* paths, size_t count, const char* o
         value.runs_in = report->runs_in, value.runs_out = report->runs_out;
         value.camera_records = report->camera_records, value.light_records = report->light_records;
         value.bytes = report->bytes;
-        value.left_out = report->gathering.left_out.size();
+        value.left_out = report->run_set.left_out.size();
         return c::give(value, info, sizeof(latent_merge_info), "info");
     });
 }

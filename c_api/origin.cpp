@@ -22,8 +22,8 @@ std::vector<std::string> names_in(std::string_view array) {
 
 }  // namespace
 
-Result<Origin> origin_of(const sampledb::Gathering& gathering) {
-    Result<std::string> json = merge::provenance_of(gathering);
+Result<Origin> origin_of(const sampledb::RunSet& run_set) {
+    Result<std::string> json = merge::provenance_of(run_set);
     if (!json) return json.error();
     Origin origin{std::move(*json), {}, {}};
     for_each_element(member_of(origin.json, "parts"), [&](std::string_view part) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::c {
 
@@ -15,6 +15,6 @@ struct Origin {
 };
 
 // Errors: of reading the files again.
-Result<Origin> origin_of(const sampledb::Gathering& gathering);
+Result<Origin> origin_of(const sampledb::RunSet& run_set);
 
 }  // namespace latent::c

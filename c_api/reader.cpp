@@ -1,4 +1,4 @@
-// The reading half of latent.h: a Gathering, and cursors over its records.
+// The reading half of latent.h: a RunSet, and cursors over its records.
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -19,14 +19,13 @@ using namespace latent;
 using namespace latent::sampledb;
 
 struct latent_reader {
-    explicit latent_reader(std::unique_ptr<Gathering> opened) : gathering(std::move(opened)) {
-        const Job& from = gathering->job();
+    explicit latent_reader(std::unique_ptr<RunSet> opened) : run_set(std::move(opened)) {
+        const Job& from = run_set->job();
         for (const WavelengthDensity::Knot& knot : from.density.knots()) knots.push_back({knot.cumulative, knot.lambda, 0});
         for (const ExtraColumnSpec& column : from.extra)
             extra.push_back({column.name.c_str(), static_cast<uint32_t>(column.type), 0});
-        for (const std::filesystem::path& file : gathering->files()) files.push_back(shown_name(file));
-        for (const LeftOut& item : gathering->report().left_out)
-            left_out.push_back(printable_line(item.place + ": " + item.reason));
+        for (const std::filesystem::path& file : run_set->files()) files.push_back(shown_name(file));
+        for (const LeftOut& item : run_set->report().left_out) left_out.push_back(printable_line(item.place + ": " + item.reason));
         job.size = sizeof job;
         job.id_low = from.id.low, job.id_high = from.id.high;
         job.aspect_width = from.aspect_width, job.aspect_height = from.aspect_height;
@@ -45,11 +44,11 @@ struct latent_reader {
     // Read when somebody asks.
     const Result<c::Origin>& origin() const {
         const std::lock_guard lock(mutex);
-        if (!its_origin) its_origin = c::origin_of(*gathering);
+        if (!its_origin) its_origin = c::origin_of(*run_set);
         return *its_origin;
     }
 
-    const std::unique_ptr<Gathering> gathering;
+    const std::unique_ptr<RunSet> run_set;
     mutable std::mutex mutex;  // of what follows
     mutable std::optional<Result<c::Origin>> its_origin;
     std::vector<latent_knot> knots;
@@ -60,7 +59,7 @@ struct latent_reader {
 
 struct latent_cursor {
     latent_cursor(std::shared_ptr<const latent_reader> its_reader, const RecordSelection& selection, uint32_t shown)
-        : reader(std::move(its_reader)), records(*reader->gathering, selection), columns(shown) {}
+        : reader(std::move(its_reader)), records(*reader->run_set, selection), columns(shown) {}
 
     const std::shared_ptr<const latent_reader> reader;
     RecordCursor records;
@@ -109,19 +108,19 @@ latent_status latent_reader_open(const char* const* paths, size_t count, const l
         if (reader == nullptr) return latent::usage_error("reader is null");
         *reader = nullptr;
         if (paths == nullptr || count == 0) return latent::usage_error("no paths");
-        GatherOptions gather;
+        RunSetOptions wanted;
         for (size_t i = 0; i < count; ++i) {
             if (paths[i] == nullptr) return latent::usage_error("a path is null");
-            gather.inputs.emplace_back(paths[i]);
+            wanted.inputs.emplace_back(paths[i]);
         }
         if (options != nullptr) {
             const Result<latent_read_options> given = c::taken(options, offsetof(latent_read_options, job_low), "options");
             if (!given) return given.error();
-            gather.skip_duplicates = given->skip_duplicates != 0;
-            if (given->verify != 0) gather.verify = VerifyLevel::kStored;
-            if (given->job_low != 0 || given->job_high != 0) gather.job = JobId{given->job_low, given->job_high};
+            wanted.skip_duplicates = given->skip_duplicates != 0;
+            if (given->verify != 0) wanted.verify = VerifyLevel::kStored;
+            if (given->job_low != 0 || given->job_high != 0) wanted.job = JobId{given->job_low, given->job_high};
         }
-        Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
+        Result<std::unique_ptr<RunSet>> opened = RunSet::open(wanted);
         if (!opened) return opened.error();
         *reader = Readers::open().add(std::make_shared<latent_reader>(std::move(*opened)));
         return {};
@@ -142,11 +141,11 @@ latent_status latent_reader_get_info(const latent_reader* reader, latent_reader_
         if (!object) return object.error();
         latent_reader_info value{};
         value.files = (*object)->files.size();
-        value.runs = (*object)->gathering->runs().size();
-        value.samples = (*object)->gathering->coverage().size();
-        value.light_paths = (*object)->gathering->light_paths();
+        value.runs = (*object)->run_set->runs().size();
+        value.samples = (*object)->run_set->coverage().size();
+        value.light_paths = (*object)->run_set->light_paths();
         value.left_out = (*object)->left_out.size();
-        for (const SelectedRun& run : (*object)->gathering->runs()) {
+        for (const SelectedRun& run : (*object)->run_set->runs()) {
             value.pages += run.header.page_count;
             value.camera_records += run.header.camera_records;
             value.light_records += run.header.light_records;
@@ -159,7 +158,7 @@ latent_status latent_reader_get_info(const latent_reader* reader, latent_reader_
 size_t latent_reader_coverage(const latent_reader* reader, latent_range* ranges, size_t capacity) {
     const auto object = Readers::open().look_up(reader);
     if (object == nullptr) return 0;
-    const std::span<const SampleRange> covered = object->gathering->coverage().ranges();
+    const std::span<const SampleRange> covered = object->run_set->coverage().ranges();
     for (size_t i = 0; ranges != nullptr && i < std::min(capacity, covered.size()); ++i)
         ranges[i] = {covered[i].first, covered[i].end};
     return covered.size();
@@ -169,7 +168,7 @@ latent_status latent_reader_run(const latent_reader* reader, uint64_t run, laten
     return c::guarded(error, [&]() -> Status {
         const auto object = Readers::open().find(reader, "reader");
         if (!object) return object.error();
-        const std::vector<SelectedRun>& runs = (*object)->gathering->runs();
+        const std::vector<SelectedRun>& runs = (*object)->run_set->runs();
         if (run >= runs.size()) return Error{ErrorCode::kOutOfRange, "there is no run " + std::to_string(run)};
         const SelectedRun& from = runs[run];
         const RunHeader& header = from.header;
@@ -259,7 +258,7 @@ latent_status latent_cursor_next(latent_cursor* cursor, latent_records* records,
         if (const auto fits = c::taken(records, sizeof(latent_records), "records"); !fits) return fits.error();
         const Result<bool> more = its.records.next(its.page);
         if (!more) return more.error();
-        latent_records view = its.view.of(its.reader->gathering->job(), its.page, its.columns);
+        latent_records view = its.view.of(its.reader->run_set->job(), its.page, its.columns);
         view.run = its.records.run();
         view.page = its.records.page();
         return c::give(view, records, sizeof(latent_records), "records");

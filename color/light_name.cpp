@@ -14,8 +14,8 @@ bool is_temperature(std::string_view text) {
 
 Result<double> parse_temperature(std::string_view text) {
     const Result<double> kelvin = is_temperature(text) ? parse_number(text.substr(0, text.size() - 1)) : Result<double>(0);
-    if (kelvin && *kelvin >= kLeastKelvin && *kelvin <= kMostKelvin) return kelvin;
-    return is_not(text, fmt::format("a temperature from {:.0f}K to {:.0f}K", kLeastKelvin, kMostKelvin));
+    if (kelvin && *kelvin >= kMinKelvin && *kelvin <= kMaxKelvin) return kelvin;
+    return is_not(text, fmt::format("a temperature from {:.0f}K to {:.0f}K", kMinKelvin, kMaxKelvin));
 }
 
 Result<Spectrum> light_by_name(std::string_view text) {

@@ -8,7 +8,7 @@
 
 namespace latent::color {
 
-inline constexpr double kLeastKelvin = 1000, kDaylightKelvin = 4000, kMostKelvin = 25000;
+inline constexpr double kMinKelvin = 1000, kDaylightKelvin = 4000, kMaxKelvin = 25000;
 
 // True for a number and K: "5200K", "5200k".
 bool is_temperature(std::string_view text);

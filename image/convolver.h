@@ -18,7 +18,7 @@ namespace latent::image {
 // and picture alone.
 class Convolver {
  public:
-    static constexpr int kMostRadius = 1024;  // of a kernel
+    static constexpr int kMaxRadius = 1024;  // of a kernel
     Convolver(const Kernel& kernel, const Rect& picture);
 
     const Rect& picture() const { return picture_; }
@@ -34,8 +34,8 @@ class Convolver {
     using Take = std::function<void(std::size_t channel, const float* gained)>;
     void spread(Planes& planes, const Take& take) const;
     static float usable(float value) {  // or 0
-        constexpr float kMost = 1e30F;
-        return value >= -kMost && value <= kMost ? value : 0.0F;
+        constexpr float kMax = 1e30F;
+        return value >= -kMax && value <= kMax ? value : 0.0F;
     }
 
     // Whether anything leaves a pixel, and how much of its light a pixel gives away.

@@ -55,7 +55,7 @@ int main(int argc, char** argv) try {
     if (line.dry_run) {
         if (const Status writable = line.has_output && !missing->empty() ? check_writable(options.output) : Status{}; !writable)
             return cli::fail(writable.error());
-        const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), kMostTrials, stop_requested);
+        const Result<Forecast> expected = forecast(**job, options, trial_seconds(options), kMaxTrials, stop_requested);
         if (!expected) return cli::fail(expected.error());
         warn_of_files(**job);
         if (!expected->fits()) cli::warn(too_large(*expected, options.output));

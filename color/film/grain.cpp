@@ -75,7 +75,7 @@ Columns shape_for(const Material& film) {
 constexpr const char* kLayer[] = {"r", "g", "b"};
 
 // The least densities of the layers, in the data sheet's densitometer.
-Triple least_densities(const Columns& curves) {
+Triple min_densities(const Columns& curves) {
     Triple least;
     for (std::size_t c = 0; c < 3; ++c) least[c] = std::ranges::min(curves[kLayer[c]]);
     return least;
@@ -84,11 +84,11 @@ Triple least_densities(const Columns& curves) {
 }  // namespace
 
 Result<std::array<Table1, 3>> granularity(const Material& film, double pushed) {
-    constexpr double kMost = 4.5, kStep = 0.05;
+    constexpr double kMax = 4.5, kStep = 0.05;
     std::array<Table1, 3> out;
     const auto fill = [&](std::size_t c, auto sigma) {
         out[c] = {0, static_cast<float>(1 / kStep), {}};
-        for (int i = 0; i <= static_cast<int>(kMost / kStep); ++i)
+        for (int i = 0; i <= static_cast<int>(kMax / kStep); ++i)
             out[c].y.push_back(static_cast<float>(push_contrast(pushed) * sigma(i * kStep) / 1000));
     };
     if (!film.colour) {  // as the square root of the density, [Nutting]; the sheet gives it at density 1
@@ -103,7 +103,7 @@ Result<std::array<Table1, 3>> granularity(const Material& film, double pushed) {
     if (!curves) return curves.error();
     const Columns shape = *own ? **own : shape_for(film);
     const Columns shape_curves = common_table(film.positive() ? "kodak_ektachrome_100d.curves" : "kodak_5219.curves");
-    const Triple base = least_densities(*own ? *curves : shape_curves);
+    const Triple base = min_densities(*own ? *curves : shape_curves);
     const auto plain = [&](std::size_t c, double above_base) {
         return interpolated(base[c] + above_base, shape.values[0], shape[kLayer[c]]);
     };

@@ -14,7 +14,7 @@
 namespace latent::film {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 16 << 20;
+constexpr std::uint64_t kMaxBytes = 16 << 20;
 
 std::vector<std::string> split_at_commas(std::string_view line) {
     std::vector<std::string> fields;
@@ -207,7 +207,7 @@ Result<Material> find_material(std::string_view name, bool in_camera) {
         const std::filesystem::path folder(name.substr(0, slash));
         name.remove_prefix(slash + 1);
         const std::string index = (folder / "materials.csv").string();
-        const Result<std::string> text = read_small_file(index, kMostBytes, "a list of materials");
+        const Result<std::string> text = read_small_file(index, kMaxBytes, "a list of materials");
         if (!text) return text.error();
         Result<std::vector<Material>> read = read_materials(*text, folder);
         if (!read) return read.error().at(index);
@@ -267,7 +267,7 @@ Result<std::optional<Columns>> find_table(const Material& material, std::string_
     const std::string path = (material.folder / fmt::format("{}.{}.csv", material.file, what)).string();
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return std::optional<Columns>{};
-    const Result<std::string> text = read_small_file(path, kMostBytes, "a table");
+    const Result<std::string> text = read_small_file(path, kMaxBytes, "a table");
     if (!text) return text.error();
     Result<Columns> read = columns_from_text(*text);
     if (!read) return read.error().at(path);

@@ -266,7 +266,7 @@ void Process::fill_tables() {
     t.coupling = {sign * static_cast<float>(coupling_.adjacent), sign * static_cast<float>(coupling_.adjacent),
                   sign * static_cast<float>(coupling_.far)};
     for (std::size_t c = 0; c < 3; ++c) t.shift[c] = static_cast<float>(shift_[c]);
-    Triple least = film_->least_amounts(), most = film_->most_amounts();
+    Triple least = film_->min_amounts(), most = film_->max_amounts();
     t.matrix = {static_cast<float>(scale), 0, 0, 0, static_cast<float>(scale), 0, 0, 0, static_cast<float>(scale)};
     if (scan_) {
         Curve ones;
@@ -291,7 +291,7 @@ void Process::fill_tables() {
         t.print[c] = tabulated(paper_->log_exposures().front(), paper_->log_exposures().back(),
                                [&](double at) { return paper_->amount(c, at); });
     }
-    t.look = integrals_by_amounts(*paper_, viewing_->light, matching(), paper_->least_amounts(), paper_->most_amounts());
+    t.look = integrals_by_amounts(*paper_, viewing_->light, matching(), paper_->min_amounts(), paper_->max_amounts());
 }
 
 void Process::row(float scale, const std::array<std::span<const float>, 3>& exposures, const std::array<std::span<float>, 3>& xyz,

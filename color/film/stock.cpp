@@ -187,13 +187,13 @@ double Stock::exposure_for(std::size_t layer, double amount) const {
     return inverted(h_, amount_[layer], amount / push_contrast(push_)) - push_speed(push_);
 }
 
-Triple Stock::least_amounts() const {
+Triple Stock::min_amounts() const {
     Triple least;
     for (std::size_t c = 0; c < 3; ++c) least[c] = push_contrast(push_) * std::ranges::min(amount_[c]);
     return least;
 }
 
-Triple Stock::most_amounts() const {
+Triple Stock::max_amounts() const {
     const double more = material_.kind == Kind::kNegative ? kShoulder : 0;
     Triple most;
     for (std::size_t c = 0; c < 3; ++c) most[c] = push_contrast(push_) * (std::ranges::max(amount_[c]) + more);

@@ -35,8 +35,8 @@ class Stock {
     double amount(std::size_t layer, double h) const;
     // The log exposure at which a layer forms this amount.
     double exposure_for(std::size_t layer, double amount) const;
-    Triple least_amounts() const;
-    Triple most_amounts() const;
+    Triple min_amounts() const;
+    Triple max_amounts() const;
 
     // Layers hold each other back; neutral exposures stay as they are.
     Triple coupled(const Triple& h, const Coupling& coupling) const;

@@ -40,13 +40,13 @@ std::uint32_t big_endian(const char* bytes) {
 
 // The chunk at byte 8, which says what the others hold. What it may say: [PNG 11.2.1], and libpng's own limit of a side.
 Status check_png_header(std::string_view type, std::string_view data) {
-    constexpr std::uint32_t kMostSide = 1'000'000;
+    constexpr std::uint32_t kMaxSide = 1'000'000;
     constexpr std::string_view kDepths[] = {{"\1\2\4\10\20"}, "", "\10\20", "\1\2\4\10", "\10\20", "", "\10\20"};  // by colour type
     if (type != "IHDR" || data.size() != 13) return damaged("the chunk at byte 8 is not a PNG header");
     const std::uint32_t width = big_endian(data.data()), height = big_endian(data.data() + 4);
     const auto depth = static_cast<unsigned char>(data[8]), color = static_cast<unsigned char>(data[9]);
-    if (width == 0 || height == 0 || width > kMostSide || height > kMostSide)
-        return damaged(fmt::format("the PNG header at byte 8 says {} x {} pixels; a side has 1 to {}", width, height, kMostSide));
+    if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide)
+        return damaged(fmt::format("the PNG header at byte 8 says {} x {} pixels; a side has 1 to {}", width, height, kMaxSide));
     if (color >= std::size(kDepths) || kDepths[color].find(data[8]) == std::string_view::npos)
         return damaged(
             fmt::format("the PNG header at byte 8 says {} bits of colour type {}, which PNG does not have", depth, color));

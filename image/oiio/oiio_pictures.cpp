@@ -64,7 +64,7 @@ Result<PictureInfo> info_of(const FileName& file, const OIIO::ImageSpec& spec) {
 class OiioPictures final : public Pictures {
  public:
     explicit OiioPictures(std::uint64_t cache_bytes)
-        : most_tile_bytes_(std::max(cache_bytes / kFewestTiles, std::uint64_t{kTile} * kTile * 4 * sizeof(float))) {
+        : max_tile_bytes_(std::max(cache_bytes / kFewestTiles, std::uint64_t{kTile} * kTile * 4 * sizeof(float))) {
         textures_ = OIIO::TextureSystem::create(false);
         OiioPictures::set_cache_bytes(cache_bytes);
         textures_->attribute("autotile", kTile);
@@ -175,7 +175,7 @@ class OiioPictures final : public Pictures {
         Sizes sizes;
         OIIO::ImageSpec spec;
         for (int level = 0; level < count && cache_->get_imagespec(name, spec, 0, level); ++level) {
-            if (spec.tile_bytes() > most_tile_bytes_)
+            if (spec.tile_bytes() > max_tile_bytes_)
                 return Error{
                     ErrorCode::kUnsupported,
                     fmt::format("{}: a tile of {} x {} pixels takes more than 1/{} of --texture-cache; raise it, or save the "
@@ -285,7 +285,7 @@ class OiioPictures final : public Pictures {
         return true;
     }
 
-    std::uint64_t most_tile_bytes_;
+    std::uint64_t max_tile_bytes_;
     OIIO::TextureSystem* textures_;
     OIIO::ImageCache* cache_;
     std::vector<Handle> handles_;

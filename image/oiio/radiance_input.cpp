@@ -9,7 +9,7 @@ namespace latent::image {
 
 namespace {
 
-constexpr std::size_t kLongestLine = 4096, kMostLines = 4096;
+constexpr std::size_t kLongestLine = 4096, kMaxLines = 4096;
 constexpr int kShortestRun = 8, kLongestRun = 0x7fff;  // widths that the newer encoding has
 
 }  // namespace
@@ -36,7 +36,7 @@ bool RadianceInput::close() {
 
 bool RadianceInput::read_header() {
     std::string line;
-    for (std::size_t i = 0; i < kMostLines && std::getline(file_, line) && line.size() < kLongestLine; ++i) {
+    for (std::size_t i = 0; i < kMaxLines && std::getline(file_, line) && line.size() < kLongestLine; ++i) {
         if (line.ends_with('\r')) line.pop_back();
         const std::string_view text(line);
         float x = 1, rgb[3] = {1, 1, 1};

@@ -48,7 +48,7 @@ MetallicRoughness::MetallicRoughness(const SampledSpectrum& base, const Paramete
       coat_facets_(facets_of(p.coat_alpha)),
       metal_albedo_(brightest_, 1, facets_.alpha_x),
       albedo_(specular_color != nullptr ? p.f0 * specular_color->max() : p.f0, p.f90, facets_.alpha_x),
-      least_albedo_(specular_color != nullptr ? p.f0 * std::ranges::min(specular_color->v) : p.f0, p.f90, facets_.alpha_x),
+      min_albedo_(specular_color != nullptr ? p.f0 * std::ranges::min(specular_color->v) : p.f0, p.f90, facets_.alpha_x),
       coat_albedo_(kCoatF0, 1, coat_facets_.alpha_x) {}
 
 void MetallicRoughness::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_light, SampledSpectrum& value) const {
@@ -86,7 +86,7 @@ void MetallicRoughness::multiply_f_cos(const Vec3f& w_camera, const Vec3f& w_lig
 MetallicRoughness::Lobes MetallicRoughness::lobes(const Vec3f& wo) const {
     const float mu = std::abs(wo.z), coat = coat_ > 0 ? coat_ * coat_albedo_(mu) : 0, e = albedo_(mu);
     const float facets = (1 - coat) * (metallic_ * metal_albedo_(mu) + (1 - metallic_) * e),
-                diffuse = (1 - coat) * (1 - metallic_) * brightest_ * (1 - (specular_color_ != nullptr ? least_albedo_(mu) : e)),
+                diffuse = (1 - coat) * (1 - metallic_) * brightest_ * (1 - (specular_color_ != nullptr ? min_albedo_(mu) : e)),
                 sum = coat + facets + diffuse;
     if (!(sum > 0)) return {0, 0};
     return {coat / sum, facets / sum};

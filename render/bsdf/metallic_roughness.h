@@ -57,7 +57,7 @@ class MetallicRoughness {
     float brightest_, metallic_, f0_, f90_, coat_;
     Microfacets facets_, coat_facets_;
     // Of the metal and of the dielectric, both where they reflect most; of the dielectric where it reflects least; of the coat.
-    SchlickAlbedo metal_albedo_, albedo_, least_albedo_, coat_albedo_;
+    SchlickAlbedo metal_albedo_, albedo_, min_albedo_, coat_albedo_;
 };
 
 }  // namespace latent::render

@@ -29,7 +29,7 @@ struct PhaseMixture {
         const SampledSpectrum* share = nullptr;
     };
     std::uint32_t count = 0;
-    std::array<Part, kMostSummed> parts;
+    std::array<Part, kMaxSummed> parts;
 };
 
 // One of both.

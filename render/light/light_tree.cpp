@@ -17,7 +17,7 @@ using HalfOfLanes = hn::FixedTag<float, 2>;
 
 // Cosines are off by less; bounds leave room for it.
 constexpr float kSlack = 1e-5f;
-constexpr float kLeastCosine = 1e-4f;
+constexpr float kMinCosine = 1e-4f;
 
 // Lights that are farther or brighter count as these, so that products of both stay finite.
 constexpr double kFarthest = 1e30;  // squared distance
@@ -120,8 +120,7 @@ LightTree::Halves LightTree::importance(const Pair& pair, const Vec3f& p, const 
     const auto cos_out = cos * cos_spread + sin * sin_spread, sin_out = sin * cos_spread - cos * sin_spread;  // beyond the cone
     const auto beside = cos_out * cos_ball + sin_out * sin_ball;                                              // and beyond the ball
     const auto greatest = hn::IfThenElse(hn::Or(cos >= cos_spread, cos_out >= cos_ball), one, beside);
-    const auto lit =
-        hn::IfThenElse(greatest < at_both(-kSlack, pair.cos_falloff), zero, hn::Max(greatest, hn::Set(d, kLeastCosine)));
+    const auto lit = hn::IfThenElse(greatest < at_both(-kSlack, pair.cos_falloff), zero, hn::Max(greatest, hn::Set(d, kMinCosine)));
 
     float cosines[4], squares[4];
     hn::StoreU(hn::IfThenElse(to2 > radius2, lit, one), d, cosines);

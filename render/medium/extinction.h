@@ -60,7 +60,7 @@ class SampledExtinction {
 // A value for each level of the spectrum that the density of a medium scales.
 class ScaledExtinction {
  public:
-    static constexpr std::uint32_t N = SpectrumLevels::kMost;
+    static constexpr std::uint32_t N = SpectrumLevels::kMax;
 
     ScaledExtinction(const ScaledMedium& medium, const SpectrumLevels& levels, SampleState& sample)
         : medium_(medium), sample_(sample), levels_(levels) {}

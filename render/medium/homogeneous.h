@@ -21,7 +21,7 @@ class HomogeneousMedium final : public Medium {
     // Spectra of the scene's library [1/m]; `emission`: sigma_a times the emitted radiance, kNone: none.
     HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, std::uint32_t emission, const PhaseFunction& phase)
         : Medium(phase), sigma_t_(sigma_t), sigma_s_(sigma_s), emission_(emission) {}
-    // The sum of several, of which these are the parts; at most kMostSummed.
+    // The sum of several, of which these are the parts; at most kMaxSummed.
     HomogeneousMedium(std::uint32_t sigma_t, std::uint32_t sigma_s, std::uint32_t emission, std::vector<Part> parts)
         : HomogeneousMedium(sigma_t, sigma_s, emission, PhaseFunction{}) {
         parts_ = std::move(parts);

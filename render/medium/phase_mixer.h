@@ -41,7 +41,7 @@ class PhaseMixer {
  private:
     SampleState& sample_;
     PhaseMixture mixture_;
-    std::array<SampledSpectrum*, kMostSummed> sigma_{};
+    std::array<SampledSpectrum*, kMaxSummed> sigma_{};
     SampledSpectrum total_{0.0f};
 };
 

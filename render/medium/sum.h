@@ -19,7 +19,7 @@ class SumMedium final : public HeterogeneousMedium {
         std::uint32_t sigma_t = 0, sigma_s = 0, emission = kNone;
         PhaseFunction phase;
     };
-    // At most kMostSummed parts. `one`: the spectrum that is 1 everywhere.
+    // At most kMaxSummed parts. `one`: the spectrum that is 1 everywhere.
     SumMedium(std::vector<Part> parts, std::uint32_t one);
 
     std::optional<Box> box() const override { return is_bounded_ ? HeterogeneousMedium::box() : std::nullopt; }

@@ -16,22 +16,22 @@
 namespace latent::render {
 namespace {
 
-constexpr double kMostPixels = 1024, kUsefulPixels = 480, kLeastPixels = 160;  // of the longer side
-constexpr double kCleanPerPixel = 4;                                           // samples; below kUsefulPixels, one is enough
+constexpr double kMaxPixels = 1024, kUsefulPixels = 480, kMinPixels = 160;  // of the longer side
+constexpr double kCleanPerPixel = 4;                                        // samples; below kUsefulPixels, one is enough
 
 // Of the picture; the height follows from the film. Rather noisy than tiny.
 double width_for(const RenderJob& job, std::uint64_t samples) {
     const double shape = static_cast<double>(job.job.aspect_height) / job.job.aspect_width, longer = std::max(1.0, shape);
     const double at_one = std::sqrt(static_cast<double>(samples) / shape), clean = at_one / std::sqrt(kCleanPerPixel);
-    const double width = std::min({static_cast<double>(job.resolution.width), kMostPixels / longer,
+    const double width = std::min({static_cast<double>(job.resolution.width), kMaxPixels / longer,
                                    std::max(clean, std::min(at_one, kUsefulPixels / longer))});
     return std::max(std::floor(width), 1.0);
 }
 
 // One for each pixel of the smallest picture.
-std::uint64_t least_samples(const RenderJob& job) {
+std::uint64_t min_samples(const RenderJob& job) {
     const double width = job.job.aspect_width, height = job.job.aspect_height,
-                 scale = std::min(kLeastPixels / std::max(width, height), job.resolution.width / width);
+                 scale = std::min(kMinPixels / std::max(width, height), job.resolution.width / width);
     return static_cast<std::uint64_t>(
         std::min(std::ceil(scale * width) * std::ceil(scale * height), static_cast<double>(job.range.size())));
 }
@@ -43,7 +43,7 @@ std::filesystem::path preview_path(const RenderOptions& options) {
 }
 
 Result<Preview> preview(const RenderJob& job, const RenderOptions& options, double seconds, const std::atomic<bool>& stop) {
-    const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "", least_samples(job)};
+    const TrialPlace place{folder_of(options.output), "preview", "choose another folder with -o", "", min_samples(job)};
     const Result<Trial> trial = render_trial(job, options, seconds, place, stop);
     if (!trial) return trial.error();
     const Result<Forecast> expected = forecast(job, options, *trial);

@@ -12,9 +12,9 @@ Result<Shard> parse_shard(std::string_view text) {
 }
 
 Result<Resolution> parse_resolution(std::string_view text) {
-    constexpr std::uint64_t kMost = 1u << 24;
+    constexpr std::uint64_t kMax = 1u << 24;
     const auto size = parse_pair(text, 'x');
-    if (size && size->first > 0 && size->second > 0 && size->first <= kMost && size->second <= kMost)
+    if (size && size->first > 0 && size->second > 0 && size->first <= kMax && size->second <= kMax)
         return Resolution{static_cast<std::uint32_t>(size->first), static_cast<std::uint32_t>(size->second)};
     return is_not(text, "a resolution (try 1920x1080)");
 }

@@ -15,15 +15,6 @@ namespace {
 
 constexpr double kTrialSeconds = 1;  // before a render that may not fit
 
-// For a part under this name; with --force it gets the place of another.
-std::optional<std::uint64_t> free_space(const RenderOptions& options) {
-    std::error_code error;
-    const std::filesystem::space_info space = std::filesystem::space(folder_of(options.output), error);
-    if (error) return std::nullopt;
-    const std::uint64_t replaced = options.force ? std::filesystem::file_size(options.output, error) : 0;
-    return error ? space.available : space.available + replaced;
-}
-
 std::string full_name(const std::filesystem::path& folder) {
     std::error_code error;  // there may be no working folder any more
     const std::filesystem::path full = std::filesystem::absolute(folder / "", error);
@@ -43,8 +34,8 @@ std::uint64_t scaled(std::uint64_t bytes, double factor) {
 }  // namespace
 
 double trial_seconds(const RenderOptions& options) {
-    constexpr double kMost = 2;
-    return options.max_seconds > 0 ? std::min(options.max_seconds, kMost) : kMost;
+    constexpr double kMax = 2;
+    return options.max_seconds > 0 ? std::min(options.max_seconds, kMax) : kMax;
 }
 
 Error TrialPlace::explained(const Error& error) const {
@@ -66,7 +57,7 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
     RenderOptions trial = options;
     trial.output = folder / "trial.latent";
     trial.max_seconds = seconds;
-    trial.least_samples = place.least_samples;
+    trial.min_samples = place.min_samples;
     Result<RenderReport> report = render(job, trial, stop, {});
     if (!report) return place.explained(report.error());
     // Finished samples of a run whose other grains were given up may not be committed: only what is counts.
@@ -92,7 +83,7 @@ Result<sampledb::Coverage> begin_forecast(const RenderJob& job, const RenderOpti
     if (!missing) return missing;
     out.samples = job.range.size();
     out.committed = job.range.size() - missing->size();
-    out.free_bytes = free_space(options);
+    out.free_bytes = free_space(options.output, options.force);
     return missing;
 }
 
@@ -108,7 +99,7 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, co
     return out;
 }
 
-Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, int most_trials,
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, int max_trials,
                           const std::atomic<bool>& stop) {
     Forecast out;
     const Result<sampledb::Coverage> missing = begin_forecast(job, options, out);
@@ -120,7 +111,7 @@ Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, do
     const TrialPlace place{parent, "dry run", "set TMPDIR to another folder",
                            options.max_seconds == seconds ? "; raise --max-time" : ""};
     Result<Trial> trial = render_trial(job, options, seconds, place, stop);
-    const int most = has_pictures(job.scene.description) ? most_trials : 1;
+    const int most = has_pictures(job.scene.description) ? max_trials : 1;
     for (int i = 1; i < most && trial && !stop; ++i) {
         Result<Trial> again = render_trial(job, options, seconds, place, stop);
         if (!again) break;
@@ -152,7 +143,7 @@ std::string too_large(const Forecast& forecast, const std::filesystem::path& out
 }
 
 Status check_space(const RenderJob& job, const RenderOptions& options, const std::atomic<bool>& stop) {
-    const std::optional<std::uint64_t> free = free_space(options);
+    const std::optional<std::uint64_t> free = free_space(options.output, options.force);
     if (!free || job.range.size() <= *free / std::max<std::uint64_t>(job.raw_sample_bytes, 1)) return {};
     const Result<Forecast> expected = forecast(job, options, kTrialSeconds, 1, stop);
     if (!expected || expected->fits()) return {};  // what else is wrong, rendering says

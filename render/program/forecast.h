@@ -47,7 +47,7 @@ struct TrialPlace {
     std::string_view purpose;
     std::string_view remedy;
     std::string_view if_too_short;
-    std::uint64_t least_samples = 0;
+    std::uint64_t min_samples = 0;
 
     // Replaces the error of a full disk, which names a hidden folder, by one that says what to do.
     Error explained(const Error& error) const;
@@ -58,10 +58,10 @@ Result<Trial> render_trial(const RenderJob& job, const RenderOptions& options, d
 
 Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, const Trial& trial);
 // From a trial of `seconds` in the system's folder for temporary files, unless nothing is missing. Pictures are read when they are
-// needed first, which may take longer than a trial: in a scene with pictures, the trial is repeated, up to `most_trials` in all,
+// needed first, which may take longer than a trial: in a scene with pictures, the trial is repeated, up to `max_trials` in all,
 // until one is less than 30 % faster than the one before.
-inline constexpr int kMostTrials = 4;
-Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, int most_trials,
+inline constexpr int kMaxTrials = 4;
+Result<Forecast> forecast(const RenderJob& job, const RenderOptions& options, double seconds, int max_trials,
                           const std::atomic<bool>& stop);
 
 // Before the scene is read. Errors: kIo if there is no folder for the output.

@@ -30,13 +30,13 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 class Work {
  public:
     Work(const sampledb::Coverage& missing, const std::atomic<bool>& stop, const RenderOptions& options)
-        : grains_(missing), stop_(stop), max_seconds_(options.max_seconds), least_samples_(options.least_samples) {}
+        : grains_(missing), stop_(stop), max_seconds_(options.max_seconds), min_samples_(options.min_samples) {}
 
     // The next grain; empty when there is none, or no more is wanted.
     SampleRange next() { return stopping() ? SampleRange{} : grains_.next(); }
     bool stopping() {
         const bool is_over = max_seconds_ > 0 && seconds_since(begin_) > max_seconds_;
-        return stop_ || error_ || (is_over && (least_samples_ == 0 || samples() >= least_samples_));
+        return stop_ || error_ || (is_over && (min_samples_ == 0 || samples() >= min_samples_));
     }
     // True once a grain in work is no longer worth waiting for.
     bool give_up() {
@@ -74,7 +74,7 @@ class Work {
     sampledb::GrainQueue grains_;
     const std::atomic<bool>& stop_;
     const double max_seconds_;
-    const std::uint64_t least_samples_;
+    const std::uint64_t min_samples_;
     const Clock::time_point begin_ = Clock::now();
     std::atomic<double> stopped_at_{-1};
     FirstError error_;

@@ -19,8 +19,8 @@ namespace latent::render {
 struct RenderOptions {
     std::filesystem::path output;
     double checkpoint_seconds = 60;
-    double max_seconds = 0;           // 0: no limit
-    std::uint64_t least_samples = 0;  // the limit counts only once so many are done
+    double max_seconds = 0;         // 0: no limit
+    std::uint64_t min_samples = 0;  // the limit counts only once so many are done
     int threads = 1;
     bool force = false;
     std::string provenance_json;

@@ -20,7 +20,7 @@ std::vector<std::uint32_t> inputs_of(const TextureDescription& d) {
 }
 
 constexpr std::uint32_t kDeepest = 256;
-constexpr double kMostEvaluated = 10'000;  // textures for one value, or materials of one mixture
+constexpr double kMaxEvaluated = 10'000;  // textures for one value, or materials of one mixture
 
 // How deep each of `count` things reaches that are made of each other, and how many it is made of, found from the bottom: each
 // round settles those whose parts are.
@@ -111,9 +111,9 @@ std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vec
         if (!depths.settled[i]) refused.emplace_back(i, "Texture: is made of itself");
         if (depths.depth[i] == kDeepest + 1)
             refused.emplace_back(i, fmt::format("Texture: more than {} textures, one made of the other", kDeepest));
-        const auto is_too_large = [&](std::uint32_t texture) { return depths.size[texture] > kMostEvaluated; };
+        const auto is_too_large = [&](std::uint32_t texture) { return depths.size[texture] > kMaxEvaluated; };
         if (is_too_large(i) && std::ranges::none_of(inputs_of(textures[i]), is_too_large))
-            refused.emplace_back(i, fmt::format("Texture: evaluates more than {} textures for one value", kMostEvaluated));
+            refused.emplace_back(i, fmt::format("Texture: evaluates more than {} textures for one value", kMaxEvaluated));
     }
     return refused;
 }
@@ -128,7 +128,7 @@ std::vector<std::uint32_t> endless_mixtures(const std::vector<MaterialDescriptio
     });
     std::vector<std::uint32_t> refused;
     for (std::uint32_t i = 0; i < materials.size(); ++i) {
-        const auto is_too_large = [&](std::uint32_t part) { return part != kNone && depths.size[part] > kMostEvaluated; };
+        const auto is_too_large = [&](std::uint32_t part) { return part != kNone && depths.size[part] > kMaxEvaluated; };
         const bool is_first_too_large = is_too_large(i) && std::ranges::none_of(materials[i].mixed, is_too_large);
         if (!depths.settled[i] || depths.depth[i] == kDeepest + 1 || is_first_too_large) refused.push_back(i);
     }
@@ -147,7 +147,7 @@ std::vector<std::uint32_t> sums_of_too_many(const std::vector<MediumDescription>
     std::vector<std::uint32_t> refused;
     for (std::uint32_t i = 0; i < media.size(); ++i) {
         // One that is too deep has too many parts.
-        bool too_many = !depths.settled[i] || depths.depth[i] > kMostSummed;
+        bool too_many = !depths.settled[i] || depths.depth[i] > kMaxSummed;
         std::vector<std::uint32_t> open = parts_of(i);
         std::size_t leaves = 0;
         while (!too_many && !open.empty()) {
@@ -156,7 +156,7 @@ std::vector<std::uint32_t> sums_of_too_many(const std::vector<MediumDescription>
             open.insert(open.end(), parts.begin(), parts.end());
             leaves += parts.empty() ? 1 : 0;
         }
-        if (too_many || leaves > kMostSummed) refused.push_back(i);
+        if (too_many || leaves > kMaxSummed) refused.push_back(i);
     }
     return refused;
 }

@@ -24,7 +24,7 @@ bool is_stretched(const ShapeDescription& quadric);
 std::vector<std::pair<std::uint32_t, std::string>> check_textures(const std::vector<TextureDescription>& textures);
 // Mixtures that are made of themselves, more than 256 deep, or of more than 10,000 materials.
 std::vector<std::uint32_t> endless_mixtures(const std::vector<MaterialDescription>& materials);
-// Media that are sums of themselves, or of more than kMostSummed.
+// Media that are sums of themselves, or of more than kMaxSummed.
 std::vector<std::uint32_t> sums_of_too_many(const std::vector<MediumDescription>& media);
 
 }  // namespace latent::render

@@ -74,7 +74,7 @@ struct MaterialDescription {
 };
 
 // Media that may add up to one, their sums resolved; what is scattered by each is kept apart (render/bsdf/phase.h).
-inline constexpr std::uint32_t kMostSummed = 7;
+inline constexpr std::uint32_t kMaxSummed = 7;
 
 // Henyey-Greenstein. sigma_a and sigma_s are scaled by the density of the volume, which is 1 everywhere if it is uniform; a
 // spectral volume replaces them.

@@ -29,9 +29,9 @@ Result<std::vector<std::string>> group_lights(SceneDescription& scene) {
     number(scene.lights);
     if (names.size() == 1)
         return usage_error("--light-groups: no light of the scene has a name; give some a parameter \"string name\"");
-    if (names.size() > kMostLightGroups)
+    if (names.size() > kMaxLightGroups)
         return usage_error(fmt::format("--light-groups: the lights have {} different names; {} are possible", names.size() - 1,
-                                       kMostLightGroups - 1));
+                                       kMaxLightGroups - 1));
     return names;
 }
 

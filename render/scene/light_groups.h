@@ -11,7 +11,7 @@
 namespace latent::render {
 
 inline constexpr const char* kLightGroupColumn = "light_group";  // docs/format.md, "Registry"
-inline constexpr std::size_t kMostLightGroups = 256;             // their numbers are bytes
+inline constexpr std::size_t kMaxLightGroups = 256;              // their numbers are bytes
 
 // Numbers the lights of a scene by their names: each light's `group`. Returns the names of the groups, the number of a group being
 // its place. Group 0 is "unnamed": lights without a name, and media that emit light. Errors: kUsage (too many names, or none).

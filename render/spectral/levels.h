@@ -10,12 +10,12 @@ namespace latent::render {
 // Grey media have one value, and those whose spectra end within the visible range have two: most work on 28 wavelengths is then
 // work on these. Places from `count` on repeat the last value, and no wavelength belongs to them.
 struct SpectrumLevels {
-    static constexpr std::uint32_t kMost = 4;
+    static constexpr std::uint32_t kMax = 4;
 
     std::uint32_t count = 0;  // 0: they are not few, and nothing below is set
-    float value[kMost];
-    float share[kMost];                     // of the k wavelengths
-    const SampledSpectrum* members[kMost];  // 1 for the wavelengths of a level, 0 for all others and from k on
+    float value[kMax];
+    float share[kMax];                     // of the k wavelengths
+    const SampledSpectrum* members[kMax];  // 1 for the wavelengths of a level, 0 for all others and from k on
 
     // `allocate` returns room for the members.
     template <class Allocate>
@@ -25,11 +25,11 @@ struct SpectrumLevels {
         for (std::uint32_t i = 0; i < k; ++i) {
             std::uint32_t level = 0;
             while (level < count && levels.value[level] != spectrum.v[i]) ++level;
-            if (level == kMost) return levels;
+            if (level == kMax) return levels;
             if (level == count) levels.value[count++] = spectrum.v[i];
             level_of[i] = level;
         }
-        for (std::uint32_t level = 0; level < kMost; ++level) {
+        for (std::uint32_t level = 0; level < kMax; ++level) {
             levels.share[level] = 0;
             levels.members[level] = nullptr;
             if (level >= count) {

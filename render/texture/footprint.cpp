@@ -11,14 +11,14 @@ Footprint::Footprint(const CameraDescription& camera, std::uint32_t width, std::
     : center_(camera.world_from_camera.t),
       axis_(normalize(camera.world_from_camera.z)),
       parallel_(camera.kind == CameraKind::kOrthographic),
-      least_cosine_(1) {
+      min_cosine_(1) {
     const double x = std::abs(camera.x1 - camera.x0) / width, y = std::abs(camera.y1 - camera.y0) / height;
     double size = std::min(x, y);
     switch (camera.kind) {
         case CameraKind::kPerspective: {
             const double reach_x = std::max(std::abs(camera.x0), std::abs(camera.x1)),
                          reach_y = std::max(std::abs(camera.y0), std::abs(camera.y1));
-            least_cosine_ = static_cast<float>(1 / std::sqrt(1 + reach_x * reach_x + reach_y * reach_y));
+            min_cosine_ = static_cast<float>(1 / std::sqrt(1 + reach_x * reach_x + reach_y * reach_y));
             break;
         }
         case CameraKind::kOrthographic:
@@ -48,7 +48,7 @@ void Footprint::at(const Vec3f& p, const Vec3f& n, Vec3f& dpdx, Vec3f& dpdy) con
         }
         w = to / distance;
         // A pixel of a plane film is seen under a smaller angle away from its centre.
-        const float c = turns_ ? least_cosine_ : std::clamp(dot(w, axis_), least_cosine_, 1.0f);
+        const float c = turns_ ? min_cosine_ : std::clamp(dot(w, axis_), min_cosine_, 1.0f);
         size *= distance * c * c;
     }
     const float cosine = std::max(abs_dot(w, n), kGrazing);

@@ -16,7 +16,7 @@
 namespace latent::render {
 
 namespace {
-constexpr std::uint64_t kLeastCache = std::uint64_t{256} << 20;
+constexpr std::uint64_t kMinCache = std::uint64_t{256} << 20;
 }
 
 // Builds each texture after its inputs, which render/scene/check.h has found to form no circle.
@@ -50,7 +50,7 @@ struct Textures::Builder {
         const auto [at, is_new] = opened.try_emplace({d.path, d.is_srgb, d.gamma}, Error{});
         if (!is_new) return at->second;
         if (!out.pictures_) {
-            Result<std::unique_ptr<image::Pictures>> created = image::Pictures::create(cache_bytes > 0 ? cache_bytes : kLeastCache);
+            Result<std::unique_ptr<image::Pictures>> created = image::Pictures::create(cache_bytes > 0 ? cache_bytes : kMinCache);
             if (!created) {
                 if (errors.empty()) errors.push_back(created.error().message);
                 return at->second = created.error();
@@ -139,7 +139,7 @@ struct Textures::Builder {
         if (count == 0) return;
         needed += needed / 8;  // rows beyond the edges of tiles
         const std::uint64_t kept =
-            cache_bytes > 0 ? cache_bytes : std::clamp(needed, kLeastCache, std::max(kLeastCache, usable_memory() / 4));
+            cache_bytes > 0 ? cache_bytes : std::clamp(needed, kMinCache, std::max(kMinCache, usable_memory() / 4));
         out.pictures_->set_cache_bytes(kept);
         if (kept < needed)
             out.shortage_ = fmt::format(

@@ -39,7 +39,7 @@ Aovs::Aovs(const World& world, const AovSettings& settings, std::uint32_t max_de
     : world_(world),
       looks_(settings.sees_surfaces()),
       follows_deltas_(settings.albedo || settings.normal),
-      most_deltas_(follows_deltas_ ? std::min(max_depth, kMostDeltas) : 0) {
+      max_deltas_(follows_deltas_ ? std::min(max_depth, kMaxDeltas) : 0) {
     const color::IntegerNmSpectrum light = color::sampled_at_integer_nm(color::illuminant_d65());
     for (std::size_t c = 0; c < 3; ++c) {
         const color::IntegerNmSpectrum curve = color::sampled_at_integer_nm(color::Observer::cie1931().curve(static_cast<int>(c)));
@@ -97,7 +97,7 @@ Seen Aovs::look(SampleState& sample, const Camera& camera, double u, double v) c
         const Bsdf bsdf = world_.bsdf(hit, sample.spectra, sample.kept);
         const auto number = [&](std::uint32_t what) { return sample.numbers(Dimension::of_camera_vertex(i, what)); };
         BsdfSample next;
-        if (!bsdf.is_delta() || i == most_deltas_) {
+        if (!bsdf.is_delta() || i == max_deltas_) {
             if (dispersed) passed = SampledSpectrum(passed[sample.kept]);
             seen.albedo = xyz_of(passed * bsdf.albedo(), sample.spectra.wavelengths);
             const Vec3f n = face_forward(bsdf.normal(), -d);

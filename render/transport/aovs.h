@@ -30,21 +30,21 @@ void append(const AovSettings& settings, const Seen& seen, std::span<sampledb::E
 
 class Aovs {
  public:
-    // At most `max_depth` reflections and refractions are followed, and no more than kMostDeltas.
+    // At most `max_depth` reflections and refractions are followed, and no more than kMaxDeltas.
     Aovs(const World& world, const AovSettings& settings, std::uint32_t max_depth);
     // Along the ray of film point (u, v), with the numbers that the camera subpath takes: no record's light changes by it. Media
     // are looked through.
     Seen look(SampleState& sample, const Camera& camera, double u, double v) const;
 
  private:
-    static constexpr std::uint32_t kMostDeltas = 64;
+    static constexpr std::uint32_t kMaxDeltas = 64;
 
     std::array<float, 3> xyz_of(const SampledSpectrum& albedo, const Wavelengths& w) const;
 
     const World& world_;
     bool looks_;  // at surfaces
     bool follows_deltas_;
-    std::uint32_t most_deltas_;
+    std::uint32_t max_deltas_;
     // CIE 1931 times D65, at integer nm: three values, and a fourth, 0, for vectors; their sums, with Y = 1.
     std::array<std::array<float, 4>, color::kIntegerNmCount> lit_observer_{};
     std::array<float, 3> white_{};

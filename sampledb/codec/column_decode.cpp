@@ -17,11 +17,11 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr unsigned kMostStep = 22;
+constexpr unsigned kMaxStep = 22;
 
 Result<unsigned> step_of(const ColumnEntry& entry, bool stepped) {
     if (!stepped) return 0u;
-    if (entry.bits < 1 || entry.bits > kMostStep) return corrupt("a step of impossible size");
+    if (entry.bits < 1 || entry.bits > kMaxStep) return corrupt("a step of impossible size");
     return unsigned{entry.bits};
 }
 

@@ -21,12 +21,12 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kExceptionCost = 4;  // bytes: three, and the time to read it
-constexpr unsigned kMostExtraBits = 15;    // of an exception, above its field; one more is the sign
+constexpr unsigned kMaxExtraBits = 15;     // of an exception, above its field; one more is the sign
 constexpr std::size_t kLooksForBase = 64;  // numbers that a base is the median of
 constexpr unsigned kNumberBits = 32;       // the most that a number less its base has
 
 // What is in the middle of a field's range: fields are differences to it.
-std::uint32_t least_of(std::uint32_t base, unsigned bits) { return base - (std::uint32_t{1} << bits >> 1); }
+std::uint32_t min_of(std::uint32_t base, unsigned bits) { return base - (std::uint32_t{1} << bits >> 1); }
 
 // The differences of numbers to a base, and the bits of fields that have room for them: 0 for none, else those of d or -1 - d and
 // one for the sign. A float's exponent counts bits; without the second highest it cannot be rounded up.
@@ -124,12 +124,12 @@ void Delta2Packer::pack_block(std::size_t block) {
     };
     unsigned most = kNumberBits;
     while (most > 0 && with_bits(most) == 0) --most;
-    const unsigned least = most > kMostExtraBits ? most - kMostExtraBits : 0;
+    const unsigned least = most > kMaxExtraBits ? most - kMaxExtraBits : 0;
     unsigned bits = 0;
     std::size_t exceptions = 0, best = ~std::size_t{0}, wider = 0;
     for (unsigned width = most + 1; width-- > least; wider += with_bits(width)) {
         const std::size_t cost = packed_fields_size(n, width) + kExceptionCost * wider;
-        if (width <= kMostFieldBits && cost < best) best = cost, bits = width, exceptions = wider;
+        if (width <= kMaxFieldBits && cost < best) best = cost, bits = width, exceptions = wider;
     }
     planes_[kWidths].push_back(static_cast<std::byte>(bits));
     planes_[kCounts].push_back(static_cast<std::byte>(exceptions));
@@ -163,7 +163,7 @@ class BlockReader {
         const unsigned bits = std::to_integer<unsigned>(planes_[kWidths][block_]);
         unpack_fields(planes_[kFields].data() + field_, n, bits, fields);
         field_ += packed_fields_size(n, bits);
-        least_ = least_of(load_le<std::uint32_t>(&planes_[kBases][sizeof(std::uint32_t) * blocks_.base(block_)]), bits);
+        least_ = min_of(load_le<std::uint32_t>(&planes_[kBases][sizeof(std::uint32_t) * blocks_.base(block_)]), bits);
         const std::size_t end = exception_ + std::to_integer<std::size_t>(planes_[kCounts][block_]);
         for (; exception_ < end; ++exception_) {
             const std::size_t position = std::to_integer<std::size_t>(planes_[kPositions][exception_]);
@@ -245,7 +245,7 @@ Result<Delta2Unpacker::Sizes> Delta2Unpacker::sizes(const Delta2Blocks& blocks, 
     for (std::size_t block = 0; block < blocks.count(); ++block) {
         const std::size_t n = blocks.size(block), exceptions = std::to_integer<std::size_t>(counts[block]);
         const unsigned bits = std::to_integer<unsigned>(widths[block]);
-        if (bits > kMostFieldBits || exceptions > n) return corrupt("a block of fields of impossible size");
+        if (bits > kMaxFieldBits || exceptions > n) return corrupt("a block of fields of impossible size");
         sizes.fields += packed_fields_size(n, bits);
         sizes.exceptions += exceptions;
     }

@@ -42,12 +42,12 @@ using Unpack = void (*)(const std::byte*, std::uint32_t*);
 constexpr auto kUnpack = []<std::size_t... bits>(std::index_sequence<bits...>) {
     return std::array<Unpack, sizeof...(bits)>{&unpack_block<static_cast<unsigned>(bits)>...};
 }
-(std::make_index_sequence<kMostFieldBits + 1>());
+(std::make_index_sequence<kMaxFieldBits + 1>());
 
 }  // namespace
 
 void pack_fields(const FieldBlock& fields, std::size_t n, unsigned bits, std::byte* to) {
-    assert(bits <= kMostFieldBits);
+    assert(bits <= kMaxFieldBits);
     const four::Tag tag;
     Four words = hn::Zero(tag);
     unsigned filled = 0;
@@ -65,8 +65,8 @@ void pack_fields(const FieldBlock& fields, std::size_t n, unsigned bits, std::by
 }
 
 void unpack_fields(const std::byte* from, std::size_t n, unsigned bits, FieldBlock& fields) {
-    assert(bits <= kMostFieldBits);
-    std::array<std::byte, packed_fields_size(kFieldsPerBlock, kMostFieldBits)> padded;
+    assert(bits <= kMaxFieldBits);
+    std::array<std::byte, packed_fields_size(kFieldsPerBlock, kMaxFieldBits)> padded;
     if (n < kFieldsPerBlock && bits > 0) {  // whole blocks are unpacked
         const std::size_t size = packed_fields_size(n, bits);
         std::memcpy(padded.data(), from, size);

@@ -9,7 +9,7 @@
 namespace latent::sampledb {
 
 inline constexpr std::size_t kFieldsPerBlock = 128;
-inline constexpr unsigned kMostFieldBits = 24;
+inline constexpr unsigned kMaxFieldBits = 24;
 using FieldBlock = std::array<std::uint32_t, kFieldsPerBlock>;
 
 // Bytes of n fields.
@@ -20,7 +20,7 @@ constexpr std::size_t packed_fields_size(std::size_t n, unsigned bits) {
 // Writes packed_fields_size(n, bits) bytes. Fields are below 2^bits; those from n on are zero.
 void pack_fields(const FieldBlock& fields, std::size_t n, unsigned bits, std::byte* to);
 
-// Reads as many; `bits` is at most kMostFieldBits. What is in `fields` from n on is undefined.
+// Reads as many; `bits` is at most kMaxFieldBits. What is in `fields` from n on is undefined.
 void unpack_fields(const std::byte* from, std::size_t n, unsigned bits, FieldBlock& fields);
 
 }  // namespace latent::sampledb

@@ -24,12 +24,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kMinCompressed = 64;  // below, a frame's own bytes eat the gain
 
-constexpr std::size_t kPiece = 64, kMostPieces = 32;  // of the sample of a plane
-constexpr std::uint64_t kBit = 256;                   // unit of information: 2^-8 bit
+constexpr std::size_t kPiece = 64, kMaxPieces = 32;  // of the sample of a plane
+constexpr std::uint64_t kBit = 256;                  // unit of information: 2^-8 bit
 
 // n log2(n) for the counts of a sample; integers, so that every machine writes the same file.
 constexpr auto kSelfInformation = [] {
-    std::array<std::uint32_t, kPiece * kMostPieces + 1> table{};
+    std::array<std::uint32_t, kPiece * kMaxPieces + 1> table{};
     for (std::uint64_t n = 1; n < table.size(); ++n) {
         const int whole = std::bit_width(n) - 1;
         std::uint64_t x = n << (30 - whole), log = static_cast<std::uint64_t>(whole);  // 1 <= x / 2^30 < 2
@@ -52,16 +52,16 @@ struct PlaneSample {
 
     // Whether an entropy coder would save the least part that is worth the time to write and to read.
     bool would_shrink(const PlaneChoice& choice) const {
-        return information * choice.least_gain < 8 * kBit * size * (choice.least_gain - 1);
+        return information * choice.min_gain < 8 * kBit * size * (choice.min_gain - 1);
     }
     // Whether `bits` bits a value are nearly what an entropy coder would take.
     bool fills(unsigned bits, const PlaneChoice& choice) const {
-        return 4 * bits * kBit * size <= 4 * information + kBit * choice.most_waste * size;
+        return 4 * bits * kBit * size <= 4 * information + kBit * choice.max_waste * size;
     }
 };
 
 PlaneSample sample_of(ByteSpan plane) {
-    const std::size_t step = std::max(4 * kPiece, (plane.size() + kMostPieces - 1) / kMostPieces);
+    const std::size_t step = std::max(4 * kPiece, (plane.size() + kMaxPieces - 1) / kMaxPieces);
     std::array<std::array<std::uint16_t, 256>, 4> counts{};  // four, so that equal neighbours do not wait for each other
     PlaneSample sample;
     for (std::size_t at = 0; at < plane.size(); at += step) {
@@ -141,7 +141,7 @@ V place_in_part(V bytes) {
     return hn::And(hn::SaturatedAdd(bytes, hn::Set(d, 0x70)), hn::Set(d, 0x8F));
 }
 
-constexpr unsigned kMostDictionaryBits = 7;
+constexpr unsigned kMaxDictionaryBits = 7;
 
 std::size_t dictionary_size(unsigned bits, std::size_t count) { return 1 + (std::size_t{1} << bits) + (count + 7) / 8 * bits; }
 
@@ -210,7 +210,7 @@ bool pack_plane(ByteSpan plane, const Dictionary& dictionary, unsigned bits, std
 bool encode_dictionary(ByteSpan plane, const PlaneSample& sample, const PlaneChoice& choice, Bytes& out) {
     const auto suits = [&](const Dictionary& dictionary) {
         const unsigned bits = dictionary.bits();
-        return bits <= kMostDictionaryBits && sample.fills(bits, choice) &&
+        return bits <= kMaxDictionaryBits && sample.fills(bits, choice) &&
                dictionary_size(bits, plane.size()) <= plane.size() - plane.size() / 16;
     };
     const std::size_t begin = out.size();
@@ -236,7 +236,7 @@ bool encode_dictionary(ByteSpan plane, const PlaneSample& sample, const PlaneCho
 // `plane` has room for 8 bytes more than `size`.
 Status decode_dictionary(ByteSpan stored, std::size_t size, std::byte* plane) {
     const unsigned bits = stored.empty() ? 0 : std::to_integer<unsigned>(stored[0]);
-    if (bits < 1 || bits > kMostDictionaryBits || stored.size() != dictionary_size(bits, size))
+    if (bits < 1 || bits > kMaxDictionaryBits || stored.size() != dictionary_size(bits, size))
         return corrupt("a dictionary of the wrong size");
     const ByteSpan values = stored.subspan(1, std::size_t{1} << bits);
     const ByteSpan packed = stored.subspan(1 + values.size());

@@ -27,8 +27,8 @@ struct PlaneEntry {
 
 // What the encoder gives for speed. An entropy coder takes fewer bits than a dictionary, and much longer to read.
 struct PlaneChoice {
-    unsigned most_waste;  // of a dictionary, in quarter bits per value
-    unsigned least_gain;  // an entropy coder must save one part of so many
+    unsigned max_waste;  // of a dictionary, in quarter bits per value
+    unsigned min_gain;   // an entropy coder must save one part of so many
 };
 inline constexpr PlaneChoice kSmallPlanes{3, 16}, kQuickPlanes{10, 6};
 

@@ -18,7 +18,7 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::uint64_t kMostRecords = std::uint64_t{1} << 31;
+constexpr std::uint64_t kMaxRecords = std::uint64_t{1} << 31;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ Result<Bytes> RunBuilder::build(const Job& job, const Coverage& coverage, Pieces
     if (coverage.ranges().size() > kMaxIntervalsPerRun) return Error{ErrorCode::kOutOfRange, "a run with too many intervals"};
     std::uint64_t records = 0, pairs = 0, raw_bytes = 0;
     for (const auto& piece : pieces) records += piece->size(), pairs += piece->power.size(), raw_bytes += piece->raw_bytes();
-    if (std::max(records, pairs) > kMostRecords) return Error{ErrorCode::kOutOfRange, "more than 2^31 records or pairs in a run"};
+    if (std::max(records, pairs) > kMaxRecords) return Error{ErrorCode::kOutOfRange, "more than 2^31 records or pairs in a run"};
 
     rows_.begin(job, records);
     for (std::shared_ptr<const Records>& piece : pieces) {

@@ -7,13 +7,13 @@
 namespace latent::sampledb {
 
 std::size_t max_page_records(const Job& job) {
-    constexpr std::size_t kLeast = 64;
-    static_assert(kLeast * kMaxPairs <= kMaxPairsPerPage);
-    static_assert(kLeast * kMaxExtraColumns * sizeof(std::uint64_t) <= kMaxExtraPerPage);
+    constexpr std::size_t kMin = 64;
+    static_assert(kMin * kMaxPairs <= kMaxPairsPerPage);
+    static_assert(kMin * kMaxExtraColumns * sizeof(std::uint64_t) <= kMaxExtraPerPage);
     std::size_t extra = 0, most = kMaxRecordsPerPage;
     for (const ExtraColumnSpec& column : job.extra) extra += width(column.type);
     if (extra > 0) most = std::min<std::size_t>(most, kMaxExtraPerPage / extra);
-    if (job.kind == RecordKind::kSpectral) most = std::min(most, std::max<std::size_t>(kLeast, kMaxPairsPerPage / job.batch));
+    if (job.kind == RecordKind::kSpectral) most = std::min(most, std::max<std::size_t>(kMin, kMaxPairsPerPage / job.batch));
     return most;
 }
 

@@ -84,9 +84,9 @@ Result<RunHeader> decode_run_entry(ByteSpan entry) {
     if (!in.ok()) return Error{ErrorCode::kTruncated, "ends inside a run's header"};
     if (Status s = check_version(major, features, 0); !s) return s.error();
 
-    const std::uint64_t most_records = page_count * kMaxRecordsPerPage;  // page_count is small: checked first
-    if (page_count > kMaxPagesPerRun || header.camera_records > most_records || header.light_records > most_records ||
-        header.camera_records + header.light_records > most_records || header.camera_records + header.light_records < page_count ||
+    const std::uint64_t max_records = page_count * kMaxRecordsPerPage;  // page_count is small: checked first
+    if (page_count > kMaxPagesPerRun || header.camera_records > max_records || header.light_records > max_records ||
+        header.camera_records + header.light_records > max_records || header.camera_records + header.light_records < page_count ||
         header.pair_count > page_count * kMaxPairsPerPage || header.decoded_size > page_count * kMaxDecodedPage ||
         header.pages_size > header.decoded_size + page_count * kMaxStoredOverhead) {
         return corrupt("a run header whose counts contradict each other");

@@ -16,10 +16,10 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr int kMostAnswers = 64;     // for one range, even if each brings some bytes
+constexpr int kMaxAnswers = 64;      // for one range, even if each brings some bytes
 constexpr double kLongestWait = 10;  // seconds between two tries, whatever the server asks for
 constexpr double kSlowest = 1024;    // bytes per second, which a connection may lag behind for a time
-constexpr long kMostRedirections = 10;
+constexpr long kMaxRedirections = 10;
 
 // What another try would not mend.
 bool is_final(CURLcode code) {
@@ -95,7 +95,7 @@ HttpConnection::HttpConnection(const Patience& patience) : handle_(std::make_uni
     handle.set(CURLOPT_PROTOCOLS_STR, "http,https");
     if (const char* const file = certificate_file()) handle.set(CURLOPT_CAINFO, file);
     handle.set(CURLOPT_FOLLOWLOCATION, 1L);
-    handle.set(CURLOPT_MAXREDIRS, kMostRedirections);
+    handle.set(CURLOPT_MAXREDIRS, kMaxRedirections);
     handle.set(CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
     handle.set(CURLOPT_NETRC, long{CURL_NETRC_OPTIONAL});
     handle.set(CURLOPT_CONNECTTIMEOUT, long{patience.connect_seconds});
@@ -147,7 +147,7 @@ Result<Fetched> HttpConnection::get(const std::string& url, std::uint64_t offset
                                lag_ + watch.seconds() - static_cast<double>(got.bytes.size()) / kSlowest);
         if (is_final(code)) return fail({ErrorCode::kIo, "cannot be read: " + what});
         if (got.bytes.size() > before) tries = 0, pause = patience_.first_wait;
-        const bool is_last = tries >= patience_.tries || answers >= kMostAnswers;
+        const bool is_last = tries >= patience_.tries || answers >= kMaxAnswers;
         const double wait = is_last ? 0 : std::min(std::max(pause, handle_->wait_asked_for()), kLongestWait);
         for (const Stopwatch waited; !stop && waited.seconds() < wait && !request.is_late();)
             std::this_thread::sleep_for(std::chrono::milliseconds(20));

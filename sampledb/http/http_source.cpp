@@ -7,7 +7,7 @@ namespace latent::sampledb {
 
 namespace {
 // Of what is read in order: as much is read ahead as was read, within these.
-constexpr std::uint64_t kLeastAhead = 256 << 10, kMostAhead = 4 << 20;
+constexpr std::uint64_t kMinAhead = 256 << 10, kMaxAhead = 4 << 20;
 }  // namespace
 
 Result<std::shared_ptr<const HttpSource>> HttpSource::open(const std::string& url, std::shared_ptr<RangeCache> cache) {
@@ -33,8 +33,8 @@ void HttpSource::read_ahead(std::uint64_t offset, std::uint64_t size) const {
         stream->next = offset + size;
         stream->in_order += size;
         stream->last_used = ++reads_;
-        const std::uint64_t ahead = std::min(stream->in_order, kMostAhead);
-        if (ahead < kLeastAhead || stream->announced > stream->next + ahead / 2) return;
+        const std::uint64_t ahead = std::min(stream->in_order, kMaxAhead);
+        if (ahead < kMinAhead || stream->announced > stream->next + ahead / 2) return;
         begin = std::max(stream->announced, stream->next);
         end = stream->announced = stream->next + ahead;
     }

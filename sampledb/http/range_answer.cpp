@@ -10,8 +10,8 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::uint64_t kMostHeader = 256 << 10;  // bytes
-constexpr std::uint64_t kMostErrorPage = 64 << 10;
+constexpr std::uint64_t kMaxHeader = 256 << 10;  // bytes
+constexpr std::uint64_t kMaxErrorPage = 64 << 10;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -68,12 +68,12 @@ bool RangeAnswer::take_header(std::string_view line) {
         encoded_ = *encoding != "identity";
     }
     if (version_) version_->modified = modified_;
-    return header_bytes_ <= kMostHeader;
+    return header_bytes_ <= kMaxHeader;
 }
 
 bool RangeAnswer::take_bytes(ByteSpan bytes) {
     received_ += bytes.size();
-    if (status_ != 206) return status_ / 100 != 2 && received_ <= kMostErrorPage;
+    if (status_ != 206) return status_ / 100 != 2 && received_ <= kMaxErrorPage;
     const std::uint64_t surplus = received_ - std::min(received_, announced_);
     if (!verdict_on_range(false)) return false;
     into_.insert(into_.end(), bytes.begin(),
@@ -82,7 +82,7 @@ bool RangeAnswer::take_bytes(ByteSpan bytes) {
 }
 
 Status RangeAnswer::verdict(bool whole) const {
-    if (header_bytes_ > kMostHeader) return io_error("the server sends a header without end");
+    if (header_bytes_ > kMaxHeader) return io_error("the server sends a header without end");
     if (!whole && received_ == 0 && status_ < 300) return {};  // the rest of the header may be missing
     switch (status_) {
         case 206:

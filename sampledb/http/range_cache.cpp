@@ -44,7 +44,7 @@ void RangeCache::announce(const RemoteFile& file, std::uint64_t offset, std::uin
     if (offset >= file.version.size) return;
     const std::uint64_t end = offset + std::min(length, file.version.size - offset);
     const std::lock_guard lock(mutex_);
-    for (std::uint64_t at = offset; at < end && on_their_way_ < kMostAhead;) {
+    for (std::uint64_t at = offset; at < end && on_their_way_ < kMaxAhead;) {
         if (const RangePointer there = find(file, at)) {
             at = there->end;
         } else {

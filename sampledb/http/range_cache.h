@@ -33,8 +33,8 @@ class RangeCache {
     static constexpr std::uint64_t kGap = 16 << 10;
     // A read that was not announced gets the bytes around it too, between multiples of this: the next read may want them.
     static constexpr std::uint64_t kUnit = 1 << 10;
-    static constexpr std::uint64_t kCapacity = 32 << 20;   // bytes, with what it takes to keep them
-    static constexpr std::uint64_t kMostAhead = 16 << 20;  // bytes on their way, beyond which nothing is announced
+    static constexpr std::uint64_t kCapacity = 32 << 20;  // bytes, with what it takes to keep them
+    static constexpr std::uint64_t kMaxAhead = 16 << 20;  // bytes on their way, beyond which nothing is announced
     static constexpr std::size_t kConnections = 32;
 
     explicit RangeCache(const Patience& patience) : transfers_(kConnections, patience) {}

@@ -7,8 +7,8 @@
 namespace latent::sampledb {
 
 void add_damage(std::vector<Damage>& list, Damage damage) {
-    if (list.size() < kMostDamage) return list.push_back(std::move(damage));
-    if (list.size() == kMostDamage) {
+    if (list.size() < kMaxDamage) return list.push_back(std::move(damage));
+    if (list.size() == kMaxDamage) {
         list.push_back(std::move(damage));
     } else {
         Damage& others = list.back();

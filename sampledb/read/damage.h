@@ -17,8 +17,8 @@ struct Damage {
     std::uint64_t places = 1;    // that this entry stands for
 };
 
-// Adds to a list that stays short, however much is damaged: behind kMostDamage entries one more stands for all others.
-inline constexpr std::size_t kMostDamage = 1000;
+// Adds to a list that stays short, however much is damaged: behind kMaxDamage entries one more stands for all others.
+inline constexpr std::size_t kMaxDamage = 1000;
 void add_damage(std::vector<Damage>& list, Damage damage);
 
 }  // namespace latent::sampledb

@@ -10,7 +10,7 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::size_t kMostQuoted = 4096;  // bytes of a text that is no JSON
+constexpr std::size_t kMaxQuoted = 4096;  // bytes of a text that is no JSON
 
 }  // namespace
 
@@ -24,7 +24,7 @@ QuotedProvenance quote_provenance(std::string_view stored, std::size_t depth) {
     } else {
         return {std::string(stored), ""};
     }
-    return {json_text(nlohmann::json(stored.substr(0, kMostQuoted)), -1), objection};
+    return {json_text(nlohmann::json(stored.substr(0, kMaxQuoted)), -1), objection};
 }
 
 void for_each_origin(const FileContents& file, const std::function<void(std::string_view)>& take) {

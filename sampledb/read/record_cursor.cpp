@@ -7,11 +7,11 @@
 
 namespace latent::sampledb {
 
-RecordCursor::RecordCursor(const Gathering& gathering, const RecordSelection& selection)
-    : gathering_(gathering),
+RecordCursor::RecordCursor(const RunSet& run_set, const RecordSelection& selection)
+    : run_set_(run_set),
       selection_(selection),
       columns_(selection.columns),
-      end_run_(std::min(selection.end_run, gathering.runs().size())),
+      end_run_(std::min(selection.end_run, run_set.runs().size())),
       next_run_(selection.first_run) {
     columns_.samples |= selection.samples.has_value();
     columns_.positions |= selection.region.has_value();
@@ -38,9 +38,9 @@ void RecordCursor::keep_selected(const PageInfo& info, Page& page) {
 Result<bool> RecordCursor::next(Page& page) {
     for (; next_run_ < end_run_; ++next_run_, next_page_ = 0, pages_.reset()) {
         run_ = next_run_;
-        if (selection_.samples && !gathering_.runs()[run_].coverage.intersects(*selection_.samples)) continue;
+        if (selection_.samples && !run_set_.runs()[run_].coverage.intersects(*selection_.samples)) continue;
         if (pages_ == nullptr) {
-            auto pages = gathering_.pages(run_);
+            auto pages = run_set_.pages(run_);
             if (!pages) {
                 if (is_unreadable(pages.error())) ++next_run_;
                 return pages.error();
@@ -51,7 +51,7 @@ Result<bool> RecordCursor::next(Page& page) {
             const PageInfo& info = (*pages_)[next_page_];
             page_ = next_page_;
             if (may_hold(info)) {
-                if (Status s = gathering_.read_page(run_, info, columns_, decoder_, page); !s) {
+                if (Status s = run_set_.read_page(run_, info, columns_, decoder_, page); !s) {
                     if (is_unreadable(s.error())) ++next_page_;
                     return s.error();
                 }

@@ -1,4 +1,4 @@
-// sampledb/read/record_cursor.h: the records of a gathering, page by page, or only some of them.
+// sampledb/read/record_cursor.h: the records of a run set, page by page, or only some of them.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 #include "sampledb/codec/page_decoder.h"
 #include "sampledb/data/film_region.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::sampledb {
 
@@ -20,10 +20,10 @@ struct RecordSelection {
     std::optional<FilmRegion> region;
 };
 
-// For one thread; several may read one gathering.
+// For one thread; several may read one run_set.
 class RecordCursor {
  public:
-    RecordCursor(const Gathering& gathering, const RecordSelection& selection);
+    RecordCursor(const RunSet& run_set, const RecordSelection& selection);
 
     // Decodes the next page that has records of the selection, and keeps these; the page also has the columns that choosing took.
     // False: there are no more. An error that is_unreadable costs one page or one run: call again to continue behind it. After any
@@ -37,7 +37,7 @@ class RecordCursor {
     bool may_hold(const PageInfo& info) const;
     void keep_selected(const PageInfo& info, Page& page);
 
-    const Gathering& gathering_;
+    const RunSet& run_set_;
     const RecordSelection selection_;
     ColumnSet columns_;  // those asked for, and those that choosing takes
     std::size_t end_run_;

@@ -13,7 +13,7 @@
 #include "base/json.h"
 #include "sampledb/data/coverage.h"
 #include "sampledb/read/file_reader.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::sampledb {
 

@@ -31,7 +31,7 @@ struct Place {
 };
 
 // Bytes of a file on a server that are searched for the next run: it could go on with zeros for ever.
-constexpr std::uint64_t kMostSearched = 256 << 20;
+constexpr std::uint64_t kMaxSearched = 256 << 20;
 
 class Walker {
  public:
@@ -107,10 +107,10 @@ class Walker {
         constexpr std::uint64_t kChunk = 64 * kBlock;
         const std::uint64_t begin = offset;
         for (; offset < end_; offset += kChunk) {
-            if (offset - begin >= kMostSearched && source_.file() == nullptr) {
+            if (offset - begin >= kMaxSearched && source_.file() == nullptr) {
                 return Error{ErrorCode::kCorrupt,
                              fmt::format("{}: no run begins in the {} after byte {}; download the file to search all of it",
-                                         shown_name(source_.name()), format_size(kMostSearched), begin)};
+                                         shown_name(source_.name()), format_size(kMaxSearched), begin)};
             }
             offset += (source_.end_of_hole(offset) - offset) / kBlock * kBlock;
             if (offset >= end_) break;

@@ -23,8 +23,8 @@ bool is_sound(const StoredRun& stored, const Job& job) {
 
 // Whether a run is no larger in memory than one that a writer of the job would make.
 bool is_small(const RunHeader& run, const Job& job) {
-    constexpr std::uint64_t kLeast = std::uint64_t{32} << 20;  // a single grain may be larger than R
-    const std::uint64_t most = std::max(2 * job.run_bytes, kLeast);
+    constexpr std::uint64_t kMin = std::uint64_t{32} << 20;  // a single grain may be larger than R
+    const std::uint64_t most = std::max(2 * job.run_bytes, kMin);
     return run.size() <= most && run.decoded_size <= most && run.page_count * sizeof(PageInfo) <= most;
 }
 

@@ -9,8 +9,8 @@ namespace latent::sampledb {
 
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;  // in order, and out of order
-constexpr std::uint64_t kGrainOverhead = 1024;                 // what an empty grain costs
+constexpr std::uint64_t kMaxBytes = std::uint64_t{64} << 20;  // in order, and out of order
+constexpr std::uint64_t kGrainOverhead = 1024;                // what an empty grain costs
 
 std::uint64_t size_of(const Grain& grain) { return grain.records.raw_bytes() + kGrainOverhead; }
 
@@ -20,8 +20,8 @@ GrainWindow::GrainWindow(Coverage missing, SampleRange range)
     : range_(range), unsubmitted_(std::move(missing)), taken_(range.first), saved_(range.first) {}
 
 bool GrainWindow::has_room(std::uint64_t first, std::uint64_t size) const {
-    if (first != first_gap()) return out_of_order_bytes_ + size <= kMostBytes;
-    return in_order_bytes_ == 0 || in_order_bytes_ + size <= kMostBytes;
+    if (first != first_gap()) return out_of_order_bytes_ + size <= kMaxBytes;
+    return in_order_bytes_ == 0 || in_order_bytes_ + size <= kMaxBytes;
 }
 
 Status GrainWindow::put(Grain grain) {

@@ -7,7 +7,7 @@
 namespace latent {
 namespace {
 
-constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max();
 
 TEST(Count, UnitsArePowersOf1000AndWithAnIOf1024) {
     EXPECT_EQ(parse_count("0").value(), 0u);
@@ -19,7 +19,7 @@ TEST(Count, UnitsArePowersOf1000AndWithAnIOf1024) {
     EXPECT_EQ(parse_count("3G").value(), 3000000000u);
     EXPECT_EQ(parse_count("2T").value(), 2000000000000u);
     EXPECT_EQ(parse_count("2Ti").value(), std::uint64_t{2} << 40);
-    EXPECT_EQ(parse_count("18446744073709551615").value(), kMost);
+    EXPECT_EQ(parse_count("18446744073709551615").value(), kMax);
     EXPECT_EQ(parse_count("18446744T").value(), 18446744'000'000'000'000u);
 }
 

@@ -19,7 +19,7 @@
 #include "c_api/latent.h"
 #include "tests/c_api/submitted_grain.h"
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -685,11 +685,11 @@ TEST(CExamples, AKilledWriterResumesAndTheRecordsAreTheSame) {
     const TemporaryFolder folder;
     const std::string killed = folder / "a.latent", whole = folder / "b.latent";
     const std::vector<std::string> command = {tool("example_write"), killed, "2000000", "7", "0.02"};
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {killed};
     const auto committed = [&]() -> std::uint64_t {
-        const auto gathering = Gathering::open(options);
-        return gathering ? (*gathering)->coverage().size() : 0;
+        const auto run_set = RunSet::open(options);
+        return run_set ? (*run_set)->coverage().size() : 0;
     };
     std::uint64_t seen = 0;
     {
@@ -714,11 +714,11 @@ double seconds_lost_to_a_kill(const std::string& interval, std::chrono::millisec
                               const std::function<bool(std::uint64_t, std::uint64_t)>& enough) {
     const TemporaryFolder folder;
     const std::string part = folder / "a.latent", log = folder / "log";
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {part};
     const auto on_disk = [&] {
-        const auto gathering = Gathering::open(options);
-        return gathering ? (*gathering)->coverage() : Coverage();
+        const auto run_set = RunSet::open(options);
+        return run_set ? (*run_set)->coverage() : Coverage();
     };
     {
         Child child({tool("example_write"), part, "100000000", "7", interval}, {{"LD_PRELOAD", tool("liblatent_submit_shim.so")},

@@ -29,7 +29,7 @@ double response(const image::Kernel& kernel, std::size_t channel, double cycles_
 TEST(FilmKernel, KeepsAsMuchContrastAsTheFilm) {
     const film::Triple half{35, 50, 65};
     for (const double pixel_um : {1.5, 3.0}) {
-        const image::Kernel kernel = sharpness_kernel(half, pixel_um, image::Convolver::kMostRadius);
+        const image::Kernel kernel = sharpness_kernel(half, pixel_um, image::Convolver::kMaxRadius);
         for (std::size_t c = 0; c < 3; ++c) {
             for (const double cycles_per_mm : {10.0, 30.0, 60.0}) {
                 // Pixels that wide lose a few per cent themselves.
@@ -48,7 +48,7 @@ TEST(FilmKernel, KeepsAsMuchContrastAsTheFilm) {
 TEST(FilmKernel, ReturnsItsShareOfTheLightWithinAMillimetre) {
     const film::Triple share{0.1, 0.04, 0};
     for (const double pixel_um : {5.0, 36.0}) {
-        const image::Kernel kernel = returned_kernel(share, pixel_um, image::Convolver::kMostRadius);
+        const image::Kernel kernel = returned_kernel(share, pixel_um, image::Convolver::kMaxRadius);
         for (std::size_t c = 0; c < 3; ++c) {
             double returned = 0;
             for (int y = -kernel.radius(); y <= kernel.radius(); ++y) {

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 image::Kernel pattern_of(const std::string& glare, double pixel_um, double nm) {
     const Result<image::Kernel> kernel =
-        lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}}, image::Convolver::kMostRadius);
+        lens_kernel(*parse_glare(glare), pixel_um, {{nm, {1, 1, 1}}}, image::Convolver::kMaxRadius);
     EXPECT_TRUE(kernel);
     return *kernel;
 }

@@ -100,21 +100,21 @@ Records records_of(const Job& job, sampledb::SampleRange range) {
     return records;
 }
 
-MemoryGathering gather_with_aovs(const Job& job, int runs, std::uint64_t per_run) {
-    return gather(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range); });
+MemoryRunSet gather_with_aovs(const Job& job, int runs, std::uint64_t per_run) {
+    return make_runs(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range); });
 }
 
 TEST(AovLayers, AreWhatTheirDefinitionsSay) {
     const int width = 30, height = 20;
     for (const bool wide : {false, true}) {
         const Job job = job_with_aovs(wide);
-        const MemoryGathering gathering = gather_with_aovs(job, 1, 16384);
+        const MemoryRunSet run_set = gather_with_aovs(job, 1, 16384);
         const Records records = records_of(job, {0, 16384});
         for (const char* name : {"quartic", "gaussian", "box", "quartic:-5,2"}) {
             SCOPED_TRACE(name);
             const Settings settings = settings_for(width, height, name);
             const bool box = std::string_view(name) == "box";
-            const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, kAovs);
+            const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, kAovs);
             int different = 0;
             for (int y = 0; y < height; ++y) {
                 for (int x = 0; x < width; ++x) {
@@ -150,14 +150,14 @@ TEST(AovLayers, AreWhatTheirDefinitionsSay) {
 
 TEST(AovLayers, AreTheSameBitsHoweverTheyAreDeveloped) {
     const Job job = job_with_aovs(false);
-    const MemoryGathering gathering = gather_with_aovs(job, 24, 4096);
+    const MemoryRunSet run_set = gather_with_aovs(job, 24, 4096);
     for (const char* filter : {"quartic", "quartic:-6,2", "box"}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(330, 220, filter);
-        const Developed whole = expect_same_with_little_memory(gathering, settings, kAovs);
+        const Developed whole = expect_same_with_little_memory(run_set, settings, kAovs);
         settings.memory = std::uint64_t{40} << 20;
         settings.crop = {100, 50, 240, 170};
-        const Developed part = develop_in_memory(gathering, settings, 2, nullptr, kAovs);
+        const Developed part = develop_in_memory(run_set, settings, 2, nullptr, kAovs);
         for (int y = 50; y < 170; ++y) {
             for (int x = 100; x < 240; ++x) {
                 for (int c = 0; c < kId + 2; ++c)
@@ -170,16 +170,16 @@ TEST(AovLayers, AreTheSameBitsHoweverTheyAreDeveloped) {
 
 TEST(AovLayers, ChangeNoBitOfThePictureAndOfOtherLayers) {
     const Job job = job_with_aovs(false);
-    const MemoryGathering gathering = gather_with_aovs(job, 1, 16384);
+    const MemoryRunSet run_set = gather_with_aovs(job, 1, 16384);
     const Layers others{.variance = true, .weight = true, .count = true, .halves = true};
     Layers all = kAovs;
     all.variance = all.weight = all.count = all.halves = true;
     const int before = RowLayout{3, others}.outputs();
     for (const char* filter : {"quartic:-6,2", "box"}) {
         const Settings settings = settings_for(90, 60, filter);
-        const Developed plain = develop_in_memory(gathering, settings, 2, nullptr, others),
-                        rich = develop_in_memory(gathering, settings, 2, nullptr, all),
-                        aovs = develop_in_memory(gathering, settings, 2, nullptr, kAovs);
+        const Developed plain = develop_in_memory(run_set, settings, 2, nullptr, others),
+                        rich = develop_in_memory(run_set, settings, 2, nullptr, all),
+                        aovs = develop_in_memory(run_set, settings, 2, nullptr, kAovs);
         for (int y = 0; y < 60; ++y) {
             for (int x = 0; x < 90; ++x) {
                 for (int c = 0; c < before; ++c) ASSERT_EQ(rich.picture.at(x, y, c), plain.picture.at(x, y, c));
@@ -197,9 +197,9 @@ TEST(AovLayers, OfAPixelThatSeesNothingAreZeroAndInfinitelyFar) {
         for (std::size_t row = 0; row < records.size(); ++row)
             store_le(records.extra[i].values.data() + 4 * row, i == 6 ? std::numeric_limits<float>::infinity() : 0.0f);
     }
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({0, 4096}), records);
-    const Developed developed = develop_in_memory(gathering, settings_for(12, 8, "quartic"), 1, nullptr, kAovs);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage({0, 4096}), records);
+    const Developed developed = develop_in_memory(run_set, settings_for(12, 8, "quartic"), 1, nullptr, kAovs);
     for (int c = kAlbedo; c < kId + 2; ++c)
         EXPECT_EQ(developed.picture.at(5, 5, c), c == kDepth ? std::numeric_limits<float>::infinity() : 0.0f);
 }
@@ -212,9 +212,9 @@ TEST(AovLayers, ThatAreNoNumbersCountAsNothing) {
         for (std::size_t row = 0; row < records.size(); row += 3)
             store_le(records.extra[i].values.data() + 4 * row, std::numeric_limits<float>::quiet_NaN());
     }
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({0, 4096}), records);
-    const Developed developed = develop_in_memory(gathering, settings_for(12, 8, "quartic"), 1, nullptr, kAovs);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage({0, 4096}), records);
+    const Developed developed = develop_in_memory(run_set, settings_for(12, 8, "quartic"), 1, nullptr, kAovs);
     for (const float x : developed.picture.pixels()) EXPECT_TRUE(std::isfinite(x));
 }
 

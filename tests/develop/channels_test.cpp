@@ -81,9 +81,9 @@ Developed develop_spectral(const Job& job, std::uint64_t samples, Settings setti
     scene.look = synthetic::Scene::Look::kUniform;  // L = 1
     scene.black = 0;
     scene.light_per_sample = 0;
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({0, samples}), synthetic::make_records(job, {0, samples}, scene));
-    return develop_in_memory(gathering, settings, 2, &observer);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage({0, samples}), synthetic::make_records(job, {0, samples}, scene));
+    return develop_in_memory(run_set, settings, 2, &observer);
 }
 
 TEST(Spectra, EqualEnergyDevelopsToTheIntegralsOfTheCurvesForDerivedAndExplicitWavelengths) {
@@ -128,13 +128,13 @@ TEST(Spectra, BinsAreInWattsWhateverYEquals1Means) {
         record.pairs = {3};
         record.power = {3, 1.5f, 0.94f};
         record.lambda_nm = {500.5f, 509.5f, 700.5f};
-        MemoryGathering gathering(job);
-        gathering.add(Coverage({0, 1}), record);
+        MemoryRunSet run_set(job);
+        run_set.add(Coverage({0, 1}), record);
         const auto channels = Channels::spectral_bins(job, {.count = 47});
         ASSERT_TRUE(channels);
         const Settings settings = settings_for(3, 2, "box");
         MemoryPicture picture(settings.crop, 47);
-        ASSERT_TRUE(develop(gathering, *channels, settings, picture));
+        ASSERT_TRUE(develop(run_set, *channels, settings, picture));
         EXPECT_NEAR(picture.at(1, 1, 14) / green, 1, 1e-5);
         EXPECT_NEAR(picture.at(1, 1, 34) / red, 1, 1e-5);
         for (int bin = 0; bin < 47; ++bin) EXPECT_EQ(picture.at(1, 1, bin) > 0, bin == 14 || bin == 34) << bin;
@@ -148,15 +148,15 @@ TEST(Spectra, BinsHoldTheMeanRadianceOfTheirWavelengths) {
     scene.look = synthetic::Scene::Look::kUniform;
     scene.black = 0;
     scene.light_per_sample = 0;
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({0, 16384}), synthetic::make_records(job, {0, 16384}, scene));
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage({0, 16384}), synthetic::make_records(job, {0, 16384}, scene));
     for (const int bins : {1, 5, 16}) {
         SCOPED_TRACE(bins);
         const auto channels = Channels::spectral_bins(job, {.count = bins});
         ASSERT_TRUE(channels);
         Settings settings = settings_for(3, 2);
         MemoryPicture picture(settings.crop, bins);
-        Threads(2).run([&] { ASSERT_TRUE(develop(gathering, *channels, settings, picture)); });
+        Threads(2).run([&] { ASSERT_TRUE(develop(run_set, *channels, settings, picture)); });
         for (int bin = 0; bin < bins; ++bin) EXPECT_NEAR(picture.at(1, 1, bin), 1, 0.05) << bin;
     }
     EXPECT_EQ(Channels::spectral_bins(synthetic::make_job(RecordKind::kXyz), {.count = 8}).error().code, ErrorCode::kUsage);
@@ -184,7 +184,7 @@ TEST(Spectra, RecordsThatKeepOneWavelengthCountLikeTheirBatch) {
             if (whole.pairs[i] > 0) alone.power.push_back(whole.power[first + p]);
         }
     }
-    MemoryGathering a(job), b(job);
+    MemoryRunSet a(job), b(job);
     a.add(Coverage({0, 1024}), whole);
     b.add(Coverage({0, 1024}), alone);
     const Settings settings = settings_for(9, 6);

@@ -13,13 +13,13 @@ TEST(Develop, AgreesWithTheDefinitionForEveryFilterAndBothImages) {
     scene.split_shares = true;
     const Job job = synthetic::make_job(RecordKind::kXyz);
     constexpr std::uint64_t kSamples = 3 << 14;
-    const MemoryGathering gathering = gather(job, 3, kSamples / 3, scene);
+    const MemoryRunSet run_set = make_runs(job, 3, kSamples / 3, scene);
     const Records records = synthetic::make_records(job, {0, kSamples}, scene);
     for (const char* filter : kFilters) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(75, 50, filter);
         const std::vector<ReferencePixel> expected = reference(job, records, kSamples, settings);
-        const Developed got = develop_in_memory(gathering, settings);
+        const Developed got = develop_in_memory(run_set, settings);
         int i = 0;
         for (int y = 0; y < 50; ++y) {
             for (int x = 0; x < 75; ++x, ++i) {

@@ -7,23 +7,23 @@
 
 namespace latent::develop {
 
-Status MemoryGathering::read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
-                                  sampledb::PageDecoder& decoder, sampledb::Page& page) const {
+Status MemoryRunSet::read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
+                               sampledb::PageDecoder& decoder, sampledb::Page& page) const {
     return decoder.decode(job_, info, ByteSpan(bytes_[run]).subspan(info.offset, info.stored_size), columns, page);
 }
 
-MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const MakeRecords& make) {
-    MemoryGathering gathering(job);
+MemoryRunSet make_runs(const sampledb::Job& job, int runs, std::uint64_t per_run, const MakeRecords& make) {
+    MemoryRunSet run_set(job);
     for (int i = 0; i < runs; ++i) {
         const sampledb::SampleRange range{i * per_run, (i + 1) * per_run};
-        gathering.add(sampledb::Coverage(range), make(range));
+        run_set.add(sampledb::Coverage(range), make(range));
     }
-    return gathering;
+    return run_set;
 }
 
-MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {
-    return gather(job, runs, per_run,
-                  [&](const sampledb::SampleRange& range) { return synthetic::make_records(job, range, scene); });
+MemoryRunSet make_runs(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene) {
+    return make_runs(job, runs, per_run,
+                     [&](const sampledb::SampleRange& range) { return synthetic::make_records(job, range, scene); });
 }
 
 Status MemoryPicture::write(int x, int y, std::span<const float> pixels) {
@@ -52,26 +52,26 @@ Settings settings_for(std::uint32_t width, std::uint32_t height, const char* fil
     return settings;
 }
 
-Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads, const color::Observer* observer,
+Developed develop_in_memory(const sampledb::RunSet& run_set, Settings settings, int threads, const color::Observer* observer,
                             const Layers& layers, const LensChoice& lens) {
-    auto channels = Channels::xyz(gathering.job(), observer);
+    auto channels = Channels::xyz(run_set.job(), observer);
     EXPECT_TRUE(channels);
-    EXPECT_TRUE(channels->add_layers(gathering.job(), layers));
-    EXPECT_TRUE(channels->weigh(gathering.job(), lens));
+    EXPECT_TRUE(channels->add_layers(run_set.job(), layers));
+    EXPECT_TRUE(channels->weigh(run_set.job(), lens));
     MemoryPicture picture(settings.crop, channels->layout().outputs());
     Result<DevelopCounts> counts = DevelopCounts{};
-    Threads(threads).run([&] { counts = develop(gathering, *channels, settings, picture); });
+    Threads(threads).run([&] { counts = develop(run_set, *channels, settings, picture); });
     EXPECT_TRUE(counts) << counts.error().message;
     picture.expect_complete();
     return {std::move(picture), counts ? *counts : DevelopCounts{}};
 }
 
-Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers,
+Developed expect_same_with_little_memory(const sampledb::RunSet& run_set, Settings settings, const Layers& layers,
                                          const LensChoice& lens) {
     settings.memory = std::uint64_t{1} << 30;
-    Developed whole = develop_in_memory(gathering, settings, 1, nullptr, layers, lens);
+    Developed whole = develop_in_memory(run_set, settings, 1, nullptr, layers, lens);
     settings.memory = std::uint64_t{40} << 20;
-    const Developed little = develop_in_memory(gathering, settings, 2, nullptr, layers, lens);
+    const Developed little = develop_in_memory(run_set, settings, 2, nullptr, layers, lens);
     EXPECT_GT(little.counts.regions, whole.counts.regions);
     EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
     return whole;

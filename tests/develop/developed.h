@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "color/observer.h"
 #include "sampledb/codec/run_codec.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/develop.h"
 #include "tools/develop/splat.h"
@@ -23,9 +23,9 @@ inline constexpr const char* kFilters[] = {"quartic",  "quartic:-5,2",       "qu
                                            "box"};
 
 // Encoded runs that lie in memory.
-class MemoryGathering : public sampledb::Gathering {
+class MemoryRunSet : public sampledb::RunSet {
  public:
-    explicit MemoryGathering(const sampledb::Job& job) : job_(job) {}
+    explicit MemoryRunSet(const sampledb::Job& job) : job_(job) {}
 
     void add(const sampledb::Coverage& coverage, const sampledb::Records& records) {
         Result<Bytes> run = sampledb::encode_run(job_, coverage, records);
@@ -44,7 +44,7 @@ class MemoryGathering : public sampledb::Gathering {
     const std::vector<std::filesystem::path>& files() const override { return files_; }
     const std::vector<sampledb::SelectedRun>& runs() const override { return runs_; }
     const sampledb::Coverage& coverage() const override { return coverage_; }
-    const sampledb::GatherReport& report() const override { return report_; }
+    const sampledb::RunSetReport& report() const override { return report_; }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override { return pages_[run]; }
     Status read_page(std::size_t run, const sampledb::PageInfo& info, const sampledb::ColumnSet& columns,
                      sampledb::PageDecoder& decoder, sampledb::Page& page) const override;
@@ -58,13 +58,13 @@ class MemoryGathering : public sampledb::Gathering {
     std::vector<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages_;
     sampledb::Coverage coverage_;
     std::vector<std::filesystem::path> files_;
-    sampledb::GatherReport report_;
+    sampledb::RunSetReport report_;
 };
 
 // `runs` runs of `per_run` samples each, of records that `make` makes, or of a scene.
 using MakeRecords = std::function<sampledb::Records(sampledb::SampleRange)>;
-MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const MakeRecords& make);
-MemoryGathering gather(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene);
+MemoryRunSet make_runs(const sampledb::Job& job, int runs, std::uint64_t per_run, const MakeRecords& make);
+MemoryRunSet make_runs(const sampledb::Job& job, int runs, std::uint64_t per_run, const synthetic::Scene& scene);
 
 // A picture that tiles are written to; each pixel exactly once.
 class MemoryPicture final : public TileSink {
@@ -101,11 +101,11 @@ struct Developed {
 
 // Develops on `threads` threads; an empty crop means all. The job's records are XYZ, or seen by `observer`. A pixel has the values
 // of RowLayout::outputs().
-Developed develop_in_memory(const sampledb::Gathering& gathering, Settings settings, int threads = 2,
+Developed develop_in_memory(const sampledb::RunSet& run_set, Settings settings, int threads = 2,
                             const color::Observer* observer = nullptr, const Layers& layers = {}, const LensChoice& lens = {});
 
 // Develops with 1 GiB on one thread, and with 40 MiB on two: in more regions, and to the same bits. Returns the former.
-Developed expect_same_with_little_memory(const sampledb::Gathering& gathering, Settings settings, const Layers& layers,
+Developed expect_same_with_little_memory(const sampledb::RunSet& run_set, Settings settings, const Layers& layers,
                                          const LensChoice& lens = {});
 
 struct ReferencePixel {

@@ -24,10 +24,10 @@ struct Gap {
 };
 
 // Runs of camera and a few light records at random positions, as foreign writers store them, thinned out in the gaps.
-MemoryGathering make_gathering(int runs, std::uint32_t per_run, const std::vector<Gap>& gaps) {
+MemoryRunSet make_run_set(int runs, std::uint32_t per_run, const std::vector<Gap>& gaps) {
     Job job = synthetic::make_job(sampledb::RecordKind::kXyz);
     job.positions = {};
-    MemoryGathering gathering(job);
+    MemoryRunSet run_set(job);
     std::mt19937 random(3);
     for (int run = 0; run < runs; ++run) {
         Records records;
@@ -47,9 +47,9 @@ MemoryGathering make_gathering(int runs, std::uint32_t per_run, const std::vecto
             for (std::vector<float>* column : {&records.x, &records.y, &records.z})
                 column->push_back(std::ldexp(static_cast<float>(random()), -32));
         }
-        gathering.add(Coverage({first, first + per_run}), records);
+        run_set.add(Coverage({first, first + per_run}), records);
     }
-    return gathering;
+    return run_set;
 }
 
 struct Totals {
@@ -57,9 +57,9 @@ struct Totals {
 };
 
 // Develops with all memory, then with little: no bit changes. Returns what little memory led to.
-Totals expect_the_same_with_little_memory(const MemoryGathering& gathering, Settings settings) {
+Totals expect_the_same_with_little_memory(const MemoryRunSet& run_set, Settings settings) {
     settings.memory = 2048 * kMebibyte;
-    const Developed whole = develop_in_memory(gathering, settings, 1);
+    const Developed whole = develop_in_memory(run_set, settings, 1);
     EXPECT_EQ(whole.counts.batches, 1u);
     EXPECT_EQ(whole.counts.pages_decoded, whole.counts.pages);
     EXPECT_GT(whole.counts.fallback_pixels, 10u);
@@ -68,7 +68,7 @@ Totals expect_the_same_with_little_memory(const MemoryGathering& gathering, Sett
     for (const std::uint64_t memory : {18, 22, 30}) {
         SCOPED_TRACE(memory);
         settings.memory = memory * kMebibyte;
-        const Developed little = develop_in_memory(gathering, settings, 2);
+        const Developed little = develop_in_memory(run_set, settings, 2);
         EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
         EXPECT_EQ(little.picture.order(), whole.picture.order());
         EXPECT_EQ(little.counts.fallback_pixels, whole.counts.fallback_pixels);
@@ -83,40 +83,40 @@ Totals expect_the_same_with_little_memory(const MemoryGathering& gathering, Sett
 }
 
 TEST(FewSamples, InASmallGapAreDecodedAgainWithoutTheOthers) {
-    const MemoryGathering gathering = make_gathering(20, 1 << 16, {{0.4, 0.4, 0.43, 0.43}});
-    const Totals totals = expect_the_same_with_little_memory(gathering, settings_for(300, 200, "quartic:-6,2"));
+    const MemoryRunSet run_set = make_run_set(20, 1 << 16, {{0.4, 0.4, 0.43, 0.43}});
+    const Totals totals = expect_the_same_with_little_memory(run_set, settings_for(300, 200, "quartic:-6,2"));
     EXPECT_GT(totals.batches, 10u) << "records passed by";
     EXPECT_GT(totals.decoded_again, 0u);
-    EXPECT_LT(totals.decoded_again, 3 * gathering.runs().size() * 4) << "a few pages of each run";
+    EXPECT_LT(totals.decoded_again, 3 * run_set.runs().size() * 4) << "a few pages of each run";
 }
 
 TEST(FewSamples, InHalfOfThePictureAreFoundInRegionsThatAreSmallEnough) {
-    const MemoryGathering gathering = make_gathering(28, 1 << 16, {{0.5, 0, 1, 1}});
-    const Totals totals = expect_the_same_with_little_memory(gathering, settings_for(420, 280, "lanczos"));
+    const MemoryRunSet run_set = make_run_set(28, 1 << 16, {{0.5, 0, 1, 1}});
+    const Totals totals = expect_the_same_with_little_memory(run_set, settings_for(420, 280, "lanczos"));
     EXPECT_GT(totals.decoded_again, 0u);
     EXPECT_GT(totals.regions, 5u) << "some were cut";
 }
 
 TEST(FewSamples, AreWeighedAlikeWhereverPanesMeet) {
     // One record per pixel and gaps that cross the borders of panes, regions, blocks and tiles.
-    const MemoryGathering gathering =
-        make_gathering(10, 1 << 16, {{0.245, 0, 0.255, 1}, {0, 0.49, 1, 0.51}, {0.7, 0.1, 0.9, 0.3}, {0.995, 0.99, 1, 1}});
+    const MemoryRunSet run_set =
+        make_run_set(10, 1 << 16, {{0.245, 0, 0.255, 1}, {0, 0.49, 1, 0.51}, {0.7, 0.1, 0.9, 0.3}, {0.995, 0.99, 1, 1}});
     for (const auto& [filter, light] : {std::pair{"quartic:-6,2", true}, {"lanczos", true}, {"mitchell-separable", false}}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(900, 600, filter);
         settings.light = light;
-        const Totals totals = expect_the_same_with_little_memory(gathering, settings);
+        const Totals totals = expect_the_same_with_little_memory(run_set, settings);
         EXPECT_GE(totals.regions, 12u);
     }
 }
 
 TEST(FewSamples, AgreeWithTheDefinition) {
-    const MemoryGathering gathering = make_gathering(1, 1 << 16, {{0.3, 0.3, 0.6, 0.5}});
+    const MemoryRunSet run_set = make_run_set(1, 1 << 16, {{0.3, 0.3, 0.6, 0.5}});
     Records records;
     sampledb::PageDecoder decoder;
-    for (const sampledb::PageInfo& info : **gathering.pages(0)) {
+    for (const sampledb::PageInfo& info : **run_set.pages(0)) {
         sampledb::Page page;
-        ASSERT_TRUE(gathering.read_page(0, info, {}, decoder, page));
+        ASSERT_TRUE(run_set.read_page(0, info, {}, decoder, page));
         for (std::size_t i = 0; i < page.count; ++i) {
             records.record_class.push_back(page.record_class);
             records.sample.push_back(page.sample[i]);
@@ -129,9 +129,9 @@ TEST(FewSamples, AgreeWithTheDefinition) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(150, 100, filter);
         settings.light = false;
-        const Developed got = develop_in_memory(gathering, settings);
+        const Developed got = develop_in_memory(run_set, settings);
         EXPECT_GT(got.counts.fallback_pixels, 100u);
-        const std::vector<ReferencePixel> expected = reference(gathering.job(), records, got.counts.camera_records, settings);
+        const std::vector<ReferencePixel> expected = reference(run_set.job(), records, got.counts.camera_records, settings);
         for (std::size_t i = 0; i < expected.size(); ++i) {
             const auto x = static_cast<std::int64_t>(i % 150), y = static_cast<std::int64_t>(i / 150);
             // sum w c may be as small as 0.05 of its expectation, so errors of the weights count up to 20 times

@@ -30,8 +30,8 @@ struct Place {
 
 // `count` samples of a uniform scene at random places; those at `bright` have 1000 in each channel, light records as well as camera
 // records.
-MemoryGathering uniform(std::uint64_t count, const std::vector<Place>& bright, RecordClass of_bright = RecordClass::kCamera) {
-    MemoryGathering gathering(job_of());
+MemoryRunSet uniform(std::uint64_t count, const std::vector<Place>& bright, RecordClass of_bright = RecordClass::kCamera) {
+    MemoryRunSet run_set(job_of());
     Records records;
     std::mt19937 random(7);
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -45,13 +45,13 @@ MemoryGathering uniform(std::uint64_t count, const std::vector<Place>& bright, R
         records.share.push_back(light ? 0.0f : 1.0f);
         for (std::vector<float>* column : {&records.x, &records.y, &records.z}) column->push_back(is_bright ? 1000.0f : 1.0f);
     }
-    gathering.add(Coverage({0, count}), records);
-    return gathering;
+    run_set.add(Coverage({0, count}), records);
+    return run_set;
 }
 
-Developed dimmed(const MemoryGathering& gathering, Settings settings, int threads = 2, Layers layers = {}) {
+Developed dimmed(const MemoryRunSet& run_set, Settings settings, int threads = 2, Layers layers = {}) {
     settings.dim_fireflies = layers.samples = true;
-    return develop_in_memory(gathering, settings, threads, nullptr, layers);
+    return develop_in_memory(run_set, settings, threads, nullptr, layers);
 }
 
 double sum(const Developed& developed) {
@@ -65,9 +65,9 @@ TEST(Fireflies, FewerThanFourNeighboursAreDimmedAndFourAreTrusted) {
     for (const RecordClass of_bright : {RecordClass::kCamera, RecordClass::kLight}) {
         for (std::size_t count = 0; count <= 4; ++count) {
             SCOPED_TRACE(count);
-            const MemoryGathering gathering =
+            const MemoryRunSet run_set =
                 uniform(120'000, {near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count)}, of_bright);
-            const Developed plain = develop_in_memory(gathering, settings), got = dimmed(gathering, settings);
+            const Developed plain = develop_in_memory(run_set, settings), got = dimmed(run_set, settings);
             const bool camera = of_bright == RecordClass::kCamera;
             const DimmedLight& what = camera ? got.counts.camera_dimmed : got.counts.light_dimmed;
             const DimmedLight& other = camera ? got.counts.light_dimmed : got.counts.camera_dimmed;
@@ -85,8 +85,8 @@ TEST(Fireflies, FewerThanFourNeighboursAreDimmedAndFourAreTrusted) {
 // With the box filter, the sum over the picture is that over the records.
 TEST(Fireflies, TheLightThatIsTakenIsWhatThePictureLacks) {
     const Settings settings = settings_for(30, 20, "box");
-    const MemoryGathering gathering = uniform(60'000, {{0.1, 0.1}, {0.5, 0.51}, {0.9, 0.2}}, RecordClass::kLight);
-    const Developed plain = develop_in_memory(gathering, settings), got = dimmed(gathering, settings);
+    const MemoryRunSet run_set = uniform(60'000, {{0.1, 0.1}, {0.5, 0.51}, {0.9, 0.2}}, RecordClass::kLight);
+    const Developed plain = develop_in_memory(run_set, settings), got = dimmed(run_set, settings);
     EXPECT_EQ(got.counts.light_dimmed.samples, 3u);
     EXPECT_NEAR((sum(plain) - sum(got)) / (got.counts.light_dimmed.taken * 600 / 60'000), 1, 1e-4);
 }
@@ -94,24 +94,24 @@ TEST(Fireflies, TheLightThatIsTakenIsWhatThePictureLacks) {
 TEST(Fireflies, AreTheSameBitsHoweverTheyAreDeveloped) {
     Job job = synthetic::make_job(RecordKind::kXyz);
     const synthetic::Scene scene{.light_per_sample = 0.3, .split_shares = true};
-    const MemoryGathering gathering = gather(job, 24, 4096, scene);
+    const MemoryRunSet run_set = make_runs(job, 24, 4096, scene);
     for (const char* filter : {"quartic", "quartic:-6,2", "lanczos"}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(330, 220, filter);
         settings.memory = std::uint64_t{1} << 30;
         const Layers layers{.variance = true, .halves = true};
-        const Developed whole = dimmed(gathering, settings, 1, layers);
+        const Developed whole = dimmed(run_set, settings, 1, layers);
         EXPECT_GT(whole.counts.camera_dimmed.samples, 0u);
         EXPECT_GT(whole.counts.light_dimmed.samples, 0u);
         settings.memory = std::uint64_t{30} << 20;
-        const Developed little = dimmed(gathering, settings, 2, layers);
+        const Developed little = dimmed(run_set, settings, 2, layers);
         EXPECT_GT(little.counts.regions, whole.counts.regions);
         EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
         EXPECT_EQ(little.counts.camera_dimmed.samples, whole.counts.camera_dimmed.samples);
         EXPECT_EQ(little.counts.light_dimmed.samples, whole.counts.light_dimmed.samples);
         EXPECT_EQ(little.counts.camera_records, whole.counts.camera_records);
         settings.crop = {100, 90, 150, 110};
-        const Developed part = dimmed(gathering, settings, 2, layers);
+        const Developed part = dimmed(run_set, settings, 2, layers);
         for (std::int64_t y = 90; y < 110; ++y) {
             for (std::int64_t x = 100; x < 150; ++x) {
                 for (int c = 0; c < 12; ++c) ASSERT_EQ(part.picture.at(x, y, c), whole.picture.at(x, y, c));
@@ -122,13 +122,13 @@ TEST(Fireflies, AreTheSameBitsHoweverTheyAreDeveloped) {
 
 // Many samples per pixel and little memory: records pass by in batches, and twice.
 TEST(Fireflies, AreFoundInRecordsThatPassByInBatches) {
-    const MemoryGathering gathering = gather(synthetic::make_job(RecordKind::kXyz), 64, 16384, {.light_per_sample = 0.1});
+    const MemoryRunSet run_set = make_runs(synthetic::make_job(RecordKind::kXyz), 64, 16384, {.light_per_sample = 0.1});
     for (const char* filter : {"quartic", "quartic:-6,2"}) {
         Settings settings = settings_for(120, 80, filter);
         settings.memory = std::uint64_t{1} << 30;
-        const Developed whole = dimmed(gathering, settings, 1);
+        const Developed whole = dimmed(run_set, settings, 1);
         settings.memory = std::uint64_t{20} << 20;
-        const Developed little = dimmed(gathering, settings, 2);
+        const Developed little = dimmed(run_set, settings, 2);
         EXPECT_GT(little.counts.batches, whole.counts.batches + 2);
         EXPECT_GT(little.counts.decode_factor(), 1.5);
         EXPECT_EQ(little.picture.pixels(), whole.picture.pixels());
@@ -139,7 +139,7 @@ TEST(Fireflies, AreFoundInRecordsThatPassByInBatches) {
 
 // Two records of share 1/2 are one sample: alone, neither would be more than twice as bright as the others.
 TEST(Fireflies, RecordsOfASampleCountTogether) {
-    MemoryGathering gathering(job_of());
+    MemoryRunSet run_set(job_of());
     Records records;
     std::mt19937 random(7);
     constexpr std::uint64_t kSamples = 40'000;
@@ -153,8 +153,8 @@ TEST(Fireflies, RecordsOfASampleCountTogether) {
             for (std::vector<float>* column : {&records.x, &records.y, &records.z}) column->push_back(i == 0 ? 1.8f : 0.5f);
         }
     }
-    gathering.add(Coverage({0, kSamples}), records);
-    EXPECT_EQ(dimmed(gathering, settings_for(30, 20)).counts.camera_dimmed.samples, 1u);
+    run_set.add(Coverage({0, kSamples}), records);
+    EXPECT_EQ(dimmed(run_set, settings_for(30, 20)).counts.camera_dimmed.samples, 1u);
 }
 
 }  // namespace

@@ -31,46 +31,46 @@ synthetic::Scene with_light(double light_per_sample) {
 
 // A large picture is cut into regions whose records fit, a small one takes its records in several batches.
 TEST(Determinism, ThreadsAndMemoryChangeNoBit) {
-    const MemoryGathering gathering = gather(xyz_job(), 14, 1 << 15, with_light(0.2));
+    const MemoryRunSet run_set = make_runs(xyz_job(), 14, 1 << 15, with_light(0.2));
     for (const auto& [width, filter] : {std::pair{1050u, "quartic:-5,2"}, {75u, "quartic"}, {600u, "lanczos"}}) {
         SCOPED_TRACE(fmt::format("{} {}", width, filter));
         Settings settings = settings_for(width, width * 2 / 3, filter);
         settings.memory = 2048 * kMiB;
-        const Developed whole = develop_in_memory(gathering, settings, 1);
+        const Developed whole = develop_in_memory(run_set, settings, 1);
         EXPECT_EQ(whole.counts.regions, 1u);
         EXPECT_EQ(whole.counts.batches, 1u);
-        std::uint64_t most_regions = 0, most_batches = 0;
+        std::uint64_t max_regions = 0, max_batches = 0;
         for (const auto& [memory, threads] : {std::pair{24, 2}, {40, 1}, {64, 3}}) {
             SCOPED_TRACE(memory);
             settings.memory = memory * kMiB;
-            const Developed cut = develop_in_memory(gathering, settings, threads);
+            const Developed cut = develop_in_memory(run_set, settings, threads);
             EXPECT_EQ(cut.picture.pixels(), whole.picture.pixels());
             EXPECT_EQ(cut.picture.order(), whole.picture.order()) << "tiles are written in one order";
             EXPECT_EQ(cut.counts.pages, whole.counts.pages);
             EXPECT_EQ(cut.counts.fallback_pixels, whole.counts.fallback_pixels);
             EXPECT_EQ(cut.counts.empty_pixels, whole.counts.empty_pixels);
-            most_regions = std::max(most_regions, cut.counts.regions);
-            most_batches = std::max(most_batches, cut.counts.batches);
+            max_regions = std::max(max_regions, cut.counts.regions);
+            max_batches = std::max(max_batches, cut.counts.batches);
         }
         if (width > 75) {
-            EXPECT_GE(most_regions, 4u);
+            EXPECT_GE(max_regions, 4u);
         } else {
-            EXPECT_GE(most_batches, 2u);
+            EXPECT_GE(max_batches, 2u);
         }
     }
 }
 
 TEST(Determinism, InstructionSetsChangeNoBit) {
-    const MemoryGathering gathering = gather(xyz_job(), 2, 1 << 14, with_light(0.5));
+    const MemoryRunSet run_set = make_runs(xyz_job(), 2, 1 << 14, with_light(0.5));
     for (const char* filter : kFilters) {
         SCOPED_TRACE(filter);
         const Settings settings = settings_for(150, 100, filter);
         ASSERT_TRUE(set_simd_level("best"));
-        const Developed best = develop_in_memory(gathering, settings);
+        const Developed best = develop_in_memory(run_set, settings);
         for (const std::string_view level : simd_levels()) {
             SCOPED_TRACE(level);
             ASSERT_TRUE(set_simd_level(level));
-            EXPECT_EQ(develop_in_memory(gathering, settings).picture.pixels(), best.picture.pixels());
+            EXPECT_EQ(develop_in_memory(run_set, settings).picture.pixels(), best.picture.pixels());
         }
     }
     EXPECT_FALSE(set_simd_level("abacus"));
@@ -78,14 +78,14 @@ TEST(Determinism, InstructionSetsChangeNoBit) {
 }
 
 TEST(Determinism, ACropHoldsThePixelsOfTheWhole) {
-    const MemoryGathering gathering = gather(xyz_job(), 4, 1 << 14, with_light(0.3));
+    const MemoryRunSet run_set = make_runs(xyz_job(), 4, 1 << 14, with_light(0.3));
     for (const char* filter : {"quartic", "quartic:-5,2", "lanczos", "box"}) {
         SCOPED_TRACE(filter);
         Settings settings = settings_for(375, 250, filter);
-        const Developed whole = develop_in_memory(gathering, settings);
+        const Developed whole = develop_in_memory(run_set, settings);
         for (const PixelRect& crop : {PixelRect{0, 0, 20, 20}, {100, 60, 301, 199}, {374, 249, 375, 250}, {0, 100, 375, 101}}) {
             settings.crop = crop;
-            const Developed part = develop_in_memory(gathering, settings);
+            const Developed part = develop_in_memory(run_set, settings);
             for (std::int64_t y = crop.y0; y < crop.y1; ++y) {
                 for (std::int64_t x = crop.x0; x < crop.x1; ++x) {
                     for (int c = 0; c < 3; ++c) ASSERT_EQ(part.picture.at(x, y, c), whole.picture.at(x, y, c)) << x << ' ' << y;
@@ -102,16 +102,16 @@ TEST(LightImage, UniformRecordsDevelopFlatUpToTheBorder) {
     synthetic::Scene scene;
     scene.look = synthetic::Scene::Look::kUniform;
     scene.light_per_sample = 4;
-    const MemoryGathering gathering = gather(job, 4, 1 << 14, scene);
+    const MemoryRunSet run_set = make_runs(job, 4, 1 << 14, scene);
     for (const char* filter : kFilters) {
         for (const auto& [width, height] : {std::pair{48u, 32u}, {33u, 22u}}) {
             SCOPED_TRACE(fmt::format("{} {}x{}", filter, width, height));
             Settings settings = settings_for(width, height, filter);
             settings.camera = false;
-            const Developed whole = develop_in_memory(gathering, settings);
+            const Developed whole = develop_in_memory(run_set, settings);
             if (height == 22) {
                 settings.crop = {0, 0, 5, 22};
-                EXPECT_EQ(develop_in_memory(gathering, settings).picture.at(0, 0, 1), whole.picture.at(0, 0, 1));
+                EXPECT_EQ(develop_in_memory(run_set, settings).picture.at(0, 0, 1), whole.picture.at(0, 0, 1));
             }
             // Classes: corners, the border rows and columns, the next ones, the inside.
             double sum[4] = {}, square[4] = {};
@@ -145,11 +145,11 @@ TEST(CameraImage, AConstantStaysConstantToTheLastBitsForEveryFilter) {
     scene.look = synthetic::Scene::Look::kUniform;
     scene.black = 0;
     scene.light_per_sample = 0;
-    const MemoryGathering gathering = gather(xyz_job(), 1, 1 << 14, scene);
+    const MemoryRunSet run_set = make_runs(xyz_job(), 1, 1 << 14, scene);
     for (const char* filter : kFilters) {
         for (const std::uint32_t width : {30u, 150u, 600u}) {  // 27, 1.1 and 0.07 samples per pixel
             SCOPED_TRACE(fmt::format("{} {}", filter, width));
-            const Developed got = develop_in_memory(gathering, settings_for(width, width * 2 / 3, filter));
+            const Developed got = develop_in_memory(run_set, settings_for(width, width * 2 / 3, filter));
             std::uint64_t black = 0;
             for (const float value : got.picture.pixels()) {
                 black += value == 0 ? 1 : 0;
@@ -171,13 +171,13 @@ TEST(Picture, NoPixelBesideALampIsDarkerThanItsDarkestRecordByDefault) {
     };
     for (std::size_t i = 0; i < records.size(); ++i)
         records.x[i] = records.y[i] = records.z[i] = in_lamp(records.u[i], records.v[i]) ? 1e4f : 0.125f;
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({0, 1 << 15}), records);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage({0, 1 << 15}), records);
     const auto least = [&](const char* filter, bool camera) {
         Settings settings = settings_for(60, 40, filter);
         settings.camera = camera;
         settings.light = !camera;
-        const Developed got = develop_in_memory(gathering, settings);
+        const Developed got = develop_in_memory(run_set, settings);
         return std::ranges::min(got.picture.pixels());
     };
     const std::string standard = Filter::standard().name();
@@ -192,11 +192,11 @@ TEST(Picture, NoPixelBesideALampIsDarkerThanItsDarkestRecordByDefault) {
 TEST(CameraImage, FewSamplesFallBackToTheNonNegativePartOfTheFilter) {
     const Job job = xyz_job();
     const synthetic::Scene scene = with_light(0);
-    const MemoryGathering gathering = gather(job, 1, 2048, scene);
+    const MemoryRunSet run_set = make_runs(job, 1, 2048, scene);
     const Records records = synthetic::make_records(job, {0, 2048}, scene);
     const Settings settings = settings_for(75, 50, "quartic:-6,2");
     const std::vector<ReferencePixel> expected = reference(job, records, 2048, settings);
-    const Developed got = develop_in_memory(gathering, settings);
+    const Developed got = develop_in_memory(run_set, settings);
     EXPECT_GT(got.counts.fallback_pixels, 50u);
     for (int y = 0; y < 50; ++y) {
         for (int x = 0; x < 75; ++x) {
@@ -221,7 +221,7 @@ TEST(Records, NotFiniteOnesCountAsBlackAndAreCounted) {
         black.x[i] = black.y[i] = black.z[i] = 0;
         ++(records.record_class[i] == RecordClass::kCamera ? camera : light);
     }
-    MemoryGathering with(job), without(job);
+    MemoryRunSet with(job), without(job);
     with.add(Coverage({0, 4096}), records);
     without.add(Coverage({0, 4096}), black);
     Settings settings = settings_for(300, 200);
@@ -254,7 +254,7 @@ TEST(Memory, HundredsOfPanesReadEveryPageOnceAndChangeNoBit) {
         Job job = xyz_job();
         job.aspect_width = width == height ? 1 : 7;
         job.aspect_height = width == height ? 1 : 5;
-        const MemoryGathering gathering = gather(job, 4, 1 << 16, with_light(0.05));
+        const MemoryRunSet run_set = make_runs(job, 4, 1 << 16, with_light(0.05));
         const auto channels = Channels::xyz(job, nullptr);
         Settings settings = settings_for(width, height);
         Hash128 expected;
@@ -262,7 +262,7 @@ TEST(Memory, HundredsOfPanesReadEveryPageOnceAndChangeNoBit) {
             settings.memory = memory * kMiB;
             HashSink sink;
             Threads(2).run([&] {
-                const Result<DevelopCounts> counts = develop(gathering, *channels, settings, sink);
+                const Result<DevelopCounts> counts = develop(run_set, *channels, settings, sink);
                 ASSERT_TRUE(counts) << counts.error().message;
                 EXPECT_EQ(counts->pages_decoded, counts->pages);
                 EXPECT_TRUE(memory > 26 || counts->panes > 500) << counts->panes;
@@ -276,15 +276,15 @@ TEST(Memory, HundredsOfPanesReadEveryPageOnceAndChangeNoBit) {
 // A run's light pages cover more of the film than its camera pages, and those more than a region: held meanwhile, each is decoded
 // once. Held here: 32 runs of 3277 light records, 52 bytes each, beside a region of 131072 camera records, 24 bytes each.
 TEST(Memory, PagesLargerThanRegionsAreDecodedOnce) {
-    const MemoryGathering gathering = gather(xyz_job(), 32, 1 << 16, with_light(0.05));
+    const MemoryRunSet run_set = make_runs(xyz_job(), 32, 1 << 16, with_light(0.05));
     Settings settings = settings_for(3000, 2000);
-    const auto channels = Channels::xyz(gathering.job(), nullptr);
+    const auto channels = Channels::xyz(run_set.job(), nullptr);
     Hash128 expected;
     for (const std::uint64_t memory : {1024, 32}) {
         settings.memory = memory * kMiB;
         HashSink sink;
         Result<DevelopCounts> counts = DevelopCounts{};
-        Threads(2).run([&] { counts = develop(gathering, *channels, settings, sink); });
+        Threads(2).run([&] { counts = develop(run_set, *channels, settings, sink); });
         ASSERT_TRUE(counts) << counts.error().message;
         EXPECT_EQ(counts->pages_decoded, counts->pages) << memory;
         EXPECT_EQ(counts->decode_factor(), 1);
@@ -296,7 +296,7 @@ TEST(Memory, PagesLargerThanRegionsAreDecodedOnce) {
     settings.memory = 20 * kMiB;
     HashSink sink;
     Threads(2).run([&] {
-        const Result<DevelopCounts> counts = develop(gathering, *channels, settings, sink);
+        const Result<DevelopCounts> counts = develop(run_set, *channels, settings, sink);
         ASSERT_TRUE(counts) << counts.error().message;
         EXPECT_GT(counts->pages_decoded, counts->pages);
     });
@@ -305,21 +305,21 @@ TEST(Memory, PagesLargerThanRegionsAreDecodedOnce) {
 
 // An index that names smaller squares than its pages fill: what they hold is not written past the memory that they were given.
 TEST(Records, OutsideTheSquareOfTheirPageAreAnError) {
-    class Misplaced final : public MemoryGathering {
+    class Misplaced final : public MemoryRunSet {
      public:
-        using MemoryGathering::MemoryGathering;
+        using MemoryRunSet::MemoryRunSet;
         Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override {
-            std::vector<sampledb::PageInfo> pages = **MemoryGathering::pages(run);
+            std::vector<sampledb::PageInfo> pages = **MemoryRunSet::pages(run);
             for (sampledb::PageInfo& page : pages) page.node = {20, 3 << 18, 3 << 18};
             return std::make_shared<const std::vector<sampledb::PageInfo>>(std::move(pages));
         }
     };
     const Job job = xyz_job();
-    Misplaced gathering(job);
-    gathering.add(Coverage({0, 1 << 14}), synthetic::make_records(job, {0, 1 << 14}, with_light(0.05)));
+    Misplaced run_set(job);
+    run_set.add(Coverage({0, 1 << 14}), synthetic::make_records(job, {0, 1 << 14}, with_light(0.05)));
     const auto channels = Channels::xyz(job, nullptr);
     HashSink sink;
-    const Result<DevelopCounts> counts = develop(gathering, *channels, settings_for(3000, 2000), sink);
+    const Result<DevelopCounts> counts = develop(run_set, *channels, settings_for(3000, 2000), sink);
     ASSERT_FALSE(counts);
     EXPECT_EQ(counts.error().code, ErrorCode::kCorrupt);
 }
@@ -347,18 +347,18 @@ TEST(Scale, FarCornersOfPicturesBeyond32BitsAreRight) {
     add(first + 1, RecordClass::kCamera, centre(kSide - 3), centre(kSide - 2), 5);
     add(first + 2, RecordClass::kCamera, centre(0), centre(kSide - 1), 7);
     add(first + 3, RecordClass::kLight, centre(kSide - 1), centre(kSide - 1), 0.5f);
-    MemoryGathering gathering(job);
-    gathering.add(Coverage({first, first + 1024}), records);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage({first, first + 1024}), records);
 
     Settings settings = settings_for(kSide, kSide, "box");
     settings.crop = {kSide - 300, kSide - 200, kSide, kSide};
-    const Developed got = develop_in_memory(gathering, settings);
+    const Developed got = develop_in_memory(run_set, settings);
     const double light = 0.5 * kSide * static_cast<double>(kSide) / 1024;
     EXPECT_FLOAT_EQ(got.picture.at(kSide - 1, kSide - 1, 0), static_cast<float>(3 + light));
     EXPECT_EQ(got.picture.at(kSide - 3, kSide - 2, 1), 10);
     EXPECT_EQ(std::ranges::count_if(got.picture.pixels(), [](float v) { return v != 0; }), 6);
     settings.crop = {0, kSide - 1, 1, kSide};
-    EXPECT_EQ(develop_in_memory(gathering, settings).picture.at(0, kSide - 1, 0), 7);
+    EXPECT_EQ(develop_in_memory(run_set, settings).picture.at(0, kSide - 1, 0), 7);
 }
 
 }  // namespace

@@ -78,10 +78,9 @@ Job job_of(bool light) {
 TEST(Layers, ChangeNoBitOfThePicture) {
     for (const char* filter : {"quartic", "quartic:-6,2", "box", "mitchell-separable"}) {
         SCOPED_TRACE(filter);
-        const MemoryGathering gathering = gather(job_of(true), 3, 4096, scene_of(true));
+        const MemoryRunSet run_set = make_runs(job_of(true), 3, 4096, scene_of(true));
         const Settings settings = settings_for(90, 60, filter);
-        const Developed plain = develop_in_memory(gathering, settings),
-                        rich = develop_in_memory(gathering, settings, 2, nullptr, kAll);
+        const Developed plain = develop_in_memory(run_set, settings), rich = develop_in_memory(run_set, settings, 2, nullptr, kAll);
         // Samples with two records have one value when they count as one, which rounds their sum.
         for (int y = 0; y < 60; ++y) {
             for (int x = 0; x < 90; ++x) {
@@ -90,7 +89,7 @@ TEST(Layers, ChangeNoBitOfThePicture) {
             }
         }
         const Layers no_samples{.weight = true, .halves = true};
-        const Developed same = develop_in_memory(gathering, settings, 2, nullptr, no_samples);
+        const Developed same = develop_in_memory(run_set, settings, 2, nullptr, no_samples);
         for (int y = 0; y < 60; ++y) {
             for (int x = 0; x < 90; ++x) {
                 for (int c = 0; c < 3; ++c) EXPECT_EQ(same.picture.at(x, y, c), plain.picture.at(x, y, c));
@@ -100,10 +99,10 @@ TEST(Layers, ChangeNoBitOfThePicture) {
 }
 
 TEST(Layers, AreTheSameBitsHoweverTheyAreDeveloped) {
-    const MemoryGathering gathering = gather(job_of(true), 24, 4096, scene_of(true));
+    const MemoryRunSet run_set = make_runs(job_of(true), 24, 4096, scene_of(true));
     for (const char* filter : {"quartic", "quartic:-6,2"}) {
         SCOPED_TRACE(filter);
-        expect_same_with_little_memory(gathering, settings_for(330, 220, filter), kAll);
+        expect_same_with_little_memory(run_set, settings_for(330, 220, filter), kAll);
     }
 }
 
@@ -111,13 +110,13 @@ TEST(Layers, AreTheSameBitsHoweverTheyAreDeveloped) {
 TEST(Layers, AreWhatTheirDefinitionsSay) {
     const Job job = job_of(false);
     const int width = 30, height = 20;
-    MemoryGathering gathering(job);
+    MemoryRunSet run_set(job);
     const Records records = synthetic::make_records(job, {0, 16384}, scene_of(false));
-    gathering.add(Coverage({0, 16384}), records);
+    run_set.add(Coverage({0, 16384}), records);
     for (const char* name : {"quartic", "box", "gaussian"}) {
         SCOPED_TRACE(name);
         const Settings settings = settings_for(width, height, name);
-        const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, kAll);
+        const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, kAll);
         struct Sample {
             double x = 0, y = 0, s[3] = {}, c = 0;
         };
@@ -170,7 +169,7 @@ TEST(Layers, TheVarianceIsTheSpreadOverSeeds) {
     for (std::uint64_t seed = 1; seed <= 32; ++seed) {
         synthetic::Scene scene = scene_of(false);
         scene.seed = seed;
-        const Developed developed = develop_in_memory(gather(job, 1, 16384, scene), settings, 2, nullptr, {.variance = true});
+        const Developed developed = develop_in_memory(make_runs(job, 1, 16384, scene), settings, 2, nullptr, {.variance = true});
         for (std::size_t i = 0; i < 600; ++i) {
             const auto at = [&](int c) {
                 return static_cast<double>(developed.picture.at(static_cast<int>(i % 30), static_cast<int>(i / 30), c));
@@ -188,10 +187,10 @@ TEST(Layers, TheVarianceIsTheSpreadOverSeeds) {
 // The light image of a half is that of its own paths: both halves have the mean of the whole, and differ by their noise.
 TEST(Halves, ShowTheLightImageAtItsFullBrightness) {
     const Job job = job_of(true);
-    const MemoryGathering gathering = gather(job, 4, 4096, scene_of(true));
+    const MemoryRunSet run_set = make_runs(job, 4, 4096, scene_of(true));
     Settings settings = settings_for(30, 20);
     settings.camera = false;
-    const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, {.halves = true});
+    const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {.halves = true});
     double whole = 0, halves[2] = {}, difference = 0;
     for (int y = 0; y < 20; ++y) {
         for (int x = 0; x < 30; ++x) {

@@ -48,9 +48,9 @@ Records records_of(const Job& job, sampledb::SampleRange range, const synthetic:
     return records;
 }
 
-MemoryGathering gather_with_lens(const synthetic::Scene& scene, int runs = 4, std::uint64_t per_run = 4096) {
+MemoryRunSet runs_with_lens(const synthetic::Scene& scene, int runs = 4, std::uint64_t per_run = 4096) {
     const Job job = job_with_lens();
-    return gather(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range, scene); });
+    return make_runs(job, runs, per_run, [&](const sampledb::SampleRange& range) { return records_of(job, range, scene); });
 }
 
 constexpr Layers kAllLayers{.variance = true, .weight = true, .count = true, .halves = true};
@@ -153,8 +153,8 @@ TEST(Lens, APictureOfAPartIsThatOfItsRecords) {
     const Job job = job_with_lens();
     const sampledb::SampleRange range{0, 16384};
     Records records = records_of(job, range, {.light_per_sample = 0.3, .split_shares = true});
-    MemoryGathering gathering(job);
-    gathering.add(Coverage(range), records);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage(range), records);
     const LensChoice lens = choice("left", "0.25:0.5");
     for (std::size_t i = 0; i < records.size(); ++i) {
         const auto column = [&](std::size_t c) { return static_cast<int>(records.extra[c].values[i]); };
@@ -166,7 +166,7 @@ TEST(Lens, APictureOfAPartIsThatOfItsRecords) {
     for (const char* filter : {"quartic", "box", "quartic:-5,2"}) {
         SCOPED_TRACE(filter);
         const Settings settings = settings_for(12, 8, filter);
-        const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, {}, lens);
+        const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {}, lens);
         const std::vector<ReferencePixel> expected = reference(job, records, range.size(), settings);
         for (std::size_t i = 0; i < expected.size(); ++i) {
             for (std::size_t c = 0; c < 3; ++c)
@@ -179,7 +179,7 @@ TEST(Lens, APictureOfAPartIsThatOfItsRecords) {
 // The camera images of parts, weighted by what they have of a pixel's weight, are the whole; so are the light images, weighted by
 // what they have of the lens and of the time.
 TEST(Lens, PartsAddUpToTheWhole) {
-    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3});
+    const MemoryRunSet run_set = runs_with_lens({.light_per_sample = 0.3});
     const std::vector<std::vector<LensChoice>> partitions = {
         {choice("left"), choice("right")},
         {choice("", "0:0.3"), choice("", "0.3:0.8"), choice("", "0.8:1")},
@@ -192,14 +192,14 @@ TEST(Lens, PartsAddUpToTheWhole) {
             SCOPED_TRACE(p);
             // The last partition is that of a shutter which rolls.
             const LensChoice all = p == 3 ? choice("", "0:0.3,rolling:0.4") : LensChoice{};
-            const Developed whole = develop_in_memory(gathering, settings, 2, nullptr, {.weight = true}, all);
+            const Developed whole = develop_in_memory(run_set, settings, 2, nullptr, {.weight = true}, all);
             const std::size_t pixels = whole.picture.pixels().size() / 4;
             std::vector<double> sum(pixels * 4);
             double area = 0;
             for (const LensChoice& part : partitions[p]) {
-                const double its_area = LensWeights::make(gathering.job(), part)->mean();
+                const double its_area = LensWeights::make(run_set.job(), part)->mean();
                 area += its_area;
-                const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, {.weight = true}, part);
+                const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {.weight = true}, part);
                 for (std::size_t i = 0; i < pixels; ++i) {
                     const float* const pixel = &developed.picture.pixels()[4 * i];
                     const double weight = camera ? static_cast<double>(pixel[3]) : its_area;
@@ -216,14 +216,13 @@ TEST(Lens, PartsAddUpToTheWhole) {
 }
 
 TEST(Lens, KeepsTheExposureUnlessItIsToFollow) {
-    const MemoryGathering gathering =
-        gather_with_lens({.look = synthetic::Scene::Look::kUniform, .black = 0, .light_per_sample = 0}, 8);
+    const MemoryRunSet run_set = runs_with_lens({.look = synthetic::Scene::Look::kUniform, .black = 0, .light_per_sample = 0}, 8);
     const Settings settings = settings_for(6, 4, "box");
     for (const char* aperture : {"0.5,blades:6:10:0.3", "gaussian", "cat-eye:0.7"}) {
         SCOPED_TRACE(aperture);
-        const Developed kept = develop_in_memory(gathering, settings, 2, nullptr, {}, choice(aperture, "film,0.1:0.9"));
+        const Developed kept = develop_in_memory(run_set, settings, 2, nullptr, {}, choice(aperture, "film,0.1:0.9"));
         expect_near(kept.picture, std::vector<double>(kept.picture.pixels().size(), 1), 1e-6);
-        const Developed followed = develop_in_memory(gathering, settings, 2, nullptr, {}, choice(aperture, "film,0.1:0.9", true));
+        const Developed followed = develop_in_memory(run_set, settings, 2, nullptr, {}, choice(aperture, "film,0.1:0.9", true));
         double sum = 0;
         for (const float value : followed.picture.pixels()) sum += static_cast<double>(value);
         EXPECT_NEAR(sum / static_cast<double>(followed.picture.pixels().size()), mean_of(aperture, "film,0.1:0.9"), 5e-3);
@@ -231,26 +230,26 @@ TEST(Lens, KeepsTheExposureUnlessItIsToFollow) {
 }
 
 TEST(Lens, PixelsDependOnNeitherMemoryNorThreads) {
-    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3}, 24, 16384);
+    const MemoryRunSet run_set = runs_with_lens({.light_per_sample = 0.3}, 24, 16384);
     for (const char* filter : {"quartic", "quartic:-6,2"}) {  // without and with negative lobes
-        const Developed whole = expect_same_with_little_memory(gathering, settings_for(330, 220, filter), kAllLayers,
+        const Developed whole = expect_same_with_little_memory(run_set, settings_for(330, 220, filter), kAllLayers,
                                                                choice("0.5,blades:5,cat-eye:0.3", "soft,rolling:0.2"));
         EXPECT_EQ(whole.counts.fallback_pixels > 0, std::string_view(filter) != "quartic");
     }
 }
 
 TEST(Lens, OnlySamplesThatCountAreCounted) {
-    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0});
+    const MemoryRunSet run_set = runs_with_lens({.light_per_sample = 0});
     const Settings settings = settings_for(6, 4, "box");
     const auto count = [&](const LensChoice& lens) {
-        const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, {.count = true}, lens);
+        const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {.count = true}, lens);
         double sum = 0;
         for (std::size_t i = 3; i < developed.picture.pixels().size(); i += 4)
             sum += static_cast<double>(developed.picture.pixels()[i]);
         return sum;
     };
     const double all = count({});
-    EXPECT_EQ(all, static_cast<double>(gathering.coverage().size()));
+    EXPECT_EQ(all, static_cast<double>(run_set.coverage().size()));
     EXPECT_EQ(count(choice("left")) + count(choice("right")), all);
     EXPECT_LT(count(choice("left")), 0.55 * all);
 }
@@ -260,8 +259,8 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
     const Job job = job_with_lens();
     const sampledb::SampleRange range{0, 16384};
     const Records records = records_of(job, range, {.light_per_sample = 0.3});
-    MemoryGathering gathering(job);
-    gathering.add(Coverage(range), records);
+    MemoryRunSet run_set(job);
+    run_set.add(Coverage(range), records);
     LensChoice lens;
     lens.film_shift = {0.08, -0.12};
     const LensCells cells = cells_of({});
@@ -286,7 +285,7 @@ TEST(Focus, MovesEachRecordByItsPointOfTheLens) {
         for (auto* values : {&moved.x, &moved.y, &moved.z}) values->back() *= static_cast<float>(all / seen);
     }
     for (const Settings& settings : {settings_for(24, 16), settings_for(72, 48)}) {  // one cell, and four
-        const Developed developed = develop_in_memory(Refocused(gathering, lens.film_shift), settings, 2, nullptr, {}, lens);
+        const Developed developed = develop_in_memory(Refocused(run_set, lens.film_shift), settings, 2, nullptr, {}, lens);
         const std::vector<ReferencePixel> expected = reference(job, moved, range.size(), settings);
         for (std::size_t i = 0; i < expected.size(); ++i) {
             for (std::size_t c = 0; c < 3; ++c)
@@ -331,10 +330,10 @@ TEST(Focus, OfACatsEyeCountsWhatBothRimsAndTheFilmHaveInCommon) {
 }
 
 TEST(Focus, DependsOnNeitherMemoryNorThreads) {
-    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3}, 24, 16384);
+    const MemoryRunSet run_set = runs_with_lens({.light_per_sample = 0.3}, 24, 16384);
     LensChoice lens = choice("0.8");
     lens.film_shift = {0.01, 0.02};
-    expect_same_with_little_memory(Refocused(gathering, lens.film_shift), settings_for(330, 220, "quartic:-6,2"), kAllLayers, lens);
+    expect_same_with_little_memory(Refocused(run_set, lens.film_shift), settings_for(330, 220, "quartic:-6,2"), kAllLayers, lens);
 }
 
 class LensTool : public ::testing::Test {
@@ -403,13 +402,13 @@ TEST(Frames, TogetherAreTheWholeExposure) {
     const std::vector<PictureOptions> frames = frames_of(options);
     ASSERT_EQ(frames.size(), 4u);
     EXPECT_EQ(frames[2].output, "a/film.0003.exr");
-    const MemoryGathering gathering = gather_with_lens({.light_per_sample = 0.3});
+    const MemoryRunSet run_set = runs_with_lens({.light_per_sample = 0.3});
     Settings settings = settings_for(12, 8);
     settings.camera = false;
-    const Developed whole = develop_in_memory(gathering, settings);
+    const Developed whole = develop_in_memory(run_set, settings);
     std::vector<double> sum(whole.picture.pixels().size());
     for (const PictureOptions& frame : frames) {
-        const Developed developed = develop_in_memory(gathering, settings, 2, nullptr, {}, frame.lens);
+        const Developed developed = develop_in_memory(run_set, settings, 2, nullptr, {}, frame.lens);
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>(developed.picture.pixels()[i]) / 4;
     }
     expect_near(whole.picture, sum, 1e-6);

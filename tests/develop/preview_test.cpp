@@ -7,7 +7,7 @@
 
 #include "base/json.h"
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 #include "tools/develop/arguments.h"
 #include "tools/develop/estimate.h"
@@ -81,8 +81,8 @@ class Preview : public ::testing::Test {
 };
 
 TEST_F(Preview, MoreRunsHoldFewerOnesAndAreSpreadEvenly) {
-    const auto all = synthetic::gather({folder_ / "a.latent", folder_ / "b.latent"});
-    const auto same = synthetic::gather({folder_ / "b.latent", folder_ / "a.latent"});
+    const auto all = synthetic::open_runs({folder_ / "a.latent", folder_ / "b.latent"});
+    const auto same = synthetic::open_runs({folder_ / "b.latent", folder_ / "a.latent"});
     ASSERT_TRUE(all && same);
     const std::vector<std::uint32_t> order = shuffled_runs(*all);
     EXPECT_EQ(order, shuffled_runs(*same));  // whatever the order of files

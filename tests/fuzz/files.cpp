@@ -16,7 +16,7 @@ using namespace sampledb;
 
 namespace {
 
-constexpr std::size_t kMostRuns = 8;  // that are looked at closely: an input may have thousands of empty ones
+constexpr std::size_t kMaxRuns = 8;  // that are looked at closely: an input may have thousands of empty ones
 
 bool run_file(ByteSpan bytes) {
     bool sound = false;
@@ -28,7 +28,7 @@ bool run_file(ByteSpan bytes) {
         (void)read_file(source, VerifyLevel::kQuick, use_footer);
         PageDecoder decoder;
         Page page;
-        for (std::size_t i = 0; i < std::min(file->runs.size(), kMostRuns); ++i) {
+        for (std::size_t i = 0; i < std::min(file->runs.size(), kMaxRuns); ++i) {
             const Result<RunIndex> index = read_run_index(source, file->runs[i], file->header.job);
             require(index.has_value(), "the index of a verified run can be read");
             for (const PageInfo& info : index->pages) {
@@ -64,11 +64,11 @@ std::vector<Bytes> file_seeds() {
 // An attempt is read, developed, merged, and resumed.
 bool run_part(ByteSpan bytes) {
     const std::filesystem::path path = as_file("a.latent.part.0123456789abcdef", bytes), name = path.parent_path() / "a.latent";
-    GatherOptions gather;
-    gather.inputs = {path};
-    const auto gathering = Gathering::open(gather);
-    if (!gathering) return false;
-    RecordCursor cursor(**gathering, {});
+    RunSetOptions wanted;
+    wanted.inputs = {path};
+    const auto run_set = RunSet::open(wanted);
+    if (!run_set) return false;
+    RecordCursor cursor(**run_set, {});
     Page page;
     for (int damaged = 0; damaged < 64;) {
         const Result<bool> more = cursor.next(page);
@@ -97,7 +97,7 @@ bool run_part(ByteSpan bytes) {
     PartOptions part;
     part.path = name;
     part.range = {0, 8192};
-    if (const auto writer = PartWriter::open(part, (*gathering)->job()); writer) (void)(*writer)->missing();
+    if (const auto writer = PartWriter::open(part, (*run_set)->job()); writer) (void)(*writer)->missing();
     (void)remove_everything(name);
     return developed;
 }

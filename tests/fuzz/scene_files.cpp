@@ -17,7 +17,7 @@ namespace latent::fuzz {
 
 namespace {
 
-constexpr std::uint64_t kMostPixels = 1 << 14;  // of pictures that are read as a whole
+constexpr std::uint64_t kMaxPixels = 1 << 14;  // of pictures that are read as a whole
 
 constexpr int kInputs = 64;  // for one cache of pictures: it takes longer to start than most inputs take
 
@@ -48,7 +48,7 @@ bool run_picture(ByteSpan bytes) {
     const Result<image::PictureInfo> info = pictures->open(path.string(), path.string(), {});
     if (!info) return false;
     require(info->width > 0 && info->height > 0 && info->channels > 0, "a picture has pixels");
-    if (std::uint64_t{info->width} * info->height > kMostPixels) return true;
+    if (std::uint64_t{info->width} * info->height > kMaxPixels) return true;
     look_up_everything(*pictures, *info);
     const bool is_sound = pictures->read(path.string(), path.string(), {}).has_value();
     if (!is_exr && bytes.size() % 4 != 0) return is_sound;  // the next starts a cache of its own for others

@@ -24,7 +24,7 @@ struct Case {
     const char* aspect;
     const char* records;
     long develop_mib;
-    int least_regions;
+    int min_regions;
 };
 
 std::vector<float> corner_of(const std::filesystem::path& path, int width, int height) {
@@ -45,7 +45,7 @@ std::vector<float> corner_of(const std::filesystem::path& path, int width, int h
 class FlatMemory : public ::testing::TestWithParam<Case> {};
 
 TEST_P(FlatMemory, LargePicturesAreDevelopedAndPrintedWithinTheBudgetReadingEachPageOnce) {
-    const auto& [width, height, aspect, records, develop_mib, least_regions] = GetParam();
+    const auto& [width, height, aspect, records, develop_mib, min_regions] = GetParam();
     const testing::TemporaryFolder folder;
     const std::string in = folder / "in.latent", whole = folder / "whole.exr", corner = folder / "corner.exr";
     const std::string size = fmt::format("{}x{}", width, height);
@@ -60,7 +60,7 @@ TEST_P(FlatMemory, LargePicturesAreDevelopedAndPrintedWithinTheBudgetReadingEach
     const auto report = nlohmann::json::parse(develop.out);
     RecordProperty("regions", report["regions"].dump());
     RecordProperty("develop_peak_kib", std::to_string(develop.peak_rss_kib));
-    EXPECT_GE(report["regions"], least_regions);
+    EXPECT_GE(report["regions"], min_regions);
     EXPECT_EQ(report["decode_factor"], 1.0);
     EXPECT_LE(report["bytes_read"].get<double>(), 1.05 * static_cast<double>(std::filesystem::file_size(in)));
     EXPECT_LE(develop.peak_rss_kib, (develop_mib + kSlackMiB) << 10);

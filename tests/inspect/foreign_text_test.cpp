@@ -19,7 +19,7 @@ using namespace latent::testing;
 using nlohmann::json;
 using synthetic::make_short_job;
 
-constexpr long kMostKib = 100 << 10;  // 0.4 MB of provenance is no reason to take more
+constexpr long kMaxKib = 100 << 10;  // 0.4 MB of provenance is no reason to take more
 
 // A file of one run with these provenances.
 Bytes file_with(const Job& job, const std::string& header, const std::string& footer) {
@@ -59,7 +59,7 @@ TEST_F(ForeignText, ProvenanceThatIsNoJsonObjectOrTooDeepIsShownAsTextAndSaidSo)
         for (const Outcome& outcome : {text, as_json}) {
             EXPECT_EQ(outcome.status, 0) << start;
             EXPECT_EQ(outcome.err, "") << start;
-            EXPECT_LT(outcome.peak_rss_kib, kMostKib) << start;
+            EXPECT_LT(outcome.peak_rss_kib, kMaxKib) << start;
         }
         EXPECT_NE(text.out.find("the provenance in its header is "), std::string::npos) << start;
         EXPECT_NE(text.out.find("the provenance in its footer is "), std::string::npos) << start;
@@ -71,7 +71,7 @@ TEST_F(ForeignText, ProvenanceThatIsNoJsonObjectOrTooDeepIsShownAsTextAndSaidSo)
         }
         const Outcome merged = merge(file);
         EXPECT_EQ(merged.status, 0) << merged.err;
-        EXPECT_LT(merged.peak_rss_kib, kMostKib) << start;
+        EXPECT_LT(merged.peak_rss_kib, kMaxKib) << start;
         EXPECT_EQ(merged_info()["parts"][0]["differences"].get<std::string>().substr(0, 4), bad.substr(0, 4));
     }
 }

@@ -11,7 +11,7 @@
 #include "base/size.h"
 #include "sampledb/format/footer.h"
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/paths.h"
 #include "tools/inspect/synthetic.h"
 
@@ -23,8 +23,8 @@ using namespace sampledb;
 using namespace latent::testing;
 using nlohmann::json;
 
-using synthetic::gather;
 using synthetic::make_short_job;
+using synthetic::open_runs;
 
 constexpr std::uint64_t kS = synthetic::kShortRun;
 
@@ -59,7 +59,7 @@ TEST_F(InspectTest, InfoTellsWhatIsInTheFile) {
     EXPECT_NE(text.find(to_hex(job.id)), std::string::npos);
     EXPECT_NE(text.find(format_size(info["stored_bytes"].get<std::uint64_t>()) + " without superseded runs"), std::string::npos)
         << text;
-    const auto selected = gather({file});
+    const auto selected = open_runs({file});
     ASSERT_EQ(info["run_list"].size(), 4u);
     for (std::size_t i = 0; i < 4; ++i) {
         const SampleRange range = selected->runs()[i].coverage.ranges().front();
@@ -128,7 +128,7 @@ TEST_F(InspectTest, VerifyNoticesDamageToEitherCopyOfTheHeaderThoughNoRunIsLost)
         const Outcome outcome = inspect({"verify", write("a.latent", broken)});
         EXPECT_EQ(outcome.status, 4) << at;
         EXPECT_NE(outcome.out.find("header: one of its two copies is damaged"), std::string::npos) << outcome.out;
-        EXPECT_EQ(gather({folder_ / "a.latent"})->runs().size(), 4u);
+        EXPECT_EQ(open_runs({folder_ / "a.latent"})->runs().size(), 4u);
     }
 }
 
@@ -248,7 +248,7 @@ TEST_F(InspectTest, VerifyTellsWhatTheFramesContradict) {
     // No tool uses fewer runs for it.
     const Outcome info = inspect({"info", "--json", write("a.latent", with_list(fewer))});
     EXPECT_EQ(json::parse(info.out)["runs"], 4) << info.out;
-    EXPECT_EQ(gather({folder_ / "a.latent"})->runs().size(), 4u);
+    EXPECT_EQ(open_runs({folder_ / "a.latent"})->runs().size(), 4u);
 }
 
 TEST_F(InspectTest, AnUnknownTransformCostsThePageThatItIsIn) {
@@ -444,7 +444,7 @@ TEST_F(InspectTest, RecoverSavesExactlyTheRunsThatAreSoundAndListsTheRest) {
             const SampleRange lost = four_runs()[broken_run].ranges().front();
             EXPECT_EQ(ledger["lost_samples"], (json{{lost.first, lost.end}})) << ledger.dump();
             EXPECT_EQ(ledger["damage"].size(), 1u);
-            const auto saved = gather({output});
+            const auto saved = open_runs({output});
             ASSERT_TRUE(saved);
             EXPECT_EQ(saved->runs().size(), 3u);
             EXPECT_FALSE(saved->coverage().intersects(lost));
@@ -689,7 +689,7 @@ TEST_F(InspectTest, GenReachesSampleNumbersBeyondTwoToTheThirtyTwo) {
     const Outcome outcome =
         inspect({"gen", "-o", folder_ / "far.latent", "--first", "8589934592", "--records", "3000", "--every", "1000", "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const auto far = gather({folder_ / "far.latent"});
+    const auto far = open_runs({folder_ / "far.latent"});
     EXPECT_EQ(far->coverage(), Coverage(SampleRange{8589934592, 8589934592 + 3000000}));
     std::uint64_t records = 0;
     for (const SelectedRun& r : far->runs()) records += r.header.camera_records;

@@ -7,7 +7,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 #include "tools/merge/merge.h"
 
@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using namespace sampledb;
 using latent::testing::TemporaryFolder;
 
-using synthetic::gather;
 using synthetic::make_short_job;
+using synthetic::open_runs;
 
 constexpr std::uint64_t kRun = synthetic::kShortRun;
 
@@ -66,7 +66,7 @@ TEST_F(CompactTest, TheNewRunIsTheOneThatAllRecordsTogetherWouldHaveMade) {
             const MergeReport report = compact({small}, "large.latent");
             EXPECT_EQ(report.runs_out, 1u);
             const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 9 * kRun})});
-            const auto large = gather({folder_ / "large.latent"}), expected = gather({whole});
+            const auto large = open_runs({folder_ / "large.latent"}), expected = open_runs({whole});
             ASSERT_TRUE(large && expected);
             RunHeader header = large->runs()[0].header;
             EXPECT_EQ(header, expected->runs()[0].header);
@@ -85,7 +85,7 @@ TEST_F(CompactTest, OnlyWholeIntervalsAreRewritten) {
          Coverage(SampleRange{2 * kRun, 2 * kRun + 1024}), Coverage(SampleRange{3 * kRun, 4 * kRun}),
          Coverage(SampleRange{5 * kRun, 6 * kRun}), Coverage(SampleRange{6 * kRun, 6 * kRun + 100})});
     compact({file}, "out.latent");
-    const auto out = gather({folder_ / "out.latent"}), in = gather({file});
+    const auto out = open_runs({folder_ / "out.latent"}), in = open_runs({file});
     ASSERT_EQ(out->runs().size(), 4u);
     EXPECT_EQ(out->runs()[0].coverage, Coverage::of({{0, 2 * kRun}}));
     EXPECT_EQ(out->runs()[1].coverage, Coverage::of({{2 * kRun, 2 * kRun + 1024}}));
@@ -99,36 +99,37 @@ TEST_F(CompactTest, ACompactedRunSupersedesWhatItWasMadeOfAndCanBeCompactedAgain
     const Job job = make_short_job(RecordKind::kSpectral);
     const fs::path first = write("first.latent", job, intervals(3));
     compact({first}, "large.latent");
-    const auto both = gather({folder_.path()});  // a folder with both files: nothing is counted twice
+    const auto both = open_runs({folder_.path()});  // a folder with both files: nothing is counted twice
     EXPECT_EQ(both->coverage(), Coverage(SampleRange{0, 3 * kRun}));
     EXPECT_EQ(both->runs().size(), 1u);
     const fs::path rest =
         write("rest.latent", job, {Coverage(SampleRange{3 * kRun, 4 * kRun}), Coverage(SampleRange{4 * kRun, 5 * kRun})});
     compact({folder_ / "large.latent", rest}, "all.latent");
     const fs::path whole = write("whole.latent", job, {Coverage(SampleRange{0, 5 * kRun})});
-    EXPECT_EQ(gather({folder_ / "all.latent"})->runs()[0].header.content_hash, gather({whole})->runs()[0].header.content_hash);
+    EXPECT_EQ(open_runs({folder_ / "all.latent"})->runs()[0].header.content_hash,
+              open_runs({whole})->runs()[0].header.content_hash);
 }
 
 TEST_F(CompactTest, LessMemoryMakesMoreAndSmallerRunsOfTheSameRecords) {
     const Job job = make_short_job(RecordKind::kXyz);
     const fs::path file = write("a.latent", job, intervals(16));
     compact({file}, "small.latent", std::uint64_t{4} << 20);
-    const auto small = gather({folder_ / "small.latent"});
+    const auto small = open_runs({folder_ / "small.latent"});
     EXPECT_GT(small->runs().size(), 1u);
     EXPECT_LT(small->runs().size(), 16u);
     compact({folder_ / "small.latent"}, "again.latent");
     compact({file}, "large.latent");
-    EXPECT_EQ(gather({folder_ / "again.latent"})->runs()[0].header, gather({folder_ / "large.latent"})->runs()[0].header);
+    EXPECT_EQ(open_runs({folder_ / "again.latent"})->runs()[0].header, open_runs({folder_ / "large.latent"})->runs()[0].header);
 }
 
 // The run that all runs of a file make, as it is stored.
 Bytes compacted(const fs::path& input, int threads, std::uint64_t memory) {
-    const auto gathering = gather({input}, VerifyLevel::kHeaders);
+    const auto run_set = open_runs({input}, VerifyLevel::kHeaders);
     Result<File> out = File::create_unnamed(input.parent_path());
     EXPECT_TRUE(out) << out.error().message;
     Result<RunHeader> header = RunHeader{};
     Threads(threads).run([&] {
-        header = compact_runs(*gathering, {0, gathering->runs().size()}, memory, *out, 0, [](std::uint64_t) {});
+        header = compact_runs(*run_set, {0, run_set->runs().size()}, memory, *out, 0, [](std::uint64_t) {});
     });
     EXPECT_TRUE(header) << header.error().message;
     Bytes run(header->size());

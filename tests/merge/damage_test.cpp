@@ -6,7 +6,7 @@
 #include <random>
 
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 #include "tools/merge/merge.h"
 
@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 using namespace sampledb;
 using namespace latent::testing;
 
-using synthetic::gather;
 using synthetic::make_short_job;
+using synthetic::open_runs;
 using synthetic::runs_between;
 using synthetic::runs_of;
 
@@ -58,9 +58,9 @@ class MergeDamage : public ::testing::Test {
 // Whole runs of a file, as they stand there.
 std::vector<std::string> run_bytes(const fs::path& file) {
     const std::string bytes = read_text(file);
-    const auto gathering = gather({file});
+    const auto run_set = open_runs({file});
     std::vector<std::string> runs;
-    for (const SelectedRun& run : gathering->runs()) runs.push_back(bytes.substr(run.offset, run.header.size()));
+    for (const SelectedRun& run : run_set->runs()) runs.push_back(bytes.substr(run.offset, run.header.size()));
     return runs;
 }
 
@@ -87,12 +87,12 @@ TEST_F(MergeDamage, OfTwoHundredDamagedPartsNonePasses) {
             SCOPED_TRACE(at);
             const Result<MergeReport> report = merge_to_out({write("part.latent", flipped({at}))}, compact);
             ASSERT_TRUE(report) << report.error().message;
-            const auto out = gather({out_});  // decodes and checks every record
+            const auto out = open_runs({out_});  // decodes and checks every record
             ASSERT_TRUE(out);
-            const std::vector<LeftOut>& left_out = report->gathering.left_out;
+            const std::vector<LeftOut>& left_out = report->run_set.left_out;
             if (at < sound_.header_size) {  // the other copy of the header serves
                 EXPECT_TRUE(left_out.empty());
-                EXPECT_EQ(report->gathering.notes.size(), 1u);
+                EXPECT_EQ(report->run_set.notes.size(), 1u);
                 EXPECT_EQ(read_text(out_), expected);
                 continue;
             }
@@ -113,7 +113,7 @@ TEST_F(MergeDamage, QuickLooksAtOnePageStoredAtEveryByteAndFullAtEveryRecord) {
          {std::pair(VerifyLevel::kQuick, false), std::pair(VerifyLevel::kStored, true), std::pair(VerifyLevel::kFull, true)}) {
         const Result<MergeReport> report = merge_to_out({part}, false, level);
         ASSERT_TRUE(report) << report.error().message;
-        EXPECT_EQ(!report->gathering.left_out.empty(), found);
+        EXPECT_EQ(!report->run_set.left_out.empty(), found);
         EXPECT_EQ(report->runs_out, found ? 3u : 4u);
     }
 }
@@ -128,8 +128,8 @@ TEST_F(MergeDamage, TheSameSamplesElsewhereStandInForADamagedRun) {
     ASSERT_TRUE(report) << report.error().message;
     Coverage expected(SampleRange{kSamples, 4 * kSamples});
     for (const Coverage& checkpoint : checkpoints) expected.add(checkpoint);
-    EXPECT_EQ(gather({out_})->coverage(), expected);
-    EXPECT_EQ(report->gathering.left_out.size(), 2u);
+    EXPECT_EQ(open_runs({out_})->coverage(), expected);
+    EXPECT_EQ(report->run_set.left_out.size(), 2u);
     EXPECT_EQ(report->coverage, expected);
     const std::vector<std::string> runs = run_bytes(out_);
     fs::remove(folder_ / "parts/a.latent");
@@ -219,7 +219,7 @@ TEST_F(MergeDamage, FilesThatCanShareBlocksShareThem) {
     const std::uint64_t before = disk.used();
     ASSERT_EQ(run(command).status, 0);
     EXPECT_LT(disk.used() - before, bytes / 50);
-    EXPECT_EQ(gather({disk / "out.latent"})->coverage(), Coverage(SampleRange{0, std::uint64_t{4} << 17}));
+    EXPECT_EQ(open_runs({disk / "out.latent"})->coverage(), Coverage(SampleRange{0, std::uint64_t{4} << 17}));
 }
 
 }  // namespace

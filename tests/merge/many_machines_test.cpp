@@ -11,7 +11,7 @@
 
 #include "base/json.h"
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 #include "tools/merge/merge.h"
 
@@ -140,7 +140,7 @@ TEST_F(ManyMachines, MergeTakesEveryWholeRunOnceAndListsTheRest) {
     const auto report = nlohmann::json::parse(outcome.out);
 
     std::set<SampleRange> runs;
-    const auto merged = synthetic::gather({folder_ / "all.latent"});
+    const auto merged = synthetic::open_runs({folder_ / "all.latent"});
     ASSERT_TRUE(merged);
     for (const SelectedRun& run : merged->runs()) EXPECT_TRUE(runs.insert(run.header.samples).second);
     EXPECT_EQ(runs, night_.runs());

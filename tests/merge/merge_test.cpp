@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::merge {
@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 using namespace sampledb;
 using namespace latent::testing;
 
-using synthetic::gather;
 using synthetic::make_short_job;
+using synthetic::open_runs;
 using synthetic::runs_between;
 using synthetic::runs_of;
 
@@ -86,7 +86,7 @@ TEST_F(MergeTest, AnyGroupingSelectsTheRunsThatOneProcessWouldHaveWritten) {
         const Outcome outcome = merge_files(inputs, {"--force"});
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         EXPECT_EQ(runs_of(out_), runs_of(whole));
-        EXPECT_EQ(gather({out_})->light_paths(), 3 * kS + 77);
+        EXPECT_EQ(open_runs({out_})->light_paths(), 3 * kS + 77);
     }
 }
 
@@ -113,7 +113,7 @@ TEST_F(MergeTest, WhatWouldCountASampleTwiceIsRefusedNamingBothFiles) {
     EXPECT_EQ(merge_files({a, a}, {"--skip-duplicates"}).status, 0);
     EXPECT_EQ(runs_of(out_), runs_of(a));
     EXPECT_EQ(merge_files({a, overlapping}, {"--skip-duplicates", "--force"}).status, 0);
-    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
+    EXPECT_EQ(open_runs({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
 }
 
 TEST_F(MergeTest, WhatIsNoPartOfTheJobIsRefusedByName) {
@@ -140,7 +140,7 @@ TEST_F(MergeTest, ATruncatedPartYieldsItsGoodRunsAndExitStatusThree) {
     const Outcome outcome = merge_files({a, folder_ / "cut.latent"});
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_NE(outcome.err.find("cut.latent"), std::string::npos) << outcome.err;
-    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    EXPECT_EQ(open_runs({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
 }
 
 TEST_F(MergeTest, PartsOfWhichNothingIsLeftGiveNoOutputButEmptyPartsGiveAnEmptyPart) {
@@ -151,7 +151,7 @@ TEST_F(MergeTest, PartsOfWhichNothingIsLeftGiveNoOutputButEmptyPartsGiveAnEmptyP
     expect_refusal({folder_ / "cut.latent"}, {"cut.latent: truncated or damaged at its end", "no runs left to merge"});
     expect_refusal({folder_ / "cut.latent", empty}, {"cut.latent: truncated or damaged at its end", "no runs left to merge"});
     EXPECT_EQ(merge_files({empty}).status, 0);
-    EXPECT_TRUE(gather({out_})->runs().empty());
+    EXPECT_TRUE(open_runs({out_})->runs().empty());
 }
 
 TEST_F(MergeTest, AFolderGivesItsPartsAndAListOfWhatWasLeftOut) {
@@ -161,12 +161,12 @@ TEST_F(MergeTest, AFolderGivesItsPartsAndAListOfWhatWasLeftOut) {
     part("parts/again.latent", job, runs_between({0, kS}));
     part("parts/b.latent.part.0123456789abcdef", job, runs_between({kS, 2 * kS}), false);
     EXPECT_EQ(merge_files({folder_ / "parts"}).status, 0);  // repeats in a folder are normal
-    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    EXPECT_EQ(open_runs({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
     std::ofstream(folder_ / "parts/notes.latent") << "these are notes";
     const Outcome outcome = merge_files({folder_ / "parts"}, {"--force"});
     EXPECT_EQ(outcome.status, 3) << outcome.err;
     EXPECT_NE(outcome.err.find("notes.latent"), std::string::npos) << outcome.err;
-    EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
+    EXPECT_EQ(open_runs({out_})->coverage(), Coverage(SampleRange{0, 2 * kS}));
 }
 
 TEST_F(MergeTest, ANameInANoteCannotSteerATerminal) {
@@ -222,7 +222,7 @@ TEST_F(MergeTest, ManyPartsNeedFewOpenFiles) {
     const Outcome outcome = run({"/bin/sh", "-c", "ulimit -n 300; exec \"$0\" \"$@\"", tool("latent-merge"),
                                  (folder_ / "parts").string(), "-o", out_.string()});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(gather({out_}, VerifyLevel::kHeaders)->coverage(), Coverage(SampleRange{0, 600 * 1024}));
+    EXPECT_EQ(open_runs({out_}, VerifyLevel::kHeaders)->coverage(), Coverage(SampleRange{0, 600 * 1024}));
 }
 
 class MergeFaults : public MergeTest {
@@ -251,7 +251,7 @@ TEST_F(MergeFaults, EveryCallThatFailsIsReportedAndLeavesNoHalfOutput) {
                     if (!happened) {
                         EXPECT_EQ(outcome.status, 0) << outcome.err;
                     } else if (outcome.status == 0 || fs::exists(out_)) {  // the folder's own sync, or a detour that worked
-                        EXPECT_EQ(gather({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
+                        EXPECT_EQ(open_runs({out_})->coverage(), Coverage(SampleRange{0, 3 * kS}));
                     } else {
                         EXPECT_EQ(outcome.status, 1);
                         EXPECT_NE(outcome.err.find("out.latent"), std::string::npos) << outcome.err;

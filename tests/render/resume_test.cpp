@@ -8,7 +8,7 @@
 #include <random>
 #include <thread>
 
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tests/faults/process.h"
 #include "tests/support/paths.h"
 
@@ -44,13 +44,13 @@ Command command(const std::filesystem::path& output, const Command& more = {}, c
 
 // First sample, end and content of every selected run.
 std::vector<std::string> runs_of(const std::vector<std::filesystem::path>& files) {
-    sampledb::GatherOptions options;
+    sampledb::RunSetOptions options;
     options.inputs = files;
-    const auto gathering = sampledb::Gathering::open(options);
-    EXPECT_TRUE(gathering) << (gathering ? "" : gathering.error().message);
+    const auto run_set = sampledb::RunSet::open(options);
+    EXPECT_TRUE(run_set) << (run_set ? "" : run_set.error().message);
     std::vector<std::string> runs;
-    if (!gathering) return runs;
-    for (const sampledb::SelectedRun& run : (*gathering)->runs()) {
+    if (!run_set) return runs;
+    for (const sampledb::SelectedRun& run : (*run_set)->runs()) {
         runs.push_back(std::to_string(run.header.samples.first) + ":" + std::to_string(run.header.samples.end) + " " +
                        to_hex(run.header.content_hash));
     }
@@ -82,11 +82,11 @@ double Resume::whole_seconds_;
 
 // Until some samples of the part are committed.
 void wait_for_samples(const std::filesystem::path& part) {
-    sampledb::GatherOptions options;
+    sampledb::RunSetOptions options;
     options.inputs = {part};
     for (;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
-        const auto gathering = sampledb::Gathering::open(options);
-        if (gathering && !(*gathering)->runs().empty()) return;
+        const auto run_set = sampledb::RunSet::open(options);
+        if (run_set && !(*run_set)->runs().empty()) return;
     }
 }
 
@@ -326,11 +326,11 @@ TEST_F(Resume, MoreThanBeginsWhereOtherFilesEnd) {
         ASSERT_EQ(more.status, 0) << more.err;
         EXPECT_THAT(more.out, HasSubstr("samples 10000:30000"));
     }
-    sampledb::GatherOptions options;
+    sampledb::RunSetOptions options;
     options.inputs = {first, rest};
-    const auto gathering = sampledb::Gathering::open(options);
-    ASSERT_TRUE(gathering) << gathering.error().message;
-    EXPECT_EQ((*gathering)->coverage(), sampledb::Coverage(sampledb::SampleRange{0, 30000}));
+    const auto run_set = sampledb::RunSet::open(options);
+    ASSERT_TRUE(run_set) << run_set.error().message;
+    EXPECT_EQ((*run_set)->coverage(), sampledb::Coverage(sampledb::SampleRange{0, 30000}));
     const Outcome enough = with(whole, {"--spp", "2", "--more-than", first.string(), rest.string()});
     EXPECT_EQ(enough.status, 2);
     EXPECT_THAT(enough.err, HasSubstr("use a larger --spp"));

@@ -333,16 +333,16 @@ TEST(Headers, ThatDifferAreTold) {
 
 TEST(Damage, OfAnyNumberOfPlacesIsAShortList) {
     std::vector<Damage> list;
-    for (std::uint64_t i = 0; i < 5 * kMostDamage; ++i) add_damage(list, {i * 10, 5, "hole", false});
-    ASSERT_EQ(list.size(), kMostDamage + 1);
-    EXPECT_EQ(list.back().offset, kMostDamage * 10);
-    EXPECT_EQ(list.back().offset + list.back().size, 5 * kMostDamage * 10 - 5);
-    EXPECT_EQ(list.back().places, 4 * kMostDamage);
+    for (std::uint64_t i = 0; i < 5 * kMaxDamage; ++i) add_damage(list, {i * 10, 5, "hole", false});
+    ASSERT_EQ(list.size(), kMaxDamage + 1);
+    EXPECT_EQ(list.back().offset, kMaxDamage * 10);
+    EXPECT_EQ(list.back().offset + list.back().size, 5 * kMaxDamage * 10 - 5);
+    EXPECT_EQ(list.back().places, 4 * kMaxDamage);
     EXPECT_EQ(list.back().reason, "4000 more, in bytes 10000..49995");
     EXPECT_FALSE(list.back().loss);
     add_damage(list, {7, 1, "loss"});
     EXPECT_TRUE(list.back().loss);
-    EXPECT_EQ(list.size(), kMostDamage + 1);
+    EXPECT_EQ(list.size(), kMaxDamage + 1);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ std::vector<std::uint32_t> packed_and_back(const std::vector<float>& values, con
 
 TEST(PackedDelta2, FieldsOfEveryWidthAndNumberAreReadBack) {
     std::mt19937 random(1);
-    for (unsigned bits = 0; bits <= kMostFieldBits; ++bits) {
+    for (unsigned bits = 0; bits <= kMaxFieldBits; ++bits) {
         for (std::size_t n = 1; n <= kFieldsPerBlock; ++n) {
             FieldBlock fields{}, back;
             for (std::size_t i = 0; i < n; ++i) fields[i] = random() & ((1u << bits) - 1);

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 
 namespace latent::sampledb {
 namespace {
@@ -40,15 +40,15 @@ struct Seen {
     std::vector<synthetic::RunContent> runs;
 };
 Seen seen(const fs::path& name) {
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {name};
     options.verify = VerifyLevel::kFull;
-    const auto gathering = Gathering::open(options);
+    const auto run_set = RunSet::open(options);
     Seen result;
-    if (!gathering) return result;  // nothing readable yet
-    EXPECT_TRUE((*gathering)->report().left_out.empty()) << (*gathering)->report().left_out.front().reason;
-    result.samples = (*gathering)->coverage().size();
-    result.runs = synthetic::runs_of(**gathering);
+    if (!run_set) return result;  // nothing readable yet
+    EXPECT_TRUE((*run_set)->report().left_out.empty()) << (*run_set)->report().left_out.front().reason;
+    result.samples = (*run_set)->coverage().size();
+    result.runs = synthetic::runs_of(**run_set);
     return result;
 }
 

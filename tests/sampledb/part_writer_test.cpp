@@ -15,7 +15,7 @@
 #include "sampledb/write/grain_queue.h"
 #include "sampledb/write/run_assembler.h"
 #include "tests/faults/process.h"
-#include "tests/support/gathered.h"
+#include "tests/support/opened_runs.h"
 #include "tests/support/synthetic.h"
 
 namespace latent::sampledb {
@@ -474,13 +474,13 @@ TEST_F(PartWriterTest, ARangeMayBeginInsideARunAndItsFirstRunEndsAtTheNextBounda
     EXPECT_TRUE(writer->missing().empty());
     ASSERT_TRUE(writer->finish());
     EXPECT_EQ(runs_of(name_), undisturbed(job, {5000, 13000}));
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {name_};
-    const auto gathering = Gathering::open(options);
-    ASSERT_TRUE(gathering);
-    ASSERT_EQ((*gathering)->runs().size(), 3u);
-    EXPECT_EQ((*gathering)->runs()[0].header.samples, (SampleRange{5000, 8192}));
-    EXPECT_EQ((*gathering)->runs()[2].header.samples, (SampleRange{12288, 13000}));
+    const auto run_set = RunSet::open(options);
+    ASSERT_TRUE(run_set);
+    ASSERT_EQ((*run_set)->runs().size(), 3u);
+    EXPECT_EQ((*run_set)->runs()[0].header.samples, (SampleRange{5000, 8192}));
+    EXPECT_EQ((*run_set)->runs()[2].header.samples, (SampleRange{12288, 13000}));
 }
 
 TEST_F(PartWriterTest, ARangeOfMoreRunsThanAFileTakesIsRefusedBeforeAnythingIsRendered) {

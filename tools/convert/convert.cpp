@@ -132,11 +132,11 @@ Status publish(const std::vector<Exposure>& exposures, std::vector<ExposureRepor
 
 Result<int> dpi_of(const ConvertOptions& options, int width) {
     if (options.paper_width_mm == 0) return options.dpi;
-    constexpr double kMillimetresPerInch = 25.4, kMost = 65535;
+    constexpr double kMillimetresPerInch = 25.4, kMax = 65535;
     const double dpi = std::round(width * kMillimetresPerInch / options.paper_width_mm);
-    if (dpi >= 1 && dpi <= kMost) return static_cast<int>(dpi);
+    if (dpi >= 1 && dpi <= kMax) return static_cast<int>(dpi);
     return usage_error(fmt::format("--paper-width: {} pixels on {} mm are {:.0f} per inch; 1 to {:.0f} are possible", width,
-                                   options.paper_width_mm, dpi, kMost));
+                                   options.paper_width_mm, dpi, kMax));
 }
 
 constexpr int kCoarseDpi = 100;  // pixels of such a print can be seen at reading distance
@@ -154,18 +154,18 @@ Result<Spread> spread_for(const ConvertOptions& options, const Source& source) {
     const Result<FilmBlur> blur = blur_for(options, source);
     if (!blur) return blur.error();
     const double frame_mm = options.darkroom.frame(), um = pixel_um(source, frame_mm);
-    constexpr int kMost = image::Convolver::kMostRadius;
+    constexpr int kMax = image::Convolver::kMaxRadius;
     Spread spread;
-    if (blur->half) spread.near = sharpness_kernel(*blur->half, um, kMost / 2);
+    if (blur->half) spread.near = sharpness_kernel(*blur->half, um, kMax / 2);
     if (options.glare) {
-        const int left = kMost - (spread.near ? spread.near->radius() : 0);
+        const int left = kMax - (spread.near ? spread.near->radius() : 0);
         Result<image::Kernel> lens = glare_kernel(*options.glare, source, frame_mm, left);
         if (!lens) return lens.error().at("--glare");
         spread.near = spread.near ? image::in_turn(*lens, *spread.near) : *std::move(lens);
     }
     if (blur->returns_light()) {
         spread.cell = returned_cell(um);
-        spread.far = returned_kernel(blur->returned, um * spread.cell, kMost);
+        spread.far = returned_kernel(blur->returned, um * spread.cell, kMax);
     }
     return spread;
 }
@@ -304,13 +304,13 @@ std::string shown_by(const ConvertOptions& options) {
 }
 
 Result<std::vector<double>> parse_stops(std::string_view text) {
-    constexpr double kMost = 100;
-    constexpr std::size_t kMostPrints = 16;
+    constexpr double kMax = 100;
+    constexpr std::size_t kMaxPrints = 16;
     const auto numbers = parse_numbers(text);
     const auto refuse = [&](const char* why) { return usage_error(fmt::format("'{}': {} (try 1, or -1,0,1)", text, why)); };
     if (!numbers) return refuse("not numbers");
-    if (std::ranges::any_of(*numbers, [](double v) { return !(std::abs(v) <= kMost); })) return refuse("stops must be -100 to 100");
-    if (numbers->size() > kMostPrints) return refuse("at most 16 prints can be made at once");
+    if (std::ranges::any_of(*numbers, [](double v) { return !(std::abs(v) <= kMax); })) return refuse("stops must be -100 to 100");
+    if (numbers->size() > kMaxPrints) return refuse("at most 16 prints can be made at once");
     if (std::set<double>(numbers->begin(), numbers->end()).size() < numbers->size()) return refuse("given twice");
     return *numbers;
 }

@@ -46,8 +46,8 @@ Result<std::optional<std::array<double, 3>>> parse_filters(std::string_view text
     using Filters = std::optional<std::array<double, 3>>;
     if (text == "auto") return Filters{};
     const auto numbers = parse_numbers(text);
-    constexpr double kMost = 500;
-    if (numbers && numbers->size() == 3 && std::ranges::all_of(*numbers, [](double v) { return v >= 0 && v <= kMost; }))
+    constexpr double kMax = 500;
+    if (numbers && numbers->size() == 3 && std::ranges::all_of(*numbers, [](double v) { return v >= 0 && v <= kMax; }))
         return Filters{{(*numbers)[0] / 100, (*numbers)[1] / 100, (*numbers)[2] / 100}};
     return is_not(text, "the filters of an enlarger (try auto, or yellow, magenta and cyan as in 54,46,0)");
 }

@@ -103,7 +103,7 @@ class RoundTrip final : public DeviceGamut {
                 std::array<double, 3> xyz = to_xyz * std::array{from(0), from(1), from(2)};
                 for (std::size_t c = 0; c < 3; ++c) xyz[c] = black_[c] + xyz[c] * (1 - black_[c] / white[c]);
                 const color::Lab lab = color::lab_from_xyz({xyz[0], xyz[1], xyz[2]}, {white[0], white[1], white[2]});
-                const bool lacks = !(std::hypot(lab.l - to(0), lab.a - to(1), lab.b - to(2)) <= kMost);
+                const bool lacks = !(std::hypot(lab.l - to(0), lab.a - to(1), lab.b - to(2)) <= kMax);
                 lacking[first + i] = lacks;
                 found += lacks;
             }

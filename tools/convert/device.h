@@ -33,10 +33,10 @@ class DeviceTransform {
     virtual void apply(const std::array<std::span<float>, 3>& rgb, std::span<float> fourth) const = 0;
 };
 
-// Which colours a device has: its relative colorimetric print of the others differs by more than kMost in CIELAB. Thread-safe.
+// Which colours a device has: its relative colorimetric print of the others differs by more than kMax in CIELAB. Thread-safe.
 class DeviceGamut {
  public:
-    static constexpr double kMost = 5;
+    static constexpr double kMax = 5;
     virtual ~DeviceGamut() = default;
     // Rows in table_space(), and 1 for each pixel that the device lacks, 0 for others. Returns the number of the former.
     virtual std::size_t find_lacking(const std::array<std::span<const float>, 3>& rgb, std::span<std::uint8_t> lacking) const = 0;

@@ -5,9 +5,9 @@ namespace latent::convert {
 
 // Degrees that the longer side of a picture covers.
 struct FieldOfView {
-    static constexpr double kLeast = 0.1, kMost = 150;
+    static constexpr double kMin = 0.1, kMax = 150;
     double degrees = 40;
-    bool is_possible() const { return degrees >= kLeast && degrees <= kMost; }
+    bool is_possible() const { return degrees >= kMin && degrees <= kMax; }
 };
 
 }  // namespace latent::convert

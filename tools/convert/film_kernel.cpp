@@ -23,10 +23,10 @@ int radius_of(double reach_um, double pixel_um, int most) {
 
 }  // namespace
 
-image::Kernel sharpness_kernel(const film::Triple& half, double pixel_um, int most_radius) {
+image::Kernel sharpness_kernel(const film::Triple& half, double pixel_um, int max_radius) {
     // Light falls off by e in 1 / (2 pi half): what goes farther than 12 times that is 3e-5 of it.
     const double reach = 12 * 1000 / (2 * std::numbers::pi * std::ranges::min(half));
-    image::Kernel kernel(radius_of(reach, pixel_um, most_radius));
+    image::Kernel kernel(radius_of(reach, pixel_um, max_radius));
     const image::SquareFourier fourier(kSide);
     image::Pattern pattern{kSide, Plane(static_cast<std::size_t>(kSide) * kSide)};
     Plane re(pattern.light.size()), im(re.size());
@@ -53,8 +53,8 @@ image::Kernel sharpness_kernel(const film::Triple& half, double pixel_um, int mo
     return kernel;
 }
 
-image::Kernel returned_kernel(const film::Triple& share, double cell_um, int most_radius) {
-    image::Kernel kernel(radius_of(kSide / 2.0, cell_um, most_radius));
+image::Kernel returned_kernel(const film::Triple& share, double cell_um, int max_radius) {
+    image::Kernel kernel(radius_of(kSide / 2.0, cell_um, max_radius));
     image::Pattern pattern{kSide, Plane(static_cast<std::size_t>(kSide) * kSide)};
     double sum = 0;
     for (int y = 0; y < kSide; ++y) {
@@ -72,8 +72,8 @@ image::Kernel returned_kernel(const film::Triple& share, double cell_um, int mos
 }
 
 int returned_cell(double pixel_um) {
-    constexpr double kMost = 10;  // um
-    return std::max(1, static_cast<int>(kMost / pixel_um));
+    constexpr double kMax = 10;  // um
+    return std::max(1, static_cast<int>(kMax / pixel_um));
 }
 
 }  // namespace latent::convert

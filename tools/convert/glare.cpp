@@ -145,9 +145,9 @@ Result<Glare> parse_glare(std::string_view text) {
         } else if (glare.eye && named->name == "age") {
             if (!take(glare.age, 0, 100)) return is_not(part, "an age, 0 to 100 years (try age:70)");
         } else if (glare.eye && named->name == "field") {
-            if (!take(glare.field.degrees, FieldOfView::kLeast, FieldOfView::kMost))
-                return is_not(part, fmt::format("a field of view, {:g} to {:g} degrees (try field:40)", FieldOfView::kLeast,
-                                                FieldOfView::kMost));
+            if (!take(glare.field.degrees, FieldOfView::kMin, FieldOfView::kMax))
+                return is_not(part, fmt::format("a field of view, {:g} to {:g} degrees (try field:40)", FieldOfView::kMin,
+                                                FieldOfView::kMax));
         } else if (glare.eye) {
             return refuse("a glare: an eye has age and field only");
         } else if (named->name == "age" || named->name == "field") {
@@ -180,7 +180,7 @@ std::vector<Wavelength> wavelengths_of(const Source& source) {
     return out;
 }
 
-Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light, int most_radius) {
+Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light, int max_radius) {
     // A cell of the pattern is lambda N diameter / kPattern wide: half the width that holds all detail, or less for small pixels.
     const auto cell_um = [&](double nm, double diameter) { return nm / 1000 * glare.f_number * diameter / kPattern; };
     double diameter = kPattern / 2.0;
@@ -189,7 +189,7 @@ Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std
     if (!aperture) return aperture.error();
     const image::Pattern pattern = diffraction(*std::move(aperture));
     const double reach = kPattern / 2.0 * cell_um(light.back().nm, diameter) / pixel_um;
-    image::Kernel kernel(std::min(most_radius, static_cast<int>(std::ceil(reach)) + 1));
+    image::Kernel kernel(std::min(max_radius, static_cast<int>(std::ceil(reach)) + 1));
     for (const Wavelength& wavelength : light)
         image::add_pattern(pattern, cell_um(wavelength.nm, diameter) / pixel_um, wavelength.weights, kernel);
     return kernel;
@@ -226,11 +226,11 @@ image::Kernel eye_kernel(const Glare& glare, double pixel_degrees, int radius) {
     return kernel;
 }
 
-Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm, int most_radius) {
+Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm, int max_radius) {
     const image::Rect& whole = source.reader.image().display_window;
     const int longer = std::max(whole.width(), whole.height());
-    if (glare.eye) return eye_kernel(glare, glare.field.degrees / longer, std::min(most_radius, longer));
-    return lens_kernel(glare, pixel_um(source, frame_mm), wavelengths_of(source), most_radius);
+    if (glare.eye) return eye_kernel(glare, glare.field.degrees / longer, std::min(max_radius, longer));
+    return lens_kernel(glare, pixel_um(source, frame_mm), wavelengths_of(source), max_radius);
 }
 
 }  // namespace latent::convert

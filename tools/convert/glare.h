@@ -39,13 +39,13 @@ struct Wavelength {
 // Of white light, in the channels of `source`; each adds up to 1.
 std::vector<Wavelength> wavelengths_of(const Source& source);
 
-// `pixel_um`: the size of a pixel on the sensor. Light goes no farther than `most_radius` pixels. Errors: of reading the picture of
+// `pixel_um`: the size of a pixel on the sensor. Light goes no farther than `max_radius` pixels. Errors: of reading the picture of
 // an aperture.
-Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light, int most_radius);
+Result<image::Kernel> lens_kernel(const Glare& glare, double pixel_um, const std::vector<Wavelength>& light, int max_radius);
 // `pixel_degrees`: the angle of a pixel.
 image::Kernel eye_kernel(const Glare& glare, double pixel_degrees, int radius);
 
 // For a picture that was taken on a frame whose longer side is `frame_mm`.
-Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm, int most_radius);
+Result<image::Kernel> glare_kernel(const Glare& glare, const Source& source, double frame_mm, int max_radius);
 
 }  // namespace latent::convert

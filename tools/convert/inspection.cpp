@@ -23,7 +23,7 @@ HueShifts& HueShifts::operator+=(const HueShifts& other) {
 }
 
 void find_hue_shifts(const color::Print& print, const color::RgbSpace& space, const InspectedRow& row, HueShifts& shifts) {
-    constexpr double kLeastChroma = 0.02;  // greys have no hue
+    constexpr double kMinChroma = 0.02;  // greys have no hue
     const auto oklab = [&](double r, double g, double b) {
         const std::array<double, 3> xyz = space.xyz_from_rgb * std::array{r, g, b};
         return color::oklab_from_xyz({xyz[0], xyz[1], xyz[2]});
@@ -32,7 +32,7 @@ void find_hue_shifts(const color::Print& print, const color::RgbSpace& space, co
         const auto before = print.unmapped({row.x[i], row.y[i], row.z[i]});
         if (!before || !print.out_of_gamut(*before)) continue;
         const color::Oklab from = oklab(before->r, before->g, before->b), to = oklab(row.red[i], row.green[i], row.blue[i]);
-        if (from.chroma() < kLeastChroma || to.chroma() < kLeastChroma) continue;
+        if (from.chroma() < kMinChroma || to.chroma() < kMinChroma) continue;
         shifts.add(std::abs(std::remainder(to.hue_degrees() - from.hue_degrees(), 360)), row.first_x + static_cast<int>(i),
                    row.row_y);
     }

@@ -22,8 +22,8 @@ Profile linear_profile(const color::RgbSpace& space) {
 }
 
 Result<Profile> open_profile(const std::string& path, Bytes* bytes) {
-    constexpr std::uint64_t kMost = std::uint64_t{64} << 20;
-    const Result<std::string> text = read_small_file(path, kMost, "a profile");
+    constexpr std::uint64_t kMax = std::uint64_t{64} << 20;
+    const Result<std::string> text = read_small_file(path, kMax, "a profile");
     if (!text) return text.error();
     if (text->size() >= 4) {  // a profile begins with its size
         std::uint32_t size = 0;

@@ -18,7 +18,7 @@ Result<Vignette> parse_vignette(std::string_view text) {
     if (right && vignette.field.is_possible()) return vignette;
     return is_not(text, fmt::format("a vignette (try cos4, or cos4:54 with the degrees that the longer side of the picture covers, "
                                     "{:g} to {:g})",
-                                    FieldOfView::kLeast, FieldOfView::kMost));
+                                    FieldOfView::kMin, FieldOfView::kMax));
 }
 
 FallOff::FallOff(const Vignette& vignette, const image::Rect& whole)

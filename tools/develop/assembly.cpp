@@ -14,7 +14,7 @@ namespace latent::develop {
 namespace {
 
 // Pixels whose sum of w c is below this share of its expectation are weighed without the filter's negative lobes.
-constexpr double kLeastWeight = 0.05;
+constexpr double kMinWeight = 0.05;
 
 constexpr std::int64_t kChunk = 16;  // sums wait, and few samples are looked for, in chunks of at most 16 x 16 pixels
 constexpr std::int64_t kBlock = 16;  // finished pixels wait in blocks of 16 x 16
@@ -294,8 +294,8 @@ Assembly::Sums Assembly::sums_in_pane(const Windows& windows, const Piece& piece
     return {cell.camera ? cell.camera + first : nullptr, cell.light ? cell.light + first : nullptr, nullptr, row, row};
 }
 
-double Assembly::least_weight(std::int64_t x, std::int64_t y) const {
-    return kLeastWeight * normalisation_.camera_density *
+double Assembly::min_weight(std::int64_t x, std::int64_t y) const {
+    return kMinWeight * normalisation_.camera_density *
            border_.camera_share(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
 }
 double Assembly::light_scale(std::int64_t x, std::int64_t y) const {
@@ -311,7 +311,7 @@ void Assembly::finish(const Pane& pane, const Piece& piece, const Sums& sums, fl
     std::size_t few = 0;
     for (std::int64_t y = pixels.y0; y < pixels.y1; ++y) {
         for (std::size_t x = 0; x < width && (!inside || y == pixels.y0); ++x) {
-            least[x] = least_weight(pixels.x0 + static_cast<std::int64_t>(x), y);
+            least[x] = min_weight(pixels.x0 + static_cast<std::int64_t>(x), y);
             scale[x] = light_scale(pixels.x0 + static_cast<std::int64_t>(x), y);
         }
         const auto row = static_cast<std::size_t>(y - pixels.y0);
@@ -331,7 +331,7 @@ PixelRect Assembly::few_samples(const PixelRect& pixels, const Piece& piece, con
         for (std::int64_t x = pixels.x0; x < pixels.x1; ++x) {
             const double* const at = sums.camera + static_cast<std::size_t>(y - piece.pixels.y0) * sums.camera_row +
                                      static_cast<std::size_t>((x - piece.pixels.x0) * stride_);
-            if (normalisation_.layout.least_divisor(at) >= least_weight(x, y)) continue;
+            if (normalisation_.layout.min_divisor(at) >= min_weight(x, y)) continue;
             few = {std::min(few.x0, x), std::min(few.y0, y), std::max(few.x1, x + 1), std::max(few.y1, y + 1)};
         }
     }
@@ -366,8 +366,8 @@ void Assembly::finish_few_samples(const Pane& pane, const Piece& piece, const Su
         for (std::int64_t y = few.y0; y < few.y1; ++y) {
             for (std::int64_t x = few.x0; x < few.x1; ++x, at += stride) {
                 const std::size_t row = row_of(y), column = column_of(x);
-                const double least = normalisation_.layout.least_divisor(sums.camera + row * sums.camera_row + column * stride);
-                if (least >= least_weight(x, y)) continue;
+                const double least = normalisation_.layout.min_divisor(sums.camera + row * sums.camera_row + column * stride);
+                if (least >= min_weight(x, y)) continue;
                 const double none = 0, scale = light_scale(x, y);
                 normalise_row({at,
                                sums.light ? sums.light + row * sums.light_row + column * stride : nullptr,

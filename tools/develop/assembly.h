@@ -98,7 +98,7 @@ class Assembly {
     void finish(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row);
     void finish_few_samples(const Pane& pane, const Piece& piece, const Sums& sums, float* out, std::size_t out_row);
     PixelRect few_samples(const PixelRect& pixels, const Piece& piece, const Sums& sums) const;
-    double least_weight(std::int64_t x, std::int64_t y) const;
+    double min_weight(std::int64_t x, std::int64_t y) const;
     double light_scale(std::int64_t x, std::int64_t y) const;
 
     const FilmGrid& grid_;

@@ -81,14 +81,14 @@ Result<Channels> Channels::xyz(const sampledb::Job& job, const color::Observer* 
 }
 
 Result<SpectralBins> parse_spectral_bins(std::string_view text) {
-    constexpr int kMost = 470;
+    constexpr int kMax = 470;
     SpectralBins bins;
     const auto refuse = [&](std::string_view what) {
         return usage_error(fmt::format("'{}': {} (try 94, or 400:700:10)", text, what));
     };
     if (text.find(':') == std::string_view::npos) {
         const Result<std::uint64_t> count = parse_count(text);
-        if (!count || *count < 1 || *count > kMost) return refuse(fmt::format("not a number of bins from 1 to {}", kMost));
+        if (!count || *count < 1 || *count > kMax) return refuse(fmt::format("not a number of bins from 1 to {}", kMax));
         bins.count = static_cast<int>(*count);
         return bins;
     }
@@ -102,7 +102,7 @@ Result<SpectralBins> parse_spectral_bins(std::string_view text) {
     if (!(bins.from_nm >= color::kLambdaMin && bins.to_nm <= color::kLambdaMax))
         return refuse(fmt::format("the range must lie within {} to {} nm", color::kLambdaMin, color::kLambdaMax));
     const double count = (bins.to_nm - bins.from_nm) / (*numbers)[2];
-    if (!(count > 0.5 && count < kMost + 0.5)) return refuse(fmt::format("1 to {} bins are possible", kMost));
+    if (!(count > 0.5 && count < kMax + 0.5)) return refuse(fmt::format("1 to {} bins are possible", kMax));
     if (std::abs(count - std::round(count)) > 1e-6) return refuse("the range is not a whole number of steps");
     bins.count = static_cast<int>(std::round(count));
     return bins;

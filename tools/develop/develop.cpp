@@ -27,23 +27,23 @@ using sampledb::FilmNode;
 using sampledb::PageInfo;
 using sampledb::RecordClass;
 
-constexpr std::size_t kPagesAtOnce = 1 << 14;                 // references to pages of a region that streams
-constexpr std::uint64_t kMostSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
-constexpr std::uint64_t kLargePage = 2 << 20;                 // touching the slab costs a fault for each
-constexpr std::uint64_t kThreadBytes = 2 << 20;               // a decoded page and what the decoder holds
+constexpr std::size_t kPagesAtOnce = 1 << 14;                // references to pages of a region that streams
+constexpr std::uint64_t kMaxSlab = std::uint64_t{64} << 30;  // rows and segments of a batch are counted in 32 bits
+constexpr std::uint64_t kLargePage = 2 << 20;                // touching the slab costs a fault for each
+constexpr std::uint64_t kThreadBytes = 2 << 20;              // a decoded page and what the decoder holds
 
 // Where all records are in memory, panes are no larger than this. Smaller ones share more tiles and sums with their neighbours,
 // which costs more than the caches could save; larger ones gain nothing.
-constexpr std::uint64_t kMostPane = 512 << 20;
+constexpr std::uint64_t kMaxPane = 512 << 20;
 
 // Records that the headers promise of the selected samples: their share of the run's.
 struct ExpectedRecords {
     double camera = 0, light = 0;
 };
 
-ExpectedRecords expected_records(const sampledb::Gathering& gathering) {
+ExpectedRecords expected_records(const sampledb::RunSet& run_set) {
     ExpectedRecords expected;
-    for (const sampledb::SelectedRun& run : gathering.runs()) {
+    for (const sampledb::SelectedRun& run : run_set.runs()) {
         const double share = static_cast<double>(run.coverage.size()) / static_cast<double>(run.header.sample_count);
         expected.camera += share * static_cast<double>(run.header.camera_records);
         expected.light += share * static_cast<double>(run.header.light_records);
@@ -59,28 +59,28 @@ struct Region {
 
 class Engine {
  public:
-    Engine(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings, TileSink& sink)
-        : gathering_(gathering),
+    Engine(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings, TileSink& sink)
+        : run_set_(run_set),
           channels_(channels),
           settings_(settings),
           grid_(settings.width, settings.height, settings.filter.reach()),
-          loader_(gathering, grid_, channels),
-          expected_(expected_records(gathering)),
+          loader_(run_set, grid_, channels),
+          expected_(expected_records(run_set)),
           classes_{.camera = settings.camera && expected_.camera > 0,
-                   .light = settings.light && expected_.light > 0 && gathering.light_paths() > 0},
+                   .light = settings.light && expected_.light > 0 && run_set.light_paths() > 0},
           with_positive_(classes_.camera && settings.filter.kernel().has_negative_lobes),
           pane_(grid_, settings.filter.kernel(), channels.layout().entries(), classes_, fireflies()) {
-        counts_.light_paths = gathering.light_paths();
+        counts_.light_paths = run_set.light_paths();
         const double pixels = static_cast<double>(settings.width) * settings.height;
         // Samples without a camera record thin the density out.
         const double camera_density =
-            std::min(static_cast<double>(gathering.coverage().size()), expected_.camera) / pixels * mean_weight();
+            std::min(static_cast<double>(run_set.coverage().size()), expected_.camera) / pixels * mean_weight();
         normalisation_ = {channels.layout(),
                           classes_.camera,
                           classes_.light,
                           camera_density,
                           classes_.light ? pixels / static_cast<double>(counts_.light_paths) : 0.0,
-                          half_scales(gathering)};
+                          half_scales(run_set)};
         needed_ = grid_.cells_reaching(settings.crop);
         share_memory(sink);
     }
@@ -88,7 +88,7 @@ class Engine {
     Result<double> planned_bytes() const {
         const Result<Plan> plan = make_plan();
         if (!plan) return plan.error();
-        return static_cast<double>(plan->stored_bytes()) * plan->decode_factor(std::max(slab_bytes_, plan->least_room()));
+        return static_cast<double>(plan->stored_bytes()) * plan->decode_factor(std::max(slab_bytes_, plan->min_room()));
     }
 
     Result<DevelopCounts> run(const Progress& progress) {
@@ -97,7 +97,7 @@ class Engine {
         plan_ = &*plan;
         counts_.pages = plan->pages();
         counts_.page_bytes = plan->stored_bytes();
-        if (const std::uint64_t least = plan->least_room(); slab_bytes_ < least)
+        if (const std::uint64_t least = plan->min_room(); slab_bytes_ < least)
             return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {}M is enough", enough_for(least) >> 20)};
         slab_.reset(
             static_cast<std::byte*>(std::aligned_alloc(kLargePage, (slab_bytes_ + kLargePage - 1) / kLargePage * kLargePage)));
@@ -123,7 +123,7 @@ class Engine {
 
     Result<Plan> make_plan() const {
         const std::uint64_t positive_bytes = with_positive_ ? PositiveWindows::bytes(grid_, channels_.stride()) : 0;
-        return Plan::make(gathering_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
+        return Plan::make(run_set_, grid_, needed_, classes_, loader_, {pane_.cell_bytes(), positive_bytes});
     }
 
     // Mean weight of records.
@@ -134,15 +134,15 @@ class Engine {
         assert(channels_.layout().layers.samples);
         const double pixels = static_cast<double>(settings_.width) * settings_.height;
         return Fireflies(grid_, settings_.filter.reach(), channels_.layout(), classes_,
-                         static_cast<double>(gathering_.coverage().size()) / pixels * mean_weight());
+                         static_cast<double>(run_set_.coverage().size()) / pixels * mean_weight());
     }
 
     // N over the samples of each half.
-    std::array<double, 2> half_scales(const sampledb::Gathering& gathering) const {
+    std::array<double, 2> half_scales(const sampledb::RunSet& run_set) const {
         std::array<double, 2> scales{};
-        const auto all = static_cast<double>(gathering.coverage().size());
+        const auto all = static_cast<double>(run_set.coverage().size());
         for (int half = 0; half < 2 && channels_.layout().layers.halves; ++half) {
-            const std::uint64_t count = count_in_half(gathering.coverage(), half);
+            const std::uint64_t count = count_in_half(run_set.coverage(), half);
             if (count > 0) scales[static_cast<std::size_t>(half)] = all / static_cast<double>(count);
         }
         return scales;
@@ -156,7 +156,7 @@ class Engine {
             sizeof(float) * TileSink::kTile * TileSink::kTile * static_cast<std::uint64_t>(channels_.layout().outputs());
         own_bytes_ = threads * (kThreadBytes + loader_.thread_bytes() + kPiecesPerThread * tile_bytes);
         slab_bytes_ = settings_.memory > waiting + own_bytes_ ? (settings_.memory - waiting - own_bytes_) / 64 * 64 : 0;
-        slab_bytes_ = std::min(slab_bytes_, kMostSlab);
+        slab_bytes_ = std::min(slab_bytes_, kMaxSlab);
         assembly_ = std::make_unique<Assembly>(grid_, settings_.filter, settings_.crop, normalisation_, settings_.temporary_folder,
                                                waiting, sink);
     }
@@ -231,7 +231,7 @@ class Engine {
     // Appends the pages of a run, or of all, that are `wanted`, in their order.
     template <class Wanted>
     Status append_pages(std::size_t run, const Wanted& wanted, std::vector<PageRef>& found) const {
-        const auto pages = gathering_.pages(run);
+        const auto pages = run_set_.pages(run);
         if (!pages) return pages.error();
         for (std::uint32_t i = 0; i < (*pages)->size(); ++i) {  // a few nanoseconds each; a page itself takes some hundred thousand
             const PageInfo& page = (**pages)[i];
@@ -242,7 +242,7 @@ class Engine {
     }
     template <class Wanted>
     Status append_pages(const Wanted& wanted, std::vector<PageRef>& found) const {
-        for (std::size_t run = 0; run < gathering_.runs().size(); ++run) {
+        for (std::size_t run = 0; run < run_set_.runs().size(); ++run) {
             if (Status s = append_pages(run, wanted, found); !s) return s;
         }
         return {};
@@ -271,7 +271,7 @@ class Engine {
                          std::span<std::byte> room) {
         const PixelRect cells = intersection(grid_.cells_of(node), region.cells);
         if (cells.empty()) return {};
-        if (pane_.bytes(cells) > std::min<std::uint64_t>(room.size(), kMostPane) && node.level < grid_.level()) {
+        if (pane_.bytes(cells) > std::min<std::uint64_t>(room.size(), kMaxPane) && node.level < grid_.level()) {
             for (int i = 0; i < 4; ++i) {
                 if (Status s = develop_panes(region, child(node, i), batches, room); !s) return s;
             }
@@ -336,7 +336,7 @@ class Engine {
             with_positive_ ? assembly_->cells_of_few_samples(pane_.windows()) : std::vector<std::size_t>();
         if (!few.empty()) {
             const std::uint64_t bytes = positive.bytes_beside(few);
-            if (bytes + plan_->least_batch() + Loader::index_bytes(region.cells) > room.size()) return false;
+            if (bytes + plan_->min_batch() + Loader::index_bytes(region.cells) > room.size()) return false;
             positive.open(few, take(bytes));
             counting_ = false;
             const auto add_positive = [&](const RecordBatch& batch, const PageRange& range) {
@@ -354,9 +354,9 @@ class Engine {
     Status pass(const Region& region, const Wanted& wanted, std::span<std::byte> room, const Add& add) {
         std::vector<PageRef> pages;
         PageRange range{0, 0};
-        for (std::size_t run = 0; run < gathering_.runs().size();) {
+        for (std::size_t run = 0; run < run_set_.runs().size();) {
             pages.clear();
-            for (; run < gathering_.runs().size() && pages.size() < kPagesAtOnce; ++run) {
+            for (; run < run_set_.runs().size() && pages.size() < kPagesAtOnce; ++run) {
                 if (Status s = append_pages(run, wanted, pages); !s) return s;
             }
             std::span<const PageRef> rest = pages;
@@ -367,7 +367,7 @@ class Engine {
                 range = {range.end, rest.empty() ? page_order(run, 0) : rest.front().order};
                 add(*batch, range);
             } while (!rest.empty());
-            show(region, static_cast<double>(run) / static_cast<double>(gathering_.runs().size()));
+            show(region, static_cast<double>(run) / static_cast<double>(run_set_.runs().size()));
         }
         return {};
     }
@@ -381,7 +381,7 @@ class Engine {
         if (!*progress_) return;
         const auto area = [](const PixelRect& cells) { return static_cast<double>(cells.width() * cells.height()); };
         (*progress_)((cells_done_ + part * area(region.cells)) / area(needed_),
-                     fmt::format("{} read", format_size(gathering_.bytes_read())));
+                     fmt::format("{} read", format_size(run_set_.bytes_read())));
     }
     Status finish_region(const Region& region) {
         ++counts_.regions;
@@ -418,7 +418,7 @@ class Engine {
         return counts;
     }
 
-    const sampledb::Gathering& gathering_;
+    const sampledb::RunSet& run_set_;
     const Channels& channels_;
     const Settings& settings_;
     FilmGrid grid_;
@@ -442,16 +442,16 @@ class Engine {
 
 }  // namespace
 
-Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
-                              TileSink& sink, const Progress& progress) {
-    return Engine(gathering, channels, settings, sink).run(progress);
+Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings, TileSink& sink,
+                              const Progress& progress) {
+    return Engine(run_set, channels, settings, sink).run(progress);
 }
 
-Result<double> planned_bytes(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings) {
+Result<double> planned_bytes(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings) {
     class NoSink final : public TileSink {
         Status write(int, int, std::span<const float>) override { return {}; }
     } none;
-    return Engine(gathering, channels, settings, none).planned_bytes();
+    return Engine(run_set, channels, settings, none).planned_bytes();
 }
 
 }  // namespace latent::develop

@@ -6,7 +6,7 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tools/develop/assembly.h"
 #include "tools/develop/channels.h"
 #include "tools/develop/film_grid.h"
@@ -45,11 +45,11 @@ inline constexpr std::uint32_t kMaxSide = std::uint32_t{1} << 23;  // pixels
 
 // Runs on the threads of the arena that it is called in. Errors: of reading, of `sink`, kOutOfRange (memory too small for one
 // cell).
-Result<DevelopCounts> develop(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings,
-                              TileSink& sink, const Progress& progress = {});
+Result<DevelopCounts> develop(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings, TileSink& sink,
+                              const Progress& progress = {});
 
 // Bytes of pages, on disk, that would be decoded: more than there are if Settings::memory is too small to decode each once. Errors:
 // of reading.
-Result<double> planned_bytes(const sampledb::Gathering& gathering, const Channels& channels, const Settings& settings);
+Result<double> planned_bytes(const sampledb::RunSet& run_set, const Channels& channels, const Settings& settings);
 
 }  // namespace latent::develop

@@ -132,7 +132,7 @@ Result<Filter> Filter::parse(std::string_view text) {
     kernel.reach = static_cast<int>(std::ceil(radius));
     if (kind == "quartic") {
         kernel.s = static_cast<float>(p[0]);
-        kernel.least_factor = kernel.has_negative_lobes ? std::numeric_limits<float>::lowest() : 0.0f;
+        kernel.min_factor = kernel.has_negative_lobes ? std::numeric_limits<float>::lowest() : 0.0f;
         kernel.inverse_radius2 = static_cast<float>(1 / (radius * radius));
     } else if (kind == "gaussian") {
         const double h = 1 / (2 * p[0] * p[0]), at_edge = exp_minus(radius * radius * h);
@@ -182,7 +182,7 @@ double Filter::weight(double dx, double dy) const {
         case FilterKernel::Form::kQuartic: {
             const double rho = std::sqrt(std::min(r2 * static_cast<double>(kernel_.inverse_radius2), 1.0));
             const double factor = 1 + rho * (2 + rho * static_cast<double>(kernel_.s));
-            return (1 - rho) * (1 - rho) * std::max(factor, static_cast<double>(kernel_.least_factor));
+            return (1 - rho) * (1 - rho) * std::max(factor, static_cast<double>(kernel_.min_factor));
         }
         case FilterKernel::Form::kTable: {
             const double t =

@@ -27,7 +27,7 @@ struct FilterKernel {
     int reach = 2;                     // n
     bool has_negative_lobes = false;   // some weights may be negative
     float s = 0, inverse_radius2 = 0;  // kQuartic
-    float least_factor = 0;            // kQuartic: the second factor is no less; if s >= -3, rounding makes it no less than 0
+    float min_factor = 0;              // kQuartic: the second factor is no less; if s >= -3, rounding makes it no less than 0
     float table_scale = 0;             // kTable: steps per pixel^2
     std::vector<float> table_value, table_step;  // kTable: w = value[i] + f step[i]
     float inner[4] = {}, outer[4] = {};          // kSeparable: cubics in d < 1 and in 2 - d <= 1, constant term first

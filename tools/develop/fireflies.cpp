@@ -36,7 +36,7 @@ DimmedLight& DimmedLight::operator+=(const DimmedLight& other) {
 
 Fireflies::Fireflies(const FilmGrid& grid, int reach, const RowLayout& layout, Classes classes, double samples_per_pixel)
     : grid_(grid), reach_(reach), layout_(layout), classes_(classes) {
-    for (double samples = samples_per_pixel; samples < kLeastSamples && shift_ < 30; samples *= 4) ++shift_;
+    for (double samples = samples_per_pixel; samples < kMinSamples && shift_ < 30; samples *= 4) ++shift_;
     const auto count = [&](std::int64_t pixels) { return static_cast<std::size_t>(pixels >> (shift_ - 24)) + 1; };
     columns_ = count(grid.window_width());
     blocks_ = columns_ * count(grid.window_height());

@@ -29,7 +29,7 @@ class Fireflies {
     // A sample is trusted up to kMargin times the brightness that kTrusted samples of its own and the 8 blocks around have.
     static constexpr int kTrusted = 4;
     static constexpr float kMargin = 2;
-    static constexpr double kLeastSamples = 64;  // of a block
+    static constexpr double kMinSamples = 64;  // of a block
 
     Fireflies(const FilmGrid& grid, int reach, const RowLayout& layout, Classes classes, double samples_per_pixel);
 

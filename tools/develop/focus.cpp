@@ -26,10 +26,10 @@ Result<Focus> parse_focus(std::string_view text) {
     return is_not(text, "a distance above 0, or a pixel (try 4.5, or 120,80)");
 }
 
-Result<double> distance_at(const sampledb::Gathering& gathering, const RecordedLens& lens, const std::array<double, 2>& pixel,
+Result<double> distance_at(const sampledb::RunSet& run_set, const RecordedLens& lens, const std::array<double, 2>& pixel,
                            std::uint32_t width, std::uint32_t height) {
-    const std::optional<std::size_t> depth = place_of(gathering.job(), "depth");
-    if (!depth || gathering.job().extra[*depth].type != sampledb::ColumnType::kF32)
+    const std::optional<std::size_t> depth = place_of(run_set.job(), "depth");
+    if (!depth || run_set.job().extra[*depth].type != sampledb::ColumnType::kF32)
         return usage_error(
             "--focus: the files do not say how far away pixels are; render the scene again with --aov depth,lens, or give a "
             "distance");
@@ -48,16 +48,16 @@ Result<double> distance_at(const sampledb::Gathering& gathering, const RecordedL
         };
         return page.record_class == sampledb::RecordClass::kCamera && along(page.node.x, 0) && along(page.node.y, 1);
     };
-    const auto columns = lens_columns(gathering.job());
+    const auto columns = lens_columns(run_set.job());
     std::vector<double> distances;
     sampledb::PageDecoder decoder;
     sampledb::Page page;
-    for (std::size_t run = 0; run < gathering.runs().size() && distances.size() < kEnoughRecords; ++run) {
-        const auto pages = gathering.pages(run);
+    for (std::size_t run = 0; run < run_set.runs().size() && distances.size() < kEnoughRecords; ++run) {
+        const auto pages = run_set.pages(run);
         if (!pages) return pages.error();
         for (const sampledb::PageInfo& info : **pages) {
             if (!reaches(info)) continue;
-            if (Status s = gathering.read_page(run, info, {.values = false, .share = false}, decoder, page); !s) return s.error();
+            if (Status s = run_set.read_page(run, info, {.values = false, .share = false}, decoder, page); !s) return s.error();
             for (std::size_t row = 0; row < page.count; ++row) {
                 const auto its_depth = static_cast<double>(load_le<float>(page.extra[*depth].values.data() + 4 * row));
                 if (!is_near(page.u[row], 0) || !is_near(page.v[row], 1) || !(its_depth > 0)) continue;

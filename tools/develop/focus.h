@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/result.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tools/develop/recorded_lens.h"
 
 namespace latent::develop {
@@ -21,7 +21,7 @@ Result<Focus> parse_focus(std::string_view text);
 
 // The median distance of what camera records around a pixel of a picture of that size see; infinite for the sky. Errors: kUsage (no
 // column `depth`, a pixel outside of the picture, no record there), of reading.
-Result<double> distance_at(const sampledb::Gathering& gathering, const RecordedLens& lens, const std::array<double, 2>& pixel,
+Result<double> distance_at(const sampledb::RunSet& run_set, const RecordedLens& lens, const std::array<double, 2>& pixel,
                            std::uint32_t width, std::uint32_t height);
 
 }  // namespace latent::develop

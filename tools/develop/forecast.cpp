@@ -43,14 +43,6 @@ std::string to_json(const Forecast& f) {
     return json_text(json) + "\n";
 }
 
-std::optional<std::uint64_t> free_space(const std::filesystem::path& output, bool replace) {
-    std::error_code error;
-    const std::filesystem::space_info space = std::filesystem::space(folder_of(output), error);
-    if (error) return std::nullopt;
-    const std::uint64_t replaced = replace ? std::filesystem::file_size(output, error) : 0;
-    return error ? space.available : space.available + replaced;
-}
-
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes) {
     const std::optional<std::uint64_t> free = free_space(output, replace);
     if (!free || bytes <= *free) return {};
@@ -121,9 +113,9 @@ PixelRect piece_of(const PixelRect& crop, double pixels) {
 Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, const PictureTrial& trial) {
     constexpr double kSeconds = 1.4, kDecodeSeconds = 0.8, kEnough = 0.25;
     constexpr double kSmall = 1 << 16;  // pixels
-    constexpr double kLeastBytes = 1 << 22;
-    constexpr double kPages = 36.0 * (1 << 16);                    // bytes of so many pages that few of them reach beyond a piece
-    constexpr double kLeastPiece = 1 << 19, kMostPiece = 1 << 24;  // pixels
+    constexpr double kMinBytes = 1 << 22;
+    constexpr double kPages = 36.0 * (1 << 16);                 // bytes of so many pages that few of them reach beyond a piece
+    constexpr double kMinPiece = 1 << 19, kMaxPiece = 1 << 24;  // pixels
     TrialOutcome last;
     const TrialPicture small = scaled_to(picture, kSmall);
     const double run = std::max(1.0, decoded / static_cast<double>(picture.runs));  // bytes
@@ -136,7 +128,7 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
         last = *tried;
         return Tried{static_cast<double>(tried->decoded), tried->cost};
     };
-    const double least = std::min(kLeastBytes, run);
+    const double least = std::min(kMinBytes, run);
     if (const Result<Tried> once = decode(least / 16); !once) return once.error();  // what is done once in a process is not counted
     const Result<LinearCost> bytes = measure(kDecodeSeconds, least, decoded, kEnough, decode);
     if (!bytes) return bytes.error();
@@ -148,10 +140,10 @@ Result<TrialOutcome> extrapolate(const TrialPicture& picture, double decoded, co
     TrialPicture piece = picture;
     piece.runs = static_cast<std::size_t>(std::clamp(affordable / kPages, 1.0, static_cast<double>(picture.runs)));
     const double bytes_of_pixel = run * static_cast<double>(piece.runs) / area(picture.crop);
-    const double most = std::min(kMostPiece, area(picture.crop) / 4);
-    const double least_piece = std::clamp(affordable / bytes_of_pixel, 1.0, kLeastPiece);
+    const double most = std::min(kMaxPiece, area(picture.crop) / 4);
+    const double min_piece = std::clamp(affordable / bytes_of_pixel, 1.0, kMinPiece);
     const Result<LinearCost> pixels =
-        measure(kSeconds - bytes->spent.wall, least_piece, most, kEnough, [&](double amount) -> Result<Tried> {
+        measure(kSeconds - bytes->spent.wall, min_piece, most, kEnough, [&](double amount) -> Result<Tried> {
             piece.crop = piece_of(picture.crop, amount);
             const Result<TrialOutcome> tried = trial(piece);
             if (!tried) return tried.error();

@@ -26,8 +26,6 @@ struct Forecast {
 std::string to_text(const Forecast& forecast);
 std::string to_json(const Forecast& forecast);
 
-// For `output`, which gets the place of another file if it replaces one.
-std::optional<std::uint64_t> free_space(const std::filesystem::path& output, bool replace);
 // Errors: kNoSpace, saying what to do.
 Status check_space(const std::filesystem::path& output, bool replace, std::uint64_t bytes);
 

@@ -99,7 +99,7 @@ struct RowLayout {
     int stride() const { return entries().stride(); }
 
     // The sum that is closest to 0 of those that divide, all of which have the same expectation.
-    double least_divisor(const double* sums) const {
+    double min_divisor(const double* sums) const {
         double least = sums[share()];
         for (int c = 0; c < channels && ratio; ++c) least = sums[divisor(c)] < least ? sums[divisor(c)] : least;
         return least;

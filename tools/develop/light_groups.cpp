@@ -37,15 +37,14 @@ std::vector<LightGroup> light_groups_in(std::string_view origin) {
 
 }  // namespace
 
-Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathering) {
-    if (std::ranges::find(gathering.job().extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name) ==
-        gathering.job().extra.end())
+Result<std::vector<LightGroup>> light_groups_of(const sampledb::RunSet& run_set) {
+    if (std::ranges::find(run_set.job().extra, kLightGroupColumn, &sampledb::ExtraColumnSpec::name) == run_set.job().extra.end())
         return usage_error("--light: the files have no light groups; render the scene with --light-groups");
     std::vector<LightGroup> groups;
     const auto take = [&](std::string_view origin) {
         if (groups.empty()) groups = light_groups_in(origin);
     };
-    if (Status s = for_each_origin(gathering, take); !s) return s.error();
+    if (Status s = for_each_origin(run_set, take); !s) return s.error();
     if (!groups.empty()) return groups;
     std::vector<LightGroup> numbered;
     for (int i = 0; i < 256; ++i) numbered.push_back({std::to_string(i)});

@@ -8,7 +8,7 @@
 
 #include "base/result.h"
 #include "color/spectrum.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::develop {
 
@@ -21,6 +21,6 @@ struct LightGroup {
 
 // In the order of their numbers. The names are in the provenance of the files, where latent-render puts them; without any, groups
 // are called by their numbers. Errors: of reading; kUsage if the job has no groups.
-Result<std::vector<LightGroup>> light_groups_of(const sampledb::Gathering& gathering);
+Result<std::vector<LightGroup>> light_groups_of(const sampledb::RunSet& run_set);
 
 }  // namespace latent::develop

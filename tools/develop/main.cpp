@@ -45,7 +45,7 @@ int main(int argc, char** argv) try {
         const Result<develop::PictureReport> report = develop::develop_picture(frame, cli::progress(common, "developing"));
         if (!report) return cli::fail(report.error());
         if (reports.empty()) {  // all frames have the same
-            for (const std::string& note : report->gathering.notes) cli::note(note);
+            for (const std::string& note : report->run_set.notes) cli::note(note);
             for (const std::string& warning : report->warnings) cli::warn(warning);
             for (const std::string& loss : develop::losses(*report)) cli::warn(loss);
         }

@@ -14,11 +14,11 @@ std::size_t normalise(const SumRow& row, int stride, int channels, float* out) {
     std::size_t few = 0;
     const double* camera = row.camera;
     const double* light = row.light;
-    for (std::size_t i = 0; i < row.least_weight.size(); ++i, out += channels) {
+    for (std::size_t i = 0; i < row.min_weight.size(); ++i, out += channels) {
         double per_weight = 0;
         if constexpr (kCamera) {
             const double weight = camera[channels];
-            const bool enough = weight > 0 && weight >= row.least_weight[i];
+            const bool enough = weight > 0 && weight >= row.min_weight[i];
             per_weight = enough ? 1 / weight : 0;
             few += enough ? 0 : 1;
         }
@@ -41,7 +41,7 @@ std::size_t normalise_any(const SumRow& row, float* out) {
     return normalise<kCamera, kLight>(row, layout.stride(), layout.channels, out);
 }
 
-constexpr double kLeastShareOfHits = 1e-3;  // below, depths are those of nothing: a filter with negative lobes sums up to anything
+constexpr double kMinShareOfHits = 1e-3;  // below, depths are those of nothing: a filter with negative lobes sums up to anything
 
 // AOVs of a pixel; null: it has too little weight.
 void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
@@ -56,7 +56,7 @@ void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
     for (int i = 0; i < 3 && layers.normal; ++i) put(mean(layout.normal() + i));
     // Of what is hit: its mean, where it has some share of the pixel.
     const auto mean_of_hits = [&](int entry, int hits, double none) {
-        return mean(hits) >= kLeastShareOfHits ? camera[entry] / camera[hits] : none;
+        return mean(hits) >= kMinShareOfHits ? camera[entry] / camera[hits] : none;
     };
     if (layers.depth) put(mean_of_hits(layout.depth(), layout.depth() + 1, std::numeric_limits<double>::infinity()));
     for (int i = 0; i < 3 && layers.position; ++i) put(mean_of_hits(layout.position() + i, layout.position() + 3, 0));
@@ -68,8 +68,8 @@ void finish_aovs(const RowLayout& layout, const double* camera, float* out) {
 bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const double* light, float* out) {
     const RowLayout& layout = row.layout;
     const int n = layout.channels;
-    const double weight = camera ? camera[layout.share()] : 0, least = camera ? layout.least_divisor(camera) : 0;
-    const bool enough = weight > 0 && least >= row.least_weight[i];
+    const double weight = camera ? camera[layout.share()] : 0, least = camera ? layout.min_divisor(camera) : 0;
+    const bool enough = weight > 0 && least >= row.min_weight[i];
     const auto put = [&out](double value) { *out++ = static_cast<float>(value); };
     const auto per_divisor = [&](int c) {  // a response that no record has met is 0, and so is its sum
         return enough && camera[layout.divisor(c)] > 0 ? 1 / camera[layout.divisor(c)] : 0;
@@ -94,7 +94,7 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
         };
         for (int c = 0; c < n; ++c) {
             const double divisor = camera ? sum_of(camera, layout.divisor(c)) : 0;
-            const double from_camera = divisor > 0 && divisor >= 0.5 * row.least_weight[i] ? sum_of(camera, c) / divisor : 0;
+            const double from_camera = divisor > 0 && divisor >= 0.5 * row.min_weight[i] ? sum_of(camera, c) / divisor : 0;
             put(from_camera + (light ? sum_of(light, c) * row.light_scale[i] * row.half_scale[static_cast<std::size_t>(half)] : 0));
         }
     }
@@ -105,7 +105,7 @@ bool finish_pixel(const SumRow& row, std::size_t i, const double* camera, const 
 std::size_t normalise_layers(const SumRow& row, float* out) {
     std::size_t few = 0;
     const auto stride = static_cast<std::size_t>(row.layout.stride()), outputs = static_cast<std::size_t>(row.layout.outputs());
-    for (std::size_t i = 0; i < row.least_weight.size(); ++i) {
+    for (std::size_t i = 0; i < row.min_weight.size(); ++i) {
         const bool enough = finish_pixel(row, i, row.camera ? row.camera + i * stride : nullptr,
                                          row.light ? row.light + i * stride : nullptr, out + i * outputs);
         few += row.camera && !enough ? 1 : 0;

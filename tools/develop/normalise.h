@@ -14,7 +14,7 @@ struct SumRow {
     const double* camera;
     const double* light;
     const RowLayout& layout;
-    std::span<const double> least_weight;  // of each pixel
+    std::span<const double> min_weight;  // of each pixel
     std::span<const double> light_scale;
     std::array<double, 2> half_scale{};  // of the light image of either half, beside light_scale
 };

@@ -6,9 +6,9 @@
 
 namespace latent::develop {
 
-Status for_each_origin(const sampledb::Gathering& gathering, const std::function<void(std::string_view)>& take) {
-    if (gathering.runs().empty()) return {};
-    const std::filesystem::path& path = gathering.files()[gathering.runs().front().file];
+Status for_each_origin(const sampledb::RunSet& run_set, const std::function<void(std::string_view)>& take) {
+    if (run_set.runs().empty()) return {};
+    const std::filesystem::path& path = run_set.files()[run_set.runs().front().file];
     const Result<std::shared_ptr<const sampledb::ByteSource>> source = sampledb::open_source(path);
     if (!source) return source.error();
     const Result<sampledb::FileContents> frames = sampledb::read_frames(**source);

@@ -105,9 +105,9 @@ void advise(const PictureOptions& options, const PictureReport& report, std::vec
 }
 
 // There is no picture of no samples: says what the files hold instead, and what was left out of them.
-Error nothing_to_develop(sampledb::GatherOptions options) {
+Error nothing_to_develop(sampledb::RunSetOptions options) {
     const std::optional<sampledb::SampleRange> wanted = std::exchange(options.samples, std::nullopt);
-    const auto all = sampledb::Gathering::open(options);
+    const auto all = sampledb::RunSet::open(options);
     if (!all) return all.error();
     std::string message = "the files hold no samples";
     if (const sampledb::Coverage& held = (*all)->coverage(); !held.empty())
@@ -119,10 +119,10 @@ Error nothing_to_develop(sampledb::GatherOptions options) {
 }
 
 // About what holds all records at once, with their windows beside them.
-std::uint64_t memory_for_all(const sampledb::Gathering& gathering, const Channels& channels) {
+std::uint64_t memory_for_all(const sampledb::RunSet& run_set, const Channels& channels) {
     constexpr std::uint64_t kBeside = 96 << 20;
     std::uint64_t records = 0;
-    for (const sampledb::SelectedRun& run : gathering.runs()) records += run.header.camera_records + run.header.light_records;
+    for (const sampledb::SelectedRun& run : run_set.runs()) records += run.header.camera_records + run.header.light_records;
     const std::uint64_t each = 2 * sizeof(std::uint32_t) + static_cast<std::uint64_t>(channels.stride()) * sizeof(float);
     return (records * each + kBeside) / 7 * 8;
 }
@@ -136,22 +136,22 @@ struct Preparation {
     std::uint64_t waiting_for_mipmap = 0;  // bytes
 };
 
-// `gathering` is of all runs, which hold `available` samples, or of some. `default_size`: unless the options have one.
-Result<Preparation> prepare(const PictureOptions& options, const sampledb::GatherOptions& gather,
-                            const sampledb::Gathering& gathering, std::uint64_t available, Size default_size) {
-    const sampledb::Job& job = gathering.job();
+// `run_set` is of all runs, which hold `available` samples, or of some. `default_size`: unless the options have one.
+Result<Preparation> prepare(const PictureOptions& options, const sampledb::RunSetOptions& run_options,
+                            const sampledb::RunSet& run_set, std::uint64_t available, Size default_size) {
+    const sampledb::Job& job = run_set.job();
 
     PictureReport report;
     report.output = options.output.string();
     report.job = job.id;
-    report.coverage = gathering.coverage();
-    if (report.coverage.empty()) return nothing_to_develop(gather);
+    report.coverage = run_set.coverage();
+    if (report.coverage.empty()) return nothing_to_develop(run_options);
     report.available = available;
     if (options.samples && !options.is_preview()) report.missing.add(*options.samples);
     report.missing.remove(report.coverage);
-    report.files = gathering.files().size();
-    report.runs = gathering.runs().size();
-    report.gathering = gathering.report();
+    report.files = run_set.files().size();
+    report.runs = run_set.runs().size();
+    report.run_set = run_set.report();
     const Result<Size> size = options.size.empty() ? default_size : parse_size_on_film(options.size, job);
     if (!size) return size.error();
     report.width = size->width;
@@ -190,7 +190,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::Gathe
         if (Status s = channels->use_ratio(); !s) return s.error();
     }
     if (!options.lights.empty()) {
-        const Result<std::vector<LightGroup>> groups = light_groups_of(gathering);
+        const Result<std::vector<LightGroup>> groups = light_groups_of(run_set);
         if (!groups) return groups.error();
         const Result<std::vector<GroupFactor>> factors = mix_lights(*groups, options.lights, report.warnings);
         if (!factors) return factors.error();
@@ -198,7 +198,7 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::Gathe
     }
 
     std::uint64_t index_bytes = 0, largest_index = 0;
-    for (const sampledb::SelectedRun& run : gathering.runs()) {
+    for (const sampledb::SelectedRun& run : run_set.runs()) {
         const std::uint64_t bytes = run.header.page_count * sizeof(sampledb::PageInfo);
         index_bytes += bytes;
         largest_index = std::max(largest_index, bytes);
@@ -213,21 +213,21 @@ Result<Preparation> prepare(const PictureOptions& options, const sampledb::Gathe
     settings.camera = options.image != "light";
     settings.light = options.image != "camera";
     settings.dim_fireflies = options.dim_fireflies;
-    settings.list_memory = gathering.list_memory() + largest_index;
+    settings.list_memory = run_set.list_memory() + largest_index;
     const std::uint64_t taken =
-        gathering.list_memory() + waiting_for_mipmap + std::max(largest_index, std::min(options.memory / 8, index_bytes));
+        run_set.list_memory() + waiting_for_mipmap + std::max(largest_index, std::min(options.memory / 8, index_bytes));
     settings.memory = options.memory - std::min(options.memory, taken);
     settings.temporary_folder = options.output.empty() ? std::filesystem::temp_directory_path() : folder_of(options.output);
 
     report.file_bytes = static_cast<std::uint64_t>(crop->width() * crop->height()) *
                         static_cast<std::uint64_t>(channels->layout().outputs()) * sizeof(float) * (options.mipmap ? 4 : 3) / 3;
-    report.memory_for_all = memory_for_all(gathering, *channels);
+    report.memory_for_all = memory_for_all(run_set, *channels);
     image::ExrTileSpec spec = exr_spec(options, report, job, *chosen, channels->layout());
     return Preparation{std::move(report), *std::move(channels), std::move(settings), std::move(spec), waiting_for_mipmap};
 }
 
 // `publish` false: to see how long it takes.
-Result<PictureReport> develop_prepared(const PictureOptions& options, const sampledb::Gathering& gathering,
+Result<PictureReport> develop_prepared(const PictureOptions& options, const sampledb::RunSet& run_set,
                                        const Result<Preparation>& prepared, bool publish, PictureSink& sink,
                                        const Progress& progress) {
     if (!prepared) return prepared.error();
@@ -238,32 +238,32 @@ Result<PictureReport> develop_prepared(const PictureOptions& options, const samp
     if (Status s = sink.begin(prepared->spec, prepared->waiting_for_mipmap); !s) return s.error();
     const Stopwatch stopwatch;
     Result<DevelopCounts> counts = DevelopCounts{};
-    Threads(options.threads).run([&] { counts = develop(gathering, prepared->channels, prepared->settings, sink, progress); });
+    Threads(options.threads).run([&] { counts = develop(run_set, prepared->channels, prepared->settings, sink, progress); });
     if (!counts) return counts.error();
     if (publish) {
         if (Status s = sink.finish(); !s) return s.error();
     }
     report.counts = *counts;
-    report.bytes_read = gathering.bytes_read();
+    report.bytes_read = run_set.bytes_read();
     report.seconds = stopwatch.seconds();
     advise(options, report, report.warnings);
     return report;
 }
 
-sampledb::GatherOptions gather_options(const PictureOptions& options, sampledb::VerifyLevel verify) {
-    sampledb::GatherOptions gather;
-    gather.inputs = options.inputs;
-    gather.skip_duplicates = options.skip_duplicates;
-    gather.job = options.job;
-    gather.samples = options.samples;
-    gather.verify = verify;
-    gather.memory = options.memory;
-    gather.announced_reads = true;
-    return gather;
+sampledb::RunSetOptions run_set_options(const PictureOptions& options, sampledb::VerifyLevel verify) {
+    sampledb::RunSetOptions run_options;
+    run_options.inputs = options.inputs;
+    run_options.skip_duplicates = options.skip_duplicates;
+    run_options.job = options.job;
+    run_options.samples = options.samples;
+    run_options.verify = verify;
+    run_options.memory = options.memory;
+    run_options.announced_reads = true;
+    return run_options;
 }
 
 // The first `count` of the runs in this order.
-Subset first_of(const sampledb::Gathering& all, const std::vector<std::uint32_t>& order, std::size_t count) {
+Subset first_of(const sampledb::RunSet& all, const std::vector<std::uint32_t>& order, std::size_t count) {
     return Subset(all, {order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count)});
 }
 
@@ -289,7 +289,7 @@ Size size_of_width(double width, double aspect) {
 }
 
 // What a lens is said to be becomes what it is to the lens that was rendered.
-Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb::Gathering& all) {
+Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb::RunSet& all) {
     PictureOptions options = asked;
     Aperture& aperture = options.lens.aperture;
     if (aperture.f_number > 0) {
@@ -322,23 +322,24 @@ Result<PictureOptions> seen_by_lens(const PictureOptions& asked, const sampledb:
 // `running`: since the command began.
 Result<PictureReport> develop_once(const PictureOptions& asked, sampledb::VerifyLevel verify, const Stopwatch& running,
                                    PictureSink& sink, const Progress& progress) {
-    const sampledb::GatherOptions gather = gather_options(asked, verify);
-    const auto gathered = sampledb::Gathering::open(gather);
-    if (!gathered) return with_advice(gathered.error(), gather.inputs);
-    const Result<PictureOptions> seen = seen_by_lens(asked, **gathered);
+    const sampledb::RunSetOptions run_options = run_set_options(asked, verify);
+    const auto opened = sampledb::RunSet::open(run_options);
+    if (!opened) return with_advice(opened.error(), run_options.inputs);
+    const Result<PictureOptions> seen = seen_by_lens(asked, **opened);
     if (!seen) return seen.error();
     const PictureOptions& options = *seen;
     std::optional<Refocused> refocused;
-    if (options.lens.is_refocused()) refocused.emplace(**gathered, options.lens.film_shift);
-    const sampledb::Gathering& all = refocused ? *refocused : **gathered;
+    if (options.lens.is_refocused()) refocused.emplace(**opened, options.lens.film_shift);
+    const sampledb::RunSet& all = refocused ? *refocused : **opened;
     const std::uint64_t available = all.coverage().size();
     if (!options.is_preview())
-        return develop_prepared(options, all, prepare(options, gather, all, available, default_size(all)), true, sink, progress);
+        return develop_prepared(options, all, prepare(options, run_options, all, available, default_size(all)), true, sink,
+                                progress);
 
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const auto develop_first = [&](std::size_t count, bool publish, const Progress& shown) {
         const Subset some = first_of(all, order, count);
-        const auto prepared = prepare(options, gather, some, available, default_size(all, some.coverage().size()));
+        const auto prepared = prepare(options, run_options, some, available, default_size(all, some.coverage().size()));
         return develop_prepared(options, some, prepared, publish, sink, shown);
     };
     Result<std::size_t> count = count_for(all, order, options.fraction);
@@ -366,7 +367,7 @@ Size on_film(const sampledb::Resolution& pixels, const sampledb::Job& job) {
 
 }  // namespace
 
-Size default_size(const sampledb::Gathering& all, std::optional<std::uint64_t> preview_samples) {
+Size default_size(const sampledb::RunSet& all, std::optional<std::uint64_t> preview_samples) {
     const sampledb::Job& job = all.job();
     const double aspect = static_cast<double>(job.aspect_width) / job.aspect_height;
     const auto with_samples = [&](std::uint64_t samples, double per_pixel) {
@@ -414,22 +415,23 @@ std::vector<PictureOptions> frames_of(const PictureOptions& options) {
 
 Result<Forecast> forecast_picture(const PictureOptions& given) {
     if (Status s = set_simd_level(given.simd); !s) return s.error();
-    const sampledb::GatherOptions gather = gather_options(given, sampledb::VerifyLevel::kHeaders);
-    const auto gathered = sampledb::Gathering::open(gather);
-    if (!gathered) return with_advice(gathered.error(), gather.inputs);
-    const Result<PictureOptions> seen = seen_by_lens(given, **gathered);
+    const sampledb::RunSetOptions run_options = run_set_options(given, sampledb::VerifyLevel::kHeaders);
+    const auto opened = sampledb::RunSet::open(run_options);
+    if (!opened) return with_advice(opened.error(), run_options.inputs);
+    const Result<PictureOptions> seen = seen_by_lens(given, **opened);
     if (!seen) return seen.error();
     const PictureOptions& asked = *seen;
     std::optional<Refocused> refocused;
-    if (asked.lens.is_refocused()) refocused.emplace(**gathered, asked.lens.film_shift);
-    const sampledb::Gathering& all = refocused ? *refocused : **gathered;
-    if (all.coverage().empty()) return nothing_to_develop(gather);
+    if (asked.lens.is_refocused()) refocused.emplace(**opened, asked.lens.film_shift);
+    const sampledb::RunSet& all = refocused ? *refocused : **opened;
+    if (all.coverage().empty()) return nothing_to_develop(run_options);
     const std::vector<std::uint32_t> order = shuffled_runs(all);
     const std::size_t runs = count_for(all, order, asked.fraction);
     const Subset wanted = first_of(all, order, runs);
     const std::optional<std::uint64_t> preview_samples =
         asked.is_preview() ? std::optional(wanted.coverage().size()) : std::nullopt;
-    const Result<Preparation> whole = prepare(asked, gather, wanted, all.coverage().size(), default_size(all, preview_samples));
+    const Result<Preparation> whole =
+        prepare(asked, run_options, wanted, all.coverage().size(), default_size(all, preview_samples));
     if (!whole) return whole.error();
 
     Forecast forecast;
@@ -453,7 +455,8 @@ Result<Forecast> forecast_picture(const PictureOptions& given) {
         const Subset some = first_of(all, order, picture.runs);
         const CostMeter meter;
         const Result<PictureReport> tried = develop_prepared(
-            options, some, prepare(options, gather, some, all.coverage().size(), {picture.width, picture.height}), false, sink, {});
+            options, some, prepare(options, run_options, some, all.coverage().size(), {picture.width, picture.height}), false, sink,
+            {});
         if (!tried) return tried.error();
         return TrialOutcome{meter.so_far(), tried->counts.page_bytes_decoded, tried->counts.temporary_bytes};
     };

@@ -10,7 +10,7 @@
 
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tools/develop/develop.h"
 #include "tools/develop/focus.h"
 #include "tools/develop/forecast.h"
@@ -76,13 +76,13 @@ struct PictureReport {
     std::uint64_t file_bytes = 0, memory_for_all = 0;  // as expected before: forecast.h
     double seconds = 0;
     DevelopCounts counts;
-    sampledb::GatherReport gathering;
+    sampledb::RunSetReport run_set;
     std::vector<std::string> warnings;
 
     double samples_per_pixel() const { return static_cast<double>(coverage.size()) / (static_cast<double>(width) * height); }
     // Something damaged, foreign, missing or not finite was left out.
     bool has_losses() const {
-        return !gathering.left_out.empty() || !missing.empty() || counts.camera_not_finite + counts.light_not_finite > 0;
+        return !run_set.left_out.empty() || !missing.empty() || counts.camera_not_finite + counts.light_not_finite > 0;
     }
 };
 
@@ -91,12 +91,12 @@ struct Size {
 };
 // The size that the samples were rendered for, in the film's shape; of files that do not say, that with at least 16 of all samples
 // per pixel. A preview, of fewer samples, is no larger than what has one of these per pixel.
-Size default_size(const sampledb::Gathering& all, std::optional<std::uint64_t> preview_samples = std::nullopt);
+Size default_size(const sampledb::RunSet& all, std::optional<std::uint64_t> preview_samples = std::nullopt);
 // "WxH" or "W". Errors: kUsage, if the shape is off the film's by more than half a pixel, naming a size that fits.
 Result<Size> parse_size_on_film(const std::string& text, const sampledb::Job& job);
 
-// Errors: of the arguments (kUsage), no samples (kOutOfRange), of gathering, reading and writing. A run that turns out to be
-// damaged is left out, and the picture developed anew without it.
+// Errors: of the arguments (kUsage), no samples (kOutOfRange), of opening the files, reading and writing. A run that turns out to
+// be damaged is left out, and the picture developed anew without it.
 Result<PictureReport> develop_picture(const PictureOptions& options, const Progress& progress);
 // The same, to `sink`.
 Result<PictureReport> develop_picture(const PictureOptions& options, PictureSink& sink, const Progress& progress);

@@ -93,7 +93,7 @@ std::uint64_t Loader::pieces_at_most(const sampledb::PageInfo& page, const Pixel
 
 std::uint64_t Loader::thread_bytes() const {
     if (!channels_.lens() || !channels_.lens()->moves_records()) return 0;
-    return sampledb::max_page_records(gathering_.job()) *
+    return sampledb::max_page_records(run_set_.job()) *
            (sizeof(std::uint32_t) + 2 * sizeof(std::uint64_t) + stride_ * sizeof(float));
 }
 
@@ -186,7 +186,7 @@ Status Loader::load_pages(std::span<const PageRef> pages, Filling& filling, std:
                 bytes += pages[announced].info.stored_size;
                 end += pages[announced].info.stored_size;
             }
-            gathering_.will_read(first.run, first.info, pages[announced - 1].info);
+            run_set_.will_read(first.run, first.info, pages[announced - 1].info);
             on_their_way += bytes;
         }
         on_their_way -= pages[next].info.stored_size;
@@ -300,7 +300,7 @@ Status Loader::load_page(const PageRef& ref, Filling& filling, std::span<const S
     Worker& worker = workers_.local();
     sampledb::Page& page = worker.page;
     std::vector<CellRows>& cells = worker.cells;
-    if (Status s = gathering_.read_page(ref.run, ref.info, channels_.columns(), worker.decoder, page); !s) return s;
+    if (Status s = run_set_.read_page(ref.run, ref.info, channels_.columns(), worker.decoder, page); !s) return s;
     ++counts_.pages;
     counts_.bytes += ref.info.stored_size;
     const LensWeights* const lens = channels_.lens() ? &*channels_.lens() : nullptr;

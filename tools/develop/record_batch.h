@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sampledb/codec/page_decoder.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tools/develop/channels.h"
 #include "tools/develop/film_grid.h"
 #include "tools/develop/splat.h"
@@ -57,8 +57,8 @@ struct DecodeCounts {
 // Decodes pages, in parallel, into batches.
 class Loader {
  public:
-    Loader(const sampledb::Gathering& gathering, const FilmGrid& grid, const Channels& channels)
-        : gathering_(gathering), grid_(grid), channels_(channels), stride_(static_cast<std::size_t>(channels.stride())) {}
+    Loader(const sampledb::RunSet& run_set, const FilmGrid& grid, const Channels& channels)
+        : run_set_(run_set), grid_(grid), channels_(channels), stride_(static_cast<std::size_t>(channels.stride())) {}
 
     // Bytes that a page's records in `cells` need at most, and that any batch of `cells` needs beside its pages.
     std::uint64_t bytes_at_most(const sampledb::PageInfo& page, const PixelRect& cells) const;
@@ -107,7 +107,7 @@ class Loader {
     std::uint32_t drop_zeros(std::uint32_t count, std::uint32_t* x, std::uint32_t* y, float* values) const;
     std::size_t record_bytes() const { return 2 * sizeof(std::uint32_t) + stride_ * sizeof(float); }
 
-    const sampledb::Gathering& gathering_;
+    const sampledb::RunSet& run_set_;
     const FilmGrid& grid_;
     const Channels& channels_;
     std::size_t stride_;

@@ -39,12 +39,12 @@ double RecordedLens::distance(double u, double v, const std::array<double, 2>& l
 
 double RecordedLens::f_number() const { return 0.036 / std::max(x1 - x0, y1 - y0) / (2 * radius); }
 
-Result<RecordedLens> recorded_lens(const sampledb::Gathering& gathering, const char* option) {
+Result<RecordedLens> recorded_lens(const sampledb::RunSet& run_set, const char* option) {
     std::optional<RecordedLens> lens;
     const auto take = [&](std::string_view origin) {
         if (!lens) lens = lens_in(origin);
     };
-    if (Status s = for_each_origin(gathering, take); !s) return s.error();
+    if (Status s = for_each_origin(run_set, take); !s) return s.error();
     if (!lens)
         return usage_error(fmt::format(
             "{}: the files do not describe their camera's lens; render the scene again, with a camera that has a lens", option));

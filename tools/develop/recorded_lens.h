@@ -4,7 +4,7 @@
 #include <array>
 
 #include "base/result.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::develop {
 
@@ -27,6 +27,6 @@ struct RecordedLens {
     double f_number() const;
 };
 // Errors: kUsage, beginning with `option`: no file tells; of reading.
-Result<RecordedLens> recorded_lens(const sampledb::Gathering& gathering, const char* option);
+Result<RecordedLens> recorded_lens(const sampledb::RunSet& run_set, const char* option);
 
 }  // namespace latent::develop

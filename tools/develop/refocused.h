@@ -1,4 +1,4 @@
-// tools/develop/refocused.h: the pages of a gathering where a lens that is focused elsewhere would have put their records.
+// tools/develop/refocused.h: the pages of a run set where a lens that is focused elsewhere would have put their records.
 // docs/developing.md, "Focus".
 #pragma once
 
@@ -7,22 +7,22 @@
 #include <optional>
 #include <vector>
 
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::develop {
 
 // Pages lie in larger nodes than those of the files: in the smallest that hold what their records may be moved to, by
 // LensWeights::move.
-class Refocused final : public sampledb::Gathering {
+class Refocused final : public sampledb::RunSet {
  public:
     // `all` must outlive it.
-    Refocused(const sampledb::Gathering& all, const std::array<double, 2>& shift) : all_(all), shift_(shift) {}
+    Refocused(const sampledb::RunSet& all, const std::array<double, 2>& shift) : all_(all), shift_(shift) {}
 
     const sampledb::Job& job() const override { return all_.job(); }
     const std::vector<std::filesystem::path>& files() const override { return all_.files(); }
     const std::vector<sampledb::SelectedRun>& runs() const override { return all_.runs(); }
     const sampledb::Coverage& coverage() const override { return all_.coverage(); }
-    const sampledb::GatherReport& report() const override { return all_.report(); }
+    const sampledb::RunSetReport& report() const override { return all_.report(); }
     std::optional<sampledb::Resolution> resolution() const override { return all_.resolution(); }
     std::uint64_t list_memory() const override { return all_.list_memory(); }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override;
@@ -36,7 +36,7 @@ class Refocused final : public sampledb::Gathering {
  private:
     sampledb::FilmNode reached_from(const sampledb::FilmNode& node) const;
 
-    const sampledb::Gathering& all_;
+    const sampledb::RunSet& all_;
     std::array<double, 2> shift_;
 };
 

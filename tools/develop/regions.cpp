@@ -10,13 +10,13 @@ namespace {
 
 using sampledb::FilmNode;
 
-constexpr int kCountedLevels = 8;  // nodes are counted one by one down to this level; deeper ones share their ancestor's
-constexpr std::uint64_t kLeastBatch = 8 << 20;  // bytes
+constexpr int kCountedLevels = 8;             // nodes are counted one by one down to this level; deeper ones share their ancestor's
+constexpr std::uint64_t kMinBatch = 8 << 20;  // bytes
 
 // A node is as large as memory allows only where pages are that large: small ones stay in the caches and touch less memory. But no
-// smaller than to read kLeastRead of a run at once, on average.
+// smaller than to read kMinRead of a run at once, on average.
 constexpr std::uint64_t kComfortable = 32 << 20;
-constexpr std::uint64_t kLeastRead = 256 << 10;
+constexpr std::uint64_t kMinRead = 256 << 10;
 
 }  // namespace
 
@@ -31,21 +31,21 @@ ZRange z_range(const FilmGrid& grid, const FilmNode& node) {
 }
 
 Plan::Plan(const FilmGrid& grid, const PixelRect& needed, const CellBytes& cell_bytes, std::uint64_t runs)
-    : grid_(&grid), needed_(needed), cell_bytes_(cell_bytes), runs_(runs), least_batch_(kLeastBatch) {
+    : grid_(&grid), needed_(needed), cell_bytes_(cell_bytes), runs_(runs), min_batch_(kMinBatch) {
     const int deepest = std::min(grid.level(), kCountedLevels);
     for (int level = 0; level <= deepest; ++level) inside_.emplace_back(std::size_t{1} << (2 * level), 0);
 }
 
-Result<Plan> Plan::make(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed, Classes classes,
+Result<Plan> Plan::make(const sampledb::RunSet& run_set, const FilmGrid& grid, const PixelRect& needed, Classes classes,
                         const Loader& loader, const CellBytes& cell_bytes) {
-    Plan plan(grid, needed, cell_bytes, gathering.runs().size());
-    for (std::size_t run = 0; run < gathering.runs().size(); ++run) {
-        const auto pages = gathering.pages(run);
+    Plan plan(grid, needed, cell_bytes, run_set.runs().size());
+    for (std::size_t run = 0; run < run_set.runs().size(); ++run) {
+        const auto pages = run_set.pages(run);
         if (!pages) return pages.error();
         for (const sampledb::PageInfo& page : **pages) {
             const std::uint64_t bytes = classes.has(page.record_class) ? loader.bytes_at_most(page, needed) : 0;
             if (bytes == 0) continue;
-            plan.least_batch_ = std::max(plan.least_batch_, bytes + Loader::index_bytes({0, 0, 1, 1}));
+            plan.min_batch_ = std::max(plan.min_batch_, bytes + Loader::index_bytes({0, 0, 1, 1}));
             ++plan.pages_;
             plan.stored_bytes_ += page.stored_size;
             const int level = std::min<int>(page.node.level, static_cast<int>(plan.inside_.size()) - 1);
@@ -79,10 +79,10 @@ Way Plan::way(const FilmNode& node, std::uint64_t room, std::uint64_t missed) co
     const std::uint64_t index = Loader::index_bytes(its_cells);
     const std::uint64_t records = inside(node) + missed + index;
     const std::uint64_t windows = window_bytes(its_cells) + index;
-    const bool resident = records <= std::min(std::max(room / 8 * 5, least_batch_), room - cell_bytes_.window);
-    const bool streaming = windows <= std::min(room / 4 * 3, room - least_batch_);
+    const bool resident = records <= std::min(std::max(room / 8 * 5, min_batch_), room - cell_bytes_.window);
+    const bool streaming = windows <= std::min(room / 4 * 3, room - min_batch_);
     const bool splits_well =
-        std::min(records, windows) > kComfortable && own(node) + missed <= records / 64 && records / 4 >= runs_ * kLeastRead;
+        std::min(records, windows) > kComfortable && own(node) + missed <= records / 64 && records / 4 >= runs_ * kMinRead;
     if (node.level < grid_->level() && (splits_well || (!resident && !streaming))) return Way::kSplit;
     return resident ? Way::kResident : Way::kStreaming;
 }
@@ -98,7 +98,7 @@ Plan::Split Plan::best_split(const FilmNode& node, std::uint64_t room, std::uint
         return bytes;
     };
     const std::uint64_t bytes = own(node), takes = bytes + Loader::index_bytes(cells(node));
-    if (bytes == 0 || takes + least_room() > room) return {false, children(room, missed + bytes)};
+    if (bytes == 0 || takes + min_room() > room) return {false, children(room, missed + bytes)};
     const Split with{true, bytes + children(room - takes, missed)};
     if (bytes <= inside(node) / 64) return with;  // they take next to nothing
     const Split without{false, children(room, missed + bytes)};

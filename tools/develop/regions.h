@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 #include "tools/develop/film_grid.h"
 #include "tools/develop/record_batch.h"
 
@@ -36,7 +36,7 @@ class Plan {
         std::uint64_t window, positive;
     };
     // Of all pages that reach into `needed` (cells).
-    static Result<Plan> make(const sampledb::Gathering& gathering, const FilmGrid& grid, const PixelRect& needed, Classes classes,
+    static Result<Plan> make(const sampledb::RunSet& run_set, const FilmGrid& grid, const PixelRect& needed, Classes classes,
                              const Loader& loader, const CellBytes& cell_bytes);
 
     // Cells of a node that are needed; if there are none, it needs no way.
@@ -51,8 +51,8 @@ class Plan {
     // How many times each byte of records is decoded with so much room for the whole film, on average.
     double decode_factor(std::uint64_t room) const;
 
-    std::uint64_t least_batch() const { return least_batch_; }  // bytes
-    std::uint64_t least_room() const { return least_batch_ + cell_bytes_.window + cell_bytes_.positive; }
+    std::uint64_t min_batch() const { return min_batch_; }  // bytes
+    std::uint64_t min_room() const { return min_batch_ + cell_bytes_.window + cell_bytes_.positive; }
     std::uint64_t pages() const { return pages_; }
     std::uint64_t stored_bytes() const { return stored_bytes_; }  // of the pages, on disk
 
@@ -72,7 +72,7 @@ class Plan {
     CellBytes cell_bytes_;
     std::uint64_t runs_;
     std::vector<std::vector<std::uint64_t>> inside_;  // bytes of records of pages that lie in a node, by level and Z order
-    std::uint64_t least_batch_, pages_ = 0, stored_bytes_ = 0;
+    std::uint64_t min_batch_, pages_ = 0, stored_bytes_ = 0;
 };
 
 }  // namespace latent::develop

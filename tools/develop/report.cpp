@@ -48,11 +48,11 @@ std::string to_json(const PictureReport& r) {
                              {"empty_pixels", c.empty_pixels},
                              {"camera_not_finite", c.camera_not_finite},
                              {"light_not_finite", c.light_not_finite},
-                             {"superseded_runs", r.gathering.superseded_runs},
-                             {"repeated_runs", r.gathering.repeated_runs},
+                             {"superseded_runs", r.run_set.superseded_runs},
+                             {"repeated_runs", r.run_set.repeated_runs},
                              {"seconds", r.seconds},
-                             {"left_out", r.gathering.left_out},
-                             {"notes", r.gathering.notes},
+                             {"left_out", r.run_set.left_out},
+                             {"notes", r.run_set.notes},
                              {"warnings", r.warnings}};
     if (r.lens) {
         report["lens"] = {{"light", r.lens->light}, {"samples_kept", r.lens->samples}, {"noise", r.lens->noise()}};
@@ -100,7 +100,7 @@ std::string to_text(const PictureReport& r) {
 
 std::vector<std::string> losses(const PictureReport& r) {
     std::vector<std::string> lines;
-    for (const sampledb::LeftOut& item : r.gathering.left_out) lines.push_back(item.place + ": left out: " + item.reason);
+    for (const sampledb::LeftOut& item : r.run_set.left_out) lines.push_back(item.place + ": left out: " + item.reason);
     if (!r.missing.empty()) lines.push_back(fmt::format("samples {} are in no file", to_string(r.missing)));
     const DevelopCounts& c = r.counts;
     if (c.camera_not_finite > 0)

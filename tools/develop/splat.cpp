@@ -163,9 +163,9 @@ template <Form kForm, class Shape>
 void splat_records(const Shape& shape, const FilterKernel& filter, const RecordColumns& records, std::span<const Segment> segments,
                    double* window, std::size_t row_pixels) {
     constexpr std::size_t kAhead = 2, kRing = 8;
-    constexpr std::size_t kMostWeights = Shape::kSide > 0 ? 16 : 4 * FilterKernel::kMaxReach * FilterKernel::kMaxReach;
-    HWY_ALIGN float begun[kRing * kMostWeights];
-    HWY_ALIGN double weights[kRing * kMostWeights];
+    constexpr std::size_t kMaxWeights = Shape::kSide > 0 ? 16 : 4 * FilterKernel::kMaxReach * FilterKernel::kMaxReach;
+    HWY_ALIGN float begun[kRing * kMaxWeights];
+    HWY_ALIGN double weights[kRing * kMaxWeights];
     const std::size_t padded = shape.padded();
     Block block;
     const auto begin = [&](std::size_t i) HWY_ATTR {

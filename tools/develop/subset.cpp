@@ -12,7 +12,7 @@ namespace latent::develop {
 using sampledb::SampleRange;
 using sampledb::SelectedRun;
 
-std::vector<std::uint32_t> shuffled_runs(const sampledb::Gathering& all) {
+std::vector<std::uint32_t> shuffled_runs(const sampledb::RunSet& all) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
     for (std::uint32_t i = 0; i < all.runs().size(); ++i) {
         std::byte first[8];
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> shuffled_runs(const sampledb::Gathering& all) {
     return order;
 }
 
-std::size_t count_for(const sampledb::Gathering& all, const std::vector<std::uint32_t>& order, double fraction) {
+std::size_t count_for(const sampledb::RunSet& all, const std::vector<std::uint32_t>& order, double fraction) {
     const double wanted = fraction * static_cast<double>(all.coverage().size());
     double held = 0;
     std::size_t count = 0;
@@ -34,9 +34,9 @@ std::size_t count_for(const sampledb::Gathering& all, const std::vector<std::uin
     return count;
 }
 
-Subset::Subset(const sampledb::Gathering& all, std::vector<std::uint32_t> runs)
+Subset::Subset(const sampledb::RunSet& all, std::vector<std::uint32_t> runs)
     : all_(all), numbers_(std::move(runs)), read_before_(all.bytes_read()) {
-    std::ranges::sort(numbers_);  // as a gathering's runs are
+    std::ranges::sort(numbers_);  // as a run set's runs are
     std::vector<SampleRange> ranges;
     for (const std::uint32_t number : numbers_) {
         const SelectedRun& run = all.runs()[number];

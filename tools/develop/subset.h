@@ -1,31 +1,31 @@
-// tools/develop/subset.h: some runs of a gathering, seen as a gathering: what a quick preview is developed from.
+// tools/develop/subset.h: some runs of a run set, seen as a run set: what a quick preview is developed from.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::develop {
 
 // The numbers of all runs in an order that has nothing to do with where their samples lie, and is a function of the set of runs:
 // any number of them from the front is a fair choice, and more of them is a better picture of the same.
-std::vector<std::uint32_t> shuffled_runs(const sampledb::Gathering& all);
+std::vector<std::uint32_t> shuffled_runs(const sampledb::RunSet& all);
 
 // How many of these, from the front, hold at least `fraction` of all samples; at least one, if there is any.
-std::size_t count_for(const sampledb::Gathering& all, const std::vector<std::uint32_t>& order, double fraction);
+std::size_t count_for(const sampledb::RunSet& all, const std::vector<std::uint32_t>& order, double fraction);
 
 // `all` must outlive it.
-class Subset final : public sampledb::Gathering {
+class Subset final : public sampledb::RunSet {
  public:
-    Subset(const sampledb::Gathering& all, std::vector<std::uint32_t> runs);
+    Subset(const sampledb::RunSet& all, std::vector<std::uint32_t> runs);
 
     const sampledb::Job& job() const override { return all_.job(); }
     const std::vector<std::filesystem::path>& files() const override { return all_.files(); }
     const std::vector<sampledb::SelectedRun>& runs() const override { return runs_; }
     const sampledb::Coverage& coverage() const override { return coverage_; }
-    const sampledb::GatherReport& report() const override { return all_.report(); }
+    const sampledb::RunSetReport& report() const override { return all_.report(); }
     std::optional<sampledb::Resolution> resolution() const override { return all_.resolution(); }
     std::uint64_t list_memory() const override { return all_.list_memory() + runs_.size() * sizeof(sampledb::SelectedRun); }
     Result<std::shared_ptr<const std::vector<sampledb::PageInfo>>> pages(std::size_t run) const override {
@@ -41,7 +41,7 @@ class Subset final : public sampledb::Gathering {
     std::uint64_t bytes_read() const override { return all_.bytes_read() - read_before_; }
 
  private:
-    const sampledb::Gathering& all_;
+    const sampledb::RunSet& all_;
     std::vector<std::uint32_t> numbers_;  // in `all_`
     std::vector<sampledb::SelectedRun> runs_;
     sampledb::Coverage coverage_;

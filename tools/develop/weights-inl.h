@@ -28,7 +28,7 @@ HWY_INLINE hn::Vec<D> end_quartic(D d, const FilterKernel& f, hn::Vec<D> rho) {
     const auto one = hn::Set(d, 1.0f);
     const auto rest = hn::Sub(one, rho);
     const auto inner = hn::Add(hn::Set(d, 2.0f), hn::Mul(rho, hn::Set(d, f.s)));
-    const auto factor = hn::Max(hn::Add(one, hn::Mul(rho, inner)), hn::Set(d, f.least_factor));
+    const auto factor = hn::Max(hn::Add(one, hn::Mul(rho, inner)), hn::Set(d, f.min_factor));
     return hn::Mul(hn::Mul(rest, rest), factor);
 }
 

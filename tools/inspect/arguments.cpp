@@ -17,9 +17,9 @@ namespace {
 
 // "3:2" -> 3, 2.
 Result<Aspect> parse_aspect(const std::string& text) {
-    constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
     const auto sides = parse_pair(text, ':');
-    if (sides && sides->first > 0 && sides->second > 0 && sides->first <= kMost && sides->second <= kMost)
+    if (sides && sides->first > 0 && sides->second > 0 && sides->first <= kMax && sides->second <= kMax)
         return Aspect{static_cast<std::uint32_t>(sides->first), static_cast<std::uint32_t>(sides->second)};
     return is_not(text, "an aspect (try 3:2)");
 }

@@ -31,16 +31,15 @@ Status flush(std::FILE* out) {
 // Calls `take` with every page of the selection and the number of its rows to print. Damage costs the page or the run that it is
 // in, and is added to the report.
 template <class Take>
-Result<GatherReport> for_each_page(const Gathering& gathering, const RecordSelection& selection, std::uint64_t limit,
-                                   const Take& take) {
-    GatherReport report = gathering.report();
-    RecordCursor cursor(gathering, selection);
+Result<RunSetReport> for_each_page(const RunSet& run_set, const RecordSelection& selection, std::uint64_t limit, const Take& take) {
+    RunSetReport report = run_set.report();
+    RecordCursor cursor(run_set, selection);
     Page page;
     while (limit > 0) {
         const Result<bool> more = cursor.next(page);
         if (!more) {
             if (!is_unreadable(more.error())) return more.error();
-            const std::string name = shown_name(gathering.files()[gathering.runs()[cursor.run()].file]);
+            const std::string name = shown_name(run_set.files()[run_set.runs()[cursor.run()].file]);
             leave_out(report.left_out, {name, more.error().message.substr(name.size() + 2)});
             continue;
         }
@@ -52,17 +51,16 @@ Result<GatherReport> for_each_page(const Gathering& gathering, const RecordSelec
     return report;
 }
 
-Result<GatherReport> cat_text(const CatOptions& options, const Gathering& gathering, const RecordSelection& selection,
-                              std::FILE* out) {
-    TextRows lines(gathering.job(), options.format);
+Result<RunSetReport> cat_text(const CatOptions& options, const RunSet& run_set, const RecordSelection& selection, std::FILE* out) {
+    TextRows lines(run_set.job(), options.format);
     std::string text = lines.heading();
     const auto write_out = [&]() -> Status {
         if (Status s = write(out, text.data(), text.size()); !s) return s;
         text.clear();
         return flush(out);
     };
-    const Result<GatherReport> report =
-        for_each_page(gathering, selection, options.limit, [&](const Page& page, std::size_t rows) -> Status {
+    const Result<RunSetReport> report =
+        for_each_page(run_set, selection, options.limit, [&](const Page& page, std::size_t rows) -> Status {
             for (std::size_t row = 0; row < rows; ++row) {
                 lines.put(text, page, row);
                 if (text.size() < kFlushBytes) continue;
@@ -76,18 +74,18 @@ Result<GatherReport> cat_text(const CatOptions& options, const Gathering& gather
 }
 
 // The header comes last: only then is the number of rows known.
-Result<GatherReport> cat_npy(const CatOptions& options, const Gathering& gathering, RecordSelection selection, std::FILE* out) {
+Result<RunSetReport> cat_npy(const CatOptions& options, const RunSet& run_set, RecordSelection selection, std::FILE* out) {
     if (std::fseek(out, 0, SEEK_END) != 0 || std::ftell(out) != 0) {
         return usage_error("--format npy needs a new or empty file as standard output, not a pipe: add > FILE.npy");
     }
-    Result<NpyRows> fields = NpyRows::of(gathering.job(), options.columns);
+    Result<NpyRows> fields = NpyRows::of(run_set.job(), options.columns);
     if (!fields) return fields.error();
     selection.columns = fields->columns();
     const std::string placeholder(fields->header(0).size(), ' ');
     if (Status s = write(out, placeholder.data(), placeholder.size()); !s) return s.error();
     std::uint64_t count = 0;
-    const Result<GatherReport> report =
-        for_each_page(gathering, selection, options.limit, [&](const Page& page, std::size_t rows) -> Status {
+    const Result<RunSetReport> report =
+        for_each_page(run_set, selection, options.limit, [&](const Page& page, std::size_t rows) -> Status {
             count += rows;
             const ByteSpan bytes = fields->encode(page, rows);
             return write(out, bytes.data(), bytes.size());
@@ -103,25 +101,25 @@ Result<GatherReport> cat_npy(const CatOptions& options, const Gathering& gatheri
 
 }  // namespace
 
-Result<GatherReport> cat(const CatOptions& options, std::FILE* out) {
+Result<RunSetReport> cat(const CatOptions& options, std::FILE* out) {
     if (!options.columns.empty() && options.format != CatFormat::kNpy) {
         return usage_error("--columns needs --format npy");
     }
-    GatherOptions gather;
-    gather.inputs = options.inputs;
-    gather.samples = options.samples;
-    gather.job = options.job;
-    gather.memory = options.memory;
-    const Result<std::unique_ptr<Gathering>> gathering = Gathering::open(gather);
-    if (!gathering) return gathering.error();
+    RunSetOptions wanted;
+    wanted.inputs = options.inputs;
+    wanted.samples = options.samples;
+    wanted.job = options.job;
+    wanted.memory = options.memory;
+    const Result<std::unique_ptr<RunSet>> run_set = RunSet::open(wanted);
+    if (!run_set) return run_set.error();
     RecordSelection selection;
     if (options.region) {
         const Result<FilmRegion> region = FilmRegion::from(*options.region);
         if (!region) return region.error();
         selection.region = *region;
     }
-    if (options.format == CatFormat::kNpy) return cat_npy(options, **gathering, selection, out);
-    return cat_text(options, **gathering, selection, out);
+    if (options.format == CatFormat::kNpy) return cat_npy(options, **run_set, selection, out);
+    return cat_text(options, **run_set, selection, out);
 }
 
 }  // namespace latent::inspect

@@ -12,7 +12,7 @@
 #include "base/memory.h"
 #include "base/result.h"
 #include "sampledb/data/coverage.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::inspect {
 
@@ -31,7 +31,7 @@ struct CatOptions {
 
 // Writes to `out`, in the order of the file: run by run, page by page. Positions are exact fractions of 2^32; wavelengths of jobs
 // with a density are written out. Pages that are damaged are left out and listed. npy needs an empty file, to write its header
-// last. Errors: those of Gathering::open, kUsage (columns, npy into a pipe), kIo (reading failed, or `out` takes no more).
-Result<sampledb::GatherReport> cat(const CatOptions& options, std::FILE* out);
+// last. Errors: those of RunSet::open, kUsage (columns, npy into a pipe), kIo (reading failed, or `out` takes no more).
+Result<sampledb::RunSetReport> cat(const CatOptions& options, std::FILE* out);
 
 }  // namespace latent::inspect

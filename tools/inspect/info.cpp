@@ -98,9 +98,9 @@ Status look_at_pages(const ByteSource& source, const std::vector<RunInfo>& runs,
 
 // A text of unknown origin as the rest of a line.
 std::string start_of(std::string_view text) {
-    constexpr std::size_t kMost = 2000;
-    if (text.size() <= kMost) return printable_line(text);
-    return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMost)), format_size(text.size()));
+    constexpr std::size_t kMax = 2000;
+    if (text.size() <= kMax) return printable_line(text);
+    return fmt::format("{}... ({}; --json prints more)", printable_line(text.substr(0, kMax)), format_size(text.size()));
 }
 
 // An origin without its tables of spectra and names.

@@ -37,7 +37,7 @@ int run_recover(const std::filesystem::path& input, const std::filesystem::path&
 }
 
 int run_cat(const CatOptions& options) {
-    const Result<sampledb::GatherReport> report = cat(options, stdout);
+    const Result<sampledb::RunSetReport> report = cat(options, stdout);
     if (!report) return cli::fail(report.error());
     for (const std::string& note : report->notes) cli::note(note);
     for (const sampledb::LeftOut& item : report->left_out) cli::warn(item.place + ": left out: " + item.reason);

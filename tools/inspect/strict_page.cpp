@@ -93,9 +93,9 @@ class PageCheck {
             const std::size_t size = plane_size(entry, p);
             const std::string place = fmt::format(", plane {}", p);
             if (plane.codec == PlaneCodec::kDictionary) check_dictionary(entry, place, stored, size);
-            if (plane.codec == PlaneCodec::kZstd && window_log(stored) > kMostWindowLog) {
+            if (plane.codec == PlaneCodec::kZstd && window_log(stored) > kMaxWindowLog) {
                 wrong(entry, place, fmt::format("its zstd frame needs a window of up to 2^{} bytes", window_log(stored)),
-                      fmt::format("2^{} at most", kMostWindowLog));
+                      fmt::format("2^{} at most", kMaxWindowLog));
             }
             const bool is_packed = entry.transform == Transform::kPacked || entry.transform == Transform::kLattice;
             if (!is_packed) continue;
@@ -212,7 +212,7 @@ class PageCheck {
     }
 
     static constexpr std::size_t kUnknown = ~std::size_t{0};
-    static constexpr int kMostWindowLog = 23;
+    static constexpr int kMaxWindowLog = 23;
 
     const Job& job_;
     const PageInfo& info_;

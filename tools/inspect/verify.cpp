@@ -139,7 +139,7 @@ Result<VerifyReport> verify(const std::filesystem::path& path, VerifyLevel level
             report.not_finite += found->not_finite;
             report.violations.append(std::move(found->violations));
             const std::string note = strict ? boundary_note(run.header, job) : "";
-            if (!note.empty() && report.notes.size() < Violations::kMostListed) {
+            if (!note.empty() && report.notes.size() < Violations::kMaxListed) {
                 report.notes.push_back(
                     fmt::format("run {}, samples {}:{}, {}: other runs of these samples cannot be recognised as the same", i,
                                 run.header.samples.first, run.header.samples.end, note));

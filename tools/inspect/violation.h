@@ -18,10 +18,10 @@ struct Violation {
 // The first of them, and how many there are: one mistake of a writer may show in every record.
 class Violations {
  public:
-    static constexpr std::size_t kMostListed = 1000;
+    static constexpr std::size_t kMaxListed = 1000;
 
     void add(Violation violation) {
-        if (listed_.size() < kMostListed) listed_.push_back(std::move(violation));
+        if (listed_.size() < kMaxListed) listed_.push_back(std::move(violation));
         ++count_;
     }
     void append(Violations others) {

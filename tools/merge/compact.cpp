@@ -88,17 +88,17 @@ class Scratch {
 // alone.
 class ClassMerger {
  public:
-    ClassMerger(const Gathering& gathering, const CompactGroup& group, RecordClass record_class, const Budget& budget,
+    ClassMerger(const RunSet& run_set, const CompactGroup& group, RecordClass record_class, const Budget& budget,
                 RunEncoder& encoder, Writer& writer)
-        : job_(gathering.job()),
-          most_(max_page_records(gathering.job())),
+        : job_(run_set.job()),
+          most_(max_page_records(run_set.job())),
           budget_(budget),
           encoder_(encoder),
           writer_(writer),
           table_(job_) {
         left_over_.record_class = record_class;
         left_over_.extra = extra_columns(job_);
-        for (std::size_t run = group.first; run < group.end; ++run) fronts_.emplace_back(gathering, run, record_class);
+        for (std::size_t run = group.first; run < group.end; ++run) fronts_.emplace_back(run_set, run, record_class);
     }
 
     Status merge() {
@@ -219,15 +219,15 @@ class ClassMerger {
 
 }  // namespace
 
-Result<RunHeader> compact_runs(const Gathering& gathering, const CompactGroup& group, std::uint64_t memory, File& out,
+Result<RunHeader> compact_runs(const RunSet& run_set, const CompactGroup& group, std::uint64_t memory, File& out,
                                std::uint64_t offset, const std::function<void(std::uint64_t)>& report) {
     Coverage coverage;
-    for (std::size_t i = group.first; i < group.end; ++i) coverage.add(gathering.runs()[i].coverage);
-    const Budget budget = budget_of(gathering.job(), group.end - group.first, memory);
-    RunEncoder encoder(gathering.job(), coverage);
+    for (std::size_t i = group.first; i < group.end; ++i) coverage.add(run_set.runs()[i].coverage);
+    const Budget budget = budget_of(run_set.job(), group.end - group.first, memory);
+    RunEncoder encoder(run_set.job(), coverage);
     Writer writer(out, offset, report);
     for (const RecordClass record_class : {RecordClass::kCamera, RecordClass::kLight}) {
-        ClassMerger merger(gathering, group, record_class, budget, encoder, writer);
+        ClassMerger merger(run_set, group, record_class, budget, encoder, writer);
         if (Status s = merger.merge(); !s) return s.error();
     }
     const RunEncoder::Tail tail = encoder.finish();

@@ -25,7 +25,7 @@ std::size_t DecodedPage::end_of(const SortKey& last) const {
 }
 
 Status RunFront::open() {
-    const auto pages = gathering_.pages(run_);
+    const auto pages = run_set_.pages(run_);
     if (!pages) return pages.error();
     for (const PageInfo& page : **pages) {
         if (page.record_class == record_class_ && page.record_count > 0) infos_.push_back(page);
@@ -37,7 +37,7 @@ Status RunFront::open() {
 void RunFront::announce(std::size_t ahead) const {
     const std::size_t wanted = ahead - std::min(ahead, pages_.size());
     const std::size_t end = std::min(infos_.size(), next_ + wanted);
-    if (next_ < end) gathering_.will_read(run_, infos_[next_], infos_[end - 1]);
+    if (next_ < end) run_set_.will_read(run_, infos_[next_], infos_[end - 1]);
 }
 
 Status RunFront::decode(std::size_t ahead, PageDecoder& decoder) {
@@ -50,17 +50,17 @@ Status RunFront::decode(std::size_t ahead, PageDecoder& decoder) {
             spare_.pop_back();
         }
         Page& page = decoded->page;
-        if (Status s = gathering_.read_page(run_, infos_[next_], ColumnSet{}, decoder, page); !s) return s;
+        if (Status s = run_set_.read_page(run_, infos_[next_], ColumnSet{}, decoder, page); !s) return s;
         decoded->used = 0;
         decoded->z.resize(page.count);
         for (std::size_t i = 0; i < page.count; ++i) decoded->z[i] = z_prefix(page.u[i], page.v[i]);
         bool sorted = pages_.empty() || last() <= decoded->key(0);
         for (std::size_t i = 1; i < page.count; ++i) sorted &= decoded->key(i - 1) <= decoded->key(i);
         if (!sorted) {
-            const SelectedRun& run = gathering_.runs()[run_];
+            const SelectedRun& run = run_set_.runs()[run_];
             return Error{ErrorCode::kCorrupt,
                          fmt::format("{}: run at byte {}: its records are not in order; merge without --compact",
-                                     shown_name(gathering_.files()[run.file]), run.offset)};
+                                     shown_name(run_set_.files()[run.file]), run.offset)};
         }
         pages_.push_back(std::move(decoded));
     }

@@ -8,7 +8,7 @@
 
 #include "base/result.h"
 #include "sampledb/codec/page_decoder.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::merge {
 
@@ -27,8 +27,8 @@ struct DecodedPage {
 // The records of one class of a run, ascending.
 class RunFront {
  public:
-    RunFront(const sampledb::Gathering& gathering, std::size_t run, sampledb::RecordClass record_class)
-        : gathering_(gathering), run_(run), record_class_(record_class) {}
+    RunFront(const sampledb::RunSet& run_set, std::size_t run, sampledb::RecordClass record_class)
+        : run_set_(run_set), run_(run), record_class_(record_class) {}
 
     Status open();
     // Pages to decode until `ahead` are there. `announce` tells the system, `decode` does it; the latter of several runs at a time.
@@ -42,7 +42,7 @@ class RunFront {
     void drop_used();
 
  private:
-    const sampledb::Gathering& gathering_;
+    const sampledb::RunSet& run_set_;
     std::size_t run_;
     sampledb::RecordClass record_class_;
     std::vector<sampledb::PageInfo> infos_;

@@ -32,9 +32,9 @@ std::uint64_t page_memory(const Job& job) {
     return decoded_page_size(job, RecordClass::kCamera, max_page_records(job), pairs);
 }
 
-std::vector<CompactGroup> compact_groups(const Gathering& gathering, std::uint64_t memory) {
-    const std::vector<SelectedRun>& runs = gathering.runs();
-    const std::uint64_t run_samples = gathering.job().run_samples;
+std::vector<CompactGroup> compact_groups(const RunSet& run_set, std::uint64_t memory) {
+    const std::vector<SelectedRun>& runs = run_set.runs();
+    const std::uint64_t run_samples = run_set.job().run_samples;
     std::vector<CompactGroup> groups;
     CompactGroup group{0, 0};
     std::uint64_t group_memory = 0, group_pages = 0, group_intervals = 0;
@@ -60,7 +60,7 @@ std::vector<CompactGroup> compact_groups(const Gathering& gathering, std::uint64
         }
         std::uint64_t more_memory = 0, more_pages = 0;
         for (std::size_t j = i; j < end; ++j) {
-            more_memory += memory_of(gathering.job(), runs[j]);
+            more_memory += memory_of(run_set.job(), runs[j]);
             more_pages += runs[j].header.page_count;
         }
         const std::span<const SampleRange> intervals = coverage.ranges();

@@ -75,10 +75,10 @@ int main(int argc, char** argv) try {
     remove_temporaries_on_signals();
     const Result<merge::MergeReport> report = merge::merge(options, cli::progress(common, "merging"));
     if (!report) return cli::fail(report.error());
-    for (const std::string& note : report->gathering.notes) cli::note(note);
-    for (const sampledb::LeftOut& item : report->gathering.left_out) cli::warn(item.place + ": left out: " + item.reason);
+    for (const std::string& note : report->run_set.notes) cli::note(note);
+    for (const sampledb::LeftOut& item : report->run_set.left_out) cli::warn(item.place + ": left out: " + item.reason);
     return cli::print_report(common.json ? merge::to_json(*report) : merge::to_text(*report),
-                             report->gathering.left_out.empty() ? cli::kDone : cli::kDoneWithLosses);
+                             report->run_set.left_out.empty() ? cli::kDone : cli::kDoneWithLosses);
 } catch (...) {
     return latent::cli::fail_with_exception();
 }

@@ -16,12 +16,12 @@ using namespace sampledb;
 
 namespace {
 
-Status check_required(const MergeOptions& options, const Gathering& gathering) {
-    if (!options.require || gathering.coverage().contains(*options.require)) return {};
+Status check_required(const MergeOptions& options, const RunSet& run_set) {
+    if (!options.require || run_set.coverage().contains(*options.require)) return {};
     Coverage missing(*options.require);
-    missing.remove(gathering.coverage());
+    missing.remove(run_set.coverage());
     std::string text = fmt::format("samples {} are required, but no part holds them", to_string(missing));
-    const std::vector<LeftOut>& left_out = gathering.report().left_out;
+    const std::vector<LeftOut>& left_out = run_set.report().left_out;
     if (!left_out.empty()) text += fmt::format("; left out: {}: {}", left_out[0].place, left_out[0].reason);
     if (left_out.size() > 1) text += fmt::format(", and {} more", left_out.size() - 1);
     return Error{ErrorCode::kMismatch, std::move(text)};
@@ -34,9 +34,9 @@ Status check_number(std::size_t runs) {
 }
 
 // A part of an empty shard holds no run, and may be all there is; but not what is left of parts that were damaged.
-Status check_anything_left(const Gathering& gathering) {
-    const std::vector<LeftOut>& left_out = gathering.report().left_out;
-    if (!gathering.runs().empty() || left_out.empty()) return {};
+Status check_anything_left(const RunSet& run_set) {
+    const std::vector<LeftOut>& left_out = run_set.report().left_out;
+    if (!run_set.runs().empty() || left_out.empty()) return {};
     return Error{ErrorCode::kCorrupt,
                  fmt::format("{}: {}; no runs left to merge", left_out.front().place, left_out.front().reason)};
 }
@@ -46,21 +46,21 @@ Status check_anything_left(const Gathering& gathering) {
 Result<MergeReport> merge(const MergeOptions& options, const Progress& progress) {
     Result<OutputFile> out = OutputFile::create(options.output, options.replace);
     if (!out) return out.error();
-    GatherOptions gather;
-    gather.inputs = options.inputs;
-    gather.skip_duplicates = options.skip_duplicates;
-    gather.keep_going = options.keep_going;
-    gather.job = options.job;
-    gather.verify = VerifyLevel::kQuick;  // before runs are chosen; the rest while they are copied
-    gather.memory = options.memory;
-    gather.announced_reads = options.compact;
-    std::unique_ptr<Gathering> chosen;
+    RunSetOptions wanted;
+    wanted.inputs = options.inputs;
+    wanted.skip_duplicates = options.skip_duplicates;
+    wanted.keep_going = options.keep_going;
+    wanted.job = options.job;
+    wanted.verify = VerifyLevel::kQuick;  // before runs are chosen; the rest while they are copied
+    wanted.memory = options.memory;
+    wanted.announced_reads = options.compact;
+    std::unique_ptr<RunSet> chosen;
     std::vector<Step> plan;
     const Threads threads(options.threads);
     Output output(*out, options.verify, options.piece, options.memory, threads, progress);
     // What copying finds damaged is left out, and runs are chosen anew: others may hold the same samples.
     for (;;) {
-        Result<std::unique_ptr<Gathering>> opened = Gathering::open(gather);
+        Result<std::unique_ptr<RunSet>> opened = RunSet::open(wanted);
         if (!opened) return opened.error();
         if (Status s = check_anything_left(**opened); !s) return s.error();
         if (Status s = check_required(options, **opened); !s) return s.error();
@@ -77,24 +77,24 @@ Result<MergeReport> merge(const MergeOptions& options, const Progress& progress)
         const Result<std::vector<DamagedRun>> damaged = output.append(*chosen, plan);
         if (!damaged) return damaged.error();
         if (damaged->empty()) break;
-        gather.damaged.insert(gather.damaged.end(), damaged->begin(), damaged->end());
+        wanted.damaged.insert(wanted.damaged.end(), damaged->begin(), damaged->end());
     }
-    const Gathering& gathering = *chosen;
-    const Result<std::string> provenance = provenance_of(gathering);
+    const RunSet& run_set = *chosen;
+    const Result<std::string> provenance = provenance_of(run_set);
     if (!provenance) return provenance.error();
     if (Status s = output.end(*provenance); !s) return s.error();
 
     MergeReport report;
     report.output = options.output.string();
     report.compacted = options.compact;
-    report.job = gathering.job();
-    report.coverage = gathering.coverage();
-    report.runs_in = gathering.runs().size();
+    report.job = run_set.job();
+    report.coverage = run_set.coverage();
+    report.runs_in = run_set.runs().size();
     report.runs_out = output.runs().size();
     report.bytes = output.size();
-    report.gathering = gathering.report();
-    std::vector<bool> used(gathering.files().size());
-    for (const SelectedRun& run : gathering.runs()) {
+    report.run_set = run_set.report();
+    std::vector<bool> used(run_set.files().size());
+    for (const SelectedRun& run : run_set.runs()) {
         used[run.file] = true;
         report.camera_records += run.header.camera_records;
         report.light_records += run.header.light_records;

@@ -11,7 +11,7 @@
 #include "base/progress.h"
 #include "base/result.h"
 #include "sampledb/data/coverage.h"
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 namespace latent::merge {
 
@@ -40,11 +40,11 @@ struct MergeReport {
     std::uint64_t runs_in = 0, runs_out = 0;
     std::uint64_t camera_records = 0, light_records = 0;
     std::uint64_t bytes = 0;  // of the output
-    sampledb::GatherReport gathering;
+    sampledb::RunSetReport run_set;
 };
 
 // Writes the output: header, runs ascending by first sample, footer. The same bytes whatever the order of the inputs.
-// Errors: those of Gathering::open, kMismatch (`require` not met), kExists, kCorrupt (the copy differs from what was read), kIo,
+// Errors: those of RunSet::open, kMismatch (`require` not met), kExists, kCorrupt (the copy differs from what was read), kIo,
 // kNoSpace; then there is no output.
 Result<MergeReport> merge(const MergeOptions& options, const Progress& progress = {});
 

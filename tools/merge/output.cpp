@@ -32,9 +32,9 @@ DamagedRun damaged_run(const std::filesystem::path& file, const SelectedRun& run
 // One call of Output::append.
 class Output::Appending {
  public:
-    Appending(Output& output, const Gathering& gathering, std::vector<Step>& plan)
-        : output_(output), gathering_(gathering), plan_(plan), done_(output.runs_.size()) {
-        for (const SelectedRun& run : gathering.runs()) bytes_ahead_ += run.header.size();
+    Appending(Output& output, const RunSet& run_set, std::vector<Step>& plan)
+        : output_(output), run_set_(run_set), plan_(plan), done_(output.runs_.size()) {
+        for (const SelectedRun& run : run_set.runs()) bytes_ahead_ += run.header.size();
     }
 
     Result<std::vector<DamagedRun>> append() {
@@ -60,13 +60,13 @@ class Output::Appending {
     }
 
  private:
-    const SelectedRun& run_of(std::size_t step) const { return gathering_.runs()[plan_[step].first]; }
+    const SelectedRun& run_of(std::size_t step) const { return run_set_.runs()[plan_[step].first]; }
     File& file() { return output_.out_.file(); }
     FileView view(std::uint64_t size) { return FileView(file(), output_.out_.path().string(), size); }
 
     Result<std::shared_ptr<const ByteSource>> input(std::uint32_t number) {
         if (std::shared_ptr<const ByteSource> open = inputs_.find(number)) return open;
-        Result<std::shared_ptr<const ByteSource>> opened = open_source(gathering_.files()[number]);
+        Result<std::shared_ptr<const ByteSource>> opened = open_source(run_set_.files()[number]);
         if (opened) inputs_.insert(number, *opened, 1);
         return opened;
     }
@@ -102,14 +102,14 @@ class Output::Appending {
         const SelectedRun& head = run_of(begin);
         const Result<std::shared_ptr<const ByteSource>> from = input(head.file);
         if (!from) return from.error();
-        CopyCheck check(gathering_.job(), output_.level_, output_.threads_);
+        CopyCheck check(run_set_.job(), output_.level_, output_.threads_);
         std::vector<RunInfo> copies;
         std::uint64_t length = 0, listed = 0;
         for (std::size_t i = begin; i < end; ++i) {
             std::shared_ptr<const std::vector<PageInfo>> pages;
             if (output_.level_ == VerifyLevel::kStored && listed + run_of(i).header.page_count <= kPagesListed) {
                 listed += run_of(i).header.page_count;
-                const auto read = gathering_.pages(plan_[i].first);
+                const auto read = run_set_.pages(plan_[i].first);
                 if (!read && read.error().code == ErrorCode::kIo) return read.error();
                 if (!read) break;  // as the look at the original will show
                 pages = *read;
@@ -142,10 +142,10 @@ class Output::Appending {
     // The copy of a step's run is not as it should be: because the run is damaged, or because it was spoiled on the way?
     Status blame(const ByteSource& from, std::size_t step, const Status& copied) {
         const SelectedRun& run = run_of(step);
-        const Status original = verify_run(from, {run.offset, run.header}, gathering_.job(), output_.level_);
+        const Status original = verify_run(from, {run.offset, run.header}, run_set_.job(), output_.level_);
         if (!original && !is_unreadable(original.error())) return original.error().at(from.name());
         if (!original) {
-            damaged_.push_back(damaged_run(gathering_.files()[run.file], run, original.error()));
+            damaged_.push_back(damaged_run(run_set_.files()[run.file], run, original.error()));
             return {};
         }
         return Error{ErrorCode::kCorrupt,
@@ -159,11 +159,11 @@ class Output::Appending {
             const Result<bool> sound = check_group(group);
             if (!sound || !*sound) return sound;
         }
-        const std::uint64_t memory = output_.memory_ - std::min(output_.memory_, gathering_.list_memory());
+        const std::uint64_t memory = output_.memory_ - std::min(output_.memory_, run_set_.list_memory());
         Result<RunHeader> header = RunHeader{};
         output_.threads_.run([&] {
-            header = compact_runs(gathering_, group, memory, file(), output_.end_,
-                                  [this](std::uint64_t bytes) { tell_progress(bytes); });
+            header =
+                compact_runs(run_set_, group, memory, file(), output_.end_, [this](std::uint64_t bytes) { tell_progress(bytes); });
         });
         if (!header && !is_unreadable(header.error())) return header.error();
         if (!header) {
@@ -174,7 +174,7 @@ class Output::Appending {
         begin_writeback(run.offset + header->size());
         output_.runs_.push_back(run);
         output_.end_ += header->size();
-        for (std::size_t i = group.first; i < group.end; ++i) bytes_done_ += gathering_.runs()[i].header.size();
+        for (std::size_t i = group.first; i < group.end; ++i) bytes_done_ += run_set_.runs()[i].header.size();
         if (Status s = check_new(run); !s) return s.error().at(output_.out_.path().string());
         return true;
     }
@@ -182,10 +182,10 @@ class Output::Appending {
     // Reads a run that was made here, as it stands in the output.
     Status check_new(const RunInfo& run) {
         const FileView written = view(output_.end_);
-        if (output_.level_ != VerifyLevel::kStored) return verify_run(written, run, gathering_.job(), output_.level_);
-        Result<RunIndex> index = read_run_index(written, run, gathering_.job());
+        if (output_.level_ != VerifyLevel::kStored) return verify_run(written, run, run_set_.job(), output_.level_);
+        Result<RunIndex> index = read_run_index(written, run, run_set_.job());
         if (!index) return index.error();
-        CopyCheck check(gathering_.job(), output_.level_, output_.threads_);
+        CopyCheck check(run_set_.job(), output_.level_, output_.threads_);
         check.expect(run, run.offset, std::make_shared<const std::vector<PageInfo>>(std::move(index->pages)));
         return check.arrived(written);
     }
@@ -194,20 +194,20 @@ class Output::Appending {
     Result<bool> check_group(const CompactGroup& group) {
         bool sound = true;
         for (std::size_t i = group.first; i < group.end; ++i) {
-            const SelectedRun& run = gathering_.runs()[i];
+            const SelectedRun& run = run_set_.runs()[i];
             const Result<std::shared_ptr<const ByteSource>> from = input(run.file);
             if (!from) return from.error();
-            const Status good = verify_run(**from, {run.offset, run.header}, gathering_.job(), VerifyLevel::kFull);
+            const Status good = verify_run(**from, {run.offset, run.header}, run_set_.job(), VerifyLevel::kFull);
             if (good) continue;
             if (!is_unreadable(good.error())) return good.error().at((*from)->name());
-            damaged_.push_back(damaged_run(gathering_.files()[run.file], run, good.error()));
+            damaged_.push_back(damaged_run(run_set_.files()[run.file], run, good.error()));
             sound = false;
         }
         return sound;
     }
 
     Output& output_;
-    const Gathering& gathering_;
+    const RunSet& run_set_;
     std::vector<Step>& plan_;
     std::size_t done_;  // steps at the front of the plan that are in the output
     std::vector<DamagedRun> damaged_;
@@ -223,8 +223,8 @@ Status Output::begin(const Job& job) {
     return out_.file().write_all(0, *header);
 }
 
-Result<std::vector<DamagedRun>> Output::append(const Gathering& gathering, std::vector<Step>& plan) {
-    return Appending(*this, gathering, plan).append();
+Result<std::vector<DamagedRun>> Output::append(const RunSet& run_set, std::vector<Step>& plan) {
+    return Appending(*this, run_set, plan).append();
 }
 
 void Output::keep(std::size_t count) {

@@ -10,8 +10,8 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/result.h"
-#include "sampledb/read/gathering.h"
 #include "sampledb/read/recent_cache.h"
+#include "sampledb/read/run_set.h"
 #include "tools/merge/plan.h"
 
 namespace latent::merge {
@@ -27,7 +27,7 @@ class Output {
 
     // Appends what `plan` says. A step of which a run is damaged is left out, taken from the plan, and the run is returned.
     // Errors: kIo, kNoSpace; kCorrupt if what was read is sound and the copy is not.
-    Result<std::vector<sampledb::DamagedRun>> append(const sampledb::Gathering& gathering, std::vector<Step>& plan);
+    Result<std::vector<sampledb::DamagedRun>> append(const sampledb::RunSet& run_set, std::vector<Step>& plan);
     // Forgets all runs but the first `count`.
     void keep(std::size_t count);
 

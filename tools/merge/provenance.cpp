@@ -72,8 +72,8 @@ std::string samples_of(const std::vector<SelectedRun>& runs, std::span<const std
 
 }  // namespace
 
-Result<std::string> provenance_of(const Gathering& gathering) {
-    const std::vector<SelectedRun>& runs = gathering.runs();
+Result<std::string> provenance_of(const RunSet& run_set) {
+    const std::vector<SelectedRun>& runs = run_set.runs();
     std::vector<std::uint32_t> by_file(runs.size());
     std::iota(by_file.begin(), by_file.end(), std::uint32_t{0});
     std::ranges::sort(by_file, {}, [&](std::uint32_t i) { return std::pair(runs[i].file, i); });
@@ -82,7 +82,7 @@ Result<std::string> provenance_of(const Gathering& gathering) {
     for (std::size_t begin = 0, end = 0; begin < by_file.size(); begin = end) {
         const std::uint32_t file = runs[by_file[begin]].file;
         while (end < by_file.size() && runs[by_file[end]].file == file) ++end;
-        const fs::path& path = gathering.files()[file];
+        const fs::path& path = run_set.files()[file];
         const Result<std::shared_ptr<const ByteSource>> source = open_source(path);
         if (!source) return source.error();
         const Result<FileContents> frames = read_frames(**source);

@@ -13,13 +13,13 @@ std::string to_json(const MergeReport& r) {
                                    {"files", r.files},
                                    {"runs_in", r.runs_in},
                                    {"runs_out", r.runs_out},
-                                   {"superseded_runs", r.gathering.superseded_runs},
-                                   {"repeated_runs", r.gathering.repeated_runs},
+                                   {"superseded_runs", r.run_set.superseded_runs},
+                                   {"repeated_runs", r.run_set.repeated_runs},
                                    {"camera_records", r.camera_records},
                                    {"light_records", r.light_records},
                                    {"bytes", r.bytes},
-                                   {"left_out", r.gathering.left_out},
-                                   {"notes", r.gathering.notes}};
+                                   {"left_out", r.run_set.left_out},
+                                   {"notes", r.run_set.notes}};
     return with_member(json_text(report), "samples", r.coverage) + "\n";
 }
 

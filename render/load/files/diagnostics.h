@@ -67,9 +67,9 @@ class Diagnostics {
     };
     // False: it was said before, or too much was.
     static bool say(const std::string& place, const std::string& message, Lines& out) {
-        constexpr std::size_t kMost = 1000, kLongest = 2000;
-        if (out.lines.size() == kMost) out.lines.emplace_back("and more like these");
-        if (out.lines.size() > kMost) return false;
+        constexpr std::size_t kMax = 1000, kLongest = 2000;
+        if (out.lines.size() == kMax) out.lines.emplace_back("and more like these");
+        if (out.lines.size() > kMax) return false;
         std::string line = place + ": " + message;
         if (line.size() > kLongest) line.replace(kLongest, line.npos, "...");
         if (!out.said.insert(line).second) return false;

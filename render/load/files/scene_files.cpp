@@ -17,7 +17,7 @@ bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 // What takes more than its files explain: beyond this, and this many times their size.
 constexpr std::uint64_t kIncludeRatio = 10, kAlwaysIncluded = std::uint64_t{16} << 20;
-constexpr std::uint64_t kLeastIncluded = 1024;  // bytes that an inclusion counts, for what it takes beside its text
+constexpr std::uint64_t kMinIncluded = 1024;  // bytes that an inclusion counts, for what it takes beside its text
 
 // Beyond this, and this many times its size, a gzip file is not unpacked: 3 to 10 times is usual, and 1000 times possible.
 constexpr std::size_t kRatio = 100, kAlways = std::size_t{1} << 26;
@@ -91,7 +91,7 @@ Result<std::string> SceneFiles::read_text(const std::filesystem::path& path) {
 Result<std::string> SceneFiles::include(const std::filesystem::path& path) {
     Result<std::string> text = read_text(path);
     if (!text) return text;
-    const std::uint64_t size = std::max<std::uint64_t>(text->size(), kLeastIncluded);
+    const std::uint64_t size = std::max<std::uint64_t>(text->size(), kMinIncluded);
     std::error_code failed;
     const std::filesystem::path same = std::filesystem::canonical(path, failed);  // whichever link leads to it
     if (included_.insert(failed ? path : same).second) distinct_bytes_ += size;

@@ -12,7 +12,7 @@ namespace latent::render {
 namespace {
 
 enum class Component : std::uint32_t { kInt8 = 5120, kUint8, kInt16, kUint16, kUint32 = 5125, kFloat32 };
-constexpr std::uint64_t kMostZeros = 1 << 24;  // items of an accessor that has no buffer view, so all but some are 0
+constexpr std::uint64_t kMaxZeros = 1 << 24;  // items of an accessor that has no buffer view, so all but some are 0
 
 std::size_t size_of(Component c) {
     switch (c) {
@@ -161,7 +161,7 @@ std::optional<std::vector<Number>> read_all(const GltfDocument& document, const 
             for (std::size_t c = 0; c < a.components; ++c)
                 out.push_back(read(items->first + i * items->stride + c * size_of(a.type)));
         }
-    } else if (a.count <= kMostZeros) {
+    } else if (a.count <= kMaxZeros) {
         out.resize(a.count * a.components);
     } else {
         a.value.error(fmt::format("has {} items and no buffer view", a.count));

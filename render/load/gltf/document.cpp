@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHeader = 12, kChunkHeader = 8;
 constexpr std::uint32_t kJson = 0x4E4F534A, kBinary = 0x004E4942;  // types of chunks
-constexpr std::size_t kMostDepth = 64;                             // of JSON; the format needs about 10
+constexpr std::size_t kMaxDepth = 64;                              // of JSON; the format needs about 10
 
 std::uint32_t u32(std::string_view bytes, std::size_t at) {
     return load_le<std::uint32_t>(reinterpret_cast<const std::byte*>(bytes.data() + at));
@@ -154,7 +154,7 @@ Result<GltfDocument> GltfDocument::read(const std::string& bytes, const std::str
     const bool is_binary = bytes.starts_with("glTF");
     if (chunks.json.find_first_not_of(" \t\r\n") == chunks.json.npos)
         return Error{ErrorCode::kCorrupt, fmt::format("{}: {} is empty", name, is_binary ? "its JSON chunk" : "the file")};
-    const Status is_object = check_json_object(chunks.json, kMostDepth);
+    const Status is_object = check_json_object(chunks.json, kMaxDepth);
     try {
         document.json_ = nlohmann::json::parse(chunks.json);
     } catch (const nlohmann::json::parse_error& e) {

@@ -16,7 +16,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::uint64_t kMostVertices = 1 << 30;  // of all primitives: a small file can name large ones many times
+constexpr std::uint64_t kMaxVertices = 1 << 30;  // of all primitives: a small file can name large ones many times
 
 Affined rotation(const std::array<double, 4>& q) {  // x y z w, of unit length
     const double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -383,10 +383,10 @@ class GltfLoader {
     }
     // False, with one error, when all that was counted is too much.
     bool count(const GltfPrimitive& primitive, const GltfValue& value) {
-        if (vertices_ > kMostVertices) return false;
+        if (vertices_ > kMaxVertices) return false;
         vertices_ += primitive.mesh.positions.size();
-        if (vertices_ > kMostVertices) value.error(fmt::format("with this, the scene has more than {} vertices", kMostVertices));
-        return vertices_ <= kMostVertices;
+        if (vertices_ > kMaxVertices) value.error(fmt::format("with this, the scene has more than {} vertices", kMaxVertices));
+        return vertices_ <= kMaxVertices;
     }
 
     LoadedShape shape_of(std::uint32_t material, LoadedMesh mesh) const {

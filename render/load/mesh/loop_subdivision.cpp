@@ -12,7 +12,7 @@ namespace latent::render {
 namespace {
 
 constexpr std::uint32_t kNobody = 0xFFFFFFFF;
-constexpr double kMostTriangles = 1 << 24;  // of some 400 bytes each while they are made
+constexpr double kMaxTriangles = 1 << 24;  // of some 400 bytes each while they are made
 
 using Triangles = std::vector<std::uint32_t>;  // 3 indices each
 
@@ -191,9 +191,9 @@ Vec3f limit_normal(const std::vector<Vec3d>& p, std::size_t v, std::span<const s
 
 Result<LoadedMesh> subdivide(const LoadedMesh& mesh, std::uint32_t levels) {
     const double triangles = std::ldexp(static_cast<double>(mesh.indices.size() / 3), static_cast<int>(2 * levels));
-    if (triangles > kMostTriangles) {
+    if (triangles > kMaxTriangles) {
         return Error{ErrorCode::kUnsupported, fmt::format("levels: {} make {:.0f} triangles; at most {:.0f} are supported", levels,
-                                                          triangles, kMostTriangles)};
+                                                          triangles, kMaxTriangles)};
     }
     LoadedMesh out{.positions = mesh.positions, .indices = mesh.indices};
     for (std::uint32_t level = 0; level < levels; ++level) {

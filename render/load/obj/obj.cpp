@@ -20,7 +20,7 @@ namespace latent::render {
 
 namespace {
 
-constexpr std::size_t kMostErrors = 20;  // of one file: after these it is given up
+constexpr std::size_t kMaxErrors = 20;  // of one file: after these it is given up
 
 // What "v", "vt" and "vn" say, in the whole file.
 struct Vertices {
@@ -66,7 +66,7 @@ Vertices read_vertices(std::string_view text, const std::string& name, Diagnosti
     const std::size_t before = diagnostics.errors().size();
     std::vector<std::array<double, 3>> colors;
     double brightest = 0;
-    while (s.next() && diagnostics.errors().size() < before + kMostErrors) {
+    while (s.next() && diagnostics.errors().size() < before + kMaxErrors) {
         const std::string_view key = s.keyword();
         const std::size_t numbers = s.words().size() - 1;
         if (key == "v" && s.has_numbers(3)) {
@@ -113,7 +113,7 @@ class ObjReader {
     Model read() {
         const std::size_t before = diagnostics_.errors().size();
         if (before > 0) return {};  // of vertices
-        while (statements_.next() && diagnostics_.errors().size() < before + kMostErrors) read_statement();
+        while (statements_.next() && diagnostics_.errors().size() < before + kMaxErrors) read_statement();
         for (const auto& [what, count] : ignored_)
             diagnostics_.warn(statements_.place(),
                               fmt::format("{} \"{}\" {} ignored", counted(count, "statement"), what, count == 1 ? "was" : "were"));

@@ -9,7 +9,7 @@ namespace latent::render {
 namespace {
 
 using Point = Vec2<double>;
-constexpr std::size_t kMostTests = 2'000'000'000;  // of corners in triangles: some seconds
+constexpr std::size_t kMaxTests = 2'000'000'000;  // of corners in triangles: some seconds
 
 // Twice the signed area of a triangle in the plane.
 double area(const Point& a, const Point& b, const Point& c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
@@ -65,8 +65,8 @@ bool triangulate(std::span<const Vec3d> corners, std::vector<std::uint32_t>& tri
     std::uint32_t at = 1;
     for (std::size_t left = p.size(); left > 3; --left) {
         // Where a polygon crosses itself there may be no ear: then any corner goes.
-        for (std::size_t tried = 0; tried < left && tests < kMostTests && !is_ear(at); ++tried) at = next[at];
-        if (tests >= kMostTests) return false;
+        for (std::size_t tried = 0; tried < left && tests < kMaxTests && !is_ear(at); ++tried) at = next[at];
+        if (tests >= kMaxTests) return false;
         triangles.insert(triangles.end(), {previous[at], at, next[at]});
         gone[at] = true;
         next[previous[at]] = next[at];

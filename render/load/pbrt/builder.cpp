@@ -334,10 +334,10 @@ void SceneBuilder::report(const std::vector<UndefinedName>& undefined) {
         return;
     }
     if (undefined.empty()) return;
-    constexpr std::size_t kMost = 10;
+    constexpr std::size_t kMax = 10;
     std::vector<std::string> names;
     for (const UndefinedName& one : undefined) names.push_back(one.name);
-    const std::size_t rest = names.size() - std::min(names.size(), kMost);
+    const std::size_t rest = names.size() - std::min(names.size(), kMax);
     names.resize(names.size() - rest);
     diagnostics_.error(undefined.front().where, fmt::format("not defined in what could be read: {}{}", fmt::join(names, ", "),
                                                             rest > 0 ? fmt::format(" and {} more names", rest) : ""));
@@ -367,7 +367,7 @@ void SceneBuilder::finish(const SourceLocation& end) {
     }
     for (const std::uint32_t i : sums_of_too_many(scene_.media))
         diagnostics_.error(scene_.media[i].location, fmt::format("medium \"{}\": is a sum of itself, or of more than {} media",
-                                                                 scene_.media[i].name, kMostSummed));
+                                                                 scene_.media[i].name, kMaxSummed));
     for (const auto& [index, where] : with_tangents_) {
         const MaterialDescription& material = scene_.materials[index];
         const FloatInput x = material.number("alpha_x"), y = material.number("alpha_y");

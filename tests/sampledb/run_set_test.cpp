@@ -1,5 +1,5 @@
 // What a tool sees of the files that it was given: docs/format.md, "Selection".
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using synthetic::make_job;
 
-class GatheringTest : public ::testing::Test {
+class RunSetTest : public ::testing::Test {
  protected:
     latent::testing::TemporaryFolder folder_;
 
@@ -42,20 +42,18 @@ class GatheringTest : public ::testing::Test {
     }
     void cut(const fs::path& path, std::uint64_t bytes_less) { fs::resize_file(path, fs::file_size(path) - bytes_less); }
 
-    static Result<std::unique_ptr<Gathering>> open(std::vector<fs::path> inputs, bool skip_duplicates = false) {
-        GatherOptions options;
+    static Result<std::unique_ptr<RunSet>> open(std::vector<fs::path> inputs, bool skip_duplicates = false) {
+        RunSetOptions options;
         options.inputs = std::move(inputs);
         options.skip_duplicates = skip_duplicates;
-        return Gathering::open(options);
+        return RunSet::open(options);
     }
-    static std::string message(const Result<std::unique_ptr<Gathering>>& gathering) {
-        return gathering ? "" : gathering.error().message;
-    }
+    static std::string message(const Result<std::unique_ptr<RunSet>>& run_set) { return run_set ? "" : run_set.error().message; }
 };
 
 bool mentions(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
 
-TEST_F(GatheringTest, PartsAddUp) {
+TEST_F(RunSetTest, PartsAddUp) {
     const auto g = open({part("b.latent", 3), part("a.latent", 0)});
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->coverage().size(), 4000u);
@@ -66,7 +64,7 @@ TEST_F(GatheringTest, PartsAddUp) {
     EXPECT_TRUE((*g)->report().left_out.empty());
 }
 
-TEST_F(GatheringTest, WhatShouldNotBeThereIsRefusedByName) {
+TEST_F(RunSetTest, WhatShouldNotBeThereIsRefusedByName) {
     const fs::path a = part("a.latent", 0);
     const auto twice = open({a, a});
     ASSERT_FALSE(twice);
@@ -92,7 +90,7 @@ TEST_F(GatheringTest, WhatShouldNotBeThereIsRefusedByName) {
     EXPECT_EQ(open({}).error().code, ErrorCode::kNotFound);
 }
 
-TEST_F(GatheringTest, SkipDuplicatesKeepsOneOfEach) {
+TEST_F(RunSetTest, SkipDuplicatesKeepsOneOfEach) {
     const fs::path a = part("a.latent", 0);
     const auto g = open({a, a, part("b.latent", 0)}, true);
     ASSERT_TRUE(g) << message(g);
@@ -101,7 +99,7 @@ TEST_F(GatheringTest, SkipDuplicatesKeepsOneOfEach) {
     EXPECT_TRUE((*g)->report().left_out.empty());
 }
 
-TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
+TEST_F(RunSetTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
     part("a.latent", 0);
     part("copy.latent", 0);
     part("b.latent", 3);
@@ -132,18 +130,18 @@ TEST_F(GatheringTest, AFolderGivesItsGoodRunsAndAListOfTheRest) {
                                          at + "notes.txt: not a Latent file, skipped", at + "pipe: not a regular file, skipped"}));
 }
 
-TEST_F(GatheringTest, ToKeepGoingIsToLeaveOutWhatWasNamedAndCannotBeUsed) {
+TEST_F(RunSetTest, ToKeepGoingIsToLeaveOutWhatWasNamedAndCannotBeUsed) {
     const fs::path a = part("a.latent", 0), again = part("again.latent", 0), b = part("b.latent", 3);
     const fs::path notes = text("notes.txt", "These are not samples.\n"), missing = folder_ / "missing.latent";
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {a, again, notes, missing, b};
     for (const fs::path& refused : {again, notes, missing}) {
         options.inputs = {a, refused, b};
-        EXPECT_FALSE(Gathering::open(options)) << refused;
+        EXPECT_FALSE(RunSet::open(options)) << refused;
     }
     options.inputs = {a, again, notes, missing, b};
     options.keep_going = true;
-    const auto g = Gathering::open(options);
+    const auto g = RunSet::open(options);
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->coverage().size(), (*open({a}))->coverage().size() + (*open({b}))->coverage().size());
     std::vector<std::string> left_out;
@@ -151,7 +149,7 @@ TEST_F(GatheringTest, ToKeepGoingIsToLeaveOutWhatWasNamedAndCannotBeUsed) {
     EXPECT_THAT(left_out, ::testing::ElementsAre(notes.string() + ": not a Latent file", missing.string() + ": no such file"));
 }
 
-TEST_F(GatheringTest, AGlobIsAFolderByAnotherName) {
+TEST_F(RunSetTest, AGlobIsAFolderByAnotherName) {
     part("a1.latent", 0);
     part("a2.latent", 0);
     part("b.latent", 3);
@@ -161,7 +159,7 @@ TEST_F(GatheringTest, AGlobIsAFolderByAnotherName) {
     EXPECT_EQ((*g)->report().repeated_runs, 2u);
 }
 
-TEST_F(GatheringTest, ATruncatedPartYieldsItsGoodRuns) {
+TEST_F(RunSetTest, ATruncatedPartYieldsItsGoodRuns) {
     const fs::path a = part("a.latent", 0), b = part("b.latent", 3);
     cut(b, 5000);
     const auto g = open({a, b});
@@ -177,7 +175,7 @@ TEST_F(GatheringTest, ATruncatedPartYieldsItsGoodRuns) {
     EXPECT_FALSE(open({b}));  // nothing is left
 }
 
-TEST_F(GatheringTest, AnEmptyPartIsAPart) {
+TEST_F(RunSetTest, AnEmptyPartIsAPart) {
     const fs::path empty = file("empty.latent", make_job(RecordKind::kXyz), {});
     const auto alone = open({empty});
     ASSERT_TRUE(alone) << message(alone);
@@ -189,7 +187,7 @@ TEST_F(GatheringTest, AnEmptyPartIsAPart) {
     EXPECT_EQ((*with_another)->coverage().size(), 2000u);
 }
 
-TEST_F(GatheringTest, AnUnfinishedTailIsOnlyANote) {
+TEST_F(RunSetTest, AnUnfinishedTailIsOnlyANote) {
     const fs::path a = part("a.latent.part.0123", 0, false);
     cut(a, 5000);
     text("a.latent.part.4567", "");
@@ -200,7 +198,7 @@ TEST_F(GatheringTest, AnUnfinishedTailIsOnlyANote) {
     EXPECT_EQ((*g)->report().notes.size(), 2u);
 }
 
-TEST_F(GatheringTest, AttemptsOfOnePartAreChosenByTheSelectionRule) {
+TEST_F(RunSetTest, AttemptsOfOnePartAreChosenByTheSelectionRule) {
     const Job job = make_job(RecordKind::kXyz);
     const auto range = [](std::uint64_t first, std::uint64_t end) { return Coverage(SampleRange{first, end}); };
     file("a.latent.part.1", job, {range(0, 1024), range(1024, 3072)}, false);
@@ -213,7 +211,7 @@ TEST_F(GatheringTest, AttemptsOfOnePartAreChosenByTheSelectionRule) {
     EXPECT_TRUE((*g)->report().left_out.empty());
 }
 
-TEST_F(GatheringTest, TheSameSamplesWithOtherContentAreReported) {
+TEST_F(RunSetTest, TheSameSamplesWithOtherContentAreReported) {
     const Job job = make_job(RecordKind::kXyz);
     const Coverage coverage(SampleRange{0, 1000});
     file("a.latent", job, {coverage});
@@ -227,43 +225,43 @@ TEST_F(GatheringTest, TheSameSamplesWithOtherContentAreReported) {
               std::min((*a)->runs()[0].header.content_hash, (*b)->runs()[0].header.content_hash));
 }
 
-TEST_F(GatheringTest, JobChoosesAmongSeveral) {
+TEST_F(RunSetTest, JobChoosesAmongSeveral) {
     part("a.latent", 0, true, 1);
     part("b.latent", 0, true, 2);
     EXPECT_TRUE(mentions(message(open({folder_.path()})), "--job"));
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {folder_.path()};
     options.job = make_job(RecordKind::kXyz, 2).id;
-    const auto g = Gathering::open(options);
+    const auto g = RunSet::open(options);
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->job().id, *options.job);
     EXPECT_EQ((*g)->files().size(), 1u);
     EXPECT_TRUE((*g)->report().left_out.empty());
 }
 
-TEST_F(GatheringTest, DamageIsFoundByTheLevelThatLooksForIt) {
+TEST_F(RunSetTest, DamageIsFoundByTheLevelThatLooksForIt) {
     const fs::path a = part("a.latent", 0);
     std::fstream(a, std::ios::in | std::ios::out).seekp(3 * 4096).put('x');  // within the first run's pages
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = {a};
-    const auto headers = Gathering::open(options);
+    const auto headers = RunSet::open(options);
     ASSERT_TRUE(headers);
     EXPECT_EQ((*headers)->coverage().size(), 2000u);
     options.verify = VerifyLevel::kStored;
-    const auto stored = Gathering::open(options);
+    const auto stored = RunSet::open(options);
     ASSERT_TRUE(stored);
     EXPECT_EQ((*stored)->coverage().size(), 1000u);
     ASSERT_EQ((*stored)->report().left_out.size(), 1u);
     EXPECT_TRUE(mentions((*stored)->report().left_out[0].reason, "samples 0:1000 lost"));
 }
 
-// Sums over all records of what a gathering reads.
+// Sums over all records of what a run set reads.
 struct Sums {
     std::uint64_t records = 0, samples = 0, positions = 0;
     bool operator==(const Sums&) const = default;
 };
 
-Sums read_all(const Gathering& g) {
+Sums read_all(const RunSet& g) {
     Sums sums;
     PageDecoder decoder;
     Page page;
@@ -282,16 +280,16 @@ Sums read_all(const Gathering& g) {
     return sums;
 }
 
-TEST_F(GatheringTest, ASliceReadsExactlyItsSamples) {
+TEST_F(RunSetTest, ASliceReadsExactlyItsSamples) {
     for (const RecordKind kind : {RecordKind::kXyz, RecordKind::kSpectral}) {
         Job job = make_job(kind);
         job.extra = {{"depth", ColumnType::kF32}};
         const fs::path path = file("a.latent", job, {Coverage(SampleRange{0, 3000}), Coverage(SampleRange{3000, 6000})}, true,
                                    {.light_per_sample = 0.4});
-        GatherOptions options;
+        RunSetOptions options;
         options.inputs = {path};
         options.samples = SampleRange{1234, 4321};
-        const auto g = Gathering::open(options);
+        const auto g = RunSet::open(options);
         ASSERT_TRUE(g) << message(g);
         EXPECT_EQ((*g)->coverage(), Coverage(*options.samples));
         EXPECT_EQ((*g)->light_paths(), 3087u);
@@ -334,17 +332,17 @@ TEST_F(GatheringTest, ASliceReadsExactlyItsSamples) {
     }
 }
 
-TEST_F(GatheringTest, AListOfRunsThatMemoryIsTooSmallForIsRefusedWithWhatItNeeds) {
+TEST_F(RunSetTest, AListOfRunsThatMemoryIsTooSmallForIsRefusedWithWhatItNeeds) {
     std::vector<Coverage> runs;
     for (std::uint64_t i = 0; i < 2000; ++i) runs.emplace_back(SampleRange{i << 14, (i << 14) + 1});
     Coverage gaps;
     for (std::uint64_t i = 0; i < 60000; ++i) gaps.add({(i << 14) + 2, (i << 14) + 3});
     const Job job = make_job(RecordKind::kXyz);
     for (const std::vector<Coverage>& list : {runs, std::vector{gaps}}) {
-        GatherOptions options;
+        RunSetOptions options;
         options.inputs = {file("a.latent", job, list)};
         options.memory = 128 << 10;
-        const auto small = Gathering::open(options);
+        const auto small = RunSet::open(options);
         ASSERT_FALSE(small);
         EXPECT_EQ(small.error().code, ErrorCode::kOutOfRange);
         unsigned enough = 0;
@@ -353,23 +351,23 @@ TEST_F(GatheringTest, AListOfRunsThatMemoryIsTooSmallForIsRefusedWithWhatItNeeds
         ASSERT_NE(at, std::string::npos) << small.error().message;
         ASSERT_EQ(std::sscanf(small.error().message.c_str() + at + words.size(), "%uM", &enough), 1);
         options.memory = std::uint64_t{enough} << 20;
-        const auto large = Gathering::open(options);
+        const auto large = RunSet::open(options);
         ASSERT_TRUE(large) << message(large);
         EXPECT_LE((*large)->list_memory(), options.memory);
         EXPECT_GE((*large)->list_memory(), (*large)->coverage().ranges().size() * 2 * sizeof(SampleRange));
     }
 }
 
-TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndFewerIfTheSystemAllowsNoMore) {
+TEST_F(RunSetTest, ManyPartsNeedFewDescriptorsAndFewerIfTheSystemAllowsNoMore) {
     std::vector<fs::path> parts;
     const Job job = make_job(RecordKind::kXyz);
     for (std::uint64_t i = 0; i < 600; ++i) {
         parts.push_back(file(std::to_string(i) + ".latent", job, {Coverage(SampleRange{i << 14, (i << 14) + 4})}));
     }
-    GatherOptions options;
+    RunSetOptions options;
     options.inputs = parts;
     options.memory = 300 << 10;  // far too little for all indexes: they are read again
-    auto g = Gathering::open(options);
+    auto g = RunSet::open(options);
     ASSERT_TRUE(g) << message(g);
     EXPECT_EQ((*g)->runs().size(), 600u);
     Sums first, second;
@@ -387,7 +385,7 @@ TEST_F(GatheringTest, ManyPartsNeedFewDescriptorsAndFewerIfTheSystemAllowsNoMore
     ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
     const struct rlimit low = {40, before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &low), 0);
-    const auto with_few = Gathering::open(options);
+    const auto with_few = RunSet::open(options);
     const Sums third = with_few ? read_all(**with_few) : Sums();
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
     ASSERT_TRUE(with_few) << message(with_few);

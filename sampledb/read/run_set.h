@@ -1,4 +1,4 @@
-// sampledb/read/gathering.h: the files that a tool was given, seen as one set of selected runs. docs/format.md, "Selection".
+// sampledb/read/run_set.h: the files that a tool was given, seen as one set of selected runs. docs/format.md, "Selection".
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@
 
 namespace latent::sampledb {
 
-// A run that a reader of a gathering found damaged.
+// A run that a reader of a run set found damaged.
 struct DamagedRun {
     std::filesystem::path file;
     std::uint64_t offset = 0;  // of its first byte
     std::string reason;        // "run at byte 8192: page 3: checksum mismatch; samples 65536:131072 lost"
 };
 
-struct GatherOptions {
+struct RunSetOptions {
     std::vector<std::filesystem::path> inputs;   // files, folders (all that they hold), or NAME.latent not yet published
     bool skip_duplicates = false;                // files named one by one may cover a sample twice: the repeat is dropped
     bool keep_going = false;                     // what is wrong with a file named one by one costs that file, as in a folder
@@ -41,9 +41,9 @@ struct GatherOptions {
 
 // What a list of runs takes while some of them are chosen; of intervals only those beyond the first of each run count.
 std::uint64_t list_memory_of(std::uint64_t runs, std::uint64_t intervals);
-// Whole MiB, in bytes, of the least GatherOptions::memory that has room for a list of that size.
+// Whole MiB, in bytes, of the least RunSetOptions::memory that has room for a list of that size.
 std::uint64_t memory_with_list(std::uint64_t list_memory);
-// Whether `memory`, as in GatherOptions, has. Errors: kOutOfRange, naming what is needed.
+// Whether `memory`, as in RunSetOptions, has. Errors: kOutOfRange, naming what is needed.
 Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint64_t memory);
 
 struct LeftOut {
@@ -54,7 +54,7 @@ struct LeftOut {
 // Adds to a list that stays short, like that of a file's damage.
 void leave_out(std::vector<LeftOut>& list, LeftOut item);
 
-struct GatherReport {
+struct RunSetReport {
     std::vector<LeftOut> left_out;   // not empty: exit 3
     std::vector<std::string> notes;  // normal, but worth a line: unfinished tail, superseded runs
     std::uint64_t superseded_runs = 0, repeated_runs = 0;
@@ -62,18 +62,18 @@ struct GatherReport {
 
 // Thread-safe for reading once open. At most 256 files, and no more than the system allows, are open at a time; files are
 // opened again when needed.
-class Gathering {
+class RunSet {
  public:
     // Errors, naming the files: kIo, kNotFound and kForeign (of files named one by one), kMismatch (another job; a sample that
     // finished files named one by one hold twice), kOutOfRange (more runs or intervals than `memory` is enough for).
-    static Result<std::unique_ptr<Gathering>> open(const GatherOptions& options);
-    virtual ~Gathering() = default;
+    static Result<std::unique_ptr<RunSet>> open(const RunSetOptions& options);
+    virtual ~RunSet() = default;
 
     virtual const Job& job() const = 0;
     virtual const std::vector<std::filesystem::path>& files() const = 0;
     virtual const std::vector<SelectedRun>& runs() const = 0;  // ascending by first sample
     virtual const Coverage& coverage() const = 0;              // of the selected runs, cut to `samples`
-    virtual const GatherReport& report() const = 0;
+    virtual const RunSetReport& report() const = 0;
 
     // Pixels of the picture that the samples were rendered for, the largest if files differ; none if no file says.
     virtual std::optional<Resolution> resolution() const { return std::nullopt; }

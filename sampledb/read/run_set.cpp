@@ -1,4 +1,4 @@
-#include "sampledb/read/gathering.h"
+#include "sampledb/read/run_set.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -9,7 +9,7 @@
 
 #include "base/url.h"
 #include "sampledb/codec/page_filter.h"
-#include "sampledb/read/gather_inputs.h"
+#include "sampledb/read/checked_inputs.h"
 
 namespace latent::sampledb {
 
@@ -18,10 +18,10 @@ namespace fs = std::filesystem;
 namespace {
 
 // 256 open files, or what the system allows (ulimit -n), less what readers still hold and the tool's own.
-std::size_t most_open_files() {
-    constexpr rlim_t kMost = 256, kOthers = 32, kFewest = 4;
+std::size_t max_open_files() {
+    constexpr rlim_t kMax = 256, kOthers = 32, kFewest = 4;
     struct rlimit allowed;
-    const rlim_t all = ::getrlimit(RLIMIT_NOFILE, &allowed) == 0 ? std::min(allowed.rlim_cur, kMost) : kMost;
+    const rlim_t all = ::getrlimit(RLIMIT_NOFILE, &allowed) == 0 ? std::min(allowed.rlim_cur, kMax) : kMax;
     return std::max(all, kOthers + kFewest) - kOthers;
 }
 
@@ -30,18 +30,18 @@ constexpr std::uint64_t kIndexCost = 256;  // bytes to hold an index, without it
 constexpr std::size_t kRunsAhead = 32;
 constexpr std::uint64_t kBytesAhead = 4 << 20;
 
-class OpenGathering final : public Gathering {
+class OpenRunSet final : public RunSet {
  public:
-    explicit OpenGathering(const GatherOptions& options)
-        : options_(options), indexes_(options.memory / 8), sources_(most_open_files()) {}
+    explicit OpenRunSet(const RunSetOptions& options)
+        : options_(options), indexes_(options.memory / 8), sources_(max_open_files()) {}
 
-    Status gather();
+    Status take_inputs();
 
     const Job& job() const override { return job_; }
     const std::vector<fs::path>& files() const override { return files_; }
     const std::vector<SelectedRun>& runs() const override { return runs_; }
     const Coverage& coverage() const override { return coverage_; }
-    const GatherReport& report() const override { return report_; }
+    const RunSetReport& report() const override { return report_; }
     Result<std::shared_ptr<const std::vector<PageInfo>>> pages(std::size_t run) const override;
     Status read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
                      Page& page) const override;
@@ -57,12 +57,12 @@ class OpenGathering final : public Gathering {
     void announce_indexes(std::size_t run) const;
     std::string place(const SelectedRun& run) const;
 
-    GatherOptions options_;
+    RunSetOptions options_;
     Job job_;
     std::vector<fs::path> files_;
     std::vector<SelectedRun> runs_;
     Coverage coverage_;
-    GatherReport report_;
+    RunSetReport report_;
     std::optional<Resolution> resolution_;
     std::uint64_t list_memory_ = 0;
 
@@ -73,8 +73,8 @@ class OpenGathering final : public Gathering {
     mutable std::atomic<std::size_t> announced_ = 0;  // runs whose indexes were
 };
 
-Status OpenGathering::gather() {
-    Result<GatheredInputs> inputs = gather_inputs(options_, sources_);
+Status OpenRunSet::take_inputs() {
+    Result<CheckedInputs> inputs = checked_inputs(options_, sources_);
     if (!inputs) return inputs.error();
     job_ = std::move(inputs->job);
     files_ = std::move(inputs->files);
@@ -86,7 +86,7 @@ Status OpenGathering::gather() {
     return {};
 }
 
-void OpenGathering::select(std::vector<SelectedRun> runs) {
+void OpenRunSet::select(std::vector<SelectedRun> runs) {
     Selection selection = select_runs(runs);
     report_.superseded_runs = selection.superseded.size();
     report_.repeated_runs = selection.repeated.size();
@@ -114,7 +114,7 @@ void OpenGathering::select(std::vector<SelectedRun> runs) {
     coverage_ = std::move(selection.coverage);
 }
 
-void OpenGathering::cut_to_samples() {
+void OpenRunSet::cut_to_samples() {
     const Coverage samples(*options_.samples);
     std::erase_if(runs_, [&](SelectedRun& run) {
         Coverage within = run.coverage.intersection(samples);
@@ -125,11 +125,11 @@ void OpenGathering::cut_to_samples() {
     coverage_ = coverage_.intersection(samples);
 }
 
-std::string OpenGathering::place(const SelectedRun& run) const {
+std::string OpenRunSet::place(const SelectedRun& run) const {
     return fmt::format("{}: samples {}:{}", shown_name(files_[run.file]), run.header.samples.first, run.header.samples.end);
 }
 
-Result<std::shared_ptr<const ByteSource>> OpenGathering::source(std::size_t file) const {
+Result<std::shared_ptr<const ByteSource>> OpenRunSet::source(std::size_t file) const {
     const std::lock_guard lock(mutex_);
     if (std::shared_ptr<const ByteSource> open = sources_.find(file)) return open;
     Result<std::shared_ptr<const ByteSource>> opened = open_source(files_[file]);
@@ -140,7 +140,7 @@ Result<std::shared_ptr<const ByteSource>> OpenGathering::source(std::size_t file
 }
 
 // Indexes are nearly always read run after run, and from afar each would be waited for.
-void OpenGathering::announce_indexes(std::size_t run) const {
+void OpenRunSet::announce_indexes(std::size_t run) const {
     std::size_t end = std::min(run + 1 + kRunsAhead, runs_.size());
     for (std::uint64_t bytes = 0; end < runs_.size() && (bytes += runs_[end].header.size()) <= kBytesAhead;) ++end;
     for (std::size_t next = std::max(run, announced_.exchange(end)); next < end; ++next) {
@@ -153,7 +153,7 @@ void OpenGathering::announce_indexes(std::size_t run) const {
     }
 }
 
-Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::size_t run) const {
+Result<std::shared_ptr<const std::vector<PageInfo>>> OpenRunSet::pages(std::size_t run) const {
     {
         const std::lock_guard lock(mutex_);
         if (std::shared_ptr<const std::vector<PageInfo>> held = indexes_.find(run)) return held;
@@ -176,8 +176,8 @@ Result<std::shared_ptr<const std::vector<PageInfo>>> OpenGathering::pages(std::s
     return std::shared_ptr<const std::vector<PageInfo>>(pages);
 }
 
-Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
-                                Page& page) const {
+Status OpenRunSet::read_page(std::size_t run, const PageInfo& info, const ColumnSet& columns, PageDecoder& decoder,
+                             Page& page) const {
     const SelectedRun& selected = runs_[run];
     const Result<std::shared_ptr<const ByteSource>> from = source(selected.file);
     if (!from) return from.error();
@@ -189,7 +189,7 @@ Status OpenGathering::read_page(std::size_t run, const PageInfo& info, const Col
     return {};
 }
 
-void OpenGathering::will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const {
+void OpenRunSet::will_read(std::size_t run, const PageInfo& first, const PageInfo& last) const {
     const auto from = source(runs_[run].file);
     if (from) (*from)->will_read(first.offset, last.offset + last.stored_size - first.offset);
 }
@@ -197,16 +197,16 @@ void OpenGathering::will_read(std::size_t run, const PageInfo& first, const Page
 }  // namespace
 
 void leave_out(std::vector<LeftOut>& list, LeftOut item) {
-    if (list.size() < kMostDamage) return list.push_back(std::move(item));
-    const std::uint64_t before = list.size() == kMostDamage ? 0 : list.back().count;
-    list.resize(kMostDamage);
+    if (list.size() < kMaxDamage) return list.push_back(std::move(item));
+    const std::uint64_t before = list.size() == kMaxDamage ? 0 : list.back().count;
+    list.resize(kMaxDamage);
     list.push_back({"elsewhere", fmt::format("{} more like these", before + item.count), before + item.count});
 }
 
-Result<std::unique_ptr<Gathering>> Gathering::open(const GatherOptions& options) {
-    auto gathering = std::make_unique<OpenGathering>(options);
-    if (Status s = gathering->gather(); !s) return s.error();
-    return std::unique_ptr<Gathering>(std::move(gathering));
+Result<std::unique_ptr<RunSet>> RunSet::open(const RunSetOptions& options) {
+    auto run_set = std::make_unique<OpenRunSet>(options);
+    if (Status s = run_set->take_inputs(); !s) return s.error();
+    return std::unique_ptr<RunSet>(std::move(run_set));
 }
 
 }  // namespace latent::sampledb

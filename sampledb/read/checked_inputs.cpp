@@ -1,4 +1,4 @@
-#include "sampledb/read/gather_inputs.h"
+#include "sampledb/read/checked_inputs.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kLeastForLists = std::uint64_t{1} << 18;  // a tool that needs more for other things says so itself
+constexpr std::uint64_t kMinForLists = std::uint64_t{1} << 18;  // a tool that needs more for other things says so itself
 
 // The clause that follows the name of a file.
 std::string reason_of(const Error& error, const fs::path& file) {
@@ -33,11 +33,11 @@ bool is_called_a_part(const fs::path& path) { return path.extension() == ".laten
 // Which files are of the job, one after another, and what is wrong with the others.
 class InputReader {
  public:
-    InputReader(const GatherOptions& options, RecentCache<ByteSource>& sources) : options_(options), sources_(sources) {
+    InputReader(const RunSetOptions& options, RecentCache<ByteSource>& sources) : options_(options), sources_(sources) {
         for (const DamagedRun& run : options.damaged) damaged_.emplace(std::pair(run.file.string(), run.offset), run.reason);
     }
 
-    Result<GatheredInputs> read() {
+    Result<CheckedInputs> read() {
         for (const fs::path& input : options_.inputs) {
             const Result<std::vector<InputFile>> files = list_input_files({input});
             if (!files && !options_.keep_going) return files.error();
@@ -65,9 +65,9 @@ class InputReader {
     Status check_jobs() const;
     Status check_repeats() const;
 
-    const GatherOptions& options_;
+    const RunSetOptions& options_;
     RecentCache<ByteSource>& sources_;
-    GatheredInputs found_;
+    CheckedInputs found_;
     std::map<JobId, std::pair<std::string, Job>> jobs_;  // a file of each
     std::map<JobId, std::string> jobs_not_taken_;
     std::map<std::pair<std::string, std::uint64_t>, std::string> damaged_;  // file, offset -> why
@@ -265,16 +265,16 @@ std::uint64_t list_memory_of(std::uint64_t runs, std::uint64_t intervals) {
 
 Status check_list_memory(std::uint64_t runs, std::uint64_t intervals, std::uint64_t memory) {
     const std::uint64_t needed = list_memory_of(runs, intervals);
-    if (needed <= std::max(memory / 4 * 3, kLeastForLists)) return {};
+    if (needed <= std::max(memory / 4 * 3, kMinForLists)) return {};
     return Error{ErrorCode::kOutOfRange, fmt::format("--memory: too small; {} runs with {} intervals of samples need at least {}M",
                                                      runs, runs + intervals, memory_with_list(needed) >> 20)};
 }
 
 std::uint64_t memory_with_list(std::uint64_t list_memory) {
-    return list_memory <= kLeastForLists ? 0 : ((list_memory + 2) / 3 * 4 + (1 << 20)) >> 20 << 20;
+    return list_memory <= kMinForLists ? 0 : ((list_memory + 2) / 3 * 4 + (1 << 20)) >> 20 << 20;
 }
 
-Result<GatheredInputs> gather_inputs(const GatherOptions& options, RecentCache<ByteSource>& sources) {
+Result<CheckedInputs> checked_inputs(const RunSetOptions& options, RecentCache<ByteSource>& sources) {
     return InputReader(options, sources).read();
 }
 
