@@ -60,7 +60,8 @@ Result<LinearCost> measure(double seconds, double least, double most, double eno
         }
         cost.fixed = at_least(last.cost - cost.each * last.amount, {});
         const double left = seconds - cost.spent.wall;
-        const double affordable = (left - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
+        const bool is_first = last.amount == first.amount;  // a second amount is worth more than repeats
+        const double affordable = ((is_first ? left : left / kRepeats) - cost.fixed.wall) / std::max(cost.each.wall, 1e-12);
         const double next = std::min({kMaxGrowth * amount, affordable, most});
         if (next >= 2 * amount && last.cost.cpu - first.cost.cpu < enough) {
             amount = next;
